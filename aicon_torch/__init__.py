@@ -1,0 +1,47 @@
+"""Reactive control by adaptive nullspace projection on a graph of recursive estimators (AICON)."""
+
+from aicon_torch.actuation import ActionLaw
+from aicon_torch.errors import AiconError, GraphError, ObservationError, OptionError
+from aicon_torch.estimators import EKF, Estimator, Function, Linear
+from aicon_torch.exploration import Escape, Exploration
+from aicon_torch.filtering import Measurement
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models import make_policy
+from aicon_torch.policy import Policy
+from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+from aicon_torch.shaping import by_sign, straight_through, straight_through_clamp
+
+__all__ = [
+    "EKF",
+    "ActionLaw",
+    "Actuator",
+    "Affine",
+    "AiconError",
+    "Escape",
+    "Estimator",
+    "Exploration",
+    "Function",
+    "Goal",
+    "GraphError",
+    "Interconnection",
+    "Linear",
+    "Measurement",
+    "NullspaceProjection",
+    "ObservationError",
+    "OptionError",
+    "Policy",
+    "Quantity",
+    "Resolution",
+    "Sensor",
+    "SteepestPath",
+    "Sum",
+    "WorldModel",
+    "by_sign",
+    "make_policy",
+    "straight_through",
+    "straight_through_clamp",
+]
+__version__ = "0.1.0"

@@ -1,0 +1,165 @@
+"""The sweep: gradients travel from the goals to the actuators and are resolved wherever they meet."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+from aicon_torch.graph import Tapes, WorldModel
+from aicon_torch.resolution import Meeting, Memory, Resolution
+
+
+class Arrival(NamedTuple):
+    """A gradient that arrives at a quantity: the names it came through, goal first, and the goals it comes from.
+
+    Where several gradients were merged on the way, their goals stand joined, followed by the quantity of the merger.
+    """
+
+    trace: tuple[str, ...]
+    goals: frozenset[str]
+
+    def __str__(self) -> str:
+        """``reach → p_tar → x_rob``."""
+        return " → ".join(self.trace)
+
+
+class Sweep:
+    """Pulls the gradients of all goals back to the actuators, edge by edge.
+
+    With a merging resolution one gradient leaves each quantity, and the cost of a sweep grows with the edges. Otherwise
+    every path is followed to its end (Eq. 1), and the cost grows with the paths.
+
+    Args:
+        model: The world model.
+        resolution: What happens where gradients meet.
+
+    Attributes:
+        arrivals: For each quantity the gradients that arrive there, in the order of the stack.
+    """
+
+    def __init__(self, model: WorldModel, resolution: Resolution) -> None:
+        self.model, self.resolution = model, resolution
+        self.levels = _levels(model)
+        self.arrivals: dict[str, list[Arrival]] = {}
+        leaving = {goal: [Arrival((goal,), frozenset([goal]))] for goal in model.goals}
+        for level in self.levels:
+            leaving |= {name: self._leaving(name) for name in level if name in self.arrivals}
+            for names in _rounds(level, leaving):
+                for name in names:
+                    for edge in model.edges[name]:
+                        self.arrivals.setdefault(edge.source, []).append(leaving[name][names[name]])
+
+    def _leaving(self, name: str) -> list[Arrival]:
+        here = self.arrivals[name]
+        if not self.resolution.merges or len(here) == 1:
+            return [Arrival((*arrival.trace, name), arrival.goals) for arrival in here]
+        goals = frozenset().union(*(arrival.goals for arrival in here))
+        return [Arrival(("+".join(goal for goal in self.model.goals if goal in goals), name), goals)]
+
+    def meets(self, name: str) -> bool:
+        """Whether gradients are resolved at this quantity."""
+        return len(self.arrivals.get(name, ())) > 1 and (self.resolution.merges or name in self.model.actuators)
+
+    def initial(self) -> Memory:
+        """What is remembered of every meeting before the first step, without batch dimensions."""
+        memory: Memory = {}
+        for name, arrivals in self.arrivals.items():
+            if self.meets(name):
+                size = self.model.quantities[name].size
+                state = self.resolution.initial(len(arrivals), size)
+                state["gradients"] = torch.zeros(len(arrivals), size)
+                memory |= {f"{name}/{key}": value for key, value in state.items()}
+        return memory
+
+    def __call__(
+        self, tapes: Tapes, values: Mapping[str, Tensor], before: Mapping[str, Tensor], active: Tensor
+    ) -> tuple[dict[str, Tensor], Memory]:
+        """Sweep once.
+
+        Args:
+            tapes: The tapes of this step.
+            values: Values after the step.
+            before: Memory before the step, the state of every meeting included.
+            active: Factor of each goal, ``(*B, goals)``.
+
+        Returns:
+            The gradient at each actuator ``(*B, size)``, and the new state of every meeting.
+        """
+        costs = {name: tapes[name].output.detach() for name in self.model.goals}  # as numbers, to compare over time
+        leaving = {name: [factor] for name, factor in zip(self.model.goals, active.unbind(-1), strict=True)}
+        arrived: dict[str, list[Tensor]] = {name: [] for name in self.arrivals}
+        memory: Memory = {}
+        for level in (*self.levels, self.model.actuators):
+            for name in level:
+                if self.meets(name):
+                    resolved, state = self._resolve(name, arrived[name], values, before, costs)
+                    leaving[name] = [resolved]
+                    memory |= state
+                elif name in arrived:
+                    leaving[name] = arrived[name]
+            for names in _rounds(level, leaving) if level is not self.model.actuators else ():
+                pulled = iter(self._pull(tapes, {name: leaving[name][turn] for name, turn in names.items()}))
+                for name in names:
+                    for edge in self.model.edges[name]:
+                        arrived[edge.source].append(next(pulled))
+        return {name: leaving[name][0] for name in self.model.actuators}, memory
+
+    @staticmethod
+    def _pull(tapes: Tapes, gradients: Mapping[str, Tensor]) -> tuple[Tensor, ...]:
+        """One factor of the chain rule, (∂x/∂source)ᵀ ∇ₓ, for every edge of some quantities x at once (Eq. 1).
+
+        No two tapes share a leaf, so their derivatives do not mix.
+        """
+        outputs = [tapes[name].output for name in gradients]
+        leaves = [leaf for name in gradients for leaf in tapes[name].leaves]
+        return torch.autograd.grad(outputs, leaves, list(gradients.values()), retain_graph=True)
+
+    def _resolve(
+        self,
+        name: str,
+        gradients: Sequence[Tensor],
+        values: Mapping[str, Tensor],
+        before: Mapping[str, Tensor],
+        costs: dict[str, Tensor],
+    ) -> tuple[Tensor, Memory]:
+        """Let the resolution decide what leaves a quantity."""
+        shape = values[name].shape
+        dims = len(self.model.quantities[name].shape)
+        meeting = Meeting(
+            gradients=torch.stack([gradient.flatten(-dims) for gradient in gradients], dim=-2),
+            goals=tuple(arrival.goals for arrival in self.arrivals[name]),
+            motion=self._motion(name, values, before),
+            costs=costs,
+            displaced=lambda goal, shift: self.model.displaced_cost(goal, name, shift.reshape(shape), values),
+            dt=self.model.dt,
+        )
+        own = {key.removeprefix(f"{name}/"): value for key, value in before.items() if key.startswith(f"{name}/")}
+        resolved, state = self.resolution(meeting, own)
+        state = {**state, "gradients": meeting.gradients}
+        return resolved.reshape(shape), {f"{name}/{key}": value for key, value in state.items()}
+
+    def _motion(self, name: str, values: Mapping[str, Tensor], before: Mapping[str, Tensor]) -> Tensor:
+        """The quantity's latest motion, flattened to ``(*B, d)``."""
+        quantity = self.model.quantities[name]
+        motion = values[name] if quantity.is_motion else values[name] - before[name]
+        return motion.flatten(-len(quantity.shape))
+
+
+def _levels(model: WorldModel) -> list[list[str]]:
+    """Goals and quantities in the order of the sweep: each level needs only gradients of the levels before it."""
+    depth = dict.fromkeys(model.goals, 0)
+    names = [*model.goals, *(name for node in reversed(model.nodes) for name in node.outputs if name in model.edges)]
+    for name in names:
+        for edge in model.edges[name]:
+            depth[edge.source] = max(depth.get(edge.source, 0), depth[name] + 1)
+    levels: dict[int, list[str]] = {}
+    for name in names:
+        levels.setdefault(depth[name], []).append(name)
+    return [levels[level] for level in sorted(levels)]
+
+
+def _rounds(level: Iterable[str], leaving: Mapping[str, Sequence[object]]) -> Iterator[dict[str, int]]:
+    """Turns in which the gradients that leave a level are pulled back: for each name which of its gradients is next."""
+    for turn in range(max(len(leaving[name]) for name in level)):
+        yield {name: turn for name in level if turn < len(leaving[name])}

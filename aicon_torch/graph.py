@@ -1,0 +1,327 @@
+"""The world model: a validated, ordered graph of sensors, actuators, estimators and goals."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NamedTuple, TypeVar, cast
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.errors import GraphError, choices
+from aicon_torch.estimators import EKF, Estimator, Function
+from aicon_torch.goals import Goal
+from aicon_torch.interconnections import Values
+from aicon_torch.paths import Edge, PathTable
+from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.shaping import straight_through
+
+PRESENT = ".present"
+"""Suffix of the flag ``(*B,)`` that says whether an optional sensor has a reading in this step."""
+
+
+class Tape(NamedTuple):
+    """The autograd graph of one quantity or goal, one hop long: its value, from fresh leaves of what it depends on."""
+
+    output: Tensor
+    leaves: tuple[Tensor, ...]
+
+
+Tapes = dict[str, Tape]
+"""A tape for every quantity and goal that lies on a path."""
+
+
+class WorldModel(nn.Module):
+    """A graph of recursive estimators coupled by differentiable interconnections (Sect. "Encoding Regularities").
+
+    It holds parameters and constants only. What lives from step to step is passed in and returned as named values.
+    Estimators run once a step, each after those it reads; where they read each other in a cycle, one of them reads the
+    value of the last step, which is a constant of this step and carries no gradient.
+
+    Args:
+        sensors: Readings by name.
+        actuators: Commands by name.
+        estimators: The estimators, in any order.
+        goals: The goals.
+        dt: Time step in s, which every function may read under the name ``dt``.
+
+    Raises:
+        GraphError: If a name is unknown or given twice, a shape does not fit, a function does not let the leading
+            dimensions free, functions define each other in a circle, a goal depends on no actuator, or no goal
+            depends on an actuator.
+    """
+
+    def __init__(
+        self,
+        *,
+        sensors: Mapping[str, Sensor],
+        actuators: Mapping[str, Actuator],
+        estimators: Sequence[Estimator],
+        goals: Sequence[Goal],
+        dt: float = 1.0,
+    ) -> None:
+        super().__init__()
+        self.sensors = dict(sensors)
+        self.actuators = dict(actuators)
+        self.dt = dt
+        self.goals = {goal.name: goal for goal in goals}
+        self.owners = {name: estimator for estimator in estimators for name in estimator.outputs}
+        self._check_names(estimators, goals)
+        self.estimators = nn.ModuleList(_ordered(estimators, self.owners))
+        self._goal_modules = nn.ModuleList(goals)  # registers their parameters
+        self.register_buffer("_like", torch.zeros(()), persistent=False)  # tells dtype and device
+        self._flag_optional()
+        self.quantities = {name: Quantity(name, (sensor.size,)) for name, sensor in self.sensors.items()}
+        self.quantities |= {name: Quantity(name, (actuator.size,), True) for name, actuator in self.actuators.items()}
+        values = self._probe()
+        for estimator in self.nodes:
+            for name in estimator.outputs:
+                self.quantities[name] = Quantity(name, tuple(values[name].shape[2:]), estimator.is_motion)
+        self.edges = self._find_edges(values)
+        self._check_reach()
+
+    @property
+    def nodes(self) -> Sequence[Estimator]:
+        """The estimators in the order in which they run."""
+        return cast(Sequence[Estimator], self.estimators)
+
+    @property
+    def like(self) -> Tensor:
+        """A scalar of the model's dtype on its device."""
+        return cast(Tensor, self._like)
+
+    def initial(self, readings: Mapping[str, Tensor], batch: tuple[int, ...]) -> dict[str, Tensor]:
+        """Values before the first step: actions at rest, beliefs at their priors.
+
+        Args:
+            readings: The first readings, ``(*B, size)`` each.
+            batch: The leading dimensions B.
+        """
+        values: dict[str, Tensor] = dict(readings)
+        for name, actuator in self.actuators.items():
+            values[name] = self.like.new_zeros(*batch, actuator.size)
+        pending = [estimator for estimator in self.nodes if not isinstance(estimator, EKF)]
+        for estimator in self.nodes:
+            for name, value in estimator.initial(self._with_dt(values)).items():
+                values[name] = value.expand((*batch, *value.shape[-2 if name in estimator.covariances else -1 :]))
+        for function in _ordered(pending, {name: f for f in pending for name in f.outputs}):
+            values |= function.update(self._with_dt(values))
+        return values
+
+    def step(self, values: Mapping[str, Tensor], differentiable: bool = True) -> tuple[dict[str, Tensor], Tapes]:
+        """Run every estimator once: update its values and, unless told otherwise, record how they depend on others.
+
+        Args:
+            values: Readings of this step, last actions, and estimates of the last step.
+            differentiable: Whether to record the tapes; estimation alone needs none.
+
+        Returns:
+            The new values, and the tapes.
+        """
+        new = self._with_dt(values)
+        tapes: Tapes = {}
+        for estimator in self.nodes:
+            known = differentiable and isinstance(estimator, Function) and estimator.outputs[0] in self.edges
+            if not known:
+                new.update(estimator.update(new))
+            if differentiable:
+                for name in estimator.outputs:
+                    if name in self.edges:
+                        tapes[name] = self._record(name, new)
+            if known:
+                new[estimator.outputs[0]] = tapes[estimator.outputs[0]].output.detach()  # a tape is one hop long
+        if differentiable:
+            tapes.update((name, self._record(name, new)) for name in self.goals)
+        del new["dt"]
+        return cast(dict[str, Tensor], new), tapes
+
+    def uncut(self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """Each goal's cost as one differentiable function of the actions, nothing detached in between.
+
+        The same derivatives at the same values as :meth:`step` records node by node: the oracle for the sum over
+        paths, and what tells each goal's predicted change.
+
+        Args:
+            values: Values after a step.
+            actions: A leaf that requires a gradient for each actuator, at the action's value.
+        """
+        now = self._with_dt(values) | dict(actions)
+        for estimator in self.nodes:
+            ahead = {name: estimator(now, name) for name in estimator.outputs if name in self.edges}
+            now.update((name, straight_through(values[name], output)) for name, output in ahead.items())
+        return {name: goal(now) for name, goal in self.goals.items()}
+
+    def displaced_cost(self, goal: str, quantity: str, shift: Tensor, values: Mapping[str, Tensor]) -> Tensor:
+        """What a goal would cost now had a quantity been displaced, with every covariance as it is, ``(*B,)``.
+
+        Args:
+            goal: Name of the goal.
+            quantity: Name of the displaced quantity.
+            shift: Displacement ``(*B, n)``; of a quantity that is a motion it is the motion itself.
+            values: Values after a step.
+        """
+        now = self._with_dt(values)
+        now[quantity] = shift if self.quantities[quantity].is_motion else values[quantity] + shift
+        moved = {quantity}
+        with torch.no_grad():
+            for estimator in self.nodes:
+                for name in estimator.outputs:
+                    reads = self.edges.get(name, ()) if name not in estimator.covariances else ()
+                    if any(edge.source in moved for edge in reads):
+                        now[name] = estimator(now, name)
+                        moved.add(name)
+            return self.goals[goal](now)
+
+    def paths(self, max_length: int | None = None) -> PathTable:
+        """The table of paths from goals to actuators (Eq. 1), lazily enumerated.
+
+        Args:
+            max_length: Most quantities on a path, the actuator included; None for no bound.
+        """
+        return PathTable(self.edges, tuple(self.goals), tuple(self.actuators), max_length)
+
+    def to_mermaid(self) -> str:
+        """The graph as a Mermaid flowchart, to be pasted into Markdown."""
+        lines = ["flowchart LR"]
+        lines += [f"  {name}[/{name}, {sensor.unit}/]" for name, sensor in self.sensors.items()]
+        lines += [f"  {name}[\\{name}, {actuator.unit}\\]" for name, actuator in self.actuators.items()]
+        lines += [f"  {node.outputs[0]}({'<br/>'.join(node.outputs)})" for node in self.nodes]
+        lines += [f"  {name}{{{{{name}}}}}" for name in self.goals]
+        readers: list[tuple[str, Iterable[str]]] = [(node.outputs[0], node.inputs) for node in self.nodes]
+        readers += [(name, goal.inputs) for name, goal in self.goals.items()]
+        for reader, inputs in readers:
+            sources = dict.fromkeys(
+                self.owners[name].outputs[0] if name in self.owners else name for name in inputs if name != "dt"
+            )
+            lines += [f"  {source} --> {reader}" for source in sources if source != reader]
+        return "\n".join(lines)
+
+    def _with_dt(self, values: Mapping[str, Tensor]) -> dict[str, Tensor | float]:
+        return {**values, "dt": self.dt}
+
+    def _record(self, name: str, values: Values) -> Tape:
+        """Evaluate a quantity or goal on fresh leaves, detached so that its tape ends there: one factor of Eq. 1."""
+        leaves = {edge.source: cast(Tensor, values[edge.source]).detach().requires_grad_() for edge in self.edges[name]}
+        inputs = {**values, **leaves}
+        output = self.goals[name](inputs) if name in self.goals else self.owners[name](inputs, name)
+        return Tape(output, tuple(leaves.values()))
+
+    def _check_names(self, estimators: Sequence[Estimator], goals: Sequence[Goal]) -> None:
+        outputs = [name for estimator in estimators for name in estimator.outputs]
+        names = [*self.sensors, *self.actuators, *outputs, *(goal.name for goal in goals)]
+        for name in names:
+            if names.count(name) > 1:
+                raise GraphError(f"{name!r} is declared {names.count(name)} times; each name stands for one thing.")
+        if not goals:
+            raise GraphError("goals: a model needs at least one goal.")
+        if not self.actuators:
+            raise GraphError("actuators: a model needs at least one actuator.")
+        known = [*self.sensors, *self.actuators, *outputs, "dt"]
+        for node in (*estimators, *goals):
+            reader = node.outputs[0] if isinstance(node, Estimator) else node.name
+            for name in node.inputs:
+                if name not in known:
+                    raise GraphError(f"{reader!r} reads {name!r}, which is not in the graph. Known: {choices(known)}.")
+
+    def _flag_optional(self) -> None:
+        """Tell each measurement which of the sensors that it reads may be absent."""
+        for estimator in self.nodes:
+            for measurement in estimator.measurements if isinstance(estimator, EKF) else ():
+                measurement.optional = tuple(
+                    name + PRESENT for name in measurement.inputs if name in self.sensors and self.sensors[name].optional
+                )
+
+    def _probe(self) -> dict[str, Tensor]:
+        """One step on zeros with batch (2, 3): shapes that do not follow the batch show here."""
+        batch = (2, 3)
+        readings = {name: self.like.new_zeros(*batch, sensor.size) for name, sensor in self.sensors.items()}
+        flags = {n + PRESENT: torch.ones(batch, dtype=torch.bool) for n, s in self.sensors.items() if s.optional}
+        values = self._with_dt(_attempt("the priors", lambda: self.initial(readings | flags, batch)))
+        for estimator in self.nodes:
+            updated = _attempt(repr(estimator.outputs[0]), lambda node=estimator: node.update(values))
+            for name, value in updated.items():
+                before = values.get(name, value)
+                if value.shape[:2] != batch or value.shape != cast(Tensor, before).shape:
+                    raise GraphError(
+                        f"{name!r} has shape {tuple(value.shape)} for batch {batch}; expected the batch, then "
+                        f"{tuple(cast(Tensor, before).shape[2:])}. Functions must leave leading dimensions free."
+                    )
+            values.update(updated)
+        for name, goal in self.goals.items():
+            cost = _attempt(repr(name), lambda goal=goal: goal(values))
+            if cost.shape != batch:
+                raise GraphError(f"Goal {name!r} has shape {tuple(cost.shape)} for batch {batch}; expected one scalar each.")
+        del values["dt"]
+        return cast(dict[str, Tensor], values)
+
+    def _find_edges(self, values: Mapping[str, Tensor]) -> dict[str, tuple[Edge, ...]]:
+        """For each quantity and goal the quantities that its gradient goes on to, read off the autograd graph.
+
+        Kept are the edges on a path from a goal to an actuator. An estimate that is read before it is updated in this
+        step (its own last value, or that of a later estimator) is no edge.
+        """
+        now = self._with_dt(values)
+        earlier = set(self.actuators)
+        found: dict[str, list[str]] = {}
+        for node in (*self.nodes, *self.goals.values()):
+            sources = [name for name in node.inputs if name in earlier]
+            leaves = {name: values[name].detach().clone().requires_grad_() for name in sources}
+            inputs = {**now, **leaves}
+            for name in node.outputs if isinstance(node, Estimator) else (node.name,):
+                output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)
+                gradients: Sequence[Tensor | None] = [None] * len(leaves)
+                if output.requires_grad:
+                    gradients = torch.autograd.grad(output.sum(), list(leaves.values()), allow_unused=True)
+                found[name] = [source for source, gradient in zip(leaves, gradients, strict=True) if gradient is not None]
+            if isinstance(node, Estimator):
+                earlier.update(name for name in node.outputs if found[name])
+        wanted = set(self.goals)
+        for name in reversed(found):
+            if name in wanted:
+                wanted.update(found[name])
+        return {n: tuple(Edge(n, s) for s in sources) for n, sources in found.items() if n in wanted and sources}
+
+    def _check_reach(self) -> None:
+        for name in self.goals:
+            if name not in self.edges:
+                raise GraphError(f"Goal {name!r} depends on no actuator. It reads {choices(self.goals[name].inputs)}.")
+        reached = {edge.source for edges in self.edges.values() for edge in edges}
+        for name in self.actuators:
+            if name not in reached:
+                raise GraphError(f"No goal depends on the actuator {name!r}. Goals: {choices(self.goals)}.")
+
+
+def _ordered(estimators: Sequence[Estimator], owners: Mapping[str, Estimator]) -> list[Estimator]:
+    """Each estimator after those it reads; in a cycle, after all but those it was reached from.
+
+    Raises:
+        GraphError: If functions define each other in a circle, where no value is there to begin with.
+    """
+    done: list[Estimator] = []
+
+    def visit(estimator: Estimator, trail: tuple[Estimator, ...]) -> None:
+        if estimator in trail:
+            circle = trail[trail.index(estimator) :]
+            if not any(isinstance(member, EKF) for member in circle):
+                names = " → ".join(member.outputs[0] for member in (*circle, estimator))
+                raise GraphError(f"Functions define each other in a circle: {names}. Make one of them an EKF or Linear.")
+            return
+        if estimator not in done:
+            for name in estimator.inputs:
+                if name in owners and owners[name] is not estimator:
+                    visit(owners[name], (*trail, estimator))
+            if estimator not in done:
+                done.append(estimator)
+
+    for estimator in estimators:
+        visit(estimator, ())
+    return done
+
+
+T = TypeVar("T")
+
+
+def _attempt(what: str, call: Callable[[], T]) -> T:
+    """Run a user's function during validation and name the node if its shapes do not fit."""
+    try:
+        return call()
+    except (RuntimeError, IndexError, TypeError) as error:
+        raise GraphError(f"{what} cannot be evaluated on its inputs: {error}") from error

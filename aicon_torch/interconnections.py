@@ -1,0 +1,140 @@
+"""Interconnections: differentiable relations between quantities, wired by the parameter names of a function."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import cast
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.errors import GraphError, choices
+
+Values = Mapping[str, Tensor | float]
+"""Named values of one step: quantities of shape ``(*B, *shape)`` and constants such as ``dt``."""
+
+
+def wiring(function: Callable[..., object]) -> tuple[str, ...]:
+    """The names of the quantities that a function (or a module's ``forward``) reads: its parameter names.
+
+    Raises:
+        GraphError: If a parameter is variadic, so that it names no quantity.
+    """
+    parameters = inspect.signature(function.forward if isinstance(function, nn.Module) else function).parameters
+    for parameter in parameters.values():
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            raise GraphError(f"{function!r}: '*{parameter.name}' names no quantity; name each parameter after one.")
+    return tuple(name for name, p in parameters.items() if p.default is p.empty)
+
+
+class Interconnection(nn.Module):
+    """A relation between quantities, called with all values of a step and reading those it is wired to.
+
+    It is *explicit* where it returns a quantity (``def move(a, dt): return a * dt``) and *implicit* where it returns
+    a residual that is zero when the quantities agree (``def bearing(p, z): return wrap(angle(p) - z)``).
+
+    Args:
+        function: A function or module over tensors ``(*B, …)``; leading dimensions must be free.
+        **jacobians: For a quantity that the function reads, a function that returns ∂function/∂quantity
+            ``(*B, m, n)``. Without one, autograd differentiates; with one, a step is faster. A world model checks them
+            against autograd when it is built.
+    """
+
+    def __init__(self, function: Callable[..., Tensor], **jacobians: Callable[..., Tensor]) -> None:
+        super().__init__()
+        self.function = function
+        self.inputs = wiring(function)
+        for name in jacobians:
+            if name not in self.inputs:
+                raise GraphError(f"Jacobian by {name!r}: the function reads {choices(self.inputs)}.")
+        self.jacobians = nn.ModuleDict({name: Interconnection(jacobian) for name, jacobian in jacobians.items()})
+
+    def forward(self, values: Values) -> Tensor:
+        """Evaluate the relation on the values that it reads."""
+        return self.function(*(values[name] for name in self.inputs))
+
+    def linearize(self, values: Values, name: str, rows: int, differentiable: bool = False) -> tuple[Tensor, Tensor]:
+        """Value and Jacobian with respect to one quantity.
+
+        Args:
+            values: Named values of the step.
+            name: The quantity to differentiate by, of shape ``(*B, n)``.
+            rows: Number m of components of the relation's value.
+            differentiable: Whether the Jacobian must itself be differentiable.
+
+        Returns:
+            The value ``(*B, m)`` and the Jacobian ``(*B, m, n)``.
+        """
+        if name in self.jacobians:
+            return self(values), self.jacobians[name](values)
+        if name not in self.inputs:
+            value = self(values)
+            return value, value.new_zeros(*value.shape, cast(Tensor, values[name]).shape[-1])
+        return self.differentiate(values, name, rows, differentiable)
+
+    def differentiate(self, values: Values, name: str, rows: int, differentiable: bool) -> tuple[Tensor, Tensor]:
+        """:meth:`linearize` by autograd, all rows in one backward pass.
+
+        The inputs are repeated along a new leading dimension, and copy i is differentiated for component i.
+        """
+        with torch.enable_grad():
+            point = cast(Tensor, values[name])
+            if not (differentiable and point.requires_grad):
+                point = point.detach().requires_grad_()  # a leaf of its own: only its Jacobian is asked for
+            inputs = {key: values[key] for key in self.inputs} | {name: point}
+            if rows == 1:
+                value = self(inputs)
+                (row,) = torch.autograd.grad(value, point, torch.ones_like(value), create_graph=differentiable)
+                return value, row.unsqueeze(-2)
+            copies = {key: x.expand(rows, *x.shape) if isinstance(x, Tensor) else x for key, x in inputs.items()}
+            value = self(copies)
+            selector = torch.eye(rows, dtype=value.dtype, device=value.device)
+            selector = selector.reshape(rows, *(1,) * (value.dim() - 2), rows).expand_as(value)
+            (jacobian,) = torch.autograd.grad(value, copies[name], selector, create_graph=differentiable)
+            return value[0], jacobian.movedim(0, -2)
+
+
+class Affine(Interconnection):
+    """``Σ_k M_k x_k``: a linear relation, whose Jacobians are constants.
+
+    Args:
+        matrices: For each quantity its matrix ``(m, n)``, or a number that stands for a multiple of the identity.
+
+    Example:
+        >>> approach = Affine(p_tar=1.0, x_rob=-1.0)  # the target comes nearer by what the robot moves
+    """
+
+    def __init__(self, **matrices: float | Tensor) -> None:
+        nn.Module.__init__(self)  # there is no function to wire
+        self.inputs = tuple(matrices)
+        self.jacobians = nn.ModuleDict()
+        self.factors = {name: value for name, value in matrices.items() if not isinstance(value, Tensor)}
+        for name, value in matrices.items():
+            if isinstance(value, Tensor):
+                self.register_buffer(f"matrix_{name}", value.to(torch.get_default_dtype()))
+
+    def _matrix(self, name: str, like: Tensor) -> Tensor:
+        if name in self.factors:
+            return self.factors[name] * torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
+        return cast(Tensor, getattr(self, f"matrix_{name}"))
+
+    def forward(self, values: Values) -> Tensor:
+        """The sum ``(*B, m)``."""
+        total: Tensor | None = None
+        for name in self.inputs:
+            value = cast(Tensor, values[name])
+            if name in self.factors:
+                factor = self.factors[name]
+                term = value if factor == 1 else -value if factor == -1 else factor * value
+            else:
+                term = (self._matrix(name, value) @ value.unsqueeze(-1)).squeeze(-1)
+            total = term if total is None else total + term
+        assert total is not None
+        return total
+
+    def linearize(self, values: Values, name: str, rows: int, differentiable: bool = False) -> tuple[Tensor, Tensor]:
+        """Value ``(*B, m)`` and the constant Jacobian, ``(m, n)``; nothing is differentiated."""
+        point = cast(Tensor, values[name])
+        value = self(values)
+        if name not in self.inputs:
+            return value, point.new_zeros(rows, point.shape[-1])
+        return value, self._matrix(name, point)

@@ -1,0 +1,71 @@
+"""Paths: the chains goal → quantity → … → actuator along which gradients travel (Eq. 1)."""
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import NamedTuple
+
+
+class Edge(NamedTuple):
+    """One factor of the chain rule: the gradient of ``target`` goes on to ``source``, which it depends on."""
+
+    target: str
+    source: str
+
+
+class Path(NamedTuple):
+    """A path p: g ⇝ a."""
+
+    goal: str
+    quantities: tuple[str, ...]
+    actuator: str
+
+    def __str__(self) -> str:
+        """``reach → p_tar → x_rob → a``."""
+        return " → ".join((self.goal, *self.quantities, self.actuator))
+
+
+class PathTable:
+    """All paths of a graph, enumerated as they are asked for: their number can double with every layer.
+
+    Args:
+        edges: The edges of each goal and quantity.
+        goals: Names of the goals, in order.
+        actuators: Names of the actuators.
+        max_length: Most quantities on a path, the actuator included; None for no bound.
+    """
+
+    def __init__(
+        self,
+        edges: Mapping[str, tuple[Edge, ...]],
+        goals: tuple[str, ...],
+        actuators: tuple[str, ...],
+        max_length: int | None = None,
+    ) -> None:
+        self._edges, self._goals, self._actuators, self._max_length = edges, goals, actuators, max_length
+
+    def __iter__(self) -> Iterator[Path]:
+        """Paths, goal by goal."""
+        for goal in self._goals:
+            yield from self._walk(goal, (goal,))
+
+    def __len__(self) -> int:
+        """Number of paths, counted along the edges without enumerating them."""
+        if self._max_length is not None:
+            return sum(1 for _ in self)
+
+        @cache
+        def count(name: str) -> int:
+            return 1 if name in self._actuators else sum(count(edge.source) for edge in self._edges[name])
+
+        return sum(count(goal) for goal in self._goals)
+
+    def __str__(self) -> str:
+        """One path a line."""
+        return "\n".join(map(str, self))
+
+    def _walk(self, name: str, trail: tuple[str, ...]) -> Iterator[Path]:
+        if name in self._actuators:
+            yield Path(trail[0], trail[1:-1], name)
+        elif self._max_length is None or len(trail) <= self._max_length:
+            for edge in self._edges[name]:
+                yield from self._walk(edge.source, (*trail, edge.source))

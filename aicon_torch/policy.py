@@ -1,0 +1,210 @@
+"""The policy: one control step from an observation to an action."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+from torch import Tensor, nn
+
+from aicon_torch.actuation import ActionLaw
+from aicon_torch.errors import ObservationError, OptionError, choices
+from aicon_torch.explanation import Explanation, explain
+from aicon_torch.gradients import Sweep
+from aicon_torch.graph import PRESENT, WorldModel
+from aicon_torch.resolution import Memory, Resolution
+
+ACTIVE = "goals/active"
+"""Key of the memory under which the factor of each goal is kept, ``(*B, goals)``."""
+
+
+class Policy(nn.Module):
+    """Reactive control: estimate, pull the goals' gradients back to the actuators, resolve conflicts, descend.
+
+    All that lives from step to step is in the memory, a flat ``dict[str, Tensor]`` with leading batch dimensions: it
+    goes in and comes out, can be saved with ``torch.save``, and one policy serves any number of robots.
+
+    Args:
+        model: The world model.
+        resolution: What happens where gradients meet.
+        law: From the gradient to the action; one for all actuators.
+
+    Example:
+        >>> action, memory = policy.predict(observation)
+        >>> action, memory = policy.predict(observation, memory)
+    """
+
+    def __init__(self, model: WorldModel, resolution: Resolution, law: ActionLaw) -> None:
+        super().__init__()
+        self.model, self.resolution, self.law = model, resolution, law
+        self.sweep = Sweep(model, resolution)
+        self._memory: Memory | None = None
+
+    def predict(
+        self,
+        observation: Mapping[str, Any],
+        state: Memory | None = None,
+        episode_start: ArrayLike | Tensor | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Any, Memory]:
+        """One control step, with the signature of stable-baselines3.
+
+        Args:
+            observation: A reading for each sensor, ``(*B, size)``, numpy or torch.
+            state: The memory that the last step returned; None starts an episode.
+            episode_start: Rows ``(*B,)`` whose observation is the first of an episode; their memory starts anew.
+            deterministic: Accepted for the signature's sake; the policy has no randomness.
+
+        Returns:
+            The action ``(*B, size)``, of the observation's kind (a dict of them if there are several actuators), and
+            the memory.
+
+        Raises:
+            ObservationError: If a reading is missing, wrongly shaped, NaN or infinite. Tensors are not checked for
+                NaN and infinity, so that nothing waits for the device.
+        """
+        before, values = self._begin(observation, state, episode_start)
+        with torch.enable_grad():
+            values, tapes = self.model.step(values)
+            gradients, meetings = self.sweep(tapes, values, before, before[ACTIVE])
+        for name, actuator in self.model.actuators.items():
+            values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
+        memory = {**values, **meetings, ACTIVE: before[ACTIVE]}
+        actions = {name: values[name] for name in self.model.actuators}
+        if not any(isinstance(reading, Tensor) for reading in observation.values()):
+            actions = {name: action.numpy(force=True).astype(np.float32) for name, action in actions.items()}
+        return (next(iter(actions.values())) if len(actions) == 1 else actions), memory
+
+    def estimate(
+        self,
+        observation: Mapping[str, Any],
+        state: Memory | None = None,
+        action: Mapping[str, Tensor] | None = None,
+        episode_start: ArrayLike | Tensor | None = None,
+    ) -> Memory:
+        """Update the estimates alone, while somebody else acts.
+
+        Args:
+            observation: As for :meth:`predict`.
+            state: The memory that the last step returned.
+            action: What was executed since, by actuator, ``(*B, size)``; by default the action in the memory.
+            episode_start: As for :meth:`predict`.
+        """
+        before, values = self._begin(observation, state, episode_start)
+        values, _ = self.model.step(values | dict(action or {}), differentiable=False)
+        return before | values
+
+    def reset(self) -> None:
+        """Forget the memory that :meth:`act` keeps."""
+        self._memory = None
+
+    def act(self, observation: Mapping[str, Any]) -> Any:
+        """One control step of a single episode, with the memory kept here: :meth:`predict` for those in a hurry."""
+        action, self._memory = self.predict(observation, self._memory)
+        return action
+
+    def switch(self, memory: Memory, **goals: bool | float | Tensor) -> Memory:
+        """The memory with goals switched on or off, or weighted.
+
+        Args:
+            memory: The memory to start from.
+            **goals: For each goal to change its factor, a number or ``(*B,)``.
+        """
+        active = memory[ACTIVE].clone()
+        for name, factor in goals.items():
+            if name not in self.model.goals:
+                raise OptionError(f"No goal is named {name!r}. Goals: {choices(self.model.goals)}.")
+            active[..., list(self.model.goals).index(name)] = torch.as_tensor(factor, dtype=active.dtype)
+        return memory | {ACTIVE: active}
+
+    def explain(self, memory: Memory, row: int | tuple[int, ...] = ()) -> Explanation:
+        """What the step that returned this memory decided, in numbers.
+
+        Args:
+            memory: The memory.
+            row: Which row of the batch.
+        """
+        return explain(self.sweep, memory, row)
+
+    def _begin(
+        self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None
+    ) -> tuple[Memory, dict[str, Tensor]]:
+        """The memory with the rows that start anew, and the values with the new readings."""
+        readings = self._read(observation)
+        batch = next(iter(readings.values())).shape[:-1]
+        if state is None:
+            start: Tensor | None = None
+        elif isinstance(episode_start, Tensor):
+            start = episode_start
+        else:
+            rows = np.broadcast_to(np.asarray(False if episode_start is None else episode_start, dtype=bool), batch)
+            start = torch.as_tensor(rows.copy(), device=self.model.like.device) if rows.any() else None
+        readings = self._hold(readings, state, start)
+        if state is None:
+            before = self._initial(readings, tuple(batch))
+        elif start is not None:
+            fresh = self._initial(readings, tuple(batch))
+            before = {
+                key: torch.where(start.reshape(*start.shape, *(1,) * (value.dim() - start.dim())), fresh[key], value)
+                for key, value in state.items()
+            }
+        else:
+            before = state
+        return before, {name: before[name] for name in self.model.quantities} | readings
+
+    def _initial(self, readings: dict[str, Tensor], batch: tuple[int, ...]) -> Memory:
+        like = self.model.like
+        state = self.sweep.initial() | {ACTIVE: torch.ones(len(self.model.goals))}
+        state = {key: v.to(like.device, like.dtype if v.is_floating_point() else v.dtype) for key, v in state.items()}
+        return self.model.initial(readings, batch) | {key: v.expand((*batch, *v.shape)) for key, v in state.items()}
+
+    def _hold(self, readings: dict[str, Tensor], state: Memory | None, start: Tensor | None) -> dict[str, Tensor]:
+        """For optional sensors the last reading where there is none, and a flag that says so."""
+        held = dict(readings)
+        for name, sensor in self.model.sensors.items():
+            if sensor.optional:
+                present = readings[name].isfinite().all(-1)
+                last = torch.zeros_like(readings[name]) if state is None else state[name]
+                if start is not None:
+                    last = torch.where(start.unsqueeze(-1), 0.0, last)
+                held[name] = torch.where(present.unsqueeze(-1), readings[name], last)
+                held[name + PRESENT] = present
+        return held
+
+    def _read(self, observation: Mapping[str, Any]) -> dict[str, Tensor]:
+        """Readings as tensors of the model's dtype, checked where numpy becomes torch."""
+        like = self.model.like
+        readings: dict[str, Tensor] = {}
+        absent: list[str] = []
+        batch: tuple[int, ...] | None = None
+        for name, sensor in self.model.sensors.items():
+            key = sensor.key or name
+            if key not in observation:
+                if not sensor.optional:
+                    raise ObservationError(
+                        f"Sensor {name!r}: the observation has no {key!r}; it has {choices(observation)}. "
+                        f"Expected shape (*batch, {sensor.size}) in {sensor.unit}."
+                    )
+                absent.append(name)
+                continue
+            value: Tensor | NDArray[Any] = observation[key]
+            if not isinstance(value, Tensor):
+                value = np.asarray(value)
+                if value.dtype.kind not in "fiub":
+                    raise ObservationError(f"Sensor {name!r}: expected numbers in {sensor.unit}, got {value.dtype}.")
+            shape = tuple(value.shape)
+            if not shape or shape[-1] != sensor.size or (batch is not None and shape[:-1] != batch):
+                leading = "*batch" if batch is None else ", ".join(map(str, batch))
+                raise ObservationError(f"Sensor {name!r}: expected shape ({leading}, {sensor.size}), got {shape}.")
+            if not isinstance(value, Tensor) and not sensor.optional and not np.isfinite(value).all():
+                raise ObservationError(
+                    f"Sensor {name!r}: expected finite values in {sensor.unit}, got NaN or infinity. "
+                    "Sensor(..., optional=True) declares that NaN means no reading."
+                )
+            batch = shape[:-1]
+            reading = torch.as_tensor(value, dtype=like.dtype, device=like.device)
+            readings[name] = reading if sensor.range is None else reading.clamp(*sensor.range)
+        for name in absent:
+            readings[name] = like.new_full((*(batch or ()), self.model.sensors[name].size), torch.nan)
+        return readings

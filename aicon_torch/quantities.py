@@ -1,0 +1,91 @@
+"""Quantities: the named tensors of a world model, and the sensors and actuators among them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import torch
+from torch import Tensor
+
+from aicon_torch.errors import GraphError
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A named tensor of shape ``(*B, *shape)``.
+
+    Attributes:
+        name: Its name in the graph.
+        shape: Its shape without the batch dimensions.
+        is_motion: Whether the value itself is a motion (a displacement or a velocity). The motion of any other
+            quantity is its change since the last step.
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    is_motion: bool = False
+
+    @property
+    def size(self) -> int:
+        """Number of components, i.e. the length of a gradient with respect to this quantity."""
+        return math.prod(self.shape)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A reading of shape ``(*B, size)`` that the observation brings.
+
+    Args:
+        size: Number of components.
+        unit: Unit of each component, for people and error messages.
+        key: The observation's key; by default the sensor's name in the graph.
+        optional: Whether a reading may be absent. NaN, or a missing key, then means "no reading": the estimators
+            predict and correct again when the next one comes.
+        range: Lowest and highest value that the instrument can report; readings saturate there.
+    """
+
+    size: int
+    unit: str
+    key: str | None = None
+    optional: bool = False
+    range: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """A command of shape ``(*B, size)`` that the policy chooses.
+
+    Args:
+        size: Number of components.
+        unit: Unit of each component.
+        limit: One number limits the Euclidean norm; a sequence limits each component's magnitude.
+    """
+
+    size: int
+    unit: str
+    limit: float | Sequence[float] = field(default=math.inf)
+
+    def __post_init__(self) -> None:
+        """Check that the limit fits the size."""
+        limits = (self.limit,) if isinstance(self.limit, int | float) else tuple(self.limit)
+        if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
+            raise GraphError(
+                f"Actuator limit {self.limit!r}: expected one positive number (a norm) or {self.size} (one a component)."
+            )
+
+    def clip(self, action: Tensor) -> Tensor:
+        """The nearest action in the same direction (norm limit) or box (component limits) that respects the limit.
+
+        Args:
+            action: ``(*B, size)``.
+
+        Returns:
+            ``(*B, size)``; no component is ever beyond the limit, not even by rounding.
+        """
+        if isinstance(self.limit, int | float):
+            if math.isinf(self.limit):
+                return action
+            norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
+            return (action * (self.limit / norm.clamp(min=self.limit))).clamp(-self.limit, self.limit)
+        bound = action.new_tensor(tuple(self.limit))
+        return torch.minimum(torch.maximum(action, -bound), bound)

@@ -1,0 +1,206 @@
+"""Resolutions: what happens to the gradients that meet at a quantity."""
+
+from collections.abc import Callable
+from typing import Literal, NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.errors import OptionError, choices
+from aicon_torch.exploration import Exploration
+
+Memory = dict[str, Tensor]
+
+
+class Meeting(NamedTuple):
+    """The gradients that meet at one quantity, and what is known there.
+
+    Attributes:
+        gradients: One row for each candidate, ``(*B, n, d)``.
+        goals: For each candidate the goals that it comes from.
+        motion: Latest motion of the quantity, ``(*B, d)``, per step.
+        costs: Cost of each goal now, ``(*B,)``.
+        displaced: Cost of a goal now had the quantity been displaced, ``(name, (*B, d)) -> (*B,)``.
+        dt: Time step, s.
+    """
+
+    gradients: Tensor
+    goals: tuple[frozenset[str], ...]
+    motion: Tensor
+    costs: dict[str, Tensor]
+    displaced: Callable[[str, Tensor], Tensor]
+    dt: float
+
+
+class Resolution(nn.Module):
+    """A rule from a stack of gradients ``(*B, n, d)`` to one gradient ``(*B, d)``.
+
+    Attributes:
+        merges: Whether it acts wherever gradients meet, so that one gradient leaves each quantity. Otherwise every
+            path is followed to its end and the rule acts there.
+    """
+
+    merges = True
+
+    def initial(self, candidates: int, size: int) -> Memory:
+        """What the rule remembers at a quantity with n candidates of d components, before the first step."""
+        return {}
+
+    def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
+        """The gradient that goes on, ``(*B, d)``, and the new memory."""
+        raise NotImplementedError
+
+
+class Sum(Resolution):
+    """Σᵢ ∇ᵢ: plain backpropagation, whose descent is that of a potential field."""
+
+    def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
+        """The sum of the gradients."""
+        return meeting.gradients.sum(-2), memory
+
+
+class SteepestPath(Resolution):
+    """∇ of p* = argmax ‖∇ᵖ‖ over complete paths (Eq. 2), the rule of the original AICON."""
+
+    merges = False
+
+    def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
+        """The longest of the gradients."""
+        steepest = torch.linalg.vector_norm(meeting.gradients, dim=-1).argmax(-1)
+        return pick(meeting.gradients, _one_hot(steepest, meeting.gradients)), memory
+
+
+class NullspaceProjection(Resolution):
+    """Gradients ordered by strength, each projected into the nullspaces of all before it, then added (Eq. 3-8).
+
+    With weights wᵢ = softmax(‖∇ᵢ‖/τ) and ĝᵢ = wᵢ ∇ᵢ/‖∇ᵢ‖, the strongest ĝ is taken first, the others lose their
+    component along it, the strongest of what remains is taken next, and so on while degrees of freedom remain. The sum
+    of what was taken changes no cost against the will of a stronger gradient *where it was resolved*. When the two
+    strongest oppose each other, exploration replaces the sum.
+
+    Args:
+        temperature: τ of the softmax over magnitudes (Sect. "Stabilizing the Control Signal", 0.8); None keeps the
+            magnitudes themselves.
+        margin: By how much a gradient must exceed the one that held its rank before, to take it (the paper: 10 %).
+        projector: ``"orthogonal"`` I − vvᵀ (Eq. 8), ``"qr"`` I − QQᵀ (Eq. 7) or ``"pinv"`` I − J⁺J (Eq. 6), which are
+            equal for scalar goals; ``"none"`` adds without projecting.
+        negligible: Magnitude below which a gradient has no weight. The text has no such bound (0), but a softmax gives
+            weight even to a gradient that has vanished.
+        exploration: What to do about conflicts; None never explores.
+    """
+
+    def __init__(
+        self,
+        temperature: float | None = 0.8,
+        margin: float = 0.1,
+        projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal",
+        negligible: float = 1e-3,
+        exploration: Exploration | None = None,
+    ) -> None:
+        super().__init__()
+        if temperature is not None and not temperature > 0:
+            raise OptionError(f"temperature={temperature!r}: expected a positive number, or None for no softmax.")
+        if not margin >= 0 or not negligible >= 0:
+            raise OptionError(f"margin={margin!r}, negligible={negligible!r}: expected numbers >= 0.")
+        if projector not in PROJECTORS:
+            raise OptionError(f"projector={projector!r}: expected one of {choices(PROJECTORS)}.")
+        self.temperature, self.margin, self.negligible = temperature, margin, negligible
+        self.project = PROJECTORS[projector]
+        self.exploration = exploration
+
+    def initial(self, candidates: int, size: int) -> Memory:
+        """No candidate holds a rank yet (−1)."""
+        memory = {"rank": torch.full((min(candidates, size),), -1)}
+        return memory | (self.exploration.initial(size) if self.exploration else {})
+
+    def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
+        """The conflict-free sum, or the exploration that replaces it."""
+        norms = torch.linalg.vector_norm(meeting.gradients, dim=-1)
+        units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny).unsqueeze(-1)
+        weights = self.weigh(norms)
+        resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
+        if self.exploration is None:
+            return resolved, {"rank": rank}
+        explored, state = self.exploration(meeting, norms, units, weights, rank[..., 0], resolved, memory)
+        return explored, {"rank": rank, **state}
+
+    def weigh(self, norms: Tensor) -> Tensor:
+        """Normalised magnitudes ``(*B, n)``: the softmax over those that are not negligible."""
+        if self.temperature is None:
+            return norms
+        weights = torch.softmax(norms / self.temperature, dim=-1)
+        return weights * (norms >= self.negligible) if self.negligible > 0 else weights
+
+    def resolve(self, gradients: Tensor, strengths: Tensor, held: Tensor) -> tuple[Tensor, Tensor]:
+        """Greedy ordering by strength after projection (Eq. 9), with hysteresis.
+
+        Args:
+            gradients: ``(*B, n, d)``.
+            strengths: Their norms, ``(*B, n)``.
+            held: Which candidate held each rank in the last step, ``(*B, min(n, d))``.
+
+        Returns:
+            The sum of the selected, mutually orthogonal gradients ``(*B, d)``, and the candidate of each rank.
+        """
+        ranks: list[Tensor] = []
+        total = torch.zeros_like(gradients[..., 0, :])
+        depth = held.shape[-1]
+        candidates = torch.arange(gradients.shape[-2], device=gradients.device)
+        for rank in range(depth):
+            favour = 1.0 + self.margin * (candidates == held[..., rank, None])
+            index = (strengths * favour).argmax(-1)
+            ranks.append(index)
+            chosen = candidates == index.unsqueeze(-1)
+            top = (gradients * chosen.unsqueeze(-1)).sum(-2)
+            total = total + top
+            if rank + 1 < depth:
+                gradients = self.project(top, gradients) * ~chosen.unsqueeze(-1)
+                strengths = torch.linalg.vector_norm(gradients, dim=-1)
+        return total, torch.stack(ranks, dim=-1)
+
+
+def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
+    """(I − vvᵀ) ∇ with v = top/‖top‖ (Eq. 8).
+
+    Args:
+        top: The gradient of higher priority, ``(*B, d)``.
+        gradients: Those to project, ``(*B, n, d)``.
+    """
+    unit = top / torch.linalg.vector_norm(top, dim=-1, keepdim=True).clamp(min=torch.finfo(top.dtype).tiny)
+    along = gradients @ unit.unsqueeze(-1)
+    return gradients - along * unit.unsqueeze(-2)
+
+
+def qr(top: Tensor, gradients: Tensor) -> Tensor:
+    """(I − QQᵀ) ∇ with Jᵀ = QR (Eq. 7); a gradient that is zero takes nothing away."""
+    q = torch.linalg.qr(top.unsqueeze(-1)).Q
+    q = q * (top != 0).any(-1)[..., None, None]
+    return gradients - (gradients @ q) @ q.mT
+
+
+def pinv(top: Tensor, gradients: Tensor) -> Tensor:
+    """(I − J⁺J) ∇ (Eq. 6)."""
+    jacobian = top.unsqueeze(-2)
+    return gradients - (gradients @ torch.linalg.pinv(jacobian)) @ jacobian
+
+
+def keep(top: Tensor, gradients: Tensor) -> Tensor:
+    """∇ as it is: without projection the result is a weighted sum."""
+    return gradients
+
+
+PROJECTORS: dict[str, Callable[[Tensor, Tensor], Tensor]] = {
+    "orthogonal": orthogonal,
+    "qr": qr,
+    "pinv": pinv,
+    "none": keep,
+}
+
+
+def _one_hot(index: Tensor, gradients: Tensor) -> Tensor:
+    return torch.arange(gradients.shape[-2], device=index.device) == index.unsqueeze(-1)
+
+
+def pick(gradients: Tensor, chosen: Tensor) -> Tensor:
+    """The row ``(*B, d)`` of ``(*B, n, d)`` that a mask ``(*B, n)`` marks."""
+    return (gradients * chosen.unsqueeze(-1)).sum(-2)
