@@ -1,0 +1,16 @@
+"""Gymnasium environments for gradient-based control; importing this package registers them.
+
+Example:
+    >>> import gymnasium as gym
+    >>> import aicon_envs
+    >>> env = gym.make("aicon/Nav2D-v0", map="u_trap")
+"""
+
+from gymnasium.envs.registration import register
+
+register(
+    id="aicon/Nav2D-v0",
+    entry_point="aicon_envs.navigation.environment:Nav2DEnv",
+    vector_entry_point="aicon_envs.navigation.vector:Nav2DVectorEnv",
+    max_episode_steps=12_000,
+)

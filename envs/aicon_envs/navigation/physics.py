@@ -1,0 +1,65 @@
+"""The physical constants of the navigation task."""
+
+import dataclasses
+import math
+
+
+@dataclasses.dataclass(frozen=True)
+class Physics:
+    """Constants of the disc agent and its sensors.
+
+    Attributes:
+        bearing_noise: Standard deviation of every sensed bearing, rad.
+        range_noise: Standard deviation of the sensed clearance, m.
+        actuation_noise: Standard deviation of the velocity per axis, m/s.
+        max_speed: Upper limit of the commanded speed (Euclidean norm), m/s.
+        dt: Duration of one step, s.
+        radius: Radius of the agent, m.
+        max_range: Largest clearance that the sensor reports, m.
+
+    Raises:
+        ValueError: If a constant is not finite, is negative or, where it must be, not positive; or if one step could
+            carry the agent through an obstacle, (max_speed + 8 actuation_noise) dt > 2 radius.
+    """
+
+    bearing_noise: float = 0.03
+    range_noise: float = 0.01
+    actuation_noise: float = 0.02
+    max_speed: float = 0.5
+    dt: float = 0.05
+    radius: float = 0.1
+    max_range: float = 20.0
+
+    def __post_init__(self) -> None:
+        """Check every constant."""
+        for name in self.names():
+            value = getattr(self, name)
+            if not math.isfinite(value) or value < 0.0:
+                raise ValueError(f"{name} must be a finite number >= 0, got {value!r}")
+        for name in ("max_speed", "dt", "radius", "max_range"):
+            if getattr(self, name) == 0.0:
+                raise ValueError(f"{name} must be > 0")
+        if (self.max_speed + 8.0 * self.actuation_noise) * self.dt > 2.0 * self.radius:
+            raise ValueError(
+                "one step may not carry the agent through an obstacle: (max_speed + 8 actuation_noise) dt "
+                f"must be <= 2 radius, got {self}"
+            )
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Return the names of the constants."""
+        return tuple(field.name for field in dataclasses.fields(cls))
+
+    @classmethod
+    def from_options(cls, options: dict[str, float]) -> "Physics":
+        """Build the constants from keyword arguments.
+
+        Raises:
+            TypeError: If a name is unknown; the message lists the valid ones.
+        """
+        unknown = sorted(set(options) - set(cls.names()))
+        if unknown:
+            raise TypeError(
+                f"unknown argument {', '.join(unknown)}; the physical constants are {', '.join(cls.names())}"
+            )
+        return cls(**options)
