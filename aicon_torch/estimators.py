@@ -14,10 +14,10 @@ from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.filtering import Correction, Covariance, Derivative, Measurement, Noise
-from aicon_torch.interconnections import Affine, Interconnection, Values
+from aicon_torch.interconnections import Affine, Interconnection, Node, Values
 
 
-class Estimator(nn.Module):
+class Estimator(Node):
     """Base of all estimators.
 
     Attributes:
@@ -154,7 +154,7 @@ class EKF(Estimator):
             return size
         mean, variances = initial
         self.prior, self.prior_inputs = None, ()
-        self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.get_default_dtype()))
+        self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.float64))
         self.register_buffer("prior_covariance", Covariance(variances, len(mean)).constant)
         return len(mean)
 
@@ -168,19 +168,19 @@ class EKF(Estimator):
 
     def update(self, values: Values) -> dict[str, Tensor]:
         """Predict and correct; readings that are NaN or beyond the gate are left out, row by row."""
-        predicted, transition = self.predict.linearize(values, self.mean, self.size)
+        predicted, transition = self._transition(values)
         mean = predicted.detach()  # the belief is a value: what shapes the action is ``forward``
         covariance = self._propagate(values, transition)
         for measurement in self._measurements:
             now = {**values, self.mean: mean, self.covariance: covariance}
             residual, jacobian, noise = measurement.innovation(now, self.mean)
-            step = Correction(covariance, residual.detach(), jacobian, noise)  # a residual's value, not its graph
+            step = Correction.by(covariance, residual.detach(), jacobian, noise)  # a residual's value, not its graph
             change, shrink = step.of_mean(), step.of_covariance()
             accepted = measurement.accepted(values, step.distance)
             if accepted is not None:
                 change = torch.where(accepted.unsqueeze(-1), change, 0.0)
                 shrink = torch.where(accepted.unsqueeze(-1).unsqueeze(-1), shrink, 0.0)
-            mean, covariance = mean + change, covariance + shrink
+            mean, covariance = mean - change, covariance - shrink
         if self.constrain is not None:
             mean = self.constrain({**values, self.mean: mean})
         return {self.mean: mean, self.covariance: covariance}
@@ -189,28 +189,58 @@ class EKF(Estimator):
         """The belief one step ahead: the moved mean, or the covariance after measuring from there."""
         if output == self.mean and self.derivative == "model":
             return cast(Tensor, self.predict(values))
-        mean, transition = self.predict.linearize(values, self.mean, self.size, differentiable=True)
+        mean, transition = self._transition(values, differentiable=True)
         covariance = self._propagate(values, transition)
         for measurement in self._measurements:
             now = {**values, self.mean: mean, self.covariance: covariance}
             residual, jacobian, noise = measurement.innovation(now, self.mean, differentiable=True)
-            step = Correction(covariance, residual, jacobian, noise)
+            step = Correction.by(covariance, residual, jacobian, noise)
             shrink = step.of_covariance()
             if measurement.gate is not None and not measurement.gate_keeps_gradient:
                 refused = step.distance() > measurement.gate
                 shrink = torch.where(refused.unsqueeze(-1).unsqueeze(-1), 0.0, shrink)
             if self.derivative != "model":
-                mean = mean + step.of_mean(detach_gain=self.derivative == "detached_gain")
-            covariance = covariance + shrink
+                mean = mean - step.of_mean(detach_gain=self.derivative == "detached_gain")
+            covariance = covariance - shrink
         return mean if output == self.mean else covariance
 
     @property
     def _measurements(self) -> Sequence[Measurement]:
         return cast(Sequence[Measurement], self.measurements)
 
-    def _propagate(self, values: Values, transition: Tensor) -> Tensor:
+    def check_jacobians(self, values: Values) -> None:
+        """Compare the Jacobians that the user gave with autograd's, at the given values.
+
+        Raises:
+            GraphError: If one differs.
+        """
+        relations = [(self.predict, self.size)] + [(m.residual, m.size) for m in self._measurements]
+        for relation, rows in relations:
+            for name, jacobian in relation.jacobians.items():
+                given = jacobian(values)
+                _, expected = relation.differentiate(values, name, rows, differentiable=False)
+                tolerance = 100 * torch.finfo(expected.dtype).eps ** 0.5
+                if given.shape[-2:] != expected.shape[-2:] or not torch.allclose(
+                    given.expand_as(expected), expected, rtol=tolerance, atol=tolerance
+                ):
+                    raise GraphError(
+                        f"{self.mean!r}: the Jacobian by {name!r} is not the derivative. At the probe it gives "
+                        f"{given.reshape(-1, *given.shape[-2:])[0].tolist()}, autograd "
+                        f"{expected.reshape(-1, *expected.shape[-2:])[0].tolist()}."
+                    )
+
+    def _transition(self, values: Values, differentiable: bool = False) -> tuple[Tensor, Tensor | None]:
+        """f and F = ∂f/∂x; None stands for the identity."""
+        if isinstance(self.predict, Affine) and self.predict.factors.get(self.mean) == 1:
+            return self.predict(values), None
+        return self.predict.linearize(values, self.mean, self.size, differentiable)
+
+    def _propagate(self, values: Values, transition: Tensor | None) -> Tensor:
         """P⁻ = F P Fᵀ + Q."""
-        return transition @ cast(Tensor, values[self.covariance]) @ transition.mT + self.noise(values)
+        covariance = cast(Tensor, values[self.covariance])
+        if transition is not None:
+            covariance = transition @ covariance @ transition.mT
+        return covariance + self.noise(values)
 
 
 class Linear(EKF):

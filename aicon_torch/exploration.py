@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from aicon_torch.errors import OptionError
+from aicon_torch.interconnections import Node
 
 if TYPE_CHECKING:
     from aicon_torch.resolution import Meeting
@@ -36,7 +38,7 @@ class Escape:
     along: str | None = None
 
 
-class Exploration(nn.Module):
+class Exploration(Node):
     """Conflict detection and nullspace exploration (Sect. "Escaping Local Minima").
 
     A conflict begins when the cosine of the two strongest gradients falls below ``enter_cosine``, and ends when it
@@ -92,20 +94,18 @@ class Exploration(nn.Module):
             norms: Their magnitudes, ``(*B, n)``.
             units: Their directions, ``(*B, n, d)``.
             weights: Their normalised magnitudes, ``(*B, n)``.
-            first: Index of the dominant one, ``(*B,)``.
+            first: Index of the dominant one, ``(*B, 1)``.
             resolved: The conflict-free gradient, ``(*B, d)``.
             memory: What was remembered of this quantity.
 
         Returns:
             The gradient ``(*B, d)``, whose negative is the direction of motion, and the new memory.
         """
-        dominant = torch.arange(norms.shape[-1], device=first.device) == first.unsqueeze(-1)
-        others = weights.masked_fill(dominant, -1.0)
-        strongest, second = others.max(-1)
-        top = (units * dominant.unsqueeze(-1)).sum(-2)
-        opponent = (units * (torch.arange(norms.shape[-1], device=first.device) == second.unsqueeze(-1)).unsqueeze(-1)).sum(-2)
-        cosine = (top * opponent).sum(-1)
-        decided = weights.gather(-1, first.unsqueeze(-1)).squeeze(-1) > self.ratio * strongest
+        dominant = torch.arange(norms.shape[-1], device=first.device) == first
+        rival, second = weights.masked_fill(dominant, -1.0).max(-1, keepdim=True)
+        top = select(units, first)
+        cosine = (top * select(units, second)).sum(-1)
+        decided = (weights.gather(-1, first) > self.ratio * rival).squeeze(-1)
         average = memory["average"] + (meeting.motion - memory["average"]) * min(1.0, meeting.dt / self.average_time)
         state = {"cosine": cosine, "average": average}
 
@@ -145,10 +145,15 @@ class Exploration(nn.Module):
         """The direction plus feedback toward the level where the goal's gradient balances the strongest other."""
         for index, goals in enumerate(meeting.goals):
             if goals == {goal}:
-                rival = norms.clone()
-                rival[..., index] = 0.0
-                strength = norms[..., index] / rival.amax(-1).clamp(min=torch.finfo(norms.dtype).tiny)
+                rivals = [norms[..., other] for other in range(norms.shape[-1]) if other != index]
+                strongest = functools.reduce(torch.maximum, rivals).clamp(min=torch.finfo(norms.dtype).tiny)
+                strength = norms[..., index] / strongest
                 error = (strength - 1.0).clamp(-1.0, 1.0).unsqueeze(-1)
                 held = direction - self.escape.hold_gain * error * units[..., index, :]
                 return held / torch.linalg.vector_norm(held, dim=-1, keepdim=True)
         return direction
+
+
+def select(gradients: Tensor, index: Tensor) -> Tensor:
+    """The row ``(*B, d)`` of each stack ``(*B, n, d)`` that an index ``(*B, 1)`` names."""
+    return gradients.take_along_dim(index.unsqueeze(-1), dim=-2).squeeze(-2)

@@ -1,19 +1,19 @@
 """Kalman filtering with implicit measurements: the arithmetic behind the estimators."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Literal, cast
+from typing import Literal, NamedTuple, cast
 
 import torch
 from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError
-from aicon_torch.interconnections import Interconnection, Values
+from aicon_torch.interconnections import Interconnection, Node, Values
 
 Noise = float | Sequence[float] | Callable[..., Tensor]
 """A variance, a variance per component, or a function of quantities that returns variances ``(*B, n)``."""
 
 
-class Covariance(nn.Module):
+class Covariance(Node):
     """The covariance of a noise, constant or a function of quantities wired by its parameter names.
 
     Args:
@@ -26,7 +26,7 @@ class Covariance(nn.Module):
         self.relation = Interconnection(noise) if callable(noise) else None
         self.inputs = self.relation.inputs if self.relation else ()
         if not callable(noise):
-            variances = torch.as_tensor(noise, dtype=torch.get_default_dtype())
+            variances = torch.as_tensor(noise, dtype=torch.float64)
             if variances.dim() > 1 or (variances.dim() == 1 and len(variances) != size) or not (variances >= 0).all():
                 raise GraphError(f"noise={noise!r}: expected one variance >= 0 or {size}, one a component.")
             self.register_buffer("constant", torch.diag(variances.expand(size).clone()))
@@ -108,43 +108,48 @@ class Measurement(nn.Module):
         return residual, jacobian, noise
 
 
-class Correction:
+class Correction(NamedTuple):
     """The Kalman correction of a Gaussian by one measurement, x⁺ = x − Kν and P⁺ = P − K S Kᵀ.
 
     With S = H P Hᵀ + R and K = P Hᵀ S⁻¹; ν = h(x, z) is the implicit residual, hence the minus sign.
 
-    Args:
-        covariance: P, ``(*B, n, n)``.
+    Attributes:
         residual: ν, ``(*B, m)``.
-        jacobian: H = ∂h/∂x, ``(*B, m, n)``.
-        noise: R, ``(*B, m, m)``.
+        cross: H P, ``(*B, m, n)``.
+        spread: S, ``(*B, m, m)``.
+        gain: Kᵀ, ``(*B, m, n)``.
     """
 
-    def __init__(self, covariance: Tensor, residual: Tensor, jacobian: Tensor, noise: Tensor) -> None:
-        self.residual = residual
-        self.cross = covariance @ jacobian.mT
-        self.spread = jacobian @ self.cross + noise
-        if residual.shape[-1] == 1:
-            self.gain = self.cross / self.spread
-        else:
-            self.gain = torch.linalg.solve(self.spread, self.cross.mT).mT
+    residual: Tensor
+    cross: Tensor
+    spread: Tensor
+    gain: Tensor
+
+    @classmethod
+    def by(cls, covariance: Tensor, residual: Tensor, jacobian: Tensor, noise: Tensor) -> "Correction":
+        """The correction of P ``(*B, n, n)`` by a residual ν ``(*B, m)`` with H ``(*B, m, n)`` and R ``(*B, m, m)``."""
+        if residual.shape[-1] == 1:  # products with a row are faster than with a matrix
+            cross = (covariance * jacobian).sum(-1).unsqueeze(-2)
+            spread = (cross * jacobian).sum(-1, keepdim=True) + noise
+            return cls(residual, cross, spread, cross / spread)
+        cross = jacobian @ covariance
+        spread = cross @ jacobian.mT + noise
+        return cls(residual, cross, spread, torch.linalg.solve(spread, cross))
 
     def of_mean(self, detach_gain: bool = False) -> Tensor:
-        """−Kν, ``(*B, n)``."""
+        """Kν, ``(*B, n)``, to be subtracted."""
         gain = self.gain.detach() if detach_gain else self.gain  # stops the derivative of the gain by the state
-        if self.residual.shape[-1] == 1:
-            return -(gain.squeeze(-1) * self.residual)
-        return -(gain @ self.residual.unsqueeze(-1)).squeeze(-1)
+        return (gain * self.residual.unsqueeze(-1)).sum(-2)
 
     def of_covariance(self) -> Tensor:
-        """−K S Kᵀ = −K (P Hᵀ)ᵀ, ``(*B, n, n)``, symmetric."""
-        reduction = self.gain @ self.cross.mT
-        return -reduction if self.residual.shape[-1] == 1 else -0.5 * (reduction + reduction.mT)
+        """K S Kᵀ, ``(*B, n, n)``, symmetric, to be subtracted."""
+        if self.residual.shape[-1] == 1:
+            return self.gain.mT * self.cross
+        reduction = self.gain.mT @ self.cross
+        return 0.5 * (reduction + reduction.mT)
 
     def distance(self) -> Tensor:
         """Squared Mahalanobis distance νᵀS⁻¹ν of the residual, ``(*B,)``."""
-        if self.residual.shape[-1] == 1:
-            return (self.residual**2 / self.spread.squeeze(-1)).squeeze(-1)
         return (self.residual * torch.linalg.solve(self.spread, self.residual)).sum(-1)
 
 

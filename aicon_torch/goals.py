@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 
-from torch import Tensor, nn
+from torch import Tensor
 
-from aicon_torch.interconnections import Interconnection, Values
+from aicon_torch.interconnections import Interconnection, Node, Values
 
 
-class Goal(nn.Module):
+class Goal(Node):
     """A scalar cost g(x) on the quantities that its function names.
 
     Args:

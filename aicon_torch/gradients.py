@@ -125,11 +125,12 @@ class Sweep:
     ) -> tuple[Tensor, Memory]:
         """Let the resolution decide what leaves a quantity."""
         shape = values[name].shape
-        dims = len(self.model.quantities[name].shape)
+        quantity = self.model.quantities[name]
+        motion = values[name] if quantity.is_motion else values[name] - before[name]
         meeting = Meeting(
-            gradients=torch.stack([gradient.flatten(-dims) for gradient in gradients], dim=-2),
+            gradients=torch.stack([quantity.flatten(gradient) for gradient in gradients], dim=-2),
             goals=tuple(arrival.goals for arrival in self.arrivals[name]),
-            motion=self._motion(name, values, before),
+            motion=quantity.flatten(motion),
             costs=costs,
             displaced=lambda goal, shift: self.model.displaced_cost(goal, name, shift.reshape(shape), values),
             dt=self.model.dt,
@@ -138,12 +139,6 @@ class Sweep:
         resolved, state = self.resolution(meeting, own)
         state = {**state, "gradients": meeting.gradients}
         return resolved.reshape(shape), {f"{name}/{key}": value for key, value in state.items()}
-
-    def _motion(self, name: str, values: Mapping[str, Tensor], before: Mapping[str, Tensor]) -> Tensor:
-        """The quantity's latest motion, flattened to ``(*B, d)``."""
-        quantity = self.model.quantities[name]
-        motion = values[name] if quantity.is_motion else values[name] - before[name]
-        return motion.flatten(-len(quantity.shape))
 
 
 def _levels(model: WorldModel) -> list[list[str]]:

@@ -1,5 +1,6 @@
 """The world model: a validated, ordered graph of sensors, actuators, estimators and goals."""
 
+from functools import cache
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple, TypeVar, cast
 
@@ -42,6 +43,7 @@ class WorldModel(nn.Module):
         estimators: The estimators, in any order.
         goals: The goals.
         dt: Time step in s, which every function may read under the name ``dt``.
+        dtype: Precision of all values; by default torch's default.
 
     Raises:
         GraphError: If a name is unknown or given twice, a shape does not fit, a function does not let the leading
@@ -57,6 +59,7 @@ class WorldModel(nn.Module):
         estimators: Sequence[Estimator],
         goals: Sequence[Goal],
         dt: float = 1.0,
+        dtype: torch.dtype | None = None,
     ) -> None:
         super().__init__()
         self.sensors = dict(sensors)
@@ -68,6 +71,7 @@ class WorldModel(nn.Module):
         self.estimators = nn.ModuleList(_ordered(estimators, self.owners))
         self._goal_modules = nn.ModuleList(goals)  # registers their parameters
         self.register_buffer("_like", torch.zeros(()), persistent=False)  # tells dtype and device
+        self.to(dtype or torch.get_default_dtype())
         self._flag_optional()
         self.quantities = {name: Quantity(name, (sensor.size,)) for name, sensor in self.sensors.items()}
         self.quantities |= {name: Quantity(name, (actuator.size,), True) for name, actuator in self.actuators.items()}
@@ -75,6 +79,7 @@ class WorldModel(nn.Module):
         for estimator in self.nodes:
             for name in estimator.outputs:
                 self.quantities[name] = Quantity(name, tuple(values[name].shape[2:]), estimator.is_motion)
+        self._check_jacobians(values)
         self.edges = self._find_edges(values)
         self._check_reach()
 
@@ -160,15 +165,26 @@ class WorldModel(nn.Module):
         """
         now = self._with_dt(values)
         now[quantity] = shift if self.quantities[quantity].is_motion else values[quantity] + shift
-        moved = {quantity}
         with torch.no_grad():
-            for estimator in self.nodes:
-                for name in estimator.outputs:
-                    reads = self.edges.get(name, ()) if name not in estimator.covariances else ()
-                    if any(edge.source in moved for edge in reads):
-                        now[name] = estimator(now, name)
-                        moved.add(name)
-            return self.goals[goal](now)
+            for name in self._between(goal, quantity):
+                now[name] = self.owners[name](now, name)
+            return cast(Tensor, self.goals[goal](now))
+
+    @cache  # noqa: B019  # a model lives as long as its policy, and has few quantities
+    def _between(self, goal: str, quantity: str) -> tuple[str, ...]:
+        """The estimates, covariances excepted, by which a quantity acts on a goal, in the order of the step."""
+        moved = {quantity}
+        for node in self.nodes:
+            for name in node.outputs:
+                if name not in node.covariances and any(edge.source in moved for edge in self.edges.get(name, ())):
+                    moved.add(name)
+        needed = {edge.source for edge in self.edges[goal]}
+        for node in reversed(self.nodes):
+            for name in node.outputs:
+                if name in needed & moved - {quantity}:
+                    needed.update(edge.source for edge in self.edges[name])
+        between = needed & moved - {quantity}
+        return tuple(name for node in self.nodes for name in node.outputs if name in between)
 
     def paths(self, max_length: int | None = None) -> PathTable:
         """The table of paths from goals to actuators (Eq. 1), lazily enumerated.
@@ -251,6 +267,17 @@ class WorldModel(nn.Module):
                 raise GraphError(f"Goal {name!r} has shape {tuple(cost.shape)} for batch {batch}; expected one scalar each.")
         del values["dt"]
         return cast(dict[str, Tensor], values)
+
+    def _check_jacobians(self, values: Mapping[str, Tensor]) -> None:
+        generator = torch.Generator().manual_seed(0)
+        point = {
+            name: torch.rand(value.shape, generator=generator, dtype=value.dtype) + 0.5
+            for name, value in values.items()
+            if value.is_floating_point()
+        }
+        for estimator in self.nodes:
+            if isinstance(estimator, EKF):
+                estimator.check_jacobians(self._with_dt(values | point))
 
     def _find_edges(self, values: Mapping[str, Tensor]) -> dict[str, tuple[Edge, ...]]:
         """For each quantity and goal the quantities that its gradient goes on to, read off the autograd graph.

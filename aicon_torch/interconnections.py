@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from typing import cast
+from typing import Any, cast
 
 import torch
 from torch import Tensor, nn
@@ -26,7 +26,15 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     return tuple(name for name, p in parameters.items() if p.default is p.empty)
 
 
-class Interconnection(nn.Module):
+class Node(nn.Module):
+    """A module that is called without the hooks of :class:`torch.nn.Module`: one control step makes dozens of calls."""
+
+    def __call__(self, *inputs: Any) -> Any:
+        """What ``forward`` returns."""
+        return self.forward(*inputs)
+
+
+class Interconnection(Node):
     """A relation between quantities, called with all values of a step and reading those it is wired to.
 
     It is *explicit* where it returns a quantity (``def move(a, dt): return a * dt``) and *implicit* where it returns
@@ -50,7 +58,7 @@ class Interconnection(nn.Module):
 
     def forward(self, values: Values) -> Tensor:
         """Evaluate the relation on the values that it reads."""
-        return self.function(*(values[name] for name in self.inputs))
+        return self.function(*[values[name] for name in self.inputs])
 
     def linearize(self, values: Values, name: str, rows: int, differentiable: bool = False) -> tuple[Tensor, Tensor]:
         """Value and Jacobian with respect to one quantity.
@@ -110,7 +118,7 @@ class Affine(Interconnection):
         self.factors = {name: value for name, value in matrices.items() if not isinstance(value, Tensor)}
         for name, value in matrices.items():
             if isinstance(value, Tensor):
-                self.register_buffer(f"matrix_{name}", value.to(torch.get_default_dtype()))
+                self.register_buffer(f"matrix_{name}", value.to(torch.float64))
 
     def _matrix(self, name: str, like: Tensor) -> Tensor:
         if name in self.factors:
@@ -126,7 +134,7 @@ class Affine(Interconnection):
                 factor = self.factors[name]
                 term = value if factor == 1 else -value if factor == -1 else factor * value
             else:
-                term = (self._matrix(name, value) @ value.unsqueeze(-1)).squeeze(-1)
+                term = (self._matrix(name, value) * value.unsqueeze(-2)).sum(-1)
             total = term if total is None else total + term
         assert total is not None
         return total

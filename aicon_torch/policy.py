@@ -133,12 +133,13 @@ class Policy(nn.Module):
         """The memory with the rows that start anew, and the values with the new readings."""
         readings = self._read(observation)
         batch = next(iter(readings.values())).shape[:-1]
-        if state is None:
-            start: Tensor | None = None
+        start: Tensor | None = None
+        if state is None or episode_start is None:
+            pass
         elif isinstance(episode_start, Tensor):
             start = episode_start
         else:
-            rows = np.broadcast_to(np.asarray(False if episode_start is None else episode_start, dtype=bool), batch)
+            rows = np.broadcast_to(np.asarray(episode_start, dtype=bool), batch)
             start = torch.as_tensor(rows.copy(), device=self.model.like.device) if rows.any() else None
         readings = self._hold(readings, state, start)
         if state is None:

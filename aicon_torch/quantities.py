@@ -30,6 +30,10 @@ class Quantity:
         """Number of components, i.e. the length of a gradient with respect to this quantity."""
         return math.prod(self.shape)
 
+    def flatten(self, value: Tensor) -> Tensor:
+        """The value ``(*B, *shape)`` as vectors ``(*B, size)``."""
+        return value if len(self.shape) == 1 else value.flatten(-len(self.shape))
+
 
 @dataclass(frozen=True)
 class Sensor:

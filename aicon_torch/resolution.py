@@ -4,10 +4,11 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.exploration import Exploration
+from aicon_torch.exploration import Exploration, select
+from aicon_torch.interconnections import Node
 
 Memory = dict[str, Tensor]
 
@@ -32,7 +33,7 @@ class Meeting(NamedTuple):
     dt: float
 
 
-class Resolution(nn.Module):
+class Resolution(Node):
     """A rule from a stack of gradients ``(*B, n, d)`` to one gradient ``(*B, d)``.
 
     Attributes:
@@ -66,8 +67,8 @@ class SteepestPath(Resolution):
 
     def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
         """The longest of the gradients."""
-        steepest = torch.linalg.vector_norm(meeting.gradients, dim=-1).argmax(-1)
-        return pick(meeting.gradients, _one_hot(steepest, meeting.gradients)), memory
+        steepest = torch.linalg.vector_norm(meeting.gradients, dim=-1).argmax(-1, keepdim=True)
+        return select(meeting.gradients, steepest), memory
 
 
 class NullspaceProjection(Resolution):
@@ -121,7 +122,7 @@ class NullspaceProjection(Resolution):
         resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
         if self.exploration is None:
             return resolved, {"rank": rank}
-        explored, state = self.exploration(meeting, norms, units, weights, rank[..., 0], resolved, memory)
+        explored, state = self.exploration(meeting, norms, units, weights, rank[..., :1], resolved, memory)
         return explored, {"rank": rank, **state}
 
     def weigh(self, norms: Tensor) -> Tensor:
@@ -143,20 +144,19 @@ class NullspaceProjection(Resolution):
             The sum of the selected, mutually orthogonal gradients ``(*B, d)``, and the candidate of each rank.
         """
         ranks: list[Tensor] = []
-        total = torch.zeros_like(gradients[..., 0, :])
         depth = held.shape[-1]
         candidates = torch.arange(gradients.shape[-2], device=gradients.device)
         for rank in range(depth):
-            favour = 1.0 + self.margin * (candidates == held[..., rank, None])
-            index = (strengths * favour).argmax(-1)
-            ranks.append(index)
-            chosen = candidates == index.unsqueeze(-1)
-            top = (gradients * chosen.unsqueeze(-1)).sum(-2)
-            total = total + top
+            favour = 1.0 + self.margin * (candidates == held[..., rank : rank + 1])
+            index = (strengths * favour).argmax(-1, keepdim=True)
+            top = select(gradients, index)
+            total = total + top if rank else top
             if rank + 1 < depth:
-                gradients = self.project(top, gradients) * ~chosen.unsqueeze(-1)
+                chosen = candidates == index
+                gradients = self.project(top, gradients).masked_fill(chosen.unsqueeze(-1), 0.0)
                 strengths = torch.linalg.vector_norm(gradients, dim=-1)
-        return total, torch.stack(ranks, dim=-1)
+            ranks.append(index)
+        return total, torch.cat(ranks, dim=-1)
 
 
 def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
@@ -167,8 +167,8 @@ def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
         gradients: Those to project, ``(*B, n, d)``.
     """
     unit = top / torch.linalg.vector_norm(top, dim=-1, keepdim=True).clamp(min=torch.finfo(top.dtype).tiny)
-    along = gradients @ unit.unsqueeze(-1)
-    return gradients - along * unit.unsqueeze(-2)
+    unit = unit.unsqueeze(-2)
+    return gradients - (gradients * unit).sum(-1, keepdim=True) * unit
 
 
 def qr(top: Tensor, gradients: Tensor) -> Tensor:
@@ -195,12 +195,3 @@ PROJECTORS: dict[str, Callable[[Tensor, Tensor], Tensor]] = {
     "pinv": pinv,
     "none": keep,
 }
-
-
-def _one_hot(index: Tensor, gradients: Tensor) -> Tensor:
-    return torch.arange(gradients.shape[-2], device=index.device) == index.unsqueeze(-1)
-
-
-def pick(gradients: Tensor, chosen: Tensor) -> Tensor:
-    """The row ``(*B, d)`` of ``(*B, n, d)`` that a mask ``(*B, n)`` marks."""
-    return (gradients * chosen.unsqueeze(-1)).sum(-2)

@@ -124,7 +124,8 @@ def bearing_to_target(p_tar: Tensor, z_tar: Tensor) -> Tensor:
 
 def bearing_slope(p_tar: Tensor) -> Tensor:
     """∂bearing/∂p = (−y, x)/‖p‖², ``(*B, 1, 2)``, rad/m."""
-    return (p_tar.flip(-1) * p_tar.new_tensor((-1.0, 1.0)) / (p_tar * p_tar).sum(-1, keepdim=True)).unsqueeze(-2)
+    x, y = p_tar.unbind(-1)
+    return (torch.stack((-y, x), -1) / (p_tar * p_tar).sum(-1, keepdim=True)).unsqueeze(-2)
 
 
 def in_sight(p_tar: Tensor, z_tar: Tensor) -> Tensor:
@@ -257,7 +258,8 @@ def world_model(options: Options) -> WorldModel:
             Goal("avoid", partial(collision_likelihood, length=options.collision_length)),
         ],
         dt=options.dt,
-    ).to(options.dtype)
+        dtype=options.dtype,
+    )
 
 
 def resolution(options: Options) -> Resolution:
