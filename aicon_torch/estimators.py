@@ -25,16 +25,27 @@ class Estimator(Node):
         inputs: Names of what it reads. Its own outputs among them mean the values before the step.
         covariances: Those of its outputs that are covariances of others.
         is_motion: Whether its outputs are motions themselves (see :class:`Quantity`).
+        recursive: Whether it remembers its last values. Without, ``update`` and ``forward`` give the same value.
     """
 
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
     covariances: tuple[str, ...] = ()
     is_motion: bool = False
+    recursive: bool = True
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """Values of the outputs before the first step, from the first readings."""
         raise NotImplementedError
+
+    def prepare(self, values: Values, optional: Sequence[str], flag: str) -> None:
+        """Learn what the graph knows, once, when it is built.
+
+        Args:
+            values: A point at which to check what the user gave.
+            optional: Sensors that may be absent.
+            flag: Suffix of the name of the flag ``(*B,)`` that says whether such a sensor has a reading.
+        """
 
     def update(self, values: Values) -> dict[str, Tensor]:
         """The new values of the outputs, from the values before the step, the last action and the readings."""
@@ -58,6 +69,8 @@ class Function(Estimator):
         ...     return a * dt  # m
         >>> Function("x_rob", move, is_motion=True)
     """
+
+    recursive = False
 
     def __init__(self, name: str, function: Callable[..., Tensor], *, is_motion: bool = False) -> None:
         super().__init__()
@@ -155,7 +168,7 @@ class EKF(Estimator):
         mean, variances = initial
         self.prior, self.prior_inputs = None, ()
         self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.float64))
-        self.register_buffer("prior_covariance", Covariance(variances, len(mean)).constant)
+        self.register_buffer("prior_covariance", cast(Tensor, Covariance(variances, len(mean)).constant))
         return len(mean)
 
     def initial(self, values: Values) -> dict[str, Tensor]:
@@ -208,12 +221,14 @@ class EKF(Estimator):
     def _measurements(self) -> Sequence[Measurement]:
         return cast(Sequence[Measurement], self.measurements)
 
-    def check_jacobians(self, values: Values) -> None:
-        """Compare the Jacobians that the user gave with autograd's, at the given values.
+    def prepare(self, values: Values, optional: Sequence[str], flag: str) -> None:
+        """Note which readings may be absent, and compare the Jacobians that the user gave with autograd's.
 
         Raises:
             GraphError: If one differs.
         """
+        for measurement in self._measurements:
+            measurement.optional = tuple(name + flag for name in measurement.inputs if name in optional)
         relations = [(self.predict, self.size)] + [(m.residual, m.size) for m in self._measurements]
         for relation, rows in relations:
             for name, jacobian in relation.jacobians.items():
@@ -230,7 +245,7 @@ class EKF(Estimator):
                     )
 
     def _transition(self, values: Values, differentiable: bool = False) -> tuple[Tensor, Tensor | None]:
-        """f and F = ∂f/∂x; None stands for the identity."""
+        """The predicted mean f and F = ∂f/∂x, where None stands for the identity."""
         if isinstance(self.predict, Affine) and self.predict.factors.get(self.mean) == 1:
             return self.predict(values), None
         return self.predict.linearize(values, self.mean, self.size, differentiable)
@@ -240,7 +255,7 @@ class EKF(Estimator):
         covariance = cast(Tensor, values[self.covariance])
         if transition is not None:
             covariance = transition @ covariance @ transition.mT
-        return covariance + self.noise(values)
+        return covariance + cast(Tensor, self.noise(values))
 
 
 class Linear(EKF):

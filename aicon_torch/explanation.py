@@ -57,7 +57,8 @@ class Explanation:
     def __str__(self) -> str:
         """A few lines to read."""
         lines = [f"{name} = ({', '.join(f'{x:+.3f}' for x in value)})" for name, value in self.action.items()]
-        lines += [f"goal {n}: cost {g.cost:.4g}, predicted change {g.predicted_change:+.2g}" for n, g in self.goals.items()]
+        for name, goal in self.goals.items():
+            lines.append(f"goal {name}: cost {goal.cost:.4g}, predicted change {goal.predicted_change:+.2g}")
         for name, meeting in self.meetings.items():
             state = "exploring" if meeting.exploring else "descending"
             lines.append(f"at {name}: {state}, cosine of the strongest two {meeting.cosine:+.2f}")

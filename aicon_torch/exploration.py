@@ -69,7 +69,8 @@ class Exploration(Node):
             )
         if not ratio >= 1 or not average_time > 0:
             raise OptionError(f"ratio={ratio!r}: expected >= 1; average_time={average_time!r}: expected > 0 (s).")
-        self.enter_cosine, self.exit_cosine, self.ratio, self.average_time = enter_cosine, exit_cosine, ratio, average_time
+        self.enter_cosine, self.exit_cosine = enter_cosine, exit_cosine
+        self.ratio, self.average_time = ratio, average_time
         self.escape = escape or Escape()
 
     def initial(self, size: int) -> dict[str, Tensor]:
@@ -139,7 +140,7 @@ class Exploration(Node):
         axis = torch.arange(normal.shape[-1], device=normal.device) == normal.abs().argmin(-1, keepdim=True)
         wish = average - 1e-6 * scaled.sum(-2) + 1e-9 * axis  # the later ones decide where the earlier ones vanish
         free = wish - (wish * normal).sum(-1, keepdim=True) * normal
-        return free / torch.linalg.vector_norm(free, dim=-1, keepdim=True).clamp(min=torch.finfo(free.dtype).tiny)
+        return unit(free)
 
     def _holding(self, goal: str, direction: Tensor, meeting: Meeting, norms: Tensor, units: Tensor) -> Tensor:
         """The direction plus feedback toward the level where the goal's gradient balances the strongest other."""
@@ -150,8 +151,15 @@ class Exploration(Node):
                 strength = norms[..., index] / strongest
                 error = (strength - 1.0).clamp(-1.0, 1.0).unsqueeze(-1)
                 held = direction - self.escape.hold_gain * error * units[..., index, :]
-                return held / torch.linalg.vector_norm(held, dim=-1, keepdim=True)
+                return unit(held)
         return direction
+
+
+def unit(vectors: Tensor) -> Tensor:
+    """The vectors ``(*B, d)`` at length one; zero stays zero."""
+    norms = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
+    directions: Tensor = vectors / norms.clamp(min=torch.finfo(vectors.dtype).tiny)
+    return directions
 
 
 def select(gradients: Tensor, index: Tensor) -> Tensor:

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple, cast
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.errors import GraphError
+from aicon_torch.errors import GraphError, choices
 from aicon_torch.interconnections import Interconnection, Node, Values
 
 Noise = float | Sequence[float] | Callable[..., Tensor]
@@ -74,7 +74,7 @@ class Measurement(nn.Module):
         self.uncertain = dict(uncertain or {})
         for name in self.uncertain:
             if name not in self.residual.inputs:
-                raise GraphError(f"uncertain={self.uncertain!r}: the residual reads {self.residual.inputs}, not {name!r}.")
+                raise GraphError(f"uncertain: the residual reads {choices(self.residual.inputs)}, not {name!r}.")
         self.gate = gate
         self.gate_keeps_gradient = gate_keeps_gradient
         self.size = size
@@ -143,14 +143,14 @@ class Correction(NamedTuple):
 
     def of_covariance(self) -> Tensor:
         """K S Kᵀ, ``(*B, n, n)``, symmetric, to be subtracted."""
-        if self.residual.shape[-1] == 1:
-            return self.gain.mT * self.cross
-        reduction = self.gain.mT @ self.cross
-        return 0.5 * (reduction + reduction.mT)
+        single = self.residual.shape[-1] == 1
+        reduction: Tensor = self.gain.mT * self.cross if single else self.gain.mT @ self.cross
+        return reduction if single else (reduction + reduction.mT) / 2
 
     def distance(self) -> Tensor:
         """Squared Mahalanobis distance νᵀS⁻¹ν of the residual, ``(*B,)``."""
-        return (self.residual * torch.linalg.solve(self.spread, self.residual)).sum(-1)
+        squared: Tensor = self.residual * torch.linalg.solve(self.spread, self.residual)
+        return squared.sum(-1)
 
 
 Derivative = Literal["model", "update", "detached_gain"]

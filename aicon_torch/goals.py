@@ -1,6 +1,7 @@
 """Goals: scalar costs on quantities, in any unit; the gradient of each is followed downhill."""
 
 from collections.abc import Callable
+from typing import cast
 
 from torch import Tensor
 
@@ -28,4 +29,4 @@ class Goal(Node):
 
     def forward(self, values: Values) -> Tensor:
         """The cost, ``(*B,)``."""
-        return self.cost(values)
+        return cast(Tensor, self.cost(values))

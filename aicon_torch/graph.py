@@ -1,14 +1,14 @@
 """The world model: a validated, ordered graph of sensors, actuators, estimators and goals."""
 
-from functools import cache
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, partial
 from typing import NamedTuple, TypeVar, cast
 
 import torch
 from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices
-from aicon_torch.estimators import EKF, Estimator, Function
+from aicon_torch.estimators import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.interconnections import Values
 from aicon_torch.paths import Edge, PathTable
@@ -62,24 +62,23 @@ class WorldModel(nn.Module):
         dtype: torch.dtype | None = None,
     ) -> None:
         super().__init__()
-        self.sensors = dict(sensors)
-        self.actuators = dict(actuators)
+        self.sensors: dict[str, Sensor] = dict(sensors)
+        self.actuators: dict[str, Actuator] = dict(actuators)
         self.dt = dt
-        self.goals = {goal.name: goal for goal in goals}
-        self.owners = {name: estimator for estimator in estimators for name in estimator.outputs}
+        self.goals: dict[str, Goal] = {goal.name: goal for goal in goals}
+        self.owners: dict[str, Estimator] = {name: estimator for estimator in estimators for name in estimator.outputs}
         self._check_names(estimators, goals)
         self.estimators = nn.ModuleList(_ordered(estimators, self.owners))
         self._goal_modules = nn.ModuleList(goals)  # registers their parameters
         self.register_buffer("_like", torch.zeros(()), persistent=False)  # tells dtype and device
         self.to(dtype or torch.get_default_dtype())
-        self._flag_optional()
         self.quantities = {name: Quantity(name, (sensor.size,)) for name, sensor in self.sensors.items()}
         self.quantities |= {name: Quantity(name, (actuator.size,), True) for name, actuator in self.actuators.items()}
         values = self._probe()
         for estimator in self.nodes:
             for name in estimator.outputs:
                 self.quantities[name] = Quantity(name, tuple(values[name].shape[2:]), estimator.is_motion)
-        self._check_jacobians(values)
+        self._prepare(values)
         self.edges = self._find_edges(values)
         self._check_reach()
 
@@ -103,7 +102,7 @@ class WorldModel(nn.Module):
         values: dict[str, Tensor] = dict(readings)
         for name, actuator in self.actuators.items():
             values[name] = self.like.new_zeros(*batch, actuator.size)
-        pending = [estimator for estimator in self.nodes if not isinstance(estimator, EKF)]
+        pending = [estimator for estimator in self.nodes if not estimator.recursive]
         for estimator in self.nodes:
             for name, value in estimator.initial(self._with_dt(values)).items():
                 values[name] = value.expand((*batch, *value.shape[-2 if name in estimator.covariances else -1 :]))
@@ -124,15 +123,13 @@ class WorldModel(nn.Module):
         new = self._with_dt(values)
         tapes: Tapes = {}
         for estimator in self.nodes:
-            known = differentiable and isinstance(estimator, Function) and estimator.outputs[0] in self.edges
-            if not known:
+            recorded = [name for name in estimator.outputs if differentiable and name in self.edges]
+            if estimator.recursive or not recorded:
                 new.update(estimator.update(new))
-            if differentiable:
-                for name in estimator.outputs:
-                    if name in self.edges:
-                        tapes[name] = self._record(name, new)
-            if known:
-                new[estimator.outputs[0]] = tapes[estimator.outputs[0]].output.detach()  # a tape is one hop long
+            for name in recorded:
+                tapes[name] = self._record(name, new)
+                if not estimator.recursive:
+                    new[name] = tapes[name].output.detach()  # its value; the tape is one hop long
         if differentiable:
             tapes.update((name, self._record(name, new)) for name in self.goals)
         del new["dt"]
@@ -231,28 +228,21 @@ class WorldModel(nn.Module):
         if not self.actuators:
             raise GraphError("actuators: a model needs at least one actuator.")
         known = [*self.sensors, *self.actuators, *outputs, "dt"]
-        for node in (*estimators, *goals):
-            reader = node.outputs[0] if isinstance(node, Estimator) else node.name
+        nodes: tuple[Estimator | Goal, ...] = (*estimators, *goals)
+        for node in nodes:
+            reader = _names(node)[0]
             for name in node.inputs:
                 if name not in known:
                     raise GraphError(f"{reader!r} reads {name!r}, which is not in the graph. Known: {choices(known)}.")
-
-    def _flag_optional(self) -> None:
-        """Tell each measurement which of the sensors that it reads may be absent."""
-        for estimator in self.nodes:
-            for measurement in estimator.measurements if isinstance(estimator, EKF) else ():
-                measurement.optional = tuple(
-                    name + PRESENT for name in measurement.inputs if name in self.sensors and self.sensors[name].optional
-                )
 
     def _probe(self) -> dict[str, Tensor]:
         """One step on zeros with batch (2, 3): shapes that do not follow the batch show here."""
         batch = (2, 3)
         readings = {name: self.like.new_zeros(*batch, sensor.size) for name, sensor in self.sensors.items()}
         flags = {n + PRESENT: torch.ones(batch, dtype=torch.bool) for n, s in self.sensors.items() if s.optional}
-        values = self._with_dt(_attempt("the priors", lambda: self.initial(readings | flags, batch)))
+        values = self._with_dt(_attempt("the priors", partial(self.initial, readings | flags, batch)))
         for estimator in self.nodes:
-            updated = _attempt(repr(estimator.outputs[0]), lambda node=estimator: node.update(values))
+            updated = _attempt(repr(estimator.outputs[0]), partial(estimator.update, values))
             for name, value in updated.items():
                 before = values.get(name, value)
                 if value.shape[:2] != batch or value.shape != cast(Tensor, before).shape:
@@ -262,22 +252,25 @@ class WorldModel(nn.Module):
                     )
             values.update(updated)
         for name, goal in self.goals.items():
-            cost = _attempt(repr(name), lambda goal=goal: goal(values))
+            cost = _attempt(repr(name), partial(goal.forward, values))
             if cost.shape != batch:
-                raise GraphError(f"Goal {name!r} has shape {tuple(cost.shape)} for batch {batch}; expected one scalar each.")
+                raise GraphError(
+                    f"Goal {name!r}: expected a cost of the batch's shape {batch}, got {tuple(cost.shape)}."
+                )
         del values["dt"]
         return cast(dict[str, Tensor], values)
 
-    def _check_jacobians(self, values: Mapping[str, Tensor]) -> None:
+    def _prepare(self, values: Mapping[str, Tensor]) -> None:
+        """Let the estimators check themselves at a random point."""
         generator = torch.Generator().manual_seed(0)
         point = {
             name: torch.rand(value.shape, generator=generator, dtype=value.dtype) + 0.5
             for name, value in values.items()
             if value.is_floating_point()
         }
+        optional = [name for name, sensor in self.sensors.items() if sensor.optional]
         for estimator in self.nodes:
-            if isinstance(estimator, EKF):
-                estimator.check_jacobians(self._with_dt(values | point))
+            estimator.prepare(self._with_dt({**values, **point}), optional, PRESENT)
 
     def _find_edges(self, values: Mapping[str, Tensor]) -> dict[str, tuple[Edge, ...]]:
         """For each quantity and goal the quantities that its gradient goes on to, read off the autograd graph.
@@ -288,18 +281,19 @@ class WorldModel(nn.Module):
         now = self._with_dt(values)
         earlier = set(self.actuators)
         found: dict[str, list[str]] = {}
-        for node in (*self.nodes, *self.goals.values()):
+        nodes: tuple[Estimator | Goal, ...] = (*self.nodes, *self.goals.values())
+        for node in nodes:
             sources = [name for name in node.inputs if name in earlier]
             leaves = {name: values[name].detach().clone().requires_grad_() for name in sources}
             inputs = {**now, **leaves}
-            for name in node.outputs if isinstance(node, Estimator) else (node.name,):
+            for name in _names(node):
                 output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)
                 gradients: Sequence[Tensor | None] = [None] * len(leaves)
                 if output.requires_grad:
                     gradients = torch.autograd.grad(output.sum(), list(leaves.values()), allow_unused=True)
-                found[name] = [source for source, gradient in zip(leaves, gradients, strict=True) if gradient is not None]
+                found[name] = [source for source, slope in zip(leaves, gradients, strict=True) if slope is not None]
             if isinstance(node, Estimator):
-                earlier.update(name for name in node.outputs if found[name])
+                earlier.update(output for output in node.outputs if found[output])
         wanted = set(self.goals)
         for name in reversed(found):
             if name in wanted:
@@ -327,9 +321,9 @@ def _ordered(estimators: Sequence[Estimator], owners: Mapping[str, Estimator]) -
     def visit(estimator: Estimator, trail: tuple[Estimator, ...]) -> None:
         if estimator in trail:
             circle = trail[trail.index(estimator) :]
-            if not any(isinstance(member, EKF) for member in circle):
+            if not any(member.recursive for member in circle):
                 names = " → ".join(member.outputs[0] for member in (*circle, estimator))
-                raise GraphError(f"Functions define each other in a circle: {names}. Make one of them an EKF or Linear.")
+                raise GraphError(f"Functions define each other in a circle: {names}. Make one an EKF or Linear.")
             return
         if estimator not in done:
             for name in estimator.inputs:
@@ -341,6 +335,11 @@ def _ordered(estimators: Sequence[Estimator], owners: Mapping[str, Estimator]) -
     for estimator in estimators:
         visit(estimator, ())
     return done
+
+
+def _names(node: Estimator | Goal) -> tuple[str, ...]:
+    """The quantities that an estimator owns, or the goal."""
+    return node.outputs if isinstance(node, Estimator) else (node.name,)
 
 
 T = TypeVar("T")

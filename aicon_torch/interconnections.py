@@ -93,11 +93,12 @@ class Interconnection(Node):
                 value = self(inputs)
                 (row,) = torch.autograd.grad(value, point, torch.ones_like(value), create_graph=differentiable)
                 return value, row.unsqueeze(-2)
+            variable = point.expand(rows, *point.shape)
             copies = {key: x.expand(rows, *x.shape) if isinstance(x, Tensor) else x for key, x in inputs.items()}
-            value = self(copies)
+            value = self(copies | {name: variable})
             selector = torch.eye(rows, dtype=value.dtype, device=value.device)
             selector = selector.reshape(rows, *(1,) * (value.dim() - 2), rows).expand_as(value)
-            (jacobian,) = torch.autograd.grad(value, copies[name], selector, create_graph=differentiable)
+            (jacobian,) = torch.autograd.grad(value, variable, selector, create_graph=differentiable)
             return value[0], jacobian.movedim(0, -2)
 
 

@@ -71,7 +71,7 @@ class Policy(nn.Module):
         for name, actuator in self.model.actuators.items():
             values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
         memory = {**values, **meetings, ACTIVE: before[ACTIVE]}
-        actions = {name: values[name] for name in self.model.actuators}
+        actions: dict[str, Any] = {name: values[name] for name in self.model.actuators}
         if not any(isinstance(reading, Tensor) for reading in observation.values()):
             actions = {name: action.numpy(force=True).astype(np.float32) for name, action in actions.items()}
         return (next(iter(actions.values())) if len(actions) == 1 else actions), memory

@@ -74,7 +74,7 @@ class Actuator:
         limits = (self.limit,) if isinstance(self.limit, int | float) else tuple(self.limit)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
             raise GraphError(
-                f"Actuator limit {self.limit!r}: expected one positive number (a norm) or {self.size} (one a component)."
+                f"Actuator limit {self.limit!r}: expected one positive number (a norm) or {self.size} of them."
             )
 
     def clip(self, action: Tensor) -> Tensor:
@@ -90,6 +90,7 @@ class Actuator:
             if math.isinf(self.limit):
                 return action
             norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
-            return (action * (self.limit / norm.clamp(min=self.limit))).clamp(-self.limit, self.limit)
+            shortened: Tensor = action * (self.limit / norm.clamp(min=self.limit))
+            return shortened.clamp(-self.limit, self.limit)
         bound = action.new_tensor(tuple(self.limit))
         return torch.minimum(torch.maximum(action, -bound), bound)

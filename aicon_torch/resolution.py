@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.exploration import Exploration, select
+from aicon_torch.exploration import Exploration, select, unit
 from aicon_torch.interconnections import Node
 
 Memory = dict[str, Tensor]
@@ -117,7 +117,7 @@ class NullspaceProjection(Resolution):
     def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
         """The conflict-free sum, or the exploration that replaces it."""
         norms = torch.linalg.vector_norm(meeting.gradients, dim=-1)
-        units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny).unsqueeze(-1)
+        units = unit(meeting.gradients)
         weights = self.weigh(norms)
         resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
         if self.exploration is None:
@@ -144,13 +144,14 @@ class NullspaceProjection(Resolution):
             The sum of the selected, mutually orthogonal gradients ``(*B, d)``, and the candidate of each rank.
         """
         ranks: list[Tensor] = []
+        total = gradients.new_zeros(())
         depth = held.shape[-1]
         candidates = torch.arange(gradients.shape[-2], device=gradients.device)
         for rank in range(depth):
             favour = 1.0 + self.margin * (candidates == held[..., rank : rank + 1])
             index = (strengths * favour).argmax(-1, keepdim=True)
             top = select(gradients, index)
-            total = total + top if rank else top
+            total = total + top
             if rank + 1 < depth:
                 chosen = candidates == index
                 gradients = self.project(top, gradients).masked_fill(chosen.unsqueeze(-1), 0.0)
@@ -166,22 +167,24 @@ def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
         top: The gradient of higher priority, ``(*B, d)``.
         gradients: Those to project, ``(*B, n, d)``.
     """
-    unit = top / torch.linalg.vector_norm(top, dim=-1, keepdim=True).clamp(min=torch.finfo(top.dtype).tiny)
-    unit = unit.unsqueeze(-2)
-    return gradients - (gradients * unit).sum(-1, keepdim=True) * unit
+    direction = unit(top).unsqueeze(-2)
+    projected: Tensor = gradients - (gradients * direction).sum(-1, keepdim=True) * direction
+    return projected
 
 
 def qr(top: Tensor, gradients: Tensor) -> Tensor:
     """(I − QQᵀ) ∇ with Jᵀ = QR (Eq. 7); a gradient that is zero takes nothing away."""
     q = torch.linalg.qr(top.unsqueeze(-1)).Q
     q = q * (top != 0).any(-1)[..., None, None]
-    return gradients - (gradients @ q) @ q.mT
+    projected: Tensor = gradients - (gradients @ q) @ q.mT
+    return projected
 
 
 def pinv(top: Tensor, gradients: Tensor) -> Tensor:
     """(I − J⁺J) ∇ (Eq. 6)."""
     jacobian = top.unsqueeze(-2)
-    return gradients - (gradients @ torch.linalg.pinv(jacobian)) @ jacobian
+    projected: Tensor = gradients - (gradients @ torch.linalg.pinv(jacobian)) @ jacobian
+    return projected
 
 
 def keep(top: Tensor, gradients: Tensor) -> Tensor:

@@ -14,7 +14,7 @@ DT, SPEED, LENGTH = 0.05, 0.5, 0.04
 
 
 class State(NamedTuple):
-    """Target (mean, covariance), obstacle (mean, covariance), action, ranks, exploring, motion average, displacement."""
+    """Beliefs of target and obstacle, action, ranks, exploring, motion average, displacement since the conflict."""
 
     target: Tensor
     target_cov: Tensor

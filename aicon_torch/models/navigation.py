@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import torch
 from torch import Tensor
@@ -133,7 +133,8 @@ def in_sight(p_tar: Tensor, z_tar: Tensor) -> Tensor:
     direction = torch.cat((torch.cos(z_tar), torch.sin(z_tar)), dim=-1)
     ahead = (p_tar * direction).sum(-1, keepdim=True)
     norm = torch.linalg.vector_norm(p_tar, dim=-1, keepdim=True)
-    return p_tar * (torch.copysign(norm.clamp(min=0.1), ahead) / norm.clamp(min=1e-9))
+    turned: Tensor = p_tar * (torch.copysign(norm.clamp(min=0.1), ahead) / norm.clamp(min=1e-9))
+    return turned
 
 
 def seen_at(z_tar: Tensor, prior_range: float = 5.0, across: float = 0.15, along: float = 3.0) -> tuple[Tensor, Tensor]:
@@ -166,14 +167,14 @@ def slide_slope(x_rob: Tensor) -> Tensor:
 
 
 def felt_at(z_obs: Tensor, noise: float = 0.01) -> tuple[Tensor, Tensor]:
-    """The obstacle's prior: the first reading as clearance, no idea of its direction, ``(*B, 3)`` and ``(*B, 3, 3)``."""
+    """The obstacle's prior, ``(*B, 3)`` and ``(3, 3)``: the first reading as clearance, no idea of its direction."""
     mean = torch.cat((z_obs, torch.zeros_like(z_obs), torch.zeros_like(z_obs)), dim=-1)
     return mean, torch.diag(z_obs.new_tensor((noise**2, 0.5, 0.5)))
 
 
 def unit_slope(x_obs: Tensor) -> Tensor:
     """A clearance grows by one metre a metre: |∇d| − 1, ``(*B, 1)``."""
-    return torch.linalg.vector_norm(x_obs[..., 1:], dim=-1, keepdim=True) - 1.0
+    return cast(Tensor, torch.linalg.vector_norm(x_obs[..., 1:], dim=-1, keepdim=True) - 1.0)
 
 
 def unit_slope_slope(x_obs: Tensor) -> Tensor:
@@ -188,9 +189,9 @@ def away_from_obstacle(x_obs: Tensor, z_dir: Tensor) -> Tensor:
     return x_obs[..., 1:] + torch.cat((torch.cos(z_dir), torch.sin(z_dir)), dim=-1)
 
 
-def expected_distance(p_tar: Tensor, P_tar: Tensor) -> Tensor:  # noqa: N803  # the paper's P is a matrix
+def expected_distance(p_tar: Tensor, P_tar: Tensor) -> Tensor:
     """g₁ = ‖μ_tar‖ + tr Σ_tar, ``(*B,)``."""
-    return torch.linalg.vector_norm(p_tar, dim=-1) + P_tar.diagonal(dim1=-2, dim2=-1).sum(-1)
+    return cast(Tensor, torch.linalg.vector_norm(p_tar, dim=-1) + P_tar.diagonal(dim1=-2, dim2=-1).sum(-1))
 
 
 def collision_likelihood(x_obs: Tensor, length: float = 0.04) -> Tensor:
@@ -275,9 +276,7 @@ def resolution(options: Options) -> Resolution:
         hold="avoid" if options.hold_level else None,
         along="avoid" if options.along_obstacle else None,
     )
-    exploration = Exploration(
-        options.enter_cosine, options.exit_cosine, options.ratio, options.average_time, escape
-    )
+    exploration = Exploration(options.enter_cosine, options.exit_cosine, options.ratio, options.average_time, escape)
     return NullspaceProjection(
         options.temperature,
         options.margin,

@@ -1,0 +1,5 @@
+"""The one error of this package that a user can cause and mend."""
+
+
+class ComparisonError(ValueError):
+    """A comparison was asked for something that does not exist or does not fit; the message says what would."""

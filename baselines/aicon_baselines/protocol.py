@@ -1,0 +1,30 @@
+"""What a policy has to offer to be compared."""
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Predictor(Protocol):
+    """Anything with the `predict` of stable-baselines3; B is the number of episodes stepped as one batch."""
+
+    def predict(
+        self,
+        observation: dict[str, NDArray[Any]],
+        state: Any = None,
+        episode_start: NDArray[np.bool_] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Any, Any]:
+        """Choose the next actions.
+
+        Args:
+            observation: One array (B, n) per sensor, in the units of the environment.
+            state: What the previous call returned second; None before the first step.
+            episode_start: (B,), true where an episode begins, so that its part of `state` is forgotten.
+            deterministic: Whether to take the action without sampling.
+
+        Returns:
+            The actions (B, m) in the units of the environment, and the state for the next call.
+        """
+        ...

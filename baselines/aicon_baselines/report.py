@@ -1,0 +1,18 @@
+"""The results of a run folder: `summary.json`, `success_curve.png` and a table."""
+
+import json
+from dataclasses import asdict
+
+from aicon_baselines.curves import draw_success_curves
+from aicon_baselines.runs import RunFolder
+from aicon_baselines.summary import summarize, to_table
+
+
+def write_report(folder: RunFolder) -> str:
+    """Write `summary.json` and `success_curve.png` into the folder and return the table, in Markdown."""
+    rows, config = folder.rows(), folder.config
+    summaries = summarize(rows)
+    content = {"config": asdict(config), "summaries": [asdict(summary) for summary in summaries]}
+    (folder.path / "summary.json").write_text(json.dumps(content, indent=2) + "\n")
+    draw_success_curves(rows, config.time_step, config.horizon, folder.path / "success_curve.png")
+    return to_table(summaries, config.time_step)

@@ -1,0 +1,68 @@
+"""What an evaluation task is: how a seed becomes an episode, and how episodes become a batch."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import VectorEnv
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One episode, the same for every policy.
+
+    Attributes:
+        seed: Chooses the class of map and the map itself.
+        repeat: Tells apart the noise of several runs on the same map.
+        map: Name of the class of map.
+    """
+
+    seed: int
+    repeat: int
+    map: str
+
+    @property
+    def noise_seed(self) -> int:
+        """Seed of the environment's noise, one per (seed, repeat)."""
+        return int(np.random.SeedSequence([self.seed, self.repeat]).generate_state(1)[0])
+
+
+@dataclass(frozen=True)
+class Task:
+    """An evaluation task.
+
+    Attributes:
+        name: Name of the task, also that of its policies.
+        time_step: Duration of one control step, s.
+        horizon: Steps after which an episode ends without success.
+        chunk_size: Number of episodes stepped as one batch; a constant, see `chunk`.
+        maps: Slots of map classes; seed s plays `maps[s % len(maps)]`.
+        conditions: Names of the variants of the environment, the usual one first.
+        make_env: Builds the environment from (number of episodes, condition, horizon in steps). It must leave ended
+            episodes alone (autoreset disabled) and report `position` (B, 2), m, `distance` (B,), m, `is_success` (B,)
+            and `collision` (B,) in `info`.
+        reset_options: The `options` of the environment's `reset` that select these episodes.
+        shortest_path_length: Length of the shortest collision-free path of an episode, m.
+    """
+
+    name: str
+    time_step: float
+    horizon: int
+    chunk_size: int
+    maps: tuple[str, ...]
+    conditions: tuple[str, ...]
+    make_env: Callable[[int, str, int], VectorEnv[Any, Any, Any]]
+    reset_options: Callable[[Sequence[Episode]], dict[str, Any]]
+    shortest_path_length: Callable[[Episode], float]
+
+    def chunk(self, index: int, repeat: int) -> list[Episode]:
+        """List the episodes of seeds [index * chunk_size, (index + 1) * chunk_size), which are stepped together.
+
+        The last bits of a batched computation depend on the size of the batch, and closed loops among obstacles
+        amplify them. So a chunk is always complete and starts at a multiple of its size, also when only some of its
+        seeds were asked for: an episode has the same neighbours, hence the same row, in every run.
+        """
+        first = index * self.chunk_size
+        seeds = range(first, first + self.chunk_size)
+        return [Episode(seed, repeat, self.maps[seed % len(self.maps)]) for seed in seeds]

@@ -1,0 +1,16 @@
+"""The evaluation tasks, by name."""
+
+from importlib import import_module
+
+from aicon_baselines.errors import ComparisonError
+from aicon_baselines.task import Task
+
+_MODULES = {"nav2d": "aicon_baselines.nav2d"}
+
+
+def load(name: str) -> Task:
+    """Return the task of this name, importing its environment; an unknown name is an error that lists the names."""
+    if name not in _MODULES:
+        raise ComparisonError(f"unknown task {name!r}; valid tasks: {', '.join(_MODULES)}")
+    task: Task = import_module(_MODULES[name]).TASK
+    return task

@@ -1,0 +1,74 @@
+"""Compare policies on the episodes of a task: one row per episode, a summary and the success over time.
+
+Example: python scripts/compare.py --task nav2d --policies aicon steepest --episodes 100 --jobs 2 --out runs/nav2d
+
+The same command goes on where a stopped run was; another one with other policies adds them to the same folder.
+"""
+
+import argparse
+import os
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded, here and in the workers
+
+from aicon_baselines import ComparisonError  # noqa: E402
+from aicon_baselines.backends import BACKENDS  # noqa: E402
+from aicon_baselines.compare import compare  # noqa: E402
+from aicon_baselines.config import configure  # noqa: E402
+from aicon_baselines.policies import factory  # noqa: E402
+from aicon_baselines.report import write_report  # noqa: E402
+from aicon_baselines.runs import RunFolder  # noqa: E402
+from aicon_baselines.tasks import load  # noqa: E402
+
+
+def main() -> None:
+    """Parse the arguments, run what is missing, save and print the results."""
+    parser = _parser()
+    arguments = parser.parse_args()
+    try:
+        table = _run(arguments)
+    except ComparisonError as error:
+        parser.error(str(error))
+    except KeyboardInterrupt:
+        parser.exit(130, "\nstopped; the same command goes on from here\n")
+    print(table)
+    print(f"\nsaved in {arguments.out}: episodes.csv, summary.json, success_curve.png")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--task", required=True, help="name of the task, such as nav2d")
+    parser.add_argument("--policies", nargs="+", required=True, metavar="NAME", help="policies to compare")
+    parser.add_argument("--episodes", type=int, default=100, help="seeds, per condition and repeat (default: 100)")
+    parser.add_argument("--seed", type=int, default=0, help="first seed (default: 0)")
+    parser.add_argument("--repeats", type=int, default=1, help="runs of each seed with other noise (default: 1)")
+    parser.add_argument("--conditions", nargs="+", metavar="NAME", help="variants of the task (default: the first)")
+    parser.add_argument("--maps", nargs="+", metavar="NAME", help="classes of maps (default: all)")
+    parser.add_argument("--horizon", type=int, metavar="STEPS", help="limit of an episode (default: the task's)")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the results")
+    parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
+    parser.add_argument("--backend", choices=BACKENDS, default="loky", help="where they run (default: loky)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="a running dask scheduler, for --backend dask")
+    return parser
+
+
+def _run(arguments: argparse.Namespace) -> str:
+    """Run what is missing in the folder and return the table of results."""
+    task = load(arguments.task)
+    policies = {name: factory(task.name, name) for name in arguments.policies}
+    config = configure(
+        task,
+        seed=arguments.seed,
+        episodes=arguments.episodes,
+        repeats=arguments.repeats,
+        conditions=arguments.conditions,
+        maps=arguments.maps,
+        horizon=arguments.horizon,
+    )
+    folder = RunFolder(arguments.out, config)
+    compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
+    return write_report(folder)
+
+
+if __name__ == "__main__":
+    main()
