@@ -72,9 +72,9 @@ class Function(Estimator):
 
     recursive = False
 
-    def __init__(self, name: str, function: Callable[..., Tensor], *, is_motion: bool = False) -> None:
+    def __init__(self, name: str, function: Callable[..., Tensor] | Interconnection, *, is_motion: bool = False) -> None:
         super().__init__()
-        self.relation = function if isinstance(function, Interconnection) else Interconnection(function)
+        self.relation = Interconnection.of(function)
         self.outputs = (name,)
         self.inputs = self.relation.inputs
         if name in self.inputs:
@@ -133,7 +133,7 @@ class EKF(Estimator):
     ) -> None:
         super().__init__()
         self.mean, self.covariance = mean, covariance
-        self.predict = predict if isinstance(predict, Interconnection) else Interconnection(predict)
+        self.predict = Interconnection.of(predict)
         if mean not in self.predict.inputs:
             raise GraphError(f"predict of {mean!r} reads {choices(self.predict.inputs)}; it must read {mean!r}.")
         self.size = self._prior(initial, size)
@@ -143,7 +143,7 @@ class EKF(Estimator):
             if mean not in measurement.residual.inputs:
                 reads = choices(measurement.residual.inputs)
                 raise GraphError(f"A measurement of {mean!r} reads {reads}; it must read {mean!r}.")
-        self.constrain = Interconnection(constrain) if constrain else None
+        self.constrain = Interconnection.of(constrain) if constrain else None
         if derivative not in ("model", "update", "detached_gain"):
             raise GraphError(f"derivative={derivative!r}: expected 'model', 'update' or 'detached_gain'.")
         self.derivative: Derivative = derivative

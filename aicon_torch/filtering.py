@@ -69,7 +69,7 @@ class Measurement(nn.Module):
         size: int = 1,
     ) -> None:
         super().__init__()
-        self.residual = function if isinstance(function, Interconnection) else Interconnection(function)
+        self.residual = Interconnection.of(function)
         self.noise = Covariance(noise, size)
         self.uncertain = dict(uncertain or {})
         for name in self.uncertain:

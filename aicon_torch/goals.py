@@ -21,10 +21,10 @@ class Goal(Node):
         >>> Goal("reach", expected_distance)
     """
 
-    def __init__(self, name: str, cost: Callable[..., Tensor]) -> None:
+    def __init__(self, name: str, cost: Callable[..., Tensor] | Interconnection) -> None:
         super().__init__()
         self.name = name
-        self.cost = Interconnection(cost)
+        self.cost = Interconnection.of(cost)
         self.inputs = self.cost.inputs
 
     def forward(self, values: Values) -> Tensor:

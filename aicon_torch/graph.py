@@ -223,6 +223,8 @@ class WorldModel(nn.Module):
         for name in names:
             if names.count(name) > 1:
                 raise GraphError(f"{name!r} is declared {names.count(name)} times; each name stands for one thing.")
+        if not self.sensors:
+            raise GraphError("sensors: a model needs at least one sensor.")
         if not goals:
             raise GraphError("goals: a model needs at least one goal.")
         if not self.actuators:

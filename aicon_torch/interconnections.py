@@ -1,7 +1,7 @@
 """Interconnections: differentiable relations between quantities, wired by the parameter names of a function."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
 import torch
@@ -42,19 +42,27 @@ class Interconnection(Node):
 
     Args:
         function: A function or module over tensors ``(*B, …)``; leading dimensions must be free.
+        inputs: Names of what it reads, one a parameter, where they differ from the parameters' names.
         **jacobians: For a quantity that the function reads, a function that returns ∂function/∂quantity
             ``(*B, m, n)``. Without one, autograd differentiates; with one, a step is faster. A world model checks them
             against autograd when it is built.
     """
 
-    def __init__(self, function: Callable[..., Tensor], **jacobians: Callable[..., Tensor]) -> None:
+    def __init__(
+        self, function: Callable[..., Tensor], inputs: Sequence[str] | None = None, **jacobians: Callable[..., Tensor]
+    ) -> None:
         super().__init__()
         self.function = function
-        self.inputs = wiring(function)
+        self.inputs = wiring(function) if inputs is None else tuple(inputs)
         for name in jacobians:
             if name not in self.inputs:
                 raise GraphError(f"Jacobian by {name!r}: the function reads {choices(self.inputs)}.")
         self.jacobians = nn.ModuleDict({name: Interconnection(jacobian) for name, jacobian in jacobians.items()})
+
+    @classmethod
+    def of(cls, function: "Callable[..., Tensor] | Interconnection") -> "Interconnection":
+        """The function as an interconnection; one that is one stays what it is."""
+        return function if isinstance(function, Interconnection) else cls(function)
 
     def forward(self, values: Values) -> Tensor:
         """Evaluate the relation on the values that it reads."""

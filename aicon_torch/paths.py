@@ -49,15 +49,19 @@ class PathTable:
             yield from self._walk(goal, (goal,))
 
     def __len__(self) -> int:
+        """Number of paths, as far as Python's ``len`` counts."""
+        return self.count()
+
+    def count(self) -> int:
         """Number of paths, counted along the edges without enumerating them."""
         if self._max_length is not None:
             return sum(1 for _ in self)
 
         @cache
-        def count(name: str) -> int:
-            return 1 if name in self._actuators else sum(count(edge.source) for edge in self._edges[name])
+        def below(name: str) -> int:
+            return 1 if name in self._actuators else sum(below(edge.source) for edge in self._edges[name])
 
-        return sum(count(goal) for goal in self._goals)
+        return sum(below(goal) for goal in self._goals)
 
     def __str__(self) -> str:
         """One path a line."""

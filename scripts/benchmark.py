@@ -1,0 +1,171 @@
+"""Time one control step on one thread, side by side with the same law written by hand in plain torch.
+
+Example: python scripts/benchmark.py --out runs/benchmark
+
+Times of two programs are taken in turns, so a noisy machine slows both; what counts is the ratio and its spread.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded
+
+import plain_navigation  # noqa: E402
+import torch  # noqa: E402
+from torch import Tensor  # noqa: E402
+from tqdm import tqdm  # noqa: E402
+
+from aicon_torch import (  # noqa: E402
+    ActionLaw,
+    Actuator,
+    Function,
+    Goal,
+    Interconnection,
+    Policy,
+    Sensor,
+    Sum,
+    WorldModel,
+    make_policy,
+)
+
+Step = Callable[[], None]
+
+
+def main() -> None:
+    """Parse the arguments, measure, print and save."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=60, help="rounds in which the programs take turns (default: 60)")
+    parser.add_argument("--steps", type=int, default=20, help="steps of each program a round (default: 20)")
+    parser.add_argument("--out", type=Path, help="folder for benchmark.json")
+    arguments = parser.parse_args()
+    torch.set_num_threads(1)
+    results = {
+        "navigation": navigation(arguments.rounds, arguments.steps),
+        "ladder": ladder(arguments.rounds, arguments.steps),
+    }
+    print("\none navigation step, one thread, ms: median (5 % to 95 %)")
+    for name, times in results["navigation"]["times"].items():
+        print(f"  {name:44} {_spread(times, 1e3)}")
+    print("ratios, taken round by round")
+    for name, ratios in results["navigation"]["ratios"].items():
+        print(f"  {name:44} {_spread(ratios)}")
+    print("a ladder whose paths double with every rung")
+    for row in results["ladder"]:
+        per_edge = _spread([1e6 * t / row["edges"] for t in row["times"]])
+        print(f"  {row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths: {per_edge} µs an edge")
+    if arguments.out:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        path = arguments.out / "benchmark.json"
+        path.write_text(json.dumps(results, indent=2) + "\n")
+        print(f"\nsaved in {path}")
+
+
+def navigation(rounds: int, steps: int) -> dict[str, Any]:
+    """The library's navigation step and the hand-written one, at batch 1 and 256."""
+    programs: dict[str, Step] = {}
+    for batch in (1, 256):
+        programs[f"library, batch {batch}"] = _library(batch)
+        programs[f"by hand, autograd along each path, batch {batch}"] = _by_hand(batch, closed_form=False)
+        programs[f"by hand, all in closed form, batch {batch}"] = _by_hand(batch, closed_form=True)
+    times = _take_turns(programs, rounds, steps, "navigation")
+    ratios = {
+        f"{first} / {second}": [a / b for a, b in zip(times[first], times[second], strict=True)]
+        for first, second in (
+            ("library, batch 1", "by hand, autograd along each path, batch 1"),
+            ("library, batch 1", "by hand, all in closed form, batch 1"),
+            ("library, batch 256", "library, batch 1"),
+        )
+    }
+    return {"times": times, "ratios": ratios}
+
+
+def ladder(rounds: int, steps: int) -> list[dict[str, Any]]:
+    """Steps of graphs in which every rung reads both sides of the one below it."""
+    models = {rungs: _ladder(rungs) for rungs in (4, 8, 16, 32, 64)}
+    programs: dict[str, Step] = {str(rungs): _stepper(policy, {"z": torch.zeros(1)}) for rungs, policy in models.items()}
+    times = _take_turns(programs, max(1, rounds // 6), max(1, steps // 4), "ladder")
+    return [
+        {
+            "rungs": rungs,
+            "edges": sum(len(edges) for edges in policy.model.edges.values()),
+            "paths": policy.model.paths().count(),
+            "times": times[str(rungs)],
+        }
+        for rungs, policy in models.items()
+    ]
+
+
+def _library(batch: int) -> Step:
+    observation = {"bearing": torch.zeros(batch, 1), "range": torch.full((batch, 1), 0.15)}
+    return _stepper(make_policy("nav2d"), observation)
+
+
+def _by_hand(batch: int, closed_form: bool) -> Step:
+    bearing = torch.zeros(batch, 1, dtype=torch.float64)
+    clearance = torch.full((batch, 1), 0.15, dtype=torch.float64)
+    state = plain_navigation.begin(bearing, clearance)
+
+    def step() -> None:
+        nonlocal state
+        state = plain_navigation.step(state, bearing, clearance, closed_form)
+
+    return step
+
+
+def _ladder(rungs: int) -> Policy:
+    estimators = [Function("u0", Interconnection(torch.sin, ["a"])), Function("v0", Interconnection(torch.cos, ["a"]))]
+    for rung in range(1, rungs):
+        below = (f"u{rung - 1}", f"v{rung - 1}")
+        estimators += [Function(f"{side}{rung}", Interconnection(_blend, below)) for side in "uv"]
+    goal = Goal("rest", Interconnection(_distance, [f"u{rungs - 1}", f"v{rungs - 1}"]))
+    actuators, sensors = {"a": Actuator(2, "m/s", limit=1.0)}, {"z": Sensor(1, "m")}
+    model = WorldModel(sensors=sensors, actuators=actuators, estimators=estimators, goals=[goal])
+    return Policy(model, Sum(), ActionLaw(gain=1.0))
+
+
+def _blend(u: Tensor, v: Tensor) -> Tensor:
+    return torch.sin(u + v)
+
+
+def _distance(u: Tensor, v: Tensor) -> Tensor:
+    return torch.linalg.vector_norm(u - v, dim=-1)
+
+
+def _stepper(policy: Policy, observation: dict[str, Tensor]) -> Step:
+    memory = policy.predict(observation)[1]
+
+    def step() -> None:
+        nonlocal memory
+        _, memory = policy.predict(observation, memory)
+
+    return step
+
+
+def _take_turns(programs: dict[str, Step], rounds: int, steps: int, name: str) -> dict[str, list[float]]:
+    """Mean seconds per step in each round, for each program."""
+    for step in programs.values():
+        for _ in range(steps):
+            step()
+    times: dict[str, list[float]] = {program: [] for program in programs}
+    for _ in tqdm(range(rounds), desc=name, disable=None):
+        for program, step in programs.items():
+            start = time.perf_counter()
+            for _ in range(steps):
+                step()
+            times[program].append((time.perf_counter() - start) / steps)
+    return times
+
+
+def _spread(values: list[float], factor: float = 1.0) -> str:
+    cuts = statistics.quantiles([value * factor for value in values], n=20, method="inclusive")
+    return f"{statistics.median(values) * factor:.3g} ({cuts[0]:.3g} to {cuts[-1]:.3g})"
+
+
+if __name__ == "__main__":
+    main()
