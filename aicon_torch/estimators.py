@@ -72,7 +72,9 @@ class Function(Estimator):
 
     recursive = False
 
-    def __init__(self, name: str, function: Callable[..., Tensor] | Interconnection, *, is_motion: bool = False) -> None:
+    def __init__(
+        self, name: str, function: Callable[..., Tensor] | Interconnection, *, is_motion: bool = False
+    ) -> None:
         super().__init__()
         self.relation = Interconnection.of(function)
         self.outputs = (name,)
@@ -87,7 +89,7 @@ class Function(Estimator):
 
     def update(self, values: Values) -> dict[str, Tensor]:
         """The value ``(*B, n)``."""
-        return {self.outputs[0]: self.relation(values).detach()}  # the next estimator starts from a leaf of its own
+        return {self.outputs[0]: self.relation(values)}
 
     def forward(self, values: Values, output: str) -> Tensor:
         """The value, differentiable."""
@@ -182,12 +184,12 @@ class EKF(Estimator):
     def update(self, values: Values) -> dict[str, Tensor]:
         """Predict and correct; readings that are NaN or beyond the gate are left out, row by row."""
         predicted, transition = self._transition(values)
-        mean = predicted.detach()  # the belief is a value: what shapes the action is ``forward``
+        mean = predicted
         covariance = self._propagate(values, transition)
         for measurement in self._measurements:
             now = {**values, self.mean: mean, self.covariance: covariance}
             residual, jacobian, noise = measurement.innovation(now, self.mean)
-            step = Correction.by(covariance, residual.detach(), jacobian, noise)  # a residual's value, not its graph
+            step = Correction.by(covariance, residual, jacobian, noise)
             change, shrink = step.of_mean(), step.of_covariance()
             accepted = measurement.accepted(values, step.distance)
             if accepted is not None:
@@ -228,6 +230,12 @@ class EKF(Estimator):
             GraphError: If one differs.
         """
         for measurement in self._measurements:
+            shape = tuple(measurement.residual(values).shape)
+            if shape[-1] != measurement.size:
+                raise GraphError(
+                    f"A measurement of {self.mean!r} by {choices(measurement.residual.inputs)} has a residual of "
+                    f"{shape[-1]} components; expected size={measurement.size}."
+                )
             measurement.optional = tuple(name + flag for name in measurement.inputs if name in optional)
         relations = [(self.predict, self.size)] + [(m.residual, m.size) for m in self._measurements]
         for relation, rows in relations:

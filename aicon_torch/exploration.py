@@ -37,6 +37,11 @@ class Escape:
     hold_gain: float = 3.0
     along: str | None = None
 
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """The goals that it names."""
+        return tuple(goal for goal in (self.progress, self.hold, self.along) if goal is not None)
+
 
 class Exploration(Node):
     """Conflict detection and nullspace exploration (Sect. "Escaping Local Minima").
@@ -156,9 +161,9 @@ class Exploration(Node):
 
 
 def unit(vectors: Tensor) -> Tensor:
-    """The vectors ``(*B, d)`` at length one; zero stays zero."""
+    """The vectors ``(*B, d)`` at length one; those too short to be squared go to zero."""
     norms = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
-    directions: Tensor = vectors / norms.clamp(min=torch.finfo(vectors.dtype).tiny)
+    directions: Tensor = vectors / norms.clamp(min=torch.finfo(vectors.dtype).tiny ** 0.5)
     return directions
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
+from aicon_torch.errors import OptionError, choices
 from aicon_torch.graph import Tapes, WorldModel
 from aicon_torch.resolution import Meeting, Memory, Resolution
 
@@ -39,6 +40,9 @@ class Sweep:
     """
 
     def __init__(self, model: WorldModel, resolution: Resolution) -> None:
+        for goal in resolution.goals:
+            if goal not in model.goals:
+                raise OptionError(f"The resolution names the goal {goal!r}. Goals: {choices(model.goals)}.")
         self.model, self.resolution = model, resolution
         self.levels = _levels(model)
         self.arrivals: dict[str, list[Arrival]] = {}
@@ -49,6 +53,8 @@ class Sweep:
                 for name in names:
                     for edge in model.edges[name]:
                         self.arrivals.setdefault(edge.source, []).append(leaving[name][names[name]])
+
+        self.remembered = {name: tuple(self._initial(name)) for name in self.arrivals if self.meets(name)}
 
     def _leaving(self, name: str) -> list[Arrival]:
         here = self.arrivals[name]
@@ -63,14 +69,11 @@ class Sweep:
 
     def initial(self) -> Memory:
         """What is remembered of every meeting before the first step, without batch dimensions."""
-        memory: Memory = {}
-        for name, arrivals in self.arrivals.items():
-            if self.meets(name):
-                size = self.model.quantities[name].size
-                state = self.resolution.initial(len(arrivals), size)
-                state["gradients"] = torch.zeros(len(arrivals), size)
-                memory |= {f"{name}/{key}": value for key, value in state.items()}
-        return memory
+        return {f"{name}/{key}": value for name in self.remembered for key, value in self._initial(name).items()}
+
+    def _initial(self, name: str) -> Memory:
+        candidates, size = len(self.arrivals[name]), self.model.quantities[name].size
+        return {**self.resolution.initial(candidates, size), "gradients": torch.zeros(candidates, size)}
 
     def __call__(
         self, tapes: Tapes, values: Mapping[str, Tensor], before: Mapping[str, Tensor], active: Tensor
@@ -87,23 +90,25 @@ class Sweep:
             The gradient at each actuator ``(*B, size)``, and the new state of every meeting.
         """
         costs = {name: tapes[name].output.detach() for name in self.model.goals}  # as numbers, to compare over time
-        leaving = {name: [factor] for name, factor in zip(self.model.goals, active.unbind(-1), strict=True)}
         arrived: dict[str, list[Tensor]] = {name: [] for name in self.arrivals}
+        arrived |= {name: [factor] for name, factor in zip(self.model.goals, active.unbind(-1), strict=True)}
         memory: Memory = {}
-        for level in (*self.levels, self.model.actuators):
-            for name in level:
-                if self.meets(name):
-                    resolved, state = self._resolve(name, arrived[name], values, before, costs)
-                    leaving[name] = [resolved]
-                    memory |= state
-                elif name in arrived:
-                    leaving[name] = arrived[name]
-            for names in _rounds(level, leaving) if level is not self.model.actuators else ():
-                pulled = iter(self._pull(tapes, {name: leaving[name][turn] for name, turn in names.items()}))
+
+        def leaving(name: str) -> list[Tensor]:
+            if not self.meets(name):
+                return arrived[name]
+            resolved, state = self._resolve(name, arrived[name], values, before, costs)
+            memory.update(state)
+            return [resolved]
+
+        for level in self.levels:
+            gradients = {name: leaving(name) for name in level}
+            for names in _rounds(level, gradients):
+                pulled = iter(self._pull(tapes, {name: gradients[name][turn] for name, turn in names.items()}))
                 for name in names:
                     for edge in self.model.edges[name]:
                         arrived[edge.source].append(next(pulled))
-        return {name: leaving[name][0] for name in self.model.actuators}, memory
+        return {name: leaving(name)[0] for name in self.model.actuators}, memory
 
     @staticmethod
     def _pull(tapes: Tapes, gradients: Mapping[str, Tensor]) -> tuple[Tensor, ...]:
@@ -135,7 +140,7 @@ class Sweep:
             displaced=lambda goal, shift: self.model.displaced_cost(goal, name, shift.reshape(shape), values),
             dt=self.model.dt,
         )
-        own = {key.removeprefix(f"{name}/"): value for key, value in before.items() if key.startswith(f"{name}/")}
+        own = {key: before[f"{name}/{key}"] for key in self.remembered[name]}
         resolved, state = self.resolution(meeting, own)
         state = {**state, "gradients": meeting.gradients}
         return resolved.reshape(shape), {f"{name}/{key}": value for key, value in state.items()}

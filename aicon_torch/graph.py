@@ -80,6 +80,7 @@ class WorldModel(nn.Module):
                 self.quantities[name] = Quantity(name, tuple(values[name].shape[2:]), estimator.is_motion)
         self._prepare(values)
         self.edges = self._find_edges(values)
+        self._final = self._find_final()
         self._check_reach()
 
     @property
@@ -123,15 +124,16 @@ class WorldModel(nn.Module):
         new = self._with_dt(values)
         tapes: Tapes = {}
         for estimator in self.nodes:
-            recorded = [name for name in estimator.outputs if differentiable and name in self.edges]
-            if estimator.recursive or not recorded:
-                new.update(estimator.update(new))
-            for name in recorded:
+            name = estimator.outputs[0]
+            if differentiable and name in self._final:
                 tapes[name] = self._record(name, new)
-                if not estimator.recursive:
-                    new[name] = tapes[name].output.detach()  # its value; the tape is one hop long
+                new[name] = tapes[name].output.detach()  # its value; the tape is one hop long
+            else:
+                with torch.no_grad():
+                    new.update(estimator.update(new))
         if differentiable:
-            tapes.update((name, self._record(name, new)) for name in self.goals)
+            rest = [name for name in self.edges if name not in tapes]
+            tapes.update((name, self._record(name, new)) for name in rest)
         del new["dt"]
         return cast(dict[str, Tensor], new), tapes
 
@@ -238,8 +240,8 @@ class WorldModel(nn.Module):
                     raise GraphError(f"{reader!r} reads {name!r}, which is not in the graph. Known: {choices(known)}.")
 
     def _probe(self) -> dict[str, Tensor]:
-        """One step on zeros with batch (2, 3): shapes that do not follow the batch show here."""
-        batch = (2, 3)
+        """One step on zeros with batch (7, 5): shapes that do not follow the batch show here."""
+        batch = (7, 5)
         readings = {name: self.like.new_zeros(*batch, sensor.size) for name, sensor in self.sensors.items()}
         flags = {n + PRESENT: torch.ones(batch, dtype=torch.bool) for n, s in self.sensors.items() if s.optional}
         values = self._with_dt(_attempt("the priors", partial(self.initial, readings | flags, batch)))
@@ -247,10 +249,11 @@ class WorldModel(nn.Module):
             updated = _attempt(repr(estimator.outputs[0]), partial(estimator.update, values))
             for name, value in updated.items():
                 before = values.get(name, value)
-                if value.shape[:2] != batch or value.shape != cast(Tensor, before).shape:
+                if value.dim() < 3 or value.shape[:2] != batch or value.shape != cast(Tensor, before).shape:
+                    own = tuple(cast(Tensor, before).shape[2:]) or "(n,), its components"
                     raise GraphError(
-                        f"{name!r} has shape {tuple(value.shape)} for batch {batch}; expected the batch, then "
-                        f"{tuple(cast(Tensor, before).shape[2:])}. Functions must leave leading dimensions free."
+                        f"{name!r} has shape {tuple(value.shape)} for batch {batch}; expected the batch, then {own}. "
+                        "Functions must leave leading dimensions free."
                     )
             values.update(updated)
         for name, goal in self.goals.items():
@@ -291,7 +294,7 @@ class WorldModel(nn.Module):
             for name in _names(node):
                 output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)
                 gradients: Sequence[Tensor | None] = [None] * len(leaves)
-                if output.requires_grad:
+                if leaves and output.requires_grad:
                     gradients = torch.autograd.grad(output.sum(), list(leaves.values()), allow_unused=True)
                 found[name] = [source for source, slope in zip(leaves, gradients, strict=True) if slope is not None]
             if isinstance(node, Estimator):
@@ -301,6 +304,16 @@ class WorldModel(nn.Module):
             if name in wanted:
                 wanted.update(found[name])
         return {n: tuple(Edge(n, s) for s in sources) for n, sources in found.items() if n in wanted and sources}
+
+    def _find_final(self) -> frozenset[str]:
+        """Functions on a path whose inputs all have their new values when they run: evaluated once, not twice."""
+        known = {*self.sensors, *self.actuators, "dt"}
+        final = set()
+        for node in self.nodes:
+            if not node.recursive and node.outputs[0] in self.edges and known.issuperset(node.inputs):
+                final.add(node.outputs[0])
+            known.update(node.outputs)
+        return frozenset(final)
 
     def _check_reach(self) -> None:
         for name in self.goals:
@@ -351,5 +364,5 @@ def _attempt(what: str, call: Callable[[], T]) -> T:
     """Run a user's function during validation and name the node if its shapes do not fit."""
     try:
         return call()
-    except (RuntimeError, IndexError, TypeError) as error:
+    except (RuntimeError, IndexError, TypeError, ValueError) as error:
         raise GraphError(f"{what} cannot be evaluated on its inputs: {error}") from error

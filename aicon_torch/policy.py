@@ -13,6 +13,7 @@ from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.explanation import Explanation, explain
 from aicon_torch.gradients import Sweep
 from aicon_torch.graph import PRESENT, WorldModel
+from aicon_torch.quantities import Sensor
 from aicon_torch.resolution import Memory, Resolution
 
 ACTIVE = "goals/active"
@@ -175,6 +176,9 @@ class Policy(nn.Module):
 
     def _read(self, observation: Mapping[str, Any]) -> dict[str, Tensor]:
         """Readings as tensors of the model's dtype, checked where numpy becomes torch."""
+        if not isinstance(observation, Mapping):
+            keys = [sensor.key or name for name, sensor in self.model.sensors.items()]
+            raise ObservationError(f"expected an observation by sensor ({choices(keys)}), got {type(observation)}.")
         like = self.model.like
         readings: dict[str, Tensor] = {}
         absent: list[str] = []
@@ -190,10 +194,9 @@ class Policy(nn.Module):
                 absent.append(name)
                 continue
             value: Tensor | NDArray[Any] = observation[key]
-            if not isinstance(value, Tensor):
-                value = np.asarray(value)
-                if value.dtype.kind not in "fiub":
-                    raise ObservationError(f"Sensor {name!r}: expected numbers in {sensor.unit}, got {value.dtype}.")
+            value = value if isinstance(value, Tensor) else _array(name, sensor, value)
+            if isinstance(value, Tensor) and value.is_complex():
+                raise ObservationError(f"Sensor {name!r}: expected real numbers in {sensor.unit}, got {value.dtype}.")
             shape = tuple(value.shape)
             if not shape or shape[-1] != sensor.size or (batch is not None and shape[:-1] != batch):
                 leading = "*batch" if batch is None else ", ".join(map(str, batch))
@@ -209,3 +212,14 @@ class Policy(nn.Module):
         for name in absent:
             readings[name] = like.new_full((*(batch or ()), self.model.sensors[name].size), torch.nan)
         return readings
+
+
+def _array(name: str, sensor: Sensor, value: ArrayLike) -> NDArray[Any]:
+    """The reading as an array of real numbers."""
+    try:
+        array = np.asarray(value)
+    except ValueError as error:  # a ragged list
+        raise ObservationError(f"Sensor {name!r}: expected an array in {sensor.unit}; {error}.") from error
+    if array.dtype.kind not in "fiub":
+        raise ObservationError(f"Sensor {name!r}: expected real numbers in {sensor.unit}, got {array.dtype}.")
+    return array

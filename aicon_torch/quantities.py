@@ -89,6 +89,7 @@ class Actuator:
         if isinstance(self.limit, int | float):
             if math.isinf(self.limit):
                 return action
+            action = action.clamp(-1e18, 1e18)  # what can be squared
             norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
             shortened: Tensor = action * (self.limit / norm.clamp(min=self.limit))
             return shortened.clamp(-self.limit, self.limit)

@@ -43,6 +43,11 @@ class Resolution(Node):
 
     merges = True
 
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """Goals that the rule's options name."""
+        return ()
+
     def initial(self, candidates: int, size: int) -> Memory:
         """What the rule remembers at a quantity with n candidates of d components, before the first step."""
         return {}
@@ -85,7 +90,7 @@ class NullspaceProjection(Resolution):
         margin: By how much a gradient must exceed the one that held its rank before, to take it (the paper: 10 %).
         projector: ``"orthogonal"`` I − vvᵀ (Eq. 8), ``"qr"`` I − QQᵀ (Eq. 7) or ``"pinv"`` I − J⁺J (Eq. 6), which are
             equal for scalar goals; ``"none"`` adds without projecting.
-        negligible: Magnitude below which a gradient has no weight. The text has no such bound (0), but a softmax gives
+        negligible: Magnitude below which the softmax gives a gradient no weight. The text has no such bound (0), but a softmax gives
             weight even to a gradient that has vanished.
         exploration: What to do about conflicts; None never explores.
     """
@@ -109,6 +114,11 @@ class NullspaceProjection(Resolution):
         self.project = PROJECTORS[projector]
         self.exploration = exploration
 
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """Goals that the escape strategy names."""
+        return self.exploration.escape.goals if self.exploration else ()
+
     def initial(self, candidates: int, size: int) -> Memory:
         """No candidate holds a rank yet (−1)."""
         memory = {"rank": torch.full((min(candidates, size),), -1)}
@@ -126,7 +136,7 @@ class NullspaceProjection(Resolution):
         return explored, {"rank": rank, **state}
 
     def weigh(self, norms: Tensor) -> Tensor:
-        """Normalised magnitudes ``(*B, n)``: the softmax over those that are not negligible."""
+        """Normalised magnitudes ``(*B, n)``: their softmax, and zero for those that are negligible."""
         if self.temperature is None:
             return norms
         weights = torch.softmax(norms / self.temperature, dim=-1)

@@ -88,7 +88,9 @@ def navigation(rounds: int, steps: int) -> dict[str, Any]:
 def ladder(rounds: int, steps: int) -> list[dict[str, Any]]:
     """Steps of graphs in which every rung reads both sides of the one below it."""
     models = {rungs: _ladder(rungs) for rungs in (4, 8, 16, 32, 64)}
-    programs: dict[str, Step] = {str(rungs): _stepper(policy, {"z": torch.zeros(1)}) for rungs, policy in models.items()}
+    programs: dict[str, Step] = {
+        str(rungs): _stepper(policy, {"z": torch.zeros(1)}) for rungs, policy in models.items()
+    }
     times = _take_turns(programs, max(1, rounds // 6), max(1, steps // 4), "ladder")
     return [
         {

@@ -83,7 +83,7 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     slopes = gradients_in_closed_form if closed_form else gradients_by_autograd
     stack = torch.stack(slopes(p, cov + noise, o, x), -2)
     norms = stack.norm(dim=-1)
-    units = stack / norms.clamp(min=torch.finfo(x.dtype).tiny).unsqueeze(-1)
+    units = stack / norms.clamp(min=torch.finfo(x.dtype).tiny ** 0.5).unsqueeze(-1)
     weights = torch.softmax(norms / 0.8, -1) * (norms >= 1e-3)
     scaled = units * weights.unsqueeze(-1)
     # order with hysteresis, project, add
@@ -111,7 +111,7 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     axis = torch.arange(2) == n.abs().argmin(-1, keepdim=True)
     wish = average - 1e-6 * scaled.sum(-2) + 1e-9 * axis
     t = wish - (wish * n).sum(-1, keepdim=True) * n
-    t = t / t.norm(dim=-1, keepdim=True).clamp(min=torch.finfo(x.dtype).tiny)
+    t = t / t.norm(dim=-1, keepdim=True).clamp(min=torch.finfo(x.dtype).tiny ** 0.5)
     error = (norms[..., 2] / norms[..., :2].amax(-1) - 1.0).clamp(-1.0, 1.0).unsqueeze(-1)
     t = t - 3.0 * error * n
     t = t / t.norm(dim=-1, keepdim=True)
