@@ -93,6 +93,7 @@ class WorldModel(nn.Module):
         """A scalar of the model's dtype on its device."""
         return cast(Tensor, self._like)
 
+    @torch.no_grad()
     def initial(self, readings: Mapping[str, Tensor], batch: tuple[int, ...]) -> dict[str, Tensor]:
         """Values before the first step: actions at rest, beliefs at their priors.
 
@@ -239,6 +240,7 @@ class WorldModel(nn.Module):
                 if name not in known:
                     raise GraphError(f"{reader!r} reads {name!r}, which is not in the graph. Known: {choices(known)}.")
 
+    @torch.no_grad()
     def _probe(self) -> dict[str, Tensor]:
         """One step on zeros with batch (7, 5): shapes that do not follow the batch show here."""
         batch = (7, 5)

@@ -121,7 +121,8 @@ class NullspaceProjection(Resolution):
 
     def initial(self, candidates: int, size: int) -> Memory:
         """No candidate holds a rank yet (−1)."""
-        memory = {"rank": torch.full((min(candidates, size),), -1)}
+        ranks = candidates if self.project is keep else min(candidates, size)  # degrees of freedom to be had
+        memory = {"rank": torch.full((ranks,), -1)}
         return memory | (self.exploration.initial(size) if self.exploration else {})
 
     def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:

@@ -12,8 +12,8 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded
 
-from aicon_baselines import ComparisonError  # noqa: E402
-from aicon_baselines.navigation_figure import VIDEOS, make_figure  # noqa: E402
+from aicon_baselines import ComparisonError
+from aicon_baselines.navigation_figure import VIDEOS, make_figure
 
 
 def main() -> None:
