@@ -8,7 +8,7 @@ from aicon_torch.filtering import Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
-from aicon_torch.models import make_policy
+from aicon_torch.models import make_policy, presets
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
@@ -41,6 +41,7 @@ __all__ = [
     "WorldModel",
     "by_sign",
     "make_policy",
+    "presets",
     "straight_through",
     "straight_through_clamp",
 ]

@@ -90,8 +90,8 @@ class NullspaceProjection(Resolution):
         margin: By how much a gradient must exceed the one that held its rank before, to take it (the paper: 10 %).
         projector: ``"orthogonal"`` I − vvᵀ (Eq. 8), ``"qr"`` I − QQᵀ (Eq. 7) or ``"pinv"`` I − J⁺J (Eq. 6), which are
             equal for scalar goals; ``"none"`` adds without projecting.
-        negligible: Magnitude below which the softmax gives a gradient no weight. The text has no such bound (0), but a softmax gives
-            weight even to a gradient that has vanished.
+        negligible: Magnitude below which the softmax gives a gradient no weight. The text has no such bound (0), but a
+            softmax gives weight even to a gradient that has vanished.
         exploration: What to do about conflicts; None never explores.
     """
 

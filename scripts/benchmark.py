@@ -12,16 +12,16 @@ import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded
 
-import plain_navigation  # noqa: E402
-import torch  # noqa: E402
-from torch import Tensor  # noqa: E402
-from tqdm import tqdm  # noqa: E402
+import torch
+from torch import Tensor
+from tqdm import tqdm
 
-from aicon_torch import (  # noqa: E402
+import plain_navigation
+from aicon_torch import (
     ActionLaw,
     Actuator,
     Function,
@@ -45,24 +45,21 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="folder for benchmark.json")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
-    results = {
-        "navigation": navigation(arguments.rounds, arguments.steps),
-        "ladder": ladder(arguments.rounds, arguments.steps),
-    }
+    steps, rungs = navigation(arguments.rounds, arguments.steps), ladder(arguments.rounds, arguments.steps)
     print("\none navigation step, one thread, ms: median (5 % to 95 %)")
-    for name, times in results["navigation"]["times"].items():
+    for name, times in steps["times"].items():
         print(f"  {name:44} {_spread(times, 1e3)}")
     print("ratios, taken round by round")
-    for name, ratios in results["navigation"]["ratios"].items():
+    for name, ratios in steps["ratios"].items():
         print(f"  {name:44} {_spread(ratios)}")
     print("a ladder whose paths double with every rung")
-    for row in results["ladder"]:
+    for row in rungs:
         per_edge = _spread([1e6 * t / row["edges"] for t in row["times"]])
         print(f"  {row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths: {per_edge} µs an edge")
     if arguments.out:
         arguments.out.mkdir(parents=True, exist_ok=True)
         path = arguments.out / "benchmark.json"
-        path.write_text(json.dumps(results, indent=2) + "\n")
+        path.write_text(json.dumps({"navigation": steps, "ladder": rungs}, indent=2) + "\n")
         print(f"\nsaved in {path}")
 
 
@@ -136,7 +133,7 @@ def _blend(u: Tensor, v: Tensor) -> Tensor:
 
 
 def _distance(u: Tensor, v: Tensor) -> Tensor:
-    return torch.linalg.vector_norm(u - v, dim=-1)
+    return cast(Tensor, torch.linalg.vector_norm(u - v, dim=-1))
 
 
 def _stepper(policy: Policy, observation: dict[str, Tensor]) -> Step:

@@ -164,4 +164,5 @@ def uncertainty_slope(p: Tensor, prior: Tensor) -> Tensor:
 def clip(action: Tensor) -> Tensor:
     """The action within the speed limit."""
     norm = action.norm(dim=-1, keepdim=True)
-    return (action * (SPEED / norm.clamp(min=SPEED))).clamp(-SPEED, SPEED)
+    shortened: Tensor = action * (SPEED / norm.clamp(min=SPEED))
+    return shortened.clamp(-SPEED, SPEED)

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded, here and in the workers
 
-from aicon_baselines.compare import compare  # noqa: E402
-from aicon_baselines.config import configure  # noqa: E402
-from aicon_baselines.report import write_report  # noqa: E402
-from aicon_baselines.runs import RunFolder  # noqa: E402
-from aicon_baselines.tasks import load  # noqa: E402
+from aicon_baselines.compare import compare
+from aicon_baselines.config import configure
+from aicon_baselines.report import write_report
+from aicon_baselines.runs import RunFolder
+from aicon_baselines.tasks import load
 
 if TYPE_CHECKING:
     from aicon_torch import Policy

@@ -11,6 +11,15 @@ MODELS = {"nav2d": "aicon_torch.models.navigation"}
 """The module of each model: its ``Options``, its ``PRESETS`` and ``build(options) -> Policy``."""
 
 
+def presets(name: str) -> tuple[str, ...]:
+    """The presets of a model, ``"aicon"`` first.
+
+    Raises:
+        OptionError: If there is no such model; it lists those there are.
+    """
+    return tuple(_module(name).PRESETS)
+
+
 def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
     """Build one of the paper's policies.
 
@@ -26,9 +35,7 @@ def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
     Example:
         >>> policy = make_policy("nav2d", max_speed=0.3)
     """
-    if name not in MODELS:
-        raise OptionError(f"No model is named {name!r}. Models: {choices(MODELS)}.")
-    module = importlib.import_module(MODELS[name])
+    module = _module(name)
     if preset not in module.PRESETS:
         raise OptionError(f"{name!r} has no preset {preset!r}. Presets: {choices(module.PRESETS)}.")
     valid = [field.name for field in dataclasses.fields(module.Options)]
@@ -37,3 +44,9 @@ def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
             raise OptionError(f"{name!r} has no option {option!r}. Options: {choices(valid)}.")
     policy: Policy = module.build(module.Options(**(module.PRESETS[preset] | options)))
     return policy
+
+
+def _module(name: str) -> Any:
+    if name not in MODELS:
+        raise OptionError(f"No model is named {name!r}. Models: {choices(MODELS)}.")
+    return importlib.import_module(MODELS[name])

@@ -1,6 +1,7 @@
 """The success curve: which share of the episodes has succeeded after which time."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -98,7 +99,7 @@ def _spread(heights: dict[str, float]) -> dict[str, float]:
     """Move labels apart: upward from the lowest, then downward from 100 %."""
     names = sorted(heights, key=lambda name: heights[name])
     spread = dict(heights)
-    for below, name in zip(names, names[1:], strict=False):
+    for below, name in pairwise(names):
         spread[name] = max(spread[name], spread[below] + _LABEL_DISTANCE)
     limit = 1.0
     for name in reversed(names):

@@ -6,10 +6,10 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from aicon_envs.navigation import Physics, make_map, shortest_path_length
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.task import Episode, Task
+from aicon_envs.navigation import Physics, make_map, shortest_path_length
 
 _SLOTS = (
     "u_trap_05",

@@ -9,43 +9,30 @@ from aicon_baselines.protocol import Predictor
 Factory = Callable[[str | None], Predictor]
 """Builds a policy for a condition of its task; None stands for the usual one."""
 
-_NAV2D_PRESETS = (
-    "aicon",
-    "paper_literal",
-    "steepest",
-    "potential_field",
-    "no_progress_exit",
-    "no_level_hold",
-    "no_obstacle_nullspace",
-    "no_projection",
-    "no_exploration",
-    "no_softmax",
-    "no_hysteresis",
-)
+_TASKS = ("nav2d",)
 
 
-def _nav2d(preset: str, condition: str | None) -> Predictor:
+def _preset(task: str, preset: str, condition: str | None) -> Predictor:
     # Imported on demand: comparing a policy needs the dependencies of that policy only.
     from aicon_torch import make_policy
 
-    return make_policy("nav2d", preset=preset, sensing=condition or "range")
-
-
-_POLICIES: dict[str, dict[str, Factory]] = {"nav2d": {preset: partial(_nav2d, preset) for preset in _NAV2D_PRESETS}}
+    return make_policy(task, preset=preset, **({} if condition is None else {"sensing": condition}))
 
 
 def names(task: str) -> tuple[str, ...]:
-    """List the policies of a task; an unknown task is an error that lists the tasks."""
-    if task not in _POLICIES:
-        raise ComparisonError(f"unknown task {task!r}; valid tasks: {', '.join(_POLICIES)}")
-    return tuple(_POLICIES[task])
+    """List the policies of a task, the presets of its model; an unknown task is an error that lists the tasks."""
+    from aicon_torch import presets
+
+    if task not in _TASKS:
+        raise ComparisonError(f"unknown task {task!r}; valid tasks: {', '.join(_TASKS)}")
+    return presets(task)
 
 
 def factory(task: str, name: str) -> Factory:
     """Return what builds a policy, without building it; an unknown name is an error that lists the names."""
     if name not in names(task):
         raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {', '.join(names(task))}")
-    return _POLICIES[task][name]
+    return partial(_preset, task, name)
 
 
 def make(task: str, name: str, condition: str | None = None) -> Predictor:
