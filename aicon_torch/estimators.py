@@ -115,6 +115,7 @@ class EKF(Estimator):
         derivative: Which derivative ``forward`` gives the mean: ``"model"``, that of f, as if the correction were
             noise; ``"update"``, that of the whole next update, readings held; ``"detached_gain"``, the same with K
             held.
+        size: Number n of components, needed where ``initial`` is a function.
 
     Example:
         >>> EKF("p_tar", "P_tar", predict=approach, noise=1e-6, initial=((5.0, 0.0), 9.0), correct=[bearing])
@@ -183,8 +184,7 @@ class EKF(Estimator):
 
     def update(self, values: Values) -> dict[str, Tensor]:
         """Predict and correct; readings that are NaN or beyond the gate are left out, row by row."""
-        predicted, transition = self._transition(values)
-        mean = predicted
+        mean, transition = self._transition(values)
         covariance = self._propagate(values, transition)
         for measurement in self._measurements:
             now = {**values, self.mean: mean, self.covariance: covariance}
@@ -237,20 +237,8 @@ class EKF(Estimator):
                     f"{shape[-1]} components; expected size={measurement.size}."
                 )
             measurement.optional = tuple(name + flag for name in measurement.inputs if name in optional)
-        relations = [(self.predict, self.size)] + [(m.residual, m.size) for m in self._measurements]
-        for relation, rows in relations:
-            for name, jacobian in relation.jacobians.items():
-                given = jacobian(values)
-                _, expected = relation.differentiate(values, name, rows, differentiable=False)
-                tolerance = 100 * torch.finfo(expected.dtype).eps ** 0.5
-                if given.shape[-2:] != expected.shape[-2:] or not torch.allclose(
-                    given.expand_as(expected), expected, rtol=tolerance, atol=tolerance
-                ):
-                    raise GraphError(
-                        f"{self.mean!r}: the Jacobian by {name!r} is not the derivative. At the probe it gives "
-                        f"{given.reshape(-1, *given.shape[-2:])[0].tolist()}, autograd "
-                        f"{expected.reshape(-1, *expected.shape[-2:])[0].tolist()}."
-                    )
+            measurement.residual.verify(values, measurement.size)
+        self.predict.verify(values, self.size)
 
     def _transition(self, values: Values, differentiable: bool = False) -> tuple[Tensor, Tensor | None]:
         """The predicted mean f and F = ∂f/∂x, where None stands for the identity."""

@@ -1,6 +1,6 @@
 """The world model: a validated, ordered graph of sensors, actuators, estimators and goals."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from functools import cache, partial
 from typing import NamedTuple, TypeVar, cast
 
@@ -132,11 +132,19 @@ class WorldModel(nn.Module):
             else:
                 with torch.no_grad():
                     new.update(estimator.update(new))
-        if differentiable:
-            rest = [name for name in self.edges if name not in tapes]
-            tapes.update((name, self._record(name, new)) for name in rest)
         del new["dt"]
-        return cast(dict[str, Tensor], new), tapes
+        result = cast(dict[str, Tensor], new)
+        return result, tapes | self.record(result, known=tapes) if differentiable else {}
+
+    def record(self, values: Mapping[str, Tensor], known: Container[str] = ()) -> Tapes:
+        """The tapes at given values: how each quantity and goal on a path depends on what it reads.
+
+        Args:
+            values: Values after a step.
+            known: Names whose tapes are there already.
+        """
+        now = self._with_dt(values)
+        return {name: self._record(name, now) for name in self.edges if name not in known}
 
     def uncut(self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """Each goal's cost as one differentiable function of the actions, nothing detached in between.

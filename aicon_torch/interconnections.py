@@ -87,6 +87,28 @@ class Interconnection(Node):
             return value, value.new_zeros(*value.shape, cast(Tensor, values[name]).shape[-1])
         return self.differentiate(values, name, rows, differentiable)
 
+    def verify(self, values: Values, rows: int) -> None:
+        """Compare the Jacobians that were given with autograd's.
+
+        Args:
+            values: A point at which to compare.
+            rows: Number of components of the relation's value.
+
+        Raises:
+            GraphError: If one differs.
+        """
+        for name, jacobian in self.jacobians.items():
+            given = jacobian(values)
+            _, expected = self.differentiate(values, name, rows, differentiable=False)
+            tolerance = 100 * torch.finfo(expected.dtype).eps ** 0.5
+            same_shape = given.shape[-2:] == expected.shape[-2:]
+            if not (same_shape and torch.allclose(given.expand_as(expected), expected, rtol=tolerance, atol=tolerance)):
+                first = [matrix.reshape(-1, *matrix.shape[-2:])[0].tolist() for matrix in (given, expected)]
+                raise GraphError(
+                    f"The Jacobian of {self.function!r} by {name!r} is not its derivative: at the probe it gives "
+                    f"{first[0]}, autograd {first[1]}."
+                )
+
     def differentiate(self, values: Values, name: str, rows: int, differentiable: bool) -> tuple[Tensor, Tensor]:
         """:meth:`linearize` by autograd, all rows in one backward pass.
 

@@ -36,7 +36,6 @@ from tqdm import tqdm
 from aicon_baselines.errors import ComparisonError
 from aicon_envs.navigation import NavigationMap, shortest_path_length
 from aicon_torch import make_policy
-from aicon_torch.graph import Tape, Tapes, WorldModel
 from aicon_torch.policy import ACTIVE, Policy
 from aicon_torch.resolution import Memory
 
@@ -214,7 +213,9 @@ def sample(
     values["p_tar"] = _at_least(model.like.new_tensor(recording.belief(step)[0] - points), _NEAREST_BELIEF)
     if obstacle == "true":
         values["x_obs"] = model.like.new_tensor(clearance(recording.world, recording.radius, points))
-    gradients, meetings = policy.sweep(_tapes(model, values), values, before, before[ACTIVE])
+    with torch.enable_grad():
+        tapes = model.record(values)
+    gradients, meetings = policy.sweep(tapes, values, before, before[ACTIVE])
     (gradient,) = gradients.values()
     nowhere = torch.zeros(len(points), dtype=torch.bool)
     exploring = meetings.get(f"{_MEETING}/exploring", nowhere).numpy(force=True)
@@ -246,18 +247,6 @@ def _at_least(vector: Tensor, length: float) -> Tensor:
     norm = torch.linalg.vector_norm(vector, dim=-1, keepdim=True)
     longer: Tensor = vector * (norm.clamp(min=length) / norm.clamp(min=1e-9))
     return longer
-
-
-def _tapes(model: WorldModel, values: Mapping[str, Tensor]) -> Tapes:
-    """The tapes of a step whose values are given, so that nothing is filtered."""
-    tapes: Tapes = {}
-    with torch.enable_grad():
-        for name, edges in model.edges.items():
-            leaves = {edge.source: values[edge.source].detach().requires_grad_() for edge in edges}
-            inputs = {**values, **leaves, "dt": model.dt}
-            output = model.goals[name](inputs) if name in model.goals else model.owners[name](inputs, name)
-            tapes[name] = Tape(output, tuple(leaves.values()))
-    return tapes
 
 
 class Grid:
