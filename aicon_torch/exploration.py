@@ -11,6 +11,7 @@ from torch import Tensor
 
 from aicon_torch.errors import OptionError
 from aicon_torch.interconnections import Node
+from aicon_torch.vectors import reject, select, unit
 
 if TYPE_CHECKING:
     from aicon_torch.resolution import Meeting
@@ -143,9 +144,8 @@ class Exploration(Node):
     def _along(normal: Tensor, average: Tensor, scaled: Tensor) -> Tensor:
         """The unit direction in the nullspace of ``normal`` that best continues the motion average, ``(*B, d)``."""
         axis = torch.arange(normal.shape[-1], device=normal.device) == normal.abs().argmin(-1, keepdim=True)
-        wish = average - 1e-6 * scaled.sum(-2) + 1e-9 * axis  # the later ones decide where the earlier ones vanish
-        free = wish - (wish * normal).sum(-1, keepdim=True) * normal
-        return unit(free)
+        free = reject(average - 1e-6 * scaled.sum(-2), normal)  # the descent decides where the average has no say
+        return unit(reject(free + 1e-9 * axis, normal))  # and an axis where it has none; rejects rounding errors, too
 
     def _holding(self, goal: str, direction: Tensor, meeting: Meeting, norms: Tensor, units: Tensor) -> Tensor:
         """The direction plus feedback toward the level where the goal's gradient balances the strongest other."""
@@ -158,15 +158,3 @@ class Exploration(Node):
                 held = direction - self.escape.hold_gain * error * units[..., index, :]
                 return unit(held)
         return direction
-
-
-def unit(vectors: Tensor) -> Tensor:
-    """The vectors ``(*B, d)`` at length one; those too short to be squared go to zero."""
-    norms = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
-    directions: Tensor = vectors / norms.clamp(min=torch.finfo(vectors.dtype).tiny ** 0.5)
-    return directions
-
-
-def select(gradients: Tensor, index: Tensor) -> Tensor:
-    """The row ``(*B, d)`` of each stack ``(*B, n, d)`` that an index ``(*B, 1)`` names."""
-    return gradients.take_along_dim(index.unsqueeze(-1), dim=-2).squeeze(-2)

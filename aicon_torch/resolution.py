@@ -7,8 +7,9 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.exploration import Exploration, select, unit
+from aicon_torch.exploration import Exploration
 from aicon_torch.interconnections import Node
+from aicon_torch.vectors import reject, select, unit
 
 Memory = dict[str, Tensor]
 
@@ -178,9 +179,7 @@ def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
         top: The gradient of higher priority, ``(*B, d)``.
         gradients: Those to project, ``(*B, n, d)``.
     """
-    direction = unit(top).unsqueeze(-2)
-    projected: Tensor = gradients - (gradients * direction).sum(-1, keepdim=True) * direction
-    return projected
+    return reject(gradients, unit(top).unsqueeze(-2))
 
 
 def qr(top: Tensor, gradients: Tensor) -> Tensor:

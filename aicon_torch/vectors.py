@@ -1,0 +1,22 @@
+"""Small vector operations on stacks of gradients."""
+
+import torch
+from torch import Tensor
+
+
+def unit(vectors: Tensor) -> Tensor:
+    """The vectors ``(*B, d)`` at length one; those too short to be squared go to zero."""
+    norms = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
+    directions: Tensor = vectors / norms.clamp(min=torch.finfo(vectors.dtype).tiny ** 0.5)
+    return directions
+
+
+def reject(vectors: Tensor, direction: Tensor) -> Tensor:
+    """(I − vvᵀ) x: the vectors ``(*B, d)`` without their component along a unit vector v ``(*B, d)``."""
+    rejected: Tensor = vectors - (vectors * direction).sum(-1, keepdim=True) * direction
+    return rejected
+
+
+def select(stack: Tensor, index: Tensor) -> Tensor:
+    """The row ``(*B, d)`` of each stack ``(*B, n, d)`` that an index ``(*B, 1)`` names."""
+    return stack.take_along_dim(index.unsqueeze(-1), dim=-2).squeeze(-2)
