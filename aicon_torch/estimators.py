@@ -87,6 +87,7 @@ class Function(Estimator):
         """Nothing is remembered."""
         return {}
 
+    @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """The value ``(*B, n)``."""
         return {self.outputs[0]: self.relation(values)}
@@ -182,6 +183,7 @@ class EKF(Estimator):
             mean, covariance = cast(Tensor, self.prior_mean), cast(Tensor, self.prior_covariance)
         return {self.mean: mean, self.covariance: covariance}
 
+    @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """Predict and correct; readings that are NaN or beyond the gate are left out, row by row."""
         mean, transition = self._transition(values)
@@ -211,11 +213,13 @@ class EKF(Estimator):
             residual, jacobian, noise = measurement.innovation(now, self.mean, differentiable=True)
             step = Correction.by(covariance, residual, jacobian, noise)
             shrink = step.of_covariance()
+            refused = None
             if measurement.gate is not None and not measurement.gate_keeps_gradient:
                 refused = step.distance() > measurement.gate
                 shrink = torch.where(refused.unsqueeze(-1).unsqueeze(-1), 0.0, shrink)
             if self.derivative != "model":
-                mean = mean - step.of_mean(detach_gain=self.derivative == "detached_gain")
+                change = step.of_mean(detach_gain=self.derivative == "detached_gain")
+                mean = mean - (change if refused is None else torch.where(refused.unsqueeze(-1), 0.0, change))
             covariance = covariance - shrink
         return mean if output == self.mean else covariance
 

@@ -106,10 +106,11 @@ class WorldModel(nn.Module):
             values[name] = self.like.new_zeros(*batch, actuator.size)
         pending = [estimator for estimator in self.nodes if not estimator.recursive]
         for estimator in self.nodes:
-            for name, value in estimator.initial(self._with_dt(values)).items():
+            prior = _attempt(estimator, partial(estimator.initial, self._with_dt(values)))
+            for name, value in prior.items():
                 values[name] = value.expand((*batch, *value.shape[-2 if name in estimator.covariances else -1 :]))
         for function in _ordered(pending, {name: f for f in pending for name in f.outputs}):
-            values |= function.update(self._with_dt(values))
+            values |= _attempt(function, partial(function.update, self._with_dt(values)))
         return values
 
     def step(self, values: Mapping[str, Tensor], differentiable: bool = True) -> tuple[dict[str, Tensor], Tapes]:
@@ -130,8 +131,7 @@ class WorldModel(nn.Module):
                 tapes[name] = self._record(name, new)
                 new[name] = tapes[name].output.detach()  # its value; the tape is one hop long
             else:
-                with torch.no_grad():
-                    new.update(estimator.update(new))
+                new.update(estimator.update(new))
         del new["dt"]
         result = cast(dict[str, Tensor], new)
         return result, tapes | self.record(result, known=tapes) if differentiable else {}
@@ -254,9 +254,9 @@ class WorldModel(nn.Module):
         batch = (7, 5)
         readings = {name: self.like.new_zeros(*batch, sensor.size) for name, sensor in self.sensors.items()}
         flags = {n + PRESENT: torch.ones(batch, dtype=torch.bool) for n, s in self.sensors.items() if s.optional}
-        values = self._with_dt(_attempt("the priors", partial(self.initial, readings | flags, batch)))
+        values = self._with_dt(self.initial(readings | flags, batch))
         for estimator in self.nodes:
-            updated = _attempt(repr(estimator.outputs[0]), partial(estimator.update, values))
+            updated = _attempt(estimator, partial(estimator.update, values))
             for name, value in updated.items():
                 before = values.get(name, value)
                 if value.dim() < 3 or value.shape[:2] != batch or value.shape != cast(Tensor, before).shape:
@@ -267,7 +267,7 @@ class WorldModel(nn.Module):
                     )
             values.update(updated)
         for name, goal in self.goals.items():
-            cost = _attempt(repr(name), partial(goal.forward, values))
+            cost = _attempt(goal, partial(goal.forward, values))
             if cost.shape != batch:
                 raise GraphError(
                     f"Goal {name!r}: expected a cost of the batch's shape {batch}, got {tuple(cost.shape)}."
@@ -370,9 +370,11 @@ def _names(node: Estimator | Goal) -> tuple[str, ...]:
 T = TypeVar("T")
 
 
-def _attempt(what: str, call: Callable[[], T]) -> T:
-    """Run a user's function during validation and name the node if its shapes do not fit."""
+def _attempt(node: Estimator | Goal, call: Callable[[], T]) -> T:
+    """Run a user's function and name its node if the shapes do not fit or a value is not there yet."""
     try:
         return call()
-    except (RuntimeError, IndexError, TypeError, ValueError) as error:
-        raise GraphError(f"{what} cannot be evaluated on its inputs: {error}") from error
+    except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
+        if isinstance(error, GraphError):
+            raise
+        raise GraphError(f"{_names(node)[0]!r} cannot be evaluated on its inputs: {error!r}") from error

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from aicon_baselines import ComparisonError, navigation_figure
+from aicon_baselines import ComparisonError
 from aicon_baselines.navigation_figure import (
     Grid,
     Recording,
@@ -22,6 +22,7 @@ from aicon_baselines.navigation_figure import (
     record,
     sample,
     summary,
+    video,
     video_steps,
 )
 from aicon_envs.navigation import NavigationMap
@@ -118,7 +119,7 @@ def test_potential_recovers_the_one_that_was_sampled() -> None:
 
 
 def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(navigation_figure, "_VIDEO_SECONDS", 1.0)
+    monkeypatch.setattr(video, "_SECONDS", 1.0)
     numbers = make_figure(MAP, SEED, tmp_path / "figures", "gif", spacing=0.2, progress=False)
     assert json.loads((tmp_path / "figures" / "nav2d_rollout.json").read_text()) == numbers
     assert {"map", "seed", "panels", "steps", "path_length_m", "explorations_s", "trace_sigma_m2"} <= numbers.keys()
@@ -133,7 +134,7 @@ def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 def test_mp4(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, followed: tuple[Recording, list[Any]]) -> None:
     pytest.importorskip("imageio_ffmpeg")
-    monkeypatch.setattr(navigation_figure, "_VIDEO_SECONDS", 0.2)
+    monkeypatch.setattr(video, "_SECONDS", 0.2)
     path = tmp_path / "rollout.mp4"
     drawn: list[None] = []
     draw_video(followed[0], path, 0.3, lambda: drawn.append(None))
