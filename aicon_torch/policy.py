@@ -92,8 +92,12 @@ class Policy(nn.Module):
             action: What was executed since, by actuator, ``(*B, size)``; by default the action in the memory.
             episode_start: As for :meth:`predict`.
         """
+        action = action or {}
+        for name in action:
+            if name not in self.model.actuators:
+                raise OptionError(f"No actuator is named {name!r}. Actuators: {choices(self.model.actuators)}.")
         before, values = self._begin(observation, state, episode_start)
-        values, _ = self.model.step(values | dict(action or {}), differentiable=False)
+        values, _ = self.model.step(values | dict(action), differentiable=False)
         return before | values
 
     def reset(self) -> None:
@@ -133,27 +137,36 @@ class Policy(nn.Module):
     ) -> tuple[Memory, dict[str, Tensor]]:
         """The memory with the rows that start anew, and the values with the new readings."""
         readings = self._read(observation)
-        batch = next(iter(readings.values())).shape[:-1]
-        start: Tensor | None = None
-        if state is None or episode_start is None:
-            pass
-        elif isinstance(episode_start, Tensor):
-            start = episode_start
-        else:
-            rows = np.broadcast_to(np.asarray(episode_start, dtype=bool), batch)
-            start = torch.as_tensor(rows.copy(), device=self.model.like.device) if rows.any() else None
-        readings = self._hold(readings, state, start)
+        batch = tuple(next(iter(readings.values())).shape[:-1])
         if state is None:
-            before = self._initial(readings, tuple(batch))
-        elif start is not None:
-            fresh = self._initial(readings, tuple(batch))
-            before = {
-                key: torch.where(start.reshape(*start.shape, *(1,) * (value.dim() - start.dim())), fresh[key], value)
-                for key, value in state.items()
-            }
+            readings = self._hold(readings, None, None)
+            before = self._initial(readings, batch)
         else:
+            there = tuple(state[next(iter(self.model.actuators))].shape[:-1])
+            if there != batch:
+                raise ObservationError(
+                    f"state: its batch is {there}, that of the observation {batch}; expected the same."
+                )
+            start = self._starts(episode_start, batch)
+            readings = self._hold(readings, state, start)
             before = state
+            if start is not None:
+                fresh = self._initial(readings, batch)
+                rows = {key: start[(..., *(None,) * (value.dim() - start.dim()))] for key, value in state.items()}
+                before = {key: torch.where(rows[key], fresh[key], value) for key, value in state.items()}
         return before, {name: before[name] for name in self.model.quantities} | readings
+
+    def _starts(self, episode_start: ArrayLike | Tensor | None, batch: tuple[int, ...]) -> Tensor | None:
+        """The rows that start anew, ``(*B,)``; None if there are none."""
+        if episode_start is None or isinstance(episode_start, Tensor):
+            return episode_start
+        rows = np.asarray(episode_start, dtype=bool)
+        if rows.shape != batch and rows.size != 1:
+            raise ObservationError(f"episode_start: expected shape {batch}, the batch, got {rows.shape}.")
+        if not rows.any():
+            return None
+        whole = np.broadcast_to(rows.reshape(-1)[0] if rows.size == 1 else rows, batch)
+        return torch.as_tensor(whole.copy(), device=self.model.like.device)
 
     def _initial(self, readings: dict[str, Tensor], batch: tuple[int, ...]) -> Memory:
         like = self.model.like

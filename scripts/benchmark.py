@@ -2,7 +2,8 @@
 
 Example: python scripts/benchmark.py --out runs/benchmark
 
-Times of two programs are taken in turns, so a noisy machine slows both; what counts is the ratio and its spread.
+The programs take turns, and what is measured is the processor time of this process, so that a busy machine slows all of
+them alike; what counts is the ratio and its spread.
 """
 
 import argparse
@@ -147,17 +148,17 @@ def _stepper(policy: Policy, observation: dict[str, Tensor]) -> Step:
 
 
 def _take_turns(programs: dict[str, Step], rounds: int, steps: int, name: str) -> dict[str, list[float]]:
-    """Mean seconds per step in each round, for each program."""
+    """Mean processor seconds per step in each round, for each program."""
     for step in programs.values():
         for _ in range(steps):
             step()
     times: dict[str, list[float]] = {program: [] for program in programs}
     for _ in tqdm(range(rounds), desc=name, disable=None):
         for program, step in programs.items():
-            start = time.perf_counter()
+            start = time.process_time()
             for _ in range(steps):
                 step()
-            times[program].append((time.perf_counter() - start) / steps)
+            times[program].append((time.process_time() - start) / steps)
     return times
 
 

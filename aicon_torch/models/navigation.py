@@ -91,6 +91,14 @@ class Options:
     smoothing: float = 0.1
     dtype: torch.dtype = torch.float64
 
+    def __post_init__(self) -> None:
+        """Check the quantities that must be positive; resolution and action law check theirs."""
+        noises = ("bearing_noise", "range_noise", "actuation_noise", "prior_range_noise")
+        for name in ("dt", "max_speed", *noises, "prior_range", "collision_length"):
+            value = getattr(self, name)
+            if not 0 < value < math.inf:
+                raise OptionError(f"{name}={value!r}: expected a positive number.")
+
 
 _LITERAL = {"exit_on_progress": False, "hold_level": False, "along_obstacle": False, "negligible": 0.0}
 
