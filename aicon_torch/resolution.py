@@ -129,7 +129,7 @@ class NullspaceProjection(Resolution):
     def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
         """The conflict-free sum, or the exploration that replaces it."""
         norms = torch.linalg.vector_norm(meeting.gradients, dim=-1)
-        units = unit(meeting.gradients)
+        units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny ** 0.5).unsqueeze(-1)
         weights = self.weigh(norms)
         resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
         if self.exploration is None:

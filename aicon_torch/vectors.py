@@ -19,4 +19,4 @@ def reject(vectors: Tensor, direction: Tensor) -> Tensor:
 
 def select(stack: Tensor, index: Tensor) -> Tensor:
     """The row ``(*B, d)`` of each stack ``(*B, n, d)`` that an index ``(*B, 1)`` names."""
-    return stack.take_along_dim(index.unsqueeze(-1), dim=-2).squeeze(-2)
+    return stack.gather(-2, index.unsqueeze(-1).expand(*index.shape, stack.shape[-1])).squeeze(-2)

@@ -116,9 +116,8 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     t = t - 3.0 * error * n
     t = t / t.norm(dim=-1, keepdim=True)
     # act
-    wish = -20.0 * DT * torch.where(exploring.unsqueeze(-1), -t, pursuit)
-    wish = clip(wish)
-    action = clip(state.action + (wish - state.action) * (DT / (DT + 0.1)))
+    wish = clip(-20.0 * DT * torch.where(exploring.unsqueeze(-1), -t, pursuit))
+    action = torch.lerp(state.action, wish, DT / (DT + 0.1))
     rank = torch.cat((first, second), -1)
     return State(p, cov, o, ocov, action, rank, exploring, average, displacement)
 

@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     from aicon_torch import Policy
 
 
+GAINS = (1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0)
+
+
 def main() -> None:
     """Parse the arguments, run what is missing, save and print the results, best first."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--policies", nargs="+", required=True, metavar="PRESET", help="presets of nav2d")
-    parser.add_argument(
-        "--gains", nargs="+", type=float, default=[5.0, 10.0, 20.0, 40.0], help="gains of the action law"
-    )
+    parser.add_argument("--gains", nargs="+", type=float, default=GAINS, help="gains of the action law")
     parser.add_argument("--speeds", nargs="+", type=float, default=[0.25, 0.5], help="largest speeds, m/s")
     parser.add_argument("--seed", type=int, default=1024, help="first seed, 1000 or more (default: 1024)")
     parser.add_argument("--episodes", type=int, default=128, help="seeds (default: 128)")

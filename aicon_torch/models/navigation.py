@@ -105,9 +105,9 @@ _LITERAL = {"exit_on_progress": False, "hold_level": False, "along_obstacle": Fa
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
-        "paper_literal": {**_LITERAL, "accumulate": True},
-        "steepest": {"resolution": "steepest"},
-        "potential_field": {"resolution": "sum"},
+        "paper_literal": {**_LITERAL, "accumulate": True, "gain": 10.0},
+        "steepest": {"resolution": "steepest", "gain": 5.0},
+        "potential_field": {"resolution": "sum", "gain": 160.0},
         "no_progress_exit": {"exit_on_progress": False},
         "no_level_hold": {"hold_level": False},
         "no_obstacle_nullspace": {"along_obstacle": False},
@@ -117,7 +117,10 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_hysteresis": {"margin": 0.0},
     }
 )
-"""Named options: ours, the paper's text and nothing else, the baselines, and ours without one part each."""
+"""Named options: ours, the paper's text and nothing else, the baselines, and ours without one part each.
+
+The gains are the best of the same search for each policy (``scripts/tune.py``).
+"""
 
 
 def move(a: Tensor, dt: float) -> Tensor:
