@@ -43,4 +43,6 @@ class ActionLaw:
             ``(*B, size)``, within the limit.
         """
         wish = actuator.clip(action - self.gain * gradient if self.accumulate else -self.gain * gradient)
-        return torch.lerp(action, wish, dt / (dt + self.smoothing)) if self.smoothing > 0 else wish
+        if self.smoothing == 0:
+            return wish
+        return actuator.clip(torch.lerp(action, wish, dt / (dt + self.smoothing)))

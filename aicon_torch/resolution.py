@@ -134,7 +134,7 @@ class NullspaceProjection(Resolution):
         resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
         if self.exploration is None:
             return resolved, {"rank": rank}
-        explored, state = self.exploration(meeting, norms, units, weights, rank[..., :1], resolved, memory)
+        explored, state = self.exploration(meeting, norms, units, weights, rank[..., :1].clamp(min=0), resolved, memory)
         return explored, {"rank": rank, **state}
 
     def weigh(self, norms: Tensor) -> Tensor:
@@ -153,7 +153,8 @@ class NullspaceProjection(Resolution):
             held: Which candidate held each rank in the last step, ``(*B, min(n, d))``.
 
         Returns:
-            The sum of the selected, mutually orthogonal gradients ``(*B, d)``, and the candidate of each rank.
+            The sum of the selected, mutually orthogonal gradients ``(*B, d)``, and the candidate of each rank, −1 where
+            none was left.
         """
         ranks: list[Tensor] = []
         total = gradients.new_zeros(())
@@ -161,14 +162,14 @@ class NullspaceProjection(Resolution):
         candidates = torch.arange(gradients.shape[-2], device=gradients.device)
         for rank in range(depth):
             favour = 1.0 + self.margin * (candidates == held[..., rank : rank + 1])
-            index = (strengths * favour).argmax(-1, keepdim=True)
+            strength, index = (strengths * favour).max(-1, keepdim=True)
             top = select(gradients, index)
             total = total + top
             if rank + 1 < depth:
                 chosen = candidates == index
                 gradients = self.project(top, gradients).masked_fill(chosen.unsqueeze(-1), 0.0)
                 strengths = torch.linalg.vector_norm(gradients, dim=-1)
-            ranks.append(index)
+            ranks.append(index.masked_fill(strength == 0, -1))  # nothing is left to hold this rank
         return total, torch.cat(ranks, dim=-1)
 
 

@@ -94,7 +94,7 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     v = (units * is_first.unsqueeze(-1)).sum(-2)
     rest = (scaled - (scaled @ v.unsqueeze(-1)) * v.unsqueeze(-2)) * ~is_first.unsqueeze(-1)
     strengths = rest.norm(dim=-1)
-    second = (strengths * (1 + 0.1 * (index == state.rank[..., 1:]))).argmax(-1, keepdim=True)
+    strength, second = (strengths * (1 + 0.1 * (index == state.rank[..., 1:]))).max(-1, keepdim=True)
     pursuit = top + (rest * (index == second).unsqueeze(-1)).sum(-2)
     # conflict between the two strongest
     rival, opponent = weights.masked_fill(is_first, -1.0).max(-1, keepdim=True)
@@ -117,8 +117,8 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     t = t / t.norm(dim=-1, keepdim=True)
     # act
     wish = clip(-20.0 * DT * torch.where(exploring.unsqueeze(-1), -t, pursuit))
-    action = torch.lerp(state.action, wish, DT / (DT + 0.1))
-    rank = torch.cat((first, second), -1)
+    action = clip(torch.lerp(state.action, wish, DT / (DT + 0.1)))
+    rank = torch.cat((first, second.masked_fill(strength == 0, -1)), -1)
     return State(p, cov, o, ocov, action, rank, exploring, average, displacement)
 
 
