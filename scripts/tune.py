@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from aicon_torch import Policy
 
 
-GAINS = (1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0)
+GAINS = (1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0)
+LAWS: dict[str, dict[str, bool]] = {"preset": {}, "set": {"accumulate": False}, "accumulate": {"accumulate": True}}
 
 
 def main() -> None:
@@ -33,6 +34,7 @@ def main() -> None:
     parser.add_argument("--policies", nargs="+", required=True, metavar="PRESET", help="presets of nav2d")
     parser.add_argument("--gains", nargs="+", type=float, default=GAINS, help="gains of the action law")
     parser.add_argument("--speeds", nargs="+", type=float, default=[0.25, 0.5], help="largest speeds, m/s")
+    parser.add_argument("--laws", nargs="+", choices=LAWS, default=["preset"], help="set or accumulate the velocity")
     parser.add_argument("--seed", type=int, default=1024, help="first seed, 1000 or more (default: 1024)")
     parser.add_argument("--episodes", type=int, default=128, help="seeds (default: 128)")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
@@ -42,18 +44,19 @@ def main() -> None:
         parser.error(f"--seed {arguments.seed}: seeds below 1000 are for reporting, not for tuning")
     task = load("nav2d")
     candidates = {
-        f"{preset} gain={gain:g} speed={speed:g}": partial(_build, preset, gain, speed)
-        for preset, gain, speed in product(arguments.policies, arguments.gains, arguments.speeds)
+        f"{preset} {law} gain={gain:g} speed={speed:g}": partial(_build, preset, law, gain, speed)
+        for preset, law, gain, speed in product(arguments.policies, arguments.laws, arguments.gains, arguments.speeds)
     }
     folder = RunFolder(arguments.out, configure(task, seed=arguments.seed, episodes=arguments.episodes))
     compare(task, candidates, folder, arguments.jobs)
     print(write_report(folder))
 
 
-def _build(preset: str, gain: float, speed: float, condition: str | None) -> "Policy":
+def _build(preset: str, law: str, gain: float, speed: float, condition: str | None) -> "Policy":
     from aicon_torch import make_policy  # in the worker
 
-    return make_policy("nav2d", preset=preset, gain=gain, max_speed=speed, sensing=condition or "range")
+    sensing = condition or "range"
+    return make_policy("nav2d", preset=preset, gain=gain, max_speed=speed, sensing=sensing, **LAWS[law])
 
 
 if __name__ == "__main__":

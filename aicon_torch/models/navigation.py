@@ -61,6 +61,7 @@ class Options:
         gain: k of the action law, m²/s² for a cost in m.
         accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
         smoothing: Time constant of the low-pass on the velocity, s.
+        keep_in_sight: Whether the target estimate is kept on the side where the target is seen, at least 0.1 m away.
         dtype: Precision of the estimates.
     """
 
@@ -89,6 +90,7 @@ class Options:
     gain: float = 20.0
     accumulate: bool = False
     smoothing: float = 0.1
+    keep_in_sight: bool = True
     dtype: torch.dtype = torch.float64
 
     def __post_init__(self) -> None:
@@ -253,7 +255,7 @@ def world_model(options: Options) -> WorldModel:
                 initial=prior,
                 size=2,
                 correct=[sight],
-                constrain=in_sight,
+                constrain=in_sight if options.keep_in_sight else None,
             ),
             EKF(
                 "x_obs",
