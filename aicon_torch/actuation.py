@@ -43,6 +43,7 @@ class ActionLaw:
             ``(*B, size)``, within the limit.
         """
         wish = actuator.clip(action - self.gain * gradient if self.accumulate else -self.gain * gradient)
+        wish = wish.nan_to_num(nan=0.0)  # a cost that overflows moves nothing
         if self.smoothing == 0:
             return wish
         return actuator.clip(torch.lerp(action, wish, dt / (dt + self.smoothing)))

@@ -10,7 +10,7 @@ from aicon_torch.resolution import Memory
 
 @dataclass(frozen=True)
 class Candidate:
-    """One gradient that met others: its trace from the goal on, its magnitude and its rank (0 leads, None unused)."""
+    """One gradient that arrived: its trace from the goal on, its magnitude and its rank (0 leads, None unused)."""
 
     trace: str
     strength: float
@@ -19,22 +19,22 @@ class Candidate:
 
 @dataclass(frozen=True)
 class MeetingReport:
-    """What happened where gradients met.
+    """What happened at a quantity where gradients met, or at an actuator that one reached.
 
     Attributes:
         candidates: The gradients, in the order of the graph.
-        cosine: Cosine between the two strongest.
+        cosine: Cosine between the two strongest, as the step compared them; None where a single one arrived.
         exploring: Whether the quantity moved in a nullspace instead of downhill.
     """
 
     candidates: tuple[Candidate, ...]
-    cosine: float
+    cosine: float | None
     exploring: bool
 
 
 @dataclass(frozen=True)
 class GoalReport:
-    """A goal's cost, and by how much the action changes it in one step to first order, ∇ₐg · a."""
+    """A goal's cost now, and by how much the action changes it in the next step, to first order: ∇ₐg · a."""
 
     cost: float
     predicted_change: float
@@ -61,7 +61,8 @@ class Explanation:
             lines.append(f"goal {name}: cost {goal.cost:.4g}, predicted change {goal.predicted_change:+.2g}")
         for name, meeting in self.meetings.items():
             state = "exploring" if meeting.exploring else "descending"
-            lines.append(f"at {name}: {state}, cosine of the strongest two {meeting.cosine:+.2f}")
+            cosine = "" if meeting.cosine is None else f", cosine of the strongest two {meeting.cosine:+.2f}"
+            lines.append(f"at {name}: {state}{cosine}")
             for candidate in meeting.candidates:
                 rank = "-" if candidate.rank is None else candidate.rank
                 lines.append(f"  rank {rank}: {candidate.trace}, strength {candidate.strength:.3g}")
@@ -90,19 +91,24 @@ def explain(sweep: Sweep, memory: Memory, row: int | tuple[int, ...] = ()) -> Ex
         moves = zip(slopes, actions.values(), strict=True)
         change = sum(float((slope * action.detach()).sum()) for slope, action in moves if slope is not None)
         goals[name] = GoalReport(float(cost.detach()), change)
-    meetings = {name: _report(sweep, one, name) for name in sweep.arrivals if sweep.meets(name)}
+    places = [name for name in sweep.arrivals if sweep.meets(name) or name in model.actuators]
+    meetings = {name: _report(sweep, one, name) for name in places}
     return Explanation({name: tuple(one[name].tolist()) for name in actions}, goals, meetings)
 
 
 def _report(sweep: Sweep, one: Memory, name: str) -> MeetingReport:
+    arrivals = [f"{arrival} → {name}" for arrival in sweep.arrivals[name]]
+    if not sweep.meets(name):
+        strength = float(torch.linalg.vector_norm(one[f"{name}/gradient"]))
+        return MeetingReport((Candidate(arrivals[0], strength, 0),), None, False)
     gradients = one[f"{name}/gradients"]
     norms = torch.linalg.vector_norm(gradients, dim=-1)
     held = one[f"{name}/rank"].tolist() if f"{name}/rank" in one else []
     candidates = tuple(
-        Candidate(f"{arrival} → {name}", float(norm), held.index(index) if index in held else None)
-        for index, (arrival, norm) in enumerate(zip(sweep.arrivals[name], norms, strict=True))
+        Candidate(arrival, float(norm), held.index(index) if index in held else None)
+        for index, (arrival, norm) in enumerate(zip(arrivals, norms, strict=True))
     )
+    if f"{name}/cosine" in one:
+        return MeetingReport(candidates, float(one[f"{name}/cosine"]), bool(one[f"{name}/exploring"]))
     first, second = gradients[norms.topk(2).indices]
-    cosine = float(torch.nn.functional.cosine_similarity(first, second, dim=0))
-    exploring = bool(one[f"{name}/exploring"]) if f"{name}/exploring" in one else False
-    return MeetingReport(candidates, cosine, exploring)
+    return MeetingReport(candidates, float(torch.nn.functional.cosine_similarity(first, second, dim=0)), False)

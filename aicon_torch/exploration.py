@@ -14,12 +14,14 @@ from aicon_torch.interconnections import Node
 from aicon_torch.vectors import reject, select, unit
 
 if TYPE_CHECKING:
-    from aicon_torch.resolution import Meeting
+    from aicon_torch.resolution import Meeting, Ranked
 
 
 @dataclass(frozen=True)
 class Escape:
     """What leaving a trap needs beyond the text. Every field is a deviation from it; all None is the paper.
+
+    Each acts only at quantities where a gradient of the goal that it names arrives, alone or merged with others.
 
     Attributes:
         progress: A goal whose cost must have fallen before exploration may end: its cost now against its cost had the
@@ -85,76 +87,65 @@ class Exploration(Node):
         return memory | ({"displacement": torch.zeros(size)} if self.escape.progress else {})
 
     def forward(
-        self,
-        meeting: Meeting,
-        norms: Tensor,
-        units: Tensor,
-        weights: Tensor,
-        first: Tensor,
-        resolved: Tensor,
-        memory: dict[str, Tensor],
-    ) -> tuple[Tensor, dict[str, Tensor]]:
-        """Decide whether to explore, and replace the resolved gradient where so.
+        self, meeting: Meeting, ranked: Ranked, memory: dict[str, Tensor]
+    ) -> tuple[Tensor, Tensor, dict[str, Tensor]]:
+        """Decide whether to explore, and where to.
 
         Args:
             meeting: The gradients that meet and what is known there.
-            norms: Their magnitudes, ``(*B, n)``.
-            units: Their directions, ``(*B, n, d)``.
-            weights: Their normalised magnitudes, ``(*B, n)``.
-            first: Index of the dominant one, ``(*B, 1)``.
-            resolved: The conflict-free gradient, ``(*B, d)``.
+            ranked: The same gradients by magnitude.
             memory: What was remembered of this quantity.
 
         Returns:
-            The gradient ``(*B, d)``, whose negative is the direction of motion, and the new memory.
+            Whether to explore ``(*B,)``, the unit direction of motion ``(*B, d)``, and the new memory.
         """
-        dominant = torch.arange(norms.shape[-1], device=first.device) == first
-        rival, second = weights.masked_fill(dominant, -1.0).max(-1, keepdim=True)
-        top = select(units, first)
-        cosine = (top * select(units, second)).sum(-1)
-        decided = (weights.gather(-1, first) > self.ratio * rival).squeeze(-1)
-        average = memory["average"] + (meeting.motion - memory["average"]) * min(1.0, meeting.dt / self.average_time)
-        state = {"cosine": cosine, "average": average}
-
+        cosine, decided = self.compare(ranked)
+        rate = meeting.dt / (meeting.dt + self.average_time)
+        state = {"cosine": cosine, "average": torch.lerp(memory["average"], meeting.motion, rate)}
         enter = (cosine < self.enter_cosine) & ~decided
         stay = (cosine <= self.exit_cosine) & ~decided
         if self.escape.progress:
-            since = (memory["displacement"] + meeting.motion) * memory["exploring"].unsqueeze(-1)
-            before = meeting.displaced(self.escape.progress, -since)
-            stay = stay | (meeting.costs[self.escape.progress] >= before - self.escape.progress_margin)
-            state["displacement"] = since
-        exploring = torch.where(memory["exploring"], stay, enter)
-        state["exploring"] = exploring
+            state["displacement"] = (memory["displacement"] + meeting.motion) * memory["exploring"].unsqueeze(-1)
+            if self.escape.progress in meeting.concerned:
+                before = meeting.displaced(self.escape.progress, -state["displacement"])
+                stay = stay | (meeting.costs[self.escape.progress] >= before - self.escape.progress_margin)
+        state["exploring"] = torch.where(memory["exploring"], stay, enter)
+        return state["exploring"], self.direction(meeting, ranked, state["average"]), state
 
-        normal = self._of_goal(self.escape.along, meeting, units, top)
-        direction = self._along(normal, average, units * weights.unsqueeze(-1))
-        if self.escape.hold:
-            direction = self._holding(self.escape.hold, direction, meeting, norms, units)
-        return torch.where(exploring.unsqueeze(-1), -direction, resolved), state
+    def compare(self, ranked: Ranked) -> tuple[Tensor, Tensor]:
+        """Cosine of the two strongest, and whether the first exceeds all others by λ, ``(*B,)`` each."""
+        rows = torch.arange(ranked.norms.shape[-1], device=ranked.first.device)
+        largest_other, second = ranked.weights.masked_fill(rows == ranked.first, -1.0).max(-1, keepdim=True)
+        cosine = (select(ranked.units, ranked.first) * select(ranked.units, second)).sum(-1)
+        decided = ranked.weights.gather(-1, ranked.first) > self.ratio * largest_other
+        return cosine, decided.squeeze(-1)
 
-    @staticmethod
-    def _of_goal(goal: str | None, meeting: Meeting, units: Tensor, otherwise: Tensor) -> Tensor:
-        """The direction of a goal's gradient at this quantity, ``(*B, d)``."""
-        for index, goals in enumerate(meeting.goals):
-            if goals == {goal}:
-                return units[..., index, :]
-        return otherwise
-
-    @staticmethod
-    def _along(normal: Tensor, average: Tensor, scaled: Tensor) -> Tensor:
-        """The unit direction in the nullspace of ``normal`` that best continues the motion average, ``(*B, d)``."""
+    def direction(self, meeting: Meeting, ranked: Ranked, average: Tensor) -> Tensor:
+        """The unit direction in a nullspace that best continues the motion average, ``(*B, d)``."""
+        normal = select(ranked.units, ranked.first)
+        if self.escape.along in meeting.concerned:
+            normal, _, _ = _of_goal(self.escape.along, meeting, ranked)
         axis = torch.arange(normal.shape[-1], device=normal.device) == normal.abs().argmin(-1, keepdim=True)
-        free = reject(average - 1e-6 * scaled.sum(-2), normal)  # the descent decides where the average has no say
-        return unit(reject(free + 1e-9 * axis, normal))  # and an axis where it has none; rejects rounding errors, too
-
-    def _holding(self, goal: str, direction: Tensor, meeting: Meeting, norms: Tensor, units: Tensor) -> Tensor:
-        """The direction plus feedback toward the level where the goal's gradient balances the strongest other."""
-        for index, goals in enumerate(meeting.goals):
-            if goals == {goal}:
-                rivals = [norms[..., other] for other in range(norms.shape[-1]) if other != index]
-                strongest = functools.reduce(torch.maximum, rivals).clamp(min=torch.finfo(norms.dtype).tiny)
-                strength = norms[..., index] / strongest
-                error = (strength - 1.0).clamp(-1.0, 1.0).unsqueeze(-1)
-                held = direction - self.escape.hold_gain * error * units[..., index, :]
-                return unit(held)
+        descent = -(ranked.units * ranked.weights.unsqueeze(-1)).sum(-2)
+        free = reject(average + 1e-6 * descent, normal)  # the descent decides where the average has no say
+        direction = unit(reject(free + 1e-9 * axis, normal))  # and an axis where neither has; again, for rounding
+        if self.escape.hold in meeting.concerned:
+            held, strength, largest_other = _of_goal(self.escape.hold, meeting, ranked)
+            excess = strength / largest_other.clamp(min=torch.finfo(strength.dtype).tiny) - 1.0
+            direction = unit(direction - self.escape.hold_gain * excess.clamp(-1.0, 1.0).unsqueeze(-1) * held)
         return direction
+
+
+PAPER = Exploration()
+"""The paper's exploration, with none of the additions of an escape."""
+
+
+def _of_goal(goal: str | None, meeting: Meeting, ranked: Ranked) -> tuple[Tensor, Tensor, Tensor]:
+    """Direction ``(*B, d)`` and magnitude of a goal's gradient here, and the largest magnitude of the others."""
+    own = [index for index, goals in enumerate(meeting.goals) if goal in goals]
+    others = [ranked.norms[..., index] for index in range(len(meeting.goals)) if index not in own]
+    largest_other = functools.reduce(torch.maximum, others) if others else torch.zeros_like(ranked.norms[..., 0])
+    if len(own) == 1:
+        return ranked.units[..., own[0], :], ranked.norms[..., own[0]], largest_other
+    total = meeting.gradients[..., own, :].sum(-2)
+    return unit(total), torch.linalg.vector_norm(total, dim=-1), largest_other

@@ -53,7 +53,7 @@ class Sweep:
                 for name in names:
                     for edge in model.edges[name]:
                         self.arrivals.setdefault(edge.source, []).append(leaving[name][names[name]])
-
+        self.final = self._find_final()
         self.remembered = {name: tuple(self._initial(name)) for name in self.arrivals if self.meets(name)}
 
     def _leaving(self, name: str) -> list[Arrival]:
@@ -63,13 +63,23 @@ class Sweep:
         goals = frozenset().union(*(arrival.goals for arrival in here))
         return [Arrival(("+".join(goal for goal in self.model.goals if goal in goals), name), goals)]
 
+    def _find_final(self) -> dict[str, bool]:
+        """For each quantity whether gradients meet nowhere else on the way from there to the actuators."""
+        final = dict.fromkeys(self.model.actuators, True)
+        for level in reversed(self.levels):
+            for name in level:
+                sources = [edge.source for edge in self.model.edges[name]]
+                final[name] = all(final[source] and not self.meets(source) for source in sources)
+        return final
+
     def meets(self, name: str) -> bool:
         """Whether gradients are resolved at this quantity."""
         return len(self.arrivals.get(name, ())) > 1 and (self.resolution.merges or name in self.model.actuators)
 
     def initial(self) -> Memory:
         """What is remembered of every meeting before the first step, without batch dimensions."""
-        return {f"{name}/{key}": value for name in self.remembered for key, value in self._initial(name).items()}
+        memory = {f"{name}/{key}": value for name in self.remembered for key, value in self._initial(name).items()}
+        return memory | {f"{name}/gradient": torch.zeros(a.size) for name, a in self.model.actuators.items()}
 
     def _initial(self, name: str) -> Memory:
         candidates, size = len(self.arrivals[name]), self.model.quantities[name].size
@@ -108,7 +118,8 @@ class Sweep:
                 for name in names:
                     for edge in self.model.edges[name]:
                         arrived[edge.source].append(next(pulled))
-        return {name: leaving(name)[0] for name in self.model.actuators}, memory
+        actions = {name: leaving(name)[0] for name in self.model.actuators}
+        return actions, memory | {f"{name}/gradient": gradient for name, gradient in actions.items()}
 
     @staticmethod
     def _pull(tapes: Tapes, gradients: Mapping[str, Tensor]) -> tuple[Tensor, ...]:
@@ -139,6 +150,7 @@ class Sweep:
             costs=costs,
             displaced=lambda goal, shift: self.model.displaced_cost(goal, name, shift.reshape(shape), values),
             dt=self.model.dt,
+            final=self.final[name],
         )
         own = {key: before[f"{name}/{key}"] for key in self.remembered[name]}
         resolved, state = self.resolution(meeting, own)

@@ -34,6 +34,8 @@ class WorldModel(nn.Module):
     """A graph of recursive estimators coupled by differentiable interconnections (Sect. "Encoding Regularities").
 
     It holds parameters and constants only. What lives from step to step is passed in and returned as named values.
+    The parts become the model's own, which moves them to its dtype and device; build each for one model.
+
     Estimators run once a step, each after those it reads; where they read each other in a cycle, one of them reads the
     value of the last step, which is a constant of this step and carries no gradient.
 
@@ -71,6 +73,8 @@ class WorldModel(nn.Module):
         self.estimators = nn.ModuleList(_ordered(estimators, self.owners))
         self._goal_modules = nn.ModuleList(goals)  # registers their parameters
         self.register_buffer("_like", torch.zeros(()), persistent=False)  # tells dtype and device
+        if dtype is not None and not dtype.is_floating_point:
+            raise GraphError(f"dtype={dtype!r}: expected a floating-point type such as torch.float64.")
         self.to(dtype or torch.get_default_dtype())
         self.quantities = {name: Quantity(name, (sensor.size,)) for name, sensor in self.sensors.items()}
         self.quantities |= {name: Quantity(name, (actuator.size,), True) for name, actuator in self.actuators.items()}
@@ -234,6 +238,11 @@ class WorldModel(nn.Module):
         for name in names:
             if names.count(name) > 1:
                 raise GraphError(f"{name!r} is declared {names.count(name)} times; each name stands for one thing.")
+        for name in names:
+            if name == "dt" or "/" in name or name.endswith(PRESENT):
+                raise GraphError(
+                    f"{name!r} is taken: 'dt' is the time step, and '/' and {PRESENT!r} mark what is remembered."
+                )
         if not self.sensors:
             raise GraphError("sensors: a model needs at least one sensor.")
         if not goals:

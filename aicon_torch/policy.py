@@ -41,6 +41,8 @@ class Policy(nn.Module):
         self.model, self.resolution, self.law = model, resolution, law
         self.sweep = Sweep(model, resolution)
         self._memory: Memory | None = None
+        flags = {name + PRESENT for name, sensor in model.sensors.items() if sensor.optional}
+        self._keys = {ACTIVE, *flags, *model.quantities, *self.sweep.initial()}
 
     def predict(
         self,
@@ -65,8 +67,8 @@ class Policy(nn.Module):
             ObservationError: If a reading is missing, wrongly shaped, NaN or infinite. Tensors are not checked for
                 NaN and infinity, so that nothing waits for the device.
         """
-        before, values = self._begin(observation, state, episode_start)
-        with torch.enable_grad():
+        with torch.inference_mode(False), torch.enable_grad():
+            before, values = self._begin(observation, state, episode_start)
             values, tapes = self.model.step(values)
             gradients, meetings = self.sweep(tapes, values, before, before[ACTIVE])
         for name, actuator in self.model.actuators.items():
@@ -93,9 +95,12 @@ class Policy(nn.Module):
             episode_start: As for :meth:`predict`.
         """
         action = action or {}
-        for name in action:
+        for name, executed in action.items():
             if name not in self.model.actuators:
                 raise OptionError(f"No actuator is named {name!r}. Actuators: {choices(self.model.actuators)}.")
+            size = self.model.actuators[name].size
+            if executed.shape[-1:] != (size,) or not executed.isfinite().all():
+                raise ObservationError(f"action of {name!r}: expected finite values of shape (*batch, {size}).")
         before, values = self._begin(observation, state, episode_start)
         values, _ = self.model.step(values | dict(action), differentiable=False)
         return before | values
@@ -110,7 +115,7 @@ class Policy(nn.Module):
         return action
 
     def switch(self, memory: Memory, **goals: bool | float | Tensor) -> Memory:
-        """The memory with goals switched on or off, or weighted.
+        """The memory with goals switched on or off, or weighted, which outlasts the episode.
 
         Args:
             memory: The memory to start from.
@@ -147,6 +152,11 @@ class Policy(nn.Module):
                 raise ObservationError(
                     f"state: its batch is {there}, that of the observation {batch}; expected the same."
                 )
+            if state.keys() != self._keys:
+                missing, more = self._keys - state.keys(), state.keys() - self._keys
+                raise ObservationError(
+                    f"state: not a memory of this policy; it lacks {choices(missing)} and has {choices(more)} besides."
+                )
             start = self._starts(episode_start, batch)
             readings = self._hold(readings, state, start)
             before = state
@@ -154,6 +164,7 @@ class Policy(nn.Module):
                 fresh = self._initial(readings, batch)
                 rows = {key: start[(..., *(None,) * (value.dim() - start.dim()))] for key, value in state.items()}
                 before = {key: torch.where(rows[key], fresh[key], value) for key, value in state.items()}
+                before[ACTIVE] = state[ACTIVE]  # a setting, no estimate
         return before, {name: before[name] for name in self.model.quantities} | readings
 
     def _starts(self, episode_start: ArrayLike | Tensor | None, batch: tuple[int, ...]) -> Tensor | None:
@@ -214,13 +225,17 @@ class Policy(nn.Module):
             if not shape or shape[-1] != sensor.size or (batch is not None and shape[:-1] != batch):
                 leading = "*batch" if batch is None else ", ".join(map(str, batch))
                 raise ObservationError(f"Sensor {name!r}: expected shape ({leading}, {sensor.size}), got {shape}.")
-            if not isinstance(value, Tensor) and not sensor.optional and not np.isfinite(value).all():
+            if isinstance(value, Tensor):
+                reading = value.to(like).clone() if value.is_inference() else value.to(like)
+            else:
+                reading = torch.as_tensor(value, dtype=like.dtype)
+            if not isinstance(value, Tensor) and not sensor.optional and not reading.isfinite().all():
                 raise ObservationError(
                     f"Sensor {name!r}: expected finite values in {sensor.unit}, got NaN or infinity. "
                     "Sensor(..., optional=True) declares that NaN means no reading."
                 )
             batch = shape[:-1]
-            reading = torch.as_tensor(value, dtype=like.dtype, device=like.device)
+            reading = reading.to(like.device)
             readings[name] = reading if sensor.range is None else reading.clamp(*sensor.range)
         for name in absent:
             readings[name] = like.new_full((*(batch or ()), self.model.sensors[name].size), torch.nan)

@@ -54,6 +54,13 @@ class Sensor:
     optional: bool = False
     range: tuple[float, float] | None = None
 
+    def __post_init__(self) -> None:
+        """Check size and range."""
+        if self.size < 1:
+            raise GraphError(f"Sensor size {self.size!r}: expected 1 or more components.")
+        if self.range is not None and not self.range[0] < self.range[1]:
+            raise GraphError(f"Sensor range {self.range!r}: expected (lowest, highest).")
+
 
 @dataclass(frozen=True)
 class Actuator:

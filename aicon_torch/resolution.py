@@ -1,5 +1,6 @@
 """Resolutions: what happens to the gradients that meet at a quantity."""
 
+import math
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
@@ -7,7 +8,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.exploration import Exploration
+from aicon_torch.exploration import PAPER, Exploration
 from aicon_torch.interconnections import Node
 from aicon_torch.vectors import reject, select, unit
 
@@ -24,6 +25,7 @@ class Meeting(NamedTuple):
         costs: Cost of each goal now, ``(*B,)``.
         displaced: Cost of a goal now had the quantity been displaced, ``(name, (*B, d)) -> (*B,)``.
         dt: Time step, s.
+        final: Whether gradients meet nowhere else on the way from here to the actuators.
     """
 
     gradients: Tensor
@@ -32,6 +34,28 @@ class Meeting(NamedTuple):
     costs: dict[str, Tensor]
     displaced: Callable[[str, Tensor], Tensor]
     dt: float
+    final: bool
+
+    @property
+    def concerned(self) -> frozenset[str]:
+        """The goals whose gradients arrive here, alone or merged."""
+        return frozenset().union(*self.goals)
+
+
+class Ranked(NamedTuple):
+    """The gradients of a meeting by magnitude.
+
+    Attributes:
+        norms: Magnitudes ‖∇ᵢ‖, ``(*B, n)``.
+        units: Directions, ``(*B, n, d)``.
+        weights: Normalised magnitudes wᵢ, ``(*B, n)``.
+        first: Index of the dominant one, ``(*B, 1)``.
+    """
+
+    norms: Tensor
+    units: Tensor
+    weights: Tensor
+    first: Tensor
 
 
 class Resolution(Node):
@@ -71,10 +95,14 @@ class SteepestPath(Resolution):
 
     merges = False
 
+    def initial(self, candidates: int, size: int) -> Memory:
+        """No path was taken yet (−1)."""
+        return {"rank": torch.full((1,), -1)}
+
     def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
         """The longest of the gradients."""
         steepest = torch.linalg.vector_norm(meeting.gradients, dim=-1).argmax(-1, keepdim=True)
-        return select(meeting.gradients, steepest), memory
+        return select(meeting.gradients, steepest), {"rank": steepest}
 
 
 class NullspaceProjection(Resolution):
@@ -91,9 +119,11 @@ class NullspaceProjection(Resolution):
         margin: By how much a gradient must exceed the one that held its rank before, to take it (the paper: 10 %).
         projector: ``"orthogonal"`` I − vvᵀ (Eq. 8), ``"qr"`` I − QQᵀ (Eq. 7) or ``"pinv"`` I − J⁺J (Eq. 6), which are
             equal for scalar goals; ``"none"`` adds without projecting.
-        negligible: Magnitude below which the softmax gives a gradient no weight. The text has no such bound (0), but a
-            softmax gives weight even to a gradient that has vanished.
-        exploration: What to do about conflicts; None never explores.
+        negligible: Magnitude below which a gradient loses the weight that the softmax gives it; the others keep theirs.
+            The text has no such bound (0), but a softmax gives weight even to a gradient that has vanished.
+        restore_magnitude: Whether a gradient that meets others again further on gets the magnitude of the one that led
+            here. The weights compare only those that met; the next meeting compares magnitudes. The text does not say.
+        exploration: What to do about conflicts, by default the paper's; None never explores.
     """
 
     def __init__(
@@ -101,17 +131,19 @@ class NullspaceProjection(Resolution):
         temperature: float | None = 0.8,
         margin: float = 0.1,
         projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal",
-        negligible: float = 1e-3,
-        exploration: Exploration | None = None,
+        negligible: float = 0.0,
+        restore_magnitude: bool = True,
+        exploration: Exploration | None = PAPER,
     ) -> None:
         super().__init__()
-        if temperature is not None and not temperature > 0:
+        if temperature is not None and not 0 < temperature < math.inf:
             raise OptionError(f"temperature={temperature!r}: expected a positive number, or None for no softmax.")
-        if not margin >= 0 or not negligible >= 0:
+        if not 0 <= margin < math.inf or not 0 <= negligible < math.inf:
             raise OptionError(f"margin={margin!r}, negligible={negligible!r}: expected numbers >= 0.")
         if projector not in PROJECTORS:
             raise OptionError(f"projector={projector!r}: expected one of {choices(PROJECTORS)}.")
         self.temperature, self.margin, self.negligible = temperature, margin, negligible
+        self.restore_magnitude = restore_magnitude
         self.project = PROJECTORS[projector]
         self.exploration = exploration
 
@@ -132,10 +164,18 @@ class NullspaceProjection(Resolution):
         units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny ** 0.5).unsqueeze(-1)
         weights = self.weigh(norms)
         resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
-        if self.exploration is None:
-            return resolved, {"rank": rank}
-        explored, state = self.exploration(meeting, norms, units, weights, rank[..., :1].clamp(min=0), resolved, memory)
-        return explored, {"rank": rank, **state}
+        state = {"rank": rank}
+        ranked = Ranked(norms, units, weights, first=rank[..., :1].clamp(min=0))
+        if self.restore_magnitude and not meeting.final:
+            lead = norms.gather(-1, ranked.first)
+            resolved = resolved * lead / weights.gather(-1, ranked.first).clamp(min=torch.finfo(norms.dtype).tiny)
+        if self.exploration is not None:
+            exploring, direction, explored = self.exploration(meeting, ranked, memory)
+            if self.restore_magnitude and not meeting.final:
+                direction = direction * lead
+            resolved = torch.where(exploring.unsqueeze(-1), -direction, resolved)
+            state |= explored
+        return resolved, state
 
     def weigh(self, norms: Tensor) -> Tensor:
         """Normalised magnitudes ``(*B, n)``: their softmax, and zero for those that are negligible."""

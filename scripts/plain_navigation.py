@@ -100,7 +100,7 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     rival, opponent = weights.masked_fill(is_first, -1.0).max(-1, keepdim=True)
     cosine = (v * (units * (index == opponent).unsqueeze(-1)).sum(-2)).sum(-1)
     decided = (weights.gather(-1, first) > 3.0 * rival).squeeze(-1)
-    average = state.average + (x - state.average) * DT
+    average = torch.lerp(state.average, x, DT / (DT + 1.0))
     displacement = (state.displacement + x) * state.exploring.unsqueeze(-1)
     spread = cov.diagonal(dim1=-2, dim2=-1).sum(-1)
     no_nearer = p.norm(dim=-1) + spread >= (p + displacement).norm(dim=-1) + spread - 0.1

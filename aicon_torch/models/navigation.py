@@ -46,19 +46,19 @@ class Options:
         prior_range_noise: Its standard deviation, m.
         collision_length: ℓ of p_collision = exp(−d/ℓ), m.
         resolution: Nullspace projection (the paper), the sum (a potential field) or the steepest path (Eq. 2).
-        temperature: See :class:`NullspaceProjection`, as the next three.
-        margin: …
-        projector: …
-        negligible: …
+        temperature: τ of the softmax over magnitudes; None for no softmax.
+        margin: Hysteresis of the order: by how much a gradient must exceed the one that held its rank.
+        projector: Form of the projection, or ``"none"``; see :class:`NullspaceProjection`.
+        negligible: Magnitude below which a gradient has no weight.
         explore: Whether conflicts are explored.
-        enter_cosine: See :class:`Exploration`, as the next three.
-        exit_cosine: …
-        ratio: …
-        average_time: …
+        enter_cosine: Cosine of the two strongest below which a conflict begins.
+        exit_cosine: Cosine above which it ends.
+        ratio: λ, by which one gradient must exceed all others to end it.
+        average_time: Time constant of the motion average, s.
         exit_on_progress: A: exploration ends only once the target is nearer than when it began.
         hold_level: B: exploration holds the level of p_collision.
         along_obstacle: C: exploration moves in the nullspace of p₃ even where p₁ dominates.
-        gain: k of the action law, m²/s² for a cost in m.
+        gain: k of the action law, m/s²: the velocity is −k·dt times the resolved gradient, whose length is at most 1.
         accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
         smoothing: Time constant of the low-pass on the velocity, s.
         keep_in_sight: Whether the target estimate is kept on the side where the target is seen, at least 0.1 m away.
@@ -102,7 +102,19 @@ class Options:
                 raise OptionError(f"{name}={value!r}: expected a positive number.")
 
 
-_LITERAL = {"exit_on_progress": False, "hold_level": False, "along_obstacle": False, "negligible": 0.0}
+_LITERAL = {
+    "exit_on_progress": False,
+    "hold_level": False,
+    "along_obstacle": False,
+    "negligible": 0.0,
+    "keep_in_sight": False,
+}
+    "exit_on_progress": False,
+    "hold_level": False,
+    "along_obstacle": False,
+    "negligible": 0.0,
+    "keep_in_sight": False,
+}
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
@@ -295,7 +307,7 @@ def resolution(options: Options) -> Resolution:
         options.margin,
         options.projector,
         options.negligible,
-        exploration if options.explore else None,
+        exploration=exploration if options.explore else None,
     )
 
 
