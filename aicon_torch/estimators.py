@@ -111,8 +111,6 @@ class EKF(Estimator):
         initial: ``(mean, variances)``, or a function of the first readings that returns x ``(*B, n)`` and
             P ``(*B, n, n)``.
         correct: The measurements.
-        constrain: A function of ``mean`` and readings that returns the nearest admissible mean. It acts on the value
-            alone, so the gradient passes straight through.
         derivative: Which derivative ``forward`` gives the mean: ``"model"``, that of f, as if the correction were
             noise; ``"update"``, that of the whole next update, readings held; ``"detached_gain"``, the same with K
             held.
@@ -131,7 +129,6 @@ class EKF(Estimator):
         noise: Noise,
         initial: tuple[Sequence[float], float | Sequence[float]] | Callable[..., tuple[Tensor, Tensor]],
         correct: Sequence[Measurement] = (),
-        constrain: Callable[..., Tensor] | None = None,
         derivative: Derivative = "model",
         size: int | None = None,
     ) -> None:
@@ -147,7 +144,6 @@ class EKF(Estimator):
             if mean not in measurement.residual.inputs:
                 reads = choices(measurement.residual.inputs)
                 raise GraphError(f"A measurement of {mean!r} reads {reads}; it must read {mean!r}.")
-        self.constrain = Interconnection.of(constrain) if constrain else None
         if derivative not in ("model", "update", "detached_gain"):
             raise GraphError(f"derivative={derivative!r}: expected 'model', 'update' or 'detached_gain'.")
         self.derivative: Derivative = derivative
@@ -155,7 +151,6 @@ class EKF(Estimator):
         self.covariances = (covariance,)
         parts: list[tuple[str, ...]] = [(mean, covariance), self.predict.inputs, self.noise.inputs, self.prior_inputs]
         parts += [measurement.inputs for measurement in correct]
-        parts += [self.constrain.inputs] if self.constrain else []
         self.inputs = tuple(dict.fromkeys(name for part in parts for name in part))
 
     def _prior(
@@ -198,8 +193,6 @@ class EKF(Estimator):
                 change = torch.where(accepted.unsqueeze(-1), change, 0.0)
                 shrink = torch.where(accepted.unsqueeze(-1).unsqueeze(-1), shrink, 0.0)
             mean, covariance = mean - change, covariance - shrink
-        if self.constrain is not None:
-            mean = self.constrain({**values, self.mean: mean})
         return {self.mean: mean, self.covariance: covariance}
 
     def forward(self, values: Values, output: str) -> Tensor:

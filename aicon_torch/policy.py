@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from torch import Tensor, nn
 
 from aicon_torch.actuation import ActionLaw
@@ -13,7 +13,7 @@ from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.explanation import Explanation, explain
 from aicon_torch.gradients import Sweep
 from aicon_torch.graph import PRESENT, WorldModel
-from aicon_torch.quantities import Sensor
+from aicon_torch.observation import hold, read
 from aicon_torch.resolution import Memory, Resolution
 
 ACTIVE = "goals/active"
@@ -141,10 +141,10 @@ class Policy(nn.Module):
         self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None
     ) -> tuple[Memory, dict[str, Tensor]]:
         """The memory with the rows that start anew, and the values with the new readings."""
-        readings = self._read(observation)
+        readings = read(observation, self.model.sensors, self.model.like)
         batch = tuple(next(iter(readings.values())).shape[:-1])
         if state is None:
-            readings = self._hold(readings, None, None)
+            readings = hold(readings, self.model.sensors)
             before = self._initial(readings, batch)
         else:
             there = tuple(state[next(iter(self.model.actuators))].shape[:-1])
@@ -158,7 +158,7 @@ class Policy(nn.Module):
                     f"state: not a memory of this policy; it lacks {choices(missing)} and has {choices(more)} besides."
                 )
             start = self._starts(episode_start, batch)
-            readings = self._hold(readings, state, start)
+            readings = hold(readings, self.model.sensors, state, start)
             before = state
             if start is not None:
                 fresh = self._initial(readings, batch)
@@ -184,70 +184,3 @@ class Policy(nn.Module):
         state = self.sweep.initial() | {ACTIVE: torch.ones(len(self.model.goals))}
         state = {key: v.to(like.device, like.dtype if v.is_floating_point() else v.dtype) for key, v in state.items()}
         return self.model.initial(readings, batch) | {key: v.expand((*batch, *v.shape)) for key, v in state.items()}
-
-    def _hold(self, readings: dict[str, Tensor], state: Memory | None, start: Tensor | None) -> dict[str, Tensor]:
-        """For optional sensors the last reading where there is none, and a flag that says so."""
-        held = dict(readings)
-        for name, sensor in self.model.sensors.items():
-            if sensor.optional:
-                present = readings[name].isfinite().all(-1)
-                last = torch.zeros_like(readings[name]) if state is None else state[name]
-                if start is not None:
-                    last = torch.where(start.unsqueeze(-1), 0.0, last)
-                held[name] = torch.where(present.unsqueeze(-1), readings[name], last)
-                held[name + PRESENT] = present
-        return held
-
-    def _read(self, observation: Mapping[str, Any]) -> dict[str, Tensor]:
-        """Readings as tensors of the model's dtype, checked where numpy becomes torch."""
-        if not isinstance(observation, Mapping):
-            keys = [sensor.key or name for name, sensor in self.model.sensors.items()]
-            raise ObservationError(f"expected an observation by sensor ({choices(keys)}), got {type(observation)}.")
-        like = self.model.like
-        readings: dict[str, Tensor] = {}
-        absent: list[str] = []
-        batch: tuple[int, ...] | None = None
-        for name, sensor in self.model.sensors.items():
-            key = sensor.key or name
-            if key not in observation:
-                if not sensor.optional:
-                    raise ObservationError(
-                        f"Sensor {name!r}: the observation has no {key!r}; it has {choices(observation)}. "
-                        f"Expected shape (*batch, {sensor.size}) in {sensor.unit}."
-                    )
-                absent.append(name)
-                continue
-            value: Tensor | NDArray[Any] = observation[key]
-            value = value if isinstance(value, Tensor) else _array(name, sensor, value)
-            if isinstance(value, Tensor) and value.is_complex():
-                raise ObservationError(f"Sensor {name!r}: expected real numbers in {sensor.unit}, got {value.dtype}.")
-            shape = tuple(value.shape)
-            if not shape or shape[-1] != sensor.size or (batch is not None and shape[:-1] != batch):
-                leading = "*batch" if batch is None else ", ".join(map(str, batch))
-                raise ObservationError(f"Sensor {name!r}: expected shape ({leading}, {sensor.size}), got {shape}.")
-            if isinstance(value, Tensor):
-                reading = value.to(like).clone() if value.is_inference() else value.to(like)
-            else:
-                reading = torch.as_tensor(value, dtype=like.dtype)
-            if not isinstance(value, Tensor) and not sensor.optional and not reading.isfinite().all():
-                raise ObservationError(
-                    f"Sensor {name!r}: expected finite values in {sensor.unit}, got NaN or infinity. "
-                    "Sensor(..., optional=True) declares that NaN means no reading."
-                )
-            batch = shape[:-1]
-            reading = reading.to(like.device)
-            readings[name] = reading if sensor.range is None else reading.clamp(*sensor.range)
-        for name in absent:
-            readings[name] = like.new_full((*(batch or ()), self.model.sensors[name].size), torch.nan)
-        return readings
-
-
-def _array(name: str, sensor: Sensor, value: ArrayLike) -> NDArray[Any]:
-    """The reading as an array of real numbers."""
-    try:
-        array = np.asarray(value)
-    except ValueError as error:  # a ragged list
-        raise ObservationError(f"Sensor {name!r}: expected an array in {sensor.unit}; {error}.") from error
-    if array.dtype.kind not in "fiub":
-        raise ObservationError(f"Sensor {name!r}: expected real numbers in {sensor.unit}, got {array.dtype}.")
-    return array

@@ -34,7 +34,7 @@ class Meeting(NamedTuple):
     costs: dict[str, Tensor]
     displaced: Callable[[str, Tensor], Tensor]
     dt: float
-    final: bool
+    final: bool = True
 
     @property
     def concerned(self) -> frozenset[str]:

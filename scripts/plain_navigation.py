@@ -43,7 +43,7 @@ def begin(bearing: Tensor, clearance: Tensor) -> State:
 
 def sight_slope(p: Tensor) -> Tensor:
     """∂ atan2(y, x) / ∂(x, y), ``(*B, 2)``."""
-    return torch.stack((-p[..., 1], p[..., 0]), -1) / (p * p).sum(-1, keepdim=True)
+    return torch.stack((-p[..., 1], p[..., 0]), -1) / (p * p).sum(-1, keepdim=True).clamp(min=1e-4)
 
 
 def shrink(covariance: Tensor, slope: Tensor, noise: float) -> tuple[Tensor, Tensor]:
@@ -59,15 +59,12 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     The gradient along each path is taken by autograd (Eq. 1), or written out where ``closed_form`` is set.
     """
     x = state.action * DT
-    # target: predict, measure the bearing, keep it in sight
+    # target: predict, measure the bearing
     p = state.target - x
     noise = torch.eye(2, dtype=p.dtype) * (0.02 * DT) ** 2
     residual = torch.remainder(torch.atan2(p[..., 1:], p[..., :1]) - bearing + math.pi, 2 * math.pi) - math.pi
     gain, cov = shrink(state.target_cov + noise, sight_slope(p), 0.03**2)
     p = p - gain * residual
-    ahead = (p * torch.cat((torch.cos(bearing), torch.sin(bearing)), -1)).sum(-1, keepdim=True)
-    norm = p.norm(dim=-1, keepdim=True)
-    p = p * torch.copysign(norm.clamp(min=0.1), ahead) / norm.clamp(min=1e-9)
     # obstacle: predict, measure the clearance, then the slope's length
     d, g = state.obstacle[..., :1], state.obstacle[..., 1:]
     o = torch.cat((d + (g * x).sum(-1, keepdim=True), g), -1)

@@ -61,7 +61,6 @@ class Options:
         gain: k of the action law, m/s²: the velocity is −k·dt times the resolved gradient, whose length is at most 1.
         accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
         smoothing: Time constant of the low-pass on the velocity, s.
-        keep_in_sight: Whether the target estimate is kept on the side where the target is seen, at least 0.1 m away.
         dtype: Precision of the estimates.
     """
 
@@ -90,7 +89,6 @@ class Options:
     gain: float = 20.0
     accumulate: bool = False
     smoothing: float = 0.1
-    keep_in_sight: bool = True
     dtype: torch.dtype = torch.float64
 
     def __post_init__(self) -> None:
@@ -107,13 +105,6 @@ _LITERAL = {
     "hold_level": False,
     "along_obstacle": False,
     "negligible": 0.0,
-    "keep_in_sight": False,
-}
-    "exit_on_progress": False,
-    "hold_level": False,
-    "along_obstacle": False,
-    "negligible": 0.0,
-    "keep_in_sight": False,
 }
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -148,18 +139,9 @@ def bearing_to_target(p_tar: Tensor, z_tar: Tensor) -> Tensor:
 
 
 def bearing_slope(p_tar: Tensor) -> Tensor:
-    """∂bearing/∂p = (−y, x)/‖p‖², ``(*B, 1, 2)``, rad/m."""
+    """∂bearing/∂p = (−y, x)/‖p‖², ``(*B, 1, 2)``, rad/m; nearer than 1 cm as at 1 cm."""
     x, y = p_tar.unbind(-1)
-    return (torch.stack((-y, x), -1) / (p_tar * p_tar).sum(-1, keepdim=True)).unsqueeze(-2)
-
-
-def in_sight(p_tar: Tensor, z_tar: Tensor) -> Tensor:
-    """The target estimate turned to the side where the target is seen, at least 0.1 m away, ``(*B, 2)``."""
-    direction = torch.cat((torch.cos(z_tar), torch.sin(z_tar)), dim=-1)
-    ahead = (p_tar * direction).sum(-1, keepdim=True)
-    norm = torch.linalg.vector_norm(p_tar, dim=-1, keepdim=True)
-    turned: Tensor = p_tar * (torch.copysign(norm.clamp(min=0.1), ahead) / norm.clamp(min=1e-9))
-    return turned
+    return (torch.stack((-y, x), -1) / (p_tar * p_tar).sum(-1, keepdim=True).clamp(min=1e-4)).unsqueeze(-2)
 
 
 def seen_at(z_tar: Tensor, prior_range: float = 5.0, across: float = 0.15, along: float = 3.0) -> tuple[Tensor, Tensor]:
@@ -267,7 +249,6 @@ def world_model(options: Options) -> WorldModel:
                 initial=prior,
                 size=2,
                 correct=[sight],
-                constrain=in_sight if options.keep_in_sight else None,
             ),
             EKF(
                 "x_obs",
