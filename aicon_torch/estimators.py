@@ -7,6 +7,7 @@ model's, evaluated at the best current belief.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import cast
 
 import torch
@@ -186,9 +187,9 @@ class EKF(Estimator):
         for measurement in self._measurements:
             now = {**values, self.mean: mean, self.covariance: covariance}
             residual, jacobian, noise = measurement.innovation(now, self.mean)
-            step = Correction.by(covariance, residual, jacobian, noise)
-            change, shrink = step.of_mean(), step.of_covariance()
-            accepted = measurement.accepted(values, step.distance)
+            step = Correction.by(covariance, jacobian, noise)
+            change, shrink = step.of_mean(residual), step.of_covariance()
+            accepted = measurement.accepted(values, partial(step.distance, residual))
             if accepted is not None:
                 change = torch.where(accepted.unsqueeze(-1), change, 0.0)
                 shrink = torch.where(accepted.unsqueeze(-1).unsqueeze(-1), shrink, 0.0)
@@ -204,16 +205,15 @@ class EKF(Estimator):
         for measurement in self._measurements:
             now = {**values, self.mean: mean, self.covariance: covariance}
             residual, jacobian, noise = measurement.innovation(now, self.mean, differentiable=True)
-            step = Correction.by(covariance, residual, jacobian, noise)
-            shrink = step.of_covariance()
-            refused = None
-            if measurement.gate is not None and not measurement.gate_keeps_gradient:
-                refused = step.distance() > measurement.gate
-                shrink = torch.where(refused.unsqueeze(-1).unsqueeze(-1), 0.0, shrink)
+            step = Correction.by(covariance, jacobian, noise)
+            change, shrink = torch.zeros_like(mean), step.of_covariance()
             if self.derivative != "model":
-                change = step.of_mean(detach_gain=self.derivative == "detached_gain")
-                mean = mean - (change if refused is None else torch.where(refused.unsqueeze(-1), 0.0, change))
-            covariance = covariance - shrink
+                change = step.of_mean(residual, detach_gain=self.derivative == "detached_gain")
+            if measurement.gate is not None and not measurement.gate_keeps_gradient:
+                refused = step.distance(residual) > measurement.gate
+                change = torch.where(refused.unsqueeze(-1), 0.0, change)
+                shrink = torch.where(refused.unsqueeze(-1).unsqueeze(-1), 0.0, shrink)
+            mean, covariance = mean - change, covariance - shrink
         return mean if output == self.mean else covariance
 
     @property

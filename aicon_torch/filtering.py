@@ -101,11 +101,15 @@ class Measurement(nn.Module):
             ν ``(*B, m)``, H ``(*B, m, n)`` and R ``(*B, m, m)``.
         """
         residual, jacobian = self.residual.linearize(values, name, self.size, differentiable)
-        noise = self.noise(values)
+        return residual, jacobian, self.uncertainty(values, differentiable)
+
+    def uncertainty(self, values: Values, differentiable: bool = False) -> Tensor:
+        """R ``(*B, m, m)``: the covariance of the noise, and what other estimates add to it."""
+        noise: Tensor = self.noise(values)
         for other, covariance in self.uncertain.items():
             _, sensitivity = self.residual.linearize(values, other, self.size, differentiable)
             noise = noise + sensitivity @ cast(Tensor, values[covariance]) @ sensitivity.mT
-        return residual, jacobian, noise
+        return noise
 
 
 class Correction(NamedTuple):
@@ -114,42 +118,40 @@ class Correction(NamedTuple):
     With S = H P Hᵀ + R and K = P Hᵀ S⁻¹; ν = h(x, z) is the implicit residual, hence the minus sign.
 
     Attributes:
-        residual: ν, ``(*B, m)``.
         cross: H P, ``(*B, m, n)``.
         spread: S, ``(*B, m, m)``.
         gain: Kᵀ, ``(*B, m, n)``.
     """
 
-    residual: Tensor
     cross: Tensor
     spread: Tensor
     gain: Tensor
 
     @classmethod
-    def by(cls, covariance: Tensor, residual: Tensor, jacobian: Tensor, noise: Tensor) -> "Correction":
-        """The correction of P ``(*B, n, n)`` by a residual ν ``(*B, m)`` with H ``(*B, m, n)`` and R ``(*B, m, m)``."""
-        if residual.shape[-1] == 1:  # products with a row are faster than with a matrix
+    def by(cls, covariance: Tensor, jacobian: Tensor, noise: Tensor) -> "Correction":
+        """The correction of P ``(*B, n, n)`` by a measurement with H ``(*B, m, n)`` and R ``(*B, m, m)``."""
+        if jacobian.shape[-2] == 1:  # products with a row are faster than with a matrix
             cross = (covariance * jacobian).sum(-1).unsqueeze(-2)
             spread = (cross * jacobian).sum(-1, keepdim=True) + noise
-            return cls(residual, cross, spread, cross / spread)
+            return cls(cross, spread, cross / spread)
         cross = jacobian @ covariance
         spread = cross @ jacobian.mT + noise
-        return cls(residual, cross, spread, torch.linalg.solve(spread, cross))
+        return cls(cross, spread, torch.linalg.solve(spread, cross))
 
-    def of_mean(self, detach_gain: bool = False) -> Tensor:
-        """Kν, ``(*B, n)``, to be subtracted."""
+    def of_mean(self, residual: Tensor, detach_gain: bool = False) -> Tensor:
+        """Kν of a residual ν ``(*B, m)``, ``(*B, n)``, to be subtracted."""
         gain = self.gain.detach() if detach_gain else self.gain  # stops the derivative of the gain by the state
-        return (gain * self.residual.unsqueeze(-1)).sum(-2)
+        return (gain * residual.unsqueeze(-1)).sum(-2)
 
     def of_covariance(self) -> Tensor:
         """K S Kᵀ, ``(*B, n, n)``, symmetric, to be subtracted."""
-        single = self.residual.shape[-1] == 1
+        single = self.cross.shape[-2] == 1
         reduction: Tensor = self.gain.mT * self.cross if single else self.gain.mT @ self.cross
         return reduction if single else (reduction + reduction.mT) / 2
 
-    def distance(self) -> Tensor:
-        """Squared Mahalanobis distance νᵀS⁻¹ν of the residual, ``(*B,)``."""
-        squared: Tensor = self.residual * torch.linalg.solve(self.spread, self.residual)
+    def distance(self, residual: Tensor) -> Tensor:
+        """Squared Mahalanobis distance νᵀS⁻¹ν of a residual ν ``(*B, m)``, ``(*B,)``."""
+        squared: Tensor = residual * torch.linalg.solve(self.spread, residual)
         return squared.sum(-1)
 
 
