@@ -71,8 +71,8 @@ class Policy(nn.Module):
             before, values = self._begin(observation, state, episode_start)
             values, tapes = self.model.step(values)
             gradients, meetings = self.sweep(tapes, values, before, before[ACTIVE])
-        for name, actuator in self.model.actuators.items():
-            values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
+            for name, actuator in self.model.actuators.items():
+                values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
         memory = {**values, **meetings, ACTIVE: before[ACTIVE]}
         actions: dict[str, Any] = {name: values[name] for name in self.model.actuators}
         if not any(isinstance(reading, Tensor) for reading in observation.values()):
@@ -101,8 +101,9 @@ class Policy(nn.Module):
             size = self.model.actuators[name].size
             if executed.shape[-1:] != (size,) or not executed.isfinite().all():
                 raise ObservationError(f"action of {name!r}: expected finite values of shape (*batch, {size}).")
-        before, values = self._begin(observation, state, episode_start)
-        values, _ = self.model.step(values | dict(action), differentiable=False)
+        with torch.inference_mode(False):
+            before, values = self._begin(observation, state, episode_start)
+            values, _ = self.model.step(values | dict(action), differentiable=False)
         return before | values
 
     def reset(self) -> None:

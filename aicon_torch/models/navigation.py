@@ -111,8 +111,8 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
         "paper_literal": {**_LITERAL, "accumulate": True, "gain": 10.0},
-        "steepest": {"resolution": "steepest", "gain": 5.0},
-        "potential_field": {"resolution": "sum", "gain": 160.0},
+        "steepest": {"resolution": "steepest", "accumulate": True, "gain": 0.3, "max_speed": 0.25},
+        "potential_field": {"resolution": "sum", "accumulate": True, "gain": 0.6, "max_speed": 0.25},
         "no_progress_exit": {"exit_on_progress": False},
         "no_level_hold": {"hold_level": False},
         "no_obstacle_nullspace": {"along_obstacle": False},
@@ -124,7 +124,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 )
 """Named options: ours, the paper's text and nothing else, the baselines, and ours without one part each.
 
-The gains are the best of the same search for each policy (``scripts/tune.py``).
+Gain, speed and law are the best of the same search for each policy (``scripts/tune.py``).
 """
 
 
