@@ -1,22 +1,21 @@
 """The world model: a validated, ordered graph of sensors, actuators, estimators and goals."""
 
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from functools import cache, partial
-from typing import NamedTuple, TypeVar, cast
+from typing import NamedTuple, cast
 
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.drawing import flowchart
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimators import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.interconnections import Values
 from aicon_torch.paths import Edge, PathTable
-from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
 from aicon_torch.shaping import straight_through
-
-PRESENT = ".present"
-"""Suffix of the flag ``(*B,)`` that says whether an optional sensor has a reading in this step."""
+from aicon_torch.validation import attempt, check_names, names, ordered
 
 
 class Tape(NamedTuple):
@@ -69,8 +68,8 @@ class WorldModel(nn.Module):
         self.dt = dt
         self.goals: dict[str, Goal] = {goal.name: goal for goal in goals}
         self.owners: dict[str, Estimator] = {name: estimator for estimator in estimators for name in estimator.outputs}
-        self._check_names(estimators, goals)
-        self.estimators = nn.ModuleList(_ordered(estimators, self.owners))
+        check_names(self.sensors, self.actuators, estimators, goals)
+        self.estimators = nn.ModuleList(ordered(estimators, self.owners))
         self._goal_modules = nn.ModuleList(goals)  # registers their parameters
         self.register_buffer("_like", torch.zeros(()), persistent=False)  # tells dtype and device
         if dtype is not None and not dtype.is_floating_point:
@@ -110,11 +109,11 @@ class WorldModel(nn.Module):
             values[name] = self.like.new_zeros(*batch, actuator.size)
         pending = [estimator for estimator in self.nodes if not estimator.recursive]
         for estimator in self.nodes:
-            prior = _attempt(estimator, partial(estimator.initial, self._with_dt(values)))
+            prior = attempt(estimator, partial(estimator.initial, self._with_dt(values)))
             for name, value in prior.items():
                 values[name] = value.expand((*batch, *value.shape[-2 if name in estimator.covariances else -1 :]))
-        for function in _ordered(pending, {name: f for f in pending for name in f.outputs}):
-            values |= _attempt(function, partial(function.update, self._with_dt(values)))
+        for function in ordered(pending, {name: f for f in pending for name in f.outputs}):
+            values |= attempt(function, partial(function.update, self._with_dt(values)))
         return values
 
     def step(self, values: Mapping[str, Tensor], differentiable: bool = True) -> tuple[dict[str, Tensor], Tapes]:
@@ -208,19 +207,7 @@ class WorldModel(nn.Module):
 
     def to_mermaid(self) -> str:
         """The graph as a Mermaid flowchart, to be pasted into Markdown."""
-        lines = ["flowchart LR"]
-        lines += [f"  {name}[/{name}, {sensor.unit}/]" for name, sensor in self.sensors.items()]
-        lines += [f"  {name}[\\{name}, {actuator.unit}\\]" for name, actuator in self.actuators.items()]
-        lines += [f"  {node.outputs[0]}({'<br/>'.join(node.outputs)})" for node in self.nodes]
-        lines += [f"  {name}{{{{{name}}}}}" for name in self.goals]
-        readers: list[tuple[str, Iterable[str]]] = [(node.outputs[0], node.inputs) for node in self.nodes]
-        readers += [(name, goal.inputs) for name, goal in self.goals.items()]
-        for reader, inputs in readers:
-            sources = dict.fromkeys(
-                self.owners[name].outputs[0] if name in self.owners else name for name in inputs if name != "dt"
-            )
-            lines += [f"  {source} --> {reader}" for source in sources if source != reader]
-        return "\n".join(lines)
+        return flowchart(self)
 
     def _with_dt(self, values: Mapping[str, Tensor]) -> dict[str, Tensor | float]:
         return {**values, "dt": self.dt}
@@ -232,31 +219,6 @@ class WorldModel(nn.Module):
         output = self.goals[name](inputs) if name in self.goals else self.owners[name](inputs, name)
         return Tape(output, tuple(leaves.values()))
 
-    def _check_names(self, estimators: Sequence[Estimator], goals: Sequence[Goal]) -> None:
-        outputs = [name for estimator in estimators for name in estimator.outputs]
-        names = [*self.sensors, *self.actuators, *outputs, *(goal.name for goal in goals)]
-        for name in names:
-            if names.count(name) > 1:
-                raise GraphError(f"{name!r} is declared {names.count(name)} times; each name stands for one thing.")
-        for name in names:
-            if name == "dt" or "/" in name or name.endswith(PRESENT):
-                raise GraphError(
-                    f"{name!r} is taken: 'dt' is the time step, and '/' and {PRESENT!r} mark what is remembered."
-                )
-        if not self.sensors:
-            raise GraphError("sensors: a model needs at least one sensor.")
-        if not goals:
-            raise GraphError("goals: a model needs at least one goal.")
-        if not self.actuators:
-            raise GraphError("actuators: a model needs at least one actuator.")
-        known = [*self.sensors, *self.actuators, *outputs, "dt"]
-        nodes: tuple[Estimator | Goal, ...] = (*estimators, *goals)
-        for node in nodes:
-            reader = _names(node)[0]
-            for name in node.inputs:
-                if name not in known:
-                    raise GraphError(f"{reader!r} reads {name!r}, which is not in the graph. Known: {choices(known)}.")
-
     @torch.no_grad()
     def _probe(self) -> dict[str, Tensor]:
         """One step on zeros with batch (7, 5): shapes that do not follow the batch show here."""
@@ -265,7 +227,7 @@ class WorldModel(nn.Module):
         flags = {n + PRESENT: torch.ones(batch, dtype=torch.bool) for n, s in self.sensors.items() if s.optional}
         values = self._with_dt(self.initial(readings | flags, batch))
         for estimator in self.nodes:
-            updated = _attempt(estimator, partial(estimator.update, values))
+            updated = attempt(estimator, partial(estimator.update, values))
             for name, value in updated.items():
                 before = values.get(name, value)
                 if value.dim() < 3 or value.shape[:2] != batch or value.shape != cast(Tensor, before).shape:
@@ -276,7 +238,7 @@ class WorldModel(nn.Module):
                     )
             values.update(updated)
         for name, goal in self.goals.items():
-            cost = _attempt(goal, partial(goal.forward, values))
+            cost = attempt(goal, partial(goal.forward, values))
             if cost.shape != batch:
                 raise GraphError(
                     f"Goal {name!r}: expected a cost of the batch's shape {batch}, got {tuple(cost.shape)}."
@@ -310,7 +272,7 @@ class WorldModel(nn.Module):
             sources = [name for name in node.inputs if name in earlier]
             leaves = {name: values[name].detach().clone().requires_grad_() for name in sources}
             inputs = {**now, **leaves}
-            for name in _names(node):
+            for name in names(node):
                 output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)
                 gradients: Sequence[Tensor | None] = [None] * len(leaves)
                 if leaves and output.requires_grad:
@@ -342,48 +304,3 @@ class WorldModel(nn.Module):
         for name in self.actuators:
             if name not in reached:
                 raise GraphError(f"No goal depends on the actuator {name!r}. Goals: {choices(self.goals)}.")
-
-
-def _ordered(estimators: Sequence[Estimator], owners: Mapping[str, Estimator]) -> list[Estimator]:
-    """Each estimator after those it reads; in a cycle, after all but those it was reached from.
-
-    Raises:
-        GraphError: If functions define each other in a circle, where no value is there to begin with.
-    """
-    done: list[Estimator] = []
-
-    def visit(estimator: Estimator, trail: tuple[Estimator, ...]) -> None:
-        if estimator in trail:
-            circle = trail[trail.index(estimator) :]
-            if not any(member.recursive for member in circle):
-                names = " → ".join(member.outputs[0] for member in (*circle, estimator))
-                raise GraphError(f"Functions define each other in a circle: {names}. Make one an EKF or Linear.")
-            return
-        if estimator not in done:
-            for name in estimator.inputs:
-                if name in owners and owners[name] is not estimator:
-                    visit(owners[name], (*trail, estimator))
-            if estimator not in done:
-                done.append(estimator)
-
-    for estimator in estimators:
-        visit(estimator, ())
-    return done
-
-
-def _names(node: Estimator | Goal) -> tuple[str, ...]:
-    """The quantities that an estimator owns, or the goal."""
-    return node.outputs if isinstance(node, Estimator) else (node.name,)
-
-
-T = TypeVar("T")
-
-
-def _attempt(node: Estimator | Goal, call: Callable[[], T]) -> T:
-    """Run a user's function and name its node if the shapes do not fit or a value is not there yet."""
-    try:
-        return call()
-    except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
-        if isinstance(error, GraphError):
-            raise
-        raise GraphError(f"{_names(node)[0]!r} cannot be evaluated on its inputs: {error!r}") from error

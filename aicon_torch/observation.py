@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from aicon_torch.errors import ObservationError, choices
-from aicon_torch.graph import PRESENT
-from aicon_torch.quantities import Sensor
+from aicon_torch.quantities import PRESENT, Sensor
 
 
 def read(observation: Mapping[str, Any], sensors: Mapping[str, Sensor], like: Tensor) -> dict[str, Tensor]:

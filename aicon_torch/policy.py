@@ -12,8 +12,9 @@ from aicon_torch.actuation import ActionLaw
 from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.explanation import Explanation, explain
 from aicon_torch.gradients import Sweep
-from aicon_torch.graph import PRESENT, WorldModel
+from aicon_torch.graph import WorldModel
 from aicon_torch.observation import hold, read
+from aicon_torch.quantities import PRESENT
 from aicon_torch.resolution import Memory, Resolution
 
 ACTIVE = "goals/active"

@@ -9,6 +9,9 @@ from torch import Tensor
 
 from aicon_torch.errors import GraphError
 
+PRESENT = ".present"
+"""Suffix of the flag ``(*B,)`` that says whether an optional sensor has a reading in this step."""
+
 
 @dataclass(frozen=True)
 class Quantity:

@@ -17,10 +17,13 @@ from typing import Any, cast
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded
 
+import gymnasium as gym
+import numpy as np
 import torch
 from torch import Tensor
 from tqdm import tqdm
 
+import aicon_envs  # noqa: F401  # registers aicon/Nav2D-v0
 import plain_navigation
 from aicon_torch import (
     ActionLaw,
@@ -37,6 +40,11 @@ from aicon_torch import (
 
 Step = Callable[[], None]
 
+BOUNDS = {
+    "library, batch 1 / by hand, autograd along each path, batch 1": 1.5,
+    "library, batch 256 / library, batch 1": 3.0,
+}
+
 
 def main() -> None:
     """Parse the arguments, measure, print and save."""
@@ -44,9 +52,11 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=60, help="rounds in which the programs take turns (default: 60)")
     parser.add_argument("--steps", type=int, default=20, help="steps of each program a round (default: 20)")
     parser.add_argument("--out", type=Path, help="folder for benchmark.json")
+    parser.add_argument("--check", action="store_true", help="fail if a median misses its bound")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
     steps, rungs = navigation(arguments.rounds, arguments.steps), ladder(arguments.rounds, arguments.steps)
+    speed = environment(arguments.rounds)
     print("\none navigation step, one thread, ms: median (5 % to 95 %)")
     for name, times in steps["times"].items():
         print(f"  {name:44} {_spread(times, 1e3)}")
@@ -57,11 +67,16 @@ def main() -> None:
     for row in rungs:
         per_edge = _spread([1e6 * t / row["edges"] for t in row["times"]])
         print(f"  {row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths: {per_edge} µs an edge")
+    print(f"aicon/Nav2D-v0 alone: {_spread(speed)} steps/s")
     if arguments.out:
         arguments.out.mkdir(parents=True, exist_ok=True)
         path = arguments.out / "benchmark.json"
-        path.write_text(json.dumps({"navigation": steps, "ladder": rungs}, indent=2) + "\n")
+        path.write_text(json.dumps({"navigation": steps, "ladder": rungs, "environment": speed}, indent=2) + "\n")
         print(f"\nsaved in {path}")
+    medians = {name: statistics.median(steps["ratios"][name]) for name in BOUNDS}
+    missed = [f"{name}: {medians[name]:.3g} > {bound}\n" for name, bound in BOUNDS.items() if medians[name] > bound]
+    if arguments.check and missed:
+        parser.exit(1, "".join(missed))
 
 
 def navigation(rounds: int, steps: int) -> dict[str, Any]:
@@ -81,6 +96,20 @@ def navigation(rounds: int, steps: int) -> dict[str, Any]:
         )
     }
     return {"times": times, "ratios": ratios}
+
+
+def environment(rounds: int, steps: int = 200) -> list[float]:
+    """Steps per second of one environment without rendering, round by round."""
+    env = gym.make("aicon/Nav2D-v0", map="clutter")
+    action = np.zeros(2, np.float32)
+    speeds = []
+    for _ in range(rounds):
+        env.reset(seed=0)
+        start = time.process_time()
+        for _ in range(steps):
+            env.step(action)
+        speeds.append(steps / (time.process_time() - start))
+    return speeds
 
 
 def ladder(rounds: int, steps: int) -> list[dict[str, Any]]:
