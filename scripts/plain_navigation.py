@@ -151,9 +151,10 @@ def uncertainty_slope(p: Tensor, prior: Tensor) -> Tensor:
     c = (prior @ h.unsqueeze(-1)).squeeze(-1)
     s = (h * c).sum(-1, keepdim=True) + 0.03**2
     by_h = -2 * ((prior @ c.unsqueeze(-1)).squeeze(-1) / s - c * (c * c).sum(-1, keepdim=True) / s**2)
-    r2 = (p * p).sum(-1, keepdim=True)
+    square = (p * p).sum(-1, keepdim=True)
+    r2 = square.clamp(min=1e-4)  # a constant nearer than 1 cm
     turned = torch.stack((by_h[..., 1], -by_h[..., 0]), -1)
-    by_p = turned / r2 - 2 * p * (by_h * h).sum(-1, keepdim=True) / r2
+    by_p = turned / r2 - 2 * p * (by_h * h).sum(-1, keepdim=True) / r2 * (square > 1e-4)
     return -by_p
 
 

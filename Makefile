@@ -1,0 +1,61 @@
+# Everything here needs only make and Python 3.11 or newer; the first target that runs creates the virtual environment.
+PYTHON ?= python3
+VENV ?= .venv
+JOBS ?= 2
+EPISODES ?= 100
+OUT ?= runs/nav2d
+
+INSTALLED := $(VENV)/.installed
+# The policies are small: more threads than one only wait for each other.
+RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help install test test-all compare figures benchmark lint format clean
+
+help: ## Show this list
+	@echo "make TARGET, where TARGET is one of"
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-12s %s\n", $$1, $$2 }'
+	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) OUT=$(OUT)"
+
+install: $(INSTALLED) ## Create the virtual environment (the other targets do it if need be)
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
+	  echo "aicon-torch needs Python 3.11 or newer, and $(PYTHON) is older or missing."; \
+	  echo "Name another one: make PYTHON=/path/to/python3.11 $(MAKECMDGOALS)"; exit 1; } >&2
+	$(PYTHON) -m venv --clear $(VENV)
+	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all]"
+	@touch $@
+
+test: $(INSTALLED) ## Run the tests, but for the slow ones
+	$(RUN) -m pytest -n $(JOBS)
+
+test-all: $(INSTALLED) ## Run all tests
+	$(RUN) -m pytest -n $(JOBS) -m ""
+
+compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation: a table, curves and pictures
+	$(RUN) scripts/compare.py --task nav2d --policies aicon paper_literal steepest potential_field \
+	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)
+	$(RUN) scripts/figures.py nav2d --out $(OUT)
+	@echo "The numbers of the table: $(OUT)/summary.json; one row per episode: $(OUT)/episodes.csv; the pictures:"
+	@ls $(OUT)/*.png $(OUT)/*.gif $(OUT)/*.mp4 2>/dev/null | sed 's/^/  /'
+
+figures: $(INSTALLED) ## Draw the navigation figure and its film from a rollout
+	$(RUN) scripts/figures.py nav2d --out $(OUT)
+
+benchmark: $(INSTALLED) ## Measure the time of a control step
+	$(RUN) scripts/benchmark.py
+
+lint: $(INSTALLED) ## Check style and types
+	$(RUN) -m ruff check
+	$(RUN) -m ruff format --check
+	$(RUN) -m mypy
+
+format: $(INSTALLED) ## Put the code into the project's format
+	$(RUN) -m ruff check --fix
+	$(RUN) -m ruff format
+
+clean: ## Remove the virtual environment and what tools left behind, but no results
+	rm -rf .venv build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find aicon_torch envs baselines scripts tests -name __pycache__ -type d -prune -exec rm -rf {} +

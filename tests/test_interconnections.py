@@ -1,0 +1,132 @@
+"""Interconnections: wired by names, differentiated by autograd or by given Jacobians, explicit and implicit."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+import torch
+from _inputs import BATCHES, normal
+from torch import Tensor, nn
+
+from aicon_torch import Affine, GraphError, Interconnection
+from aicon_torch.interconnections import wiring
+
+
+def residual(p: Tensor, z: Tensor) -> Tensor:
+    """Implicit: zero when the two agree; two components of three."""
+    return torch.stack((p[..., 0] * p[..., 1] - z[..., 0], torch.sin(p[..., 2]) + p[..., 0] ** 2 * z[..., 1]), dim=-1)
+
+
+def by_hand(p: Tensor, z: Tensor) -> Tensor:
+    zero = torch.zeros_like(p[..., 0])
+    first = torch.stack((p[..., 1], p[..., 0], zero), dim=-1)
+    second = torch.stack((2 * p[..., 0] * z[..., 1], zero, torch.cos(p[..., 2])), dim=-1)
+    return torch.stack((first, second), dim=-2)
+
+
+class Learned(nn.Module):
+    def __init__(self) -> None:
+        super().__init__()
+        self.layer = nn.Linear(2, 2, dtype=torch.float64)
+
+    def forward(self, x: Tensor) -> Tensor:
+        out: Tensor = self.layer(x)
+        return out
+
+
+def test_parameter_names_are_the_wiring() -> None:
+    def relation(b: Tensor, a: Tensor, scale: float = 1.0) -> Tensor:
+        return a + scale * b
+
+    assert wiring(relation) == ("b", "a")
+    assert wiring(Learned()) == ("x",)
+    assert Interconnection(relation).inputs == ("b", "a")
+    assert Interconnection(relation)({"a": torch.tensor(1.0), "b": torch.tensor(3.0), "c": 7.0}) == 4.0
+
+
+def test_inputs_may_have_other_names() -> None:
+    def minus(x: Tensor, y: Tensor) -> Tensor:
+        return x - y
+
+    relation = Interconnection(minus, inputs=("hand", "object"))
+    values = {"hand": torch.tensor([3.0]), "object": torch.tensor([1.0]), "x": torch.tensor([9.0])}
+    assert relation(values) == 2.0
+    assert relation.linearize(values, "object", 1)[1].item() == -1.0
+
+
+@pytest.mark.parametrize("function", [lambda *x: x, lambda a, **rest: a])
+def test_a_variadic_parameter_names_nothing(function: Callable[..., Any]) -> None:
+    with pytest.raises(GraphError, match="names no quantity"):
+        Interconnection(function)
+
+
+def test_a_jacobian_by_something_unread_is_named() -> None:
+    with pytest.raises(GraphError, match=r"'q'.*'p', 'z'"):
+        Interconnection(residual, q=by_hand)
+
+
+@pytest.mark.parametrize("batch", BATCHES, ids=str)
+@pytest.mark.parametrize("relation", [Interconnection(residual), Interconnection(residual, p=by_hand)])
+def test_jacobians_are_the_derivatives(batch: tuple[int, ...], relation: Interconnection) -> None:
+    values = {"p": normal(*batch, 3, seed=1), "z": normal(*batch, 2, seed=2)}
+    for differentiable in (False, True):
+        value, jacobian = relation.linearize(values, "p", 2, differentiable)
+        torch.testing.assert_close(value, residual(**values))
+        torch.testing.assert_close(jacobian, by_hand(**values))
+
+
+def test_the_jacobian_by_something_unread_is_zero() -> None:
+    values = {"p": normal(4, 3), "z": normal(4, 2), "q": normal(4, 5)}
+    _, jacobian = Interconnection(residual).linearize(values, "q", 2)
+    assert jacobian.shape == (4, 2, 5)
+    assert not jacobian.any()
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_differentiable_jacobian_can_be_differentiated_again(rows: int) -> None:
+    """By the point itself and by everything else that the relation reads."""
+    inputs = {"p": normal(2, 3, seed=1), "z": normal(2, 2, seed=2)}
+
+    def relation(p: Tensor, z: Tensor) -> Tensor:
+        return residual(p, z)[..., :rows]
+
+    def jacobian(p: Tensor, z: Tensor) -> Tensor:
+        return Interconnection(relation).linearize({"p": p, "z": z}, "p", rows, differentiable=True)[1]
+
+    leaves = tuple(value.requires_grad_() for value in inputs.values())
+    assert torch.autograd.gradcheck(jacobian, leaves)
+
+
+def test_a_plain_jacobian_keeps_no_graph() -> None:
+    values = {"p": normal(3).requires_grad_(), "z": normal(2)}
+    _, jacobian = Interconnection(residual).linearize(values, "p", 2)
+    assert not jacobian.requires_grad
+
+
+def test_a_module_may_be_the_function() -> None:
+    learned = Learned()
+    value, jacobian = Interconnection(learned).linearize({"x": normal(3, 2)}, "x", 2)
+    torch.testing.assert_close(value, learned(normal(3, 2)))
+    torch.testing.assert_close(jacobian, learned.layer.weight.expand(3, 2, 2).detach())
+    assert len(list(Interconnection(learned).parameters())) == 2
+
+
+@pytest.mark.parametrize("batch", BATCHES, ids=str)
+def test_affine_is_the_sum_of_products(batch: tuple[int, ...]) -> None:
+    matrix = normal(2, 3, seed=5)
+    values = {"x": normal(*batch, 2, seed=1), "u": normal(*batch, 3, seed=2), "z": normal(*batch, 2, seed=3)}
+    relation = Affine(x=0.5, u=matrix, z=-1.0)
+    expected = 0.5 * values["x"] + torch.einsum("ij,...j->...i", matrix, values["u"]) - values["z"]
+    torch.testing.assert_close(relation(values), expected)
+    for name, factor in (("x", 0.5 * torch.eye(2)), ("u", matrix), ("z", -torch.eye(2))):
+        value, jacobian = relation.linearize(values, name, 2)
+        torch.testing.assert_close(value, expected)
+        torch.testing.assert_close(jacobian.expand(*batch, 2, -1), factor.double().expand(*batch, 2, -1))
+        by_autograd = Interconnection(lambda x, u, z: Affine(x=0.5, u=matrix, z=-1.0)({"x": x, "u": u, "z": z}))
+        torch.testing.assert_close(by_autograd.linearize(values, name, 2)[1], jacobian.expand(*batch, 2, -1))
+    assert not relation.linearize({**values, "q": normal(*batch, 4)}, "q", 2)[1].any()
+
+
+def test_affine_matrices_follow_the_precision() -> None:
+    relation = Affine(x=torch.tensor([[1, 2]])).to(torch.float32)
+    assert relation({"x": torch.ones(2)}).dtype == torch.float32

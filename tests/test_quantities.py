@@ -1,0 +1,83 @@
+"""Sensors, actuators and quantities."""
+
+import math
+from typing import Any
+
+import pytest
+import torch
+from _inputs import BATCHES, DTYPES, normal
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aicon_torch import Actuator, GraphError, Quantity, Sensor
+
+LIMITS: list[tuple[int, Any]] = [(1, 0.3), (2, 0.3), (3, 2.0), (2, (0.3, 0.7)), (3, [0.1, 1.0, 10.0]), (2, math.inf)]
+
+
+def within(action: torch.Tensor, limit: Any) -> bool:
+    eps = torch.finfo(action.dtype).eps
+    if isinstance(limit, float):
+        return bool((torch.linalg.vector_norm(action, dim=-1) <= limit * (1 + 4 * eps)).all()) and bool(
+            (action.abs() <= limit).all()
+        )
+    return bool((action.abs() <= action.new_tensor(limit)).all())
+
+
+@pytest.mark.parametrize("dtype", DTYPES, ids=str)
+@pytest.mark.parametrize("batch", BATCHES, ids=str)
+@pytest.mark.parametrize(("size", "limit"), LIMITS, ids=str)
+def test_clipped_actions_respect_the_limit(dtype: torch.dtype, batch: tuple[int, ...], size: int, limit: Any) -> None:
+    actuator = Actuator(size, "m/s", limit)
+    for scale in (0.0, 1e-3, 1.0, 1e3, 1e15):
+        action = scale * normal(*batch, size, dtype=dtype)
+        clipped = actuator.clip(action)
+        assert clipped.shape == action.shape and clipped.dtype == dtype
+        assert within(clipped, limit)
+        torch.testing.assert_close(actuator.clip(clipped), clipped)
+
+
+def test_a_norm_limit_keeps_the_direction() -> None:
+    action = 10.0 * normal(5, 3)
+    clipped = Actuator(3, "m/s", 0.5).clip(action)
+    torch.testing.assert_close(clipped, 0.5 * action / action.norm(dim=-1, keepdim=True))
+    inside = 0.05 * normal(5, 3)
+    assert torch.equal(Actuator(3, "m/s", 0.5).clip(inside), inside)
+
+
+def test_component_limits_are_of_each_component() -> None:
+    action = torch.tensor([[3.0, -3.0], [0.1, 0.2]])
+    torch.testing.assert_close(Actuator(2, "rad/s", (1.0, 2.0)).clip(action), torch.tensor([[1.0, -2.0], [0.1, 0.2]]))
+
+
+@given(st.lists(st.floats(allow_nan=False, width=32), min_size=2, max_size=2), st.sampled_from([0.3, (0.3, 1.0)]))
+def test_no_finite_or_infinite_action_escapes_the_limit(action: list[float], limit: Any) -> None:
+    for dtype in DTYPES:
+        assert within(Actuator(2, "m/s", limit).clip(torch.tensor(action, dtype=dtype)), limit)
+
+
+@pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, (1.0, 0.0), (1.0, 2.0, 3.0), ()])
+def test_a_limit_that_does_not_fit_is_named(limit: Any) -> None:
+    with pytest.raises(GraphError, match=r"limit .*expected one positive number"):
+        Actuator(2, "m/s", limit)
+
+
+@pytest.mark.parametrize(
+    ("options", "culprit"),
+    [
+        ({"size": 0}, "size 0"),
+        ({"size": 1, "range": (2.0, 1.0)}, r"range \(2.0, 1.0\)"),
+        ({"size": 1, "range": (0.0, math.nan)}, "range"),
+    ],
+)
+def test_a_sensor_that_cannot_be_is_named(options: dict[str, Any], culprit: str) -> None:
+    with pytest.raises(GraphError, match=culprit):
+        Sensor(unit="m", **options)
+
+
+@pytest.mark.parametrize("shape", [(3,), (2, 2), (1,)])
+def test_a_quantity_is_flattened_to_its_components(shape: tuple[int, ...]) -> None:
+    quantity = Quantity("x", shape)
+    for batch in BATCHES:
+        value = normal(*batch, *shape)
+        assert quantity.flatten(value).shape == (*batch, quantity.size)
+        assert torch.equal(quantity.flatten(value).reshape(value.shape), value)
