@@ -120,6 +120,7 @@ class NullspaceProjection(Resolution):
         projector: ``"orthogonal"`` I − vvᵀ (Eq. 8), ``"qr"`` I − QQᵀ (Eq. 7) or ``"pinv"`` I − J⁺J (Eq. 6), which are
             equal for scalar goals; ``"none"`` adds without projecting.
         negligible: Magnitude below which a gradient loses the weight that the softmax gives it; the others keep theirs.
+            Where gradients will meet again, the strongest always keeps its own: what it is worth shows further on.
             The text has no such bound (0), but a softmax gives weight even to a gradient that has vanished.
         restore_magnitude: Whether a gradient that meets others again further on gets the magnitude of the one that led
             here. The weights compare only those that met; the next meeting compares magnitudes. The text does not say.
@@ -162,7 +163,7 @@ class NullspaceProjection(Resolution):
         """The conflict-free sum, or the exploration that replaces it."""
         norms = torch.linalg.vector_norm(meeting.gradients, dim=-1)
         units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny ** 0.5).unsqueeze(-1)
-        weights = self.weigh(norms)
+        weights = self.weigh(norms, meeting.final)
         resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
         state = {"rank": rank}
         ranked = Ranked(norms, units, weights, first=rank[..., :1].clamp(min=0))
@@ -177,12 +178,15 @@ class NullspaceProjection(Resolution):
             state |= explored
         return resolved, state
 
-    def weigh(self, norms: Tensor) -> Tensor:
+    def weigh(self, norms: Tensor, final: bool = True) -> Tensor:
         """Normalised magnitudes ``(*B, n)``: their softmax, and zero for those that are negligible."""
         if self.temperature is None:
             return norms
         weights = torch.softmax(norms / self.temperature, dim=-1)
-        return weights * (norms >= self.negligible) if self.negligible > 0 else weights
+        if self.negligible == 0:
+            return weights
+        counts = norms >= self.negligible
+        return weights * (counts if final else counts | (norms == norms.amax(-1, keepdim=True)))
 
     def resolve(self, gradients: Tensor, strengths: Tensor, held: Tensor) -> tuple[Tensor, Tensor]:
         """Greedy ordering by strength after projection (Eq. 9), with hysteresis.

@@ -11,6 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gymnasium.vector import AutoresetMode, VectorEnv
+from numpy.typing import NDArray
+
 from aicon_baselines import ComparisonError, names
 from aicon_baselines.compare import compare
 from aicon_baselines.config import Config, configure
@@ -26,8 +29,6 @@ from aicon_baselines.summary import summarize, to_table
 from aicon_baselines.task import Episode, Task
 from aicon_baselines.tasks import load
 from aicon_envs.navigation import MAP_NAMES, Nav2DVectorEnv, shortest_path_length
-from gymnasium.vector import AutoresetMode, VectorEnv
-from numpy.typing import NDArray
 
 SCRIPT = Path(__file__).parent.parent / "scripts" / "compare.py"
 TARGET = np.array([3.0, 0.0])  # m
@@ -403,3 +404,16 @@ def test_script_says_what_is_wrong(tmp_path: Path) -> None:
     assert result.returncode == 2
     assert "unknown policy 'oracle' for task 'nav2d'; valid policies: aicon, " in result.stderr
     assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("backend", ["loky", "dask"])
+def test_the_script_gives_the_same_rows_on_every_backend(backend: str, tmp_path: Path) -> None:
+    """The real task, from the command line, with workers that import everything themselves."""
+    if backend == "dask":
+        pytest.importorskip("distributed")
+    script = Path(__file__).parent.parent / "scripts" / "compare.py"
+    command = [sys.executable, str(script), "--task", "nav2d", "--policies", "aicon", "--episodes", "2"]
+    command += ["--seed", "1024", "--horizon", "30", "--jobs", "2"]
+    for name, more in (("one", ["--jobs", "1"]), ("other", ["--backend", backend])):
+        subprocess.run([*command, *more, "--out", str(tmp_path / name)], check=True, capture_output=True)
+    assert (tmp_path / "one" / "episodes.csv").read_bytes() == (tmp_path / "other" / "episodes.csv").read_bytes()

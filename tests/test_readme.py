@@ -32,3 +32,14 @@ def test_the_graph_s_paths_are_those_that_it_announces(capsys: pytest.CaptureFix
         assert announced
         for path in announced.group(1).split(","):
             assert path.strip() in printed.splitlines()
+
+
+DOCUMENTS = [README, *README.parent.glob("docs/*.md"), *README.parent.glob("*.md")]
+
+
+@pytest.mark.parametrize("document", dict.fromkeys(DOCUMENTS), ids=lambda path: path.name)
+def test_documents_are_finished_and_their_links_lead_somewhere(document: Path) -> None:
+    text = document.read_text()
+    assert not re.search(r"^[A-Z]{4,}$", text, re.MULTILINE), "a placeholder was left"
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", text):
+        assert (document.parent / target).exists(), f"{target} is not there"

@@ -286,6 +286,14 @@ def test_between_meetings_exploration_is_as_strong_as_what_led_there() -> None:
         assert float(total.norm()) == pytest.approx(length)
 
 
+def test_between_meetings_even_a_negligible_gradient_goes_on() -> None:
+    """What it is worth shows where it meets others again; at the last meeting it weighs nothing."""
+    stack = 1e-5 * torch.tensor([[1.0, 0.0], [0.0, 3.0]], dtype=torch.float64)
+    rule = NullspaceProjection(negligible=1e-3, **ALONE)
+    torch.testing.assert_close(rule(meeting(stack, final=False), fresh(rule, stack))[0], stack[1])
+    assert not rule(meeting(stack, final=True), fresh(rule, stack))[0].any()
+
+
 @pytest.mark.parametrize("stack", DEGENERATE.values(), ids=DEGENERATE.keys())
 def test_restored_magnitudes_are_finite(stack: Tensor) -> None:
     for options in (ALONE, {"negligible": 1e-3}, {}):

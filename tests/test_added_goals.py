@@ -1,0 +1,57 @@
+"""Goals that are added to the navigation graph without touching a module."""
+
+from collections.abc import Callable
+
+import pytest
+import torch
+from _inputs import drifting
+from torch import Tensor
+
+from aicon_torch import Goal, Policy, WorldModel, make_policy
+from aicon_torch.models import navigation
+
+GOALS: dict[str, Callable[..., Tensor]] = {
+    "p_tar": lambda p_tar: 0.0 * p_tar[..., 0],
+    "P_tar": lambda P_tar: 0.0 * P_tar[..., 0, 0],
+    "x_obs": lambda x_obs: 0.0 * x_obs[..., 0],
+    "x_rob": lambda x_rob: 0.0 * x_rob[..., 0],
+    "a": lambda a: 0.0 * a[..., 0],
+}
+
+
+def with_goal(goal: Goal) -> Policy:
+    options = navigation.Options()
+    base = navigation.world_model(options)
+    model = WorldModel(
+        sensors=base.sensors,
+        actuators=base.actuators,
+        estimators=base.nodes,
+        goals=[*base.goals.values(), goal],
+        dt=base.dt,
+        dtype=options.dtype,
+    )
+    return Policy(model, navigation.resolution(options), make_policy("nav2d").law)
+
+
+@pytest.mark.parametrize("quantity", GOALS)
+def test_a_goal_that_asks_for_nothing_changes_nothing(quantity: str) -> None:
+    """Wherever it arrives, and though other gradients then meet it there, exploration included."""
+    plain, more = make_policy("nav2d"), with_goal(Goal("nothing", GOALS[quantity]))
+    memory = other = None
+    explored = False
+    for readings in drifting(200):
+        if memory is not None and other is not None:  # compared step by step: rounding errors must not add up
+            other |= {name: memory[name] for name in plain.model.quantities}
+        action, memory = plain.predict(readings, memory)
+        same, other = more.predict(readings, other)
+        torch.testing.assert_close(same, action, rtol=1e-7, atol=1e-9)
+        explored |= bool(memory["x_rob/exploring"])
+    assert explored
+
+
+def test_a_repelling_goal_on_the_clearance_keeps_more_distance() -> None:
+    careful = with_goal(Goal("wide berth", lambda x_obs: 5.0 * torch.exp(-x_obs[..., 0] / 0.5)))
+    still = {"bearing": torch.zeros(1, dtype=torch.float64), "range": torch.tensor([0.5], dtype=torch.float64)}
+    (_, plain), (_, wide) = make_policy("nav2d").predict(still), careful.predict(still)
+    assert "x_obs/gradients" in wide
+    assert "x_obs/gradients" not in plain
