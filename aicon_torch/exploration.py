@@ -1,20 +1,15 @@
 """Exploration: motion in the nullspace of a gradient while the two strongest oppose each other."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
 from aicon_torch.interconnections import Node
+from aicon_torch.meeting import Meeting, Ranked
 from aicon_torch.vectors import reject, select, unit
-
-if TYPE_CHECKING:
-    from aicon_torch.resolution import Meeting, Ranked
 
 
 @dataclass(frozen=True)

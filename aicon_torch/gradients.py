@@ -8,7 +8,8 @@ from torch import Tensor
 
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.graph import Tapes, WorldModel
-from aicon_torch.resolution import Meeting, Memory, Resolution
+from aicon_torch.meeting import Meeting
+from aicon_torch.resolution import Memory, Resolution
 
 
 class Arrival(NamedTuple):

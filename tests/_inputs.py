@@ -25,7 +25,7 @@ from aicon_torch import (
     Sensor,
     WorldModel,
 )
-from aicon_torch.resolution import Meeting
+from aicon_torch.meeting import Meeting
 
 Memory = dict[str, Tensor]
 
