@@ -149,15 +149,15 @@ class Policy(nn.Module):
             readings = hold(readings, self.model.sensors)
             before = self._initial(readings, batch)
         else:
-            there = tuple(state[next(iter(self.model.actuators))].shape[:-1])
-            if there != batch:
-                raise ObservationError(
-                    f"state: its batch is {there}, that of the observation {batch}; expected the same."
-                )
             if state.keys() != self._keys:
                 missing, more = self._keys - state.keys(), state.keys() - self._keys
                 raise ObservationError(
                     f"state: not a memory of this policy; it lacks {choices(missing)} and has {choices(more)} besides."
+                )
+            there = tuple(state[next(iter(self.model.actuators))].shape[:-1])
+            if there != batch:
+                raise ObservationError(
+                    f"state: its batch is {there}, that of the observation {batch}; expected the same."
                 )
             start = self._starts(episode_start, batch)
             readings = hold(readings, self.model.sensors, state, start)
