@@ -24,8 +24,10 @@ from aicon_torch import (
     Resolution,
     Sensor,
     WorldModel,
+    make_policy,
 )
 from aicon_torch.meeting import Meeting
+from aicon_torch.models import navigation
 
 Memory = dict[str, Tensor]
 
@@ -299,3 +301,18 @@ def drifting(steps: int, batch: tuple[int, ...] = (), seed: int = 0) -> list[dic
     bearing = (0.05 * normal(steps, *batch, 1, seed=seed + 1)).cumsum(0) + phase
     clearance = clearance + 0.01 * normal(steps, *batch, 1, seed=seed + 2)
     return [{"bearing": bearing[i], "range": clearance[i]} for i in range(steps)]
+
+
+def with_goal(goal: Goal) -> Policy:
+    """The navigation policy with a goal more, its modules untouched."""
+    options = navigation.Options()
+    base = navigation.world_model(options)
+    model = WorldModel(
+        sensors=base.sensors,
+        actuators=base.actuators,
+        estimators=base.nodes,
+        goals=[*base.goals.values(), goal],
+        dt=base.dt,
+        dtype=options.dtype,
+    )
+    return Policy(model, navigation.resolution(options), make_policy("nav2d").law)

@@ -4,11 +4,10 @@ from collections.abc import Callable
 
 import pytest
 import torch
-from _inputs import drifting
+from _inputs import drifting, with_goal
 from torch import Tensor
 
-from aicon_torch import Goal, Policy, WorldModel, make_policy
-from aicon_torch.models import navigation
+from aicon_torch import Goal, make_policy
 
 GOALS: dict[str, Callable[..., Tensor]] = {
     "p_tar": lambda p_tar: 0.0 * p_tar[..., 0],
@@ -17,20 +16,6 @@ GOALS: dict[str, Callable[..., Tensor]] = {
     "x_rob": lambda x_rob: 0.0 * x_rob[..., 0],
     "a": lambda a: 0.0 * a[..., 0],
 }
-
-
-def with_goal(goal: Goal) -> Policy:
-    options = navigation.Options()
-    base = navigation.world_model(options)
-    model = WorldModel(
-        sensors=base.sensors,
-        actuators=base.actuators,
-        estimators=base.nodes,
-        goals=[*base.goals.values(), goal],
-        dt=base.dt,
-        dtype=options.dtype,
-    )
-    return Policy(model, navigation.resolution(options), make_policy("nav2d").law)
 
 
 @pytest.mark.parametrize("quantity", GOALS)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import torch
 from _asserts import along, rollout
-from _inputs import drifting, normal
+from _inputs import drifting, normal, with_goal
 from torch import Tensor
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_torch import Goal, Policy, WorldModel, make_policy
+from aicon_torch import Goal, Policy, make_policy
 from aicon_torch.models import navigation
 
 MODEL = make_policy("nav2d").model
@@ -153,18 +153,7 @@ def beside(p_tar: Tensor) -> Tensor:
 
 
 def extended() -> Policy:
-    options = navigation.Options()
-    base = navigation.world_model(options)
-    model = WorldModel(
-        sensors=base.sensors,
-        actuators=base.actuators,
-        estimators=base.nodes,
-        goals=[*base.goals.values(), Goal("lane", beside)],
-        dt=base.dt,
-        dtype=options.dtype,
-    )
-    default = make_policy("nav2d")
-    return Policy(model, default.resolution, default.law)
+    return with_goal(Goal("lane", beside))
 
 
 def test_a_fourth_goal_is_one_more_path() -> None:
