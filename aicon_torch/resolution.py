@@ -75,7 +75,7 @@ class NullspaceProjection(Resolution):
         temperature: τ of the softmax over magnitudes (Sect. "Stabilizing the Control Signal", 0.8); None keeps the
             magnitudes themselves.
         margin: By how much a gradient must exceed the one that held its rank before, to take it (the paper: 10 %).
-        projector: ``"orthogonal"`` I − vvᵀ (Eq. 8), ``"qr"`` I − QQᵀ (Eq. 7) or ``"pinv"`` I − J⁺J (Eq. 6), which are
+        projector: ``"orthogonal"`` I − vvᵀ (Eq. 6), ``"qr"`` I − QQᵀ (Eq. 5) or ``"pinv"`` I − J⁺J (Eq. 4), which are
             equal for scalar goals; ``"none"`` adds without projecting.
         negligible: Magnitude below which a gradient loses the weight that the softmax gives it; the others keep theirs.
             Where gradients will meet again, the strongest always keeps its own: what it is worth shows further on.
@@ -147,7 +147,7 @@ class NullspaceProjection(Resolution):
         return weights * (counts if final else counts | (norms == norms.amax(-1, keepdim=True)))
 
     def resolve(self, gradients: Tensor, strengths: Tensor, held: Tensor) -> tuple[Tensor, Tensor]:
-        """Greedy ordering by strength after projection (Eq. 9), with hysteresis.
+        """Greedy ordering by strength after projection (Eq. 7-8), with hysteresis.
 
         Args:
             gradients: ``(*B, n, d)``.
@@ -176,7 +176,7 @@ class NullspaceProjection(Resolution):
 
 
 def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
-    """(I − vvᵀ) ∇ with v = top/‖top‖ (Eq. 8).
+    """(I − vvᵀ) ∇ with v = top/‖top‖ (Eq. 6).
 
     Args:
         top: The gradient of higher priority, ``(*B, d)``.
@@ -186,7 +186,7 @@ def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
 
 
 def qr(top: Tensor, gradients: Tensor) -> Tensor:
-    """(I − QQᵀ) ∇ with Jᵀ = QR (Eq. 7); a gradient that is zero takes nothing away."""
+    """(I − QQᵀ) ∇ with Jᵀ = QR (Eq. 5); a gradient that is zero takes nothing away."""
     q = torch.linalg.qr(top.unsqueeze(-1)).Q
     q = q * (top != 0).any(-1)[..., None, None]
     projected: Tensor = gradients - (gradients @ q) @ q.mT
@@ -194,7 +194,7 @@ def qr(top: Tensor, gradients: Tensor) -> Tensor:
 
 
 def pinv(top: Tensor, gradients: Tensor) -> Tensor:
-    """(I − J⁺J) ∇ (Eq. 6)."""
+    """(I − J⁺J) ∇ (Eq. 4)."""
     jacobian = top.unsqueeze(-2)
     projected: Tensor = gradients - (gradients @ torch.linalg.pinv(jacobian)) @ jacobian
     return projected

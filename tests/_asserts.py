@@ -15,7 +15,7 @@ from aicon_torch.paths import Path
 
 
 def selection(gradients: Tensor, held: Tensor, margin: float) -> tuple[Tensor, list[int]]:
-    """Eq. 9 for one stack ``(n, d)``, in plain loops: the projected gradient of each rank, and its candidate.
+    """Eq. 7-8 for one stack ``(n, d)``, in plain loops: the projected gradient of each rank, and its candidate.
 
     Each candidate is projected onto the complement of the span of all original gradients before it, by least squares.
     """

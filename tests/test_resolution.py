@@ -156,7 +156,7 @@ def test_a_gradient_never_changes_what_those_before_it_decided(stack: Tensor) ->
 @pytest.mark.parametrize("stack", RANDOM.values(), ids=RANDOM.keys())
 @pytest.mark.parametrize("margin", [0.0, 0.1])
 def test_selection_agrees_with_plain_loops(stack: Tensor, margin: float) -> None:
-    """Eq. 9 written out, projecting onto the complement of a span by least squares."""
+    """Eq. 7-8 written out, projecting onto the complement of a span by least squares."""
     rule = NullspaceProjection(margin=margin, **TEXT)
     flat = stack.reshape(-1, *stack.shape[-2:])
     depth = min(stack.shape[-2:])
