@@ -204,16 +204,22 @@ class EKF(Estimator):
         covariance = self._propagate(values, transition)
         for measurement in self._measurements:
             now = {**values, self.mean: mean, self.covariance: covariance}
+            drops = measurement.gate is not None and not measurement.gate_keeps_gradient
+            if self.derivative == "model" and not drops:  # the reading itself is of no use
+                jacobian = measurement.residual.slope(now, self.mean, measurement.size, differentiable=True)
+                covariance = (
+                    covariance - Correction.by(covariance, jacobian, measurement.uncertainty(now, True)).of_covariance()
+                )
+                continue
             residual, jacobian, noise = measurement.innovation(now, self.mean, differentiable=True)
             step = Correction.by(covariance, jacobian, noise)
-            change, shrink = torch.zeros_like(mean), step.of_covariance()
-            if self.derivative != "model":
-                change = step.of_mean(residual, detach_gain=self.derivative == "detached_gain")
-            if measurement.gate is not None and not measurement.gate_keeps_gradient:
-                refused = step.distance(residual) > measurement.gate
+            change, shrink = step.of_mean(residual, self.derivative == "detached_gain"), step.of_covariance()
+            if drops:
+                refused = step.distance(residual) > cast(float, measurement.gate)
                 change = torch.where(refused.unsqueeze(-1), 0.0, change)
                 shrink = torch.where(refused.unsqueeze(-1).unsqueeze(-1), 0.0, shrink)
-            mean, covariance = mean - change, covariance - shrink
+            mean = mean if self.derivative == "model" else mean - change
+            covariance = covariance - shrink
         return mean if output == self.mean else covariance
 
     @property

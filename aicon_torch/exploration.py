@@ -121,8 +121,9 @@ class Exploration(Node):
         if self.escape.along in meeting.concerned:
             normal, _, _ = _of_goal(self.escape.along, meeting, ranked)
         axis = torch.arange(normal.shape[-1], device=normal.device) == normal.abs().argmin(-1, keepdim=True)
-        descent = -(ranked.units * ranked.weights.unsqueeze(-1)).sum(-2)
-        free = reject(average + 1e-6 * descent, normal)  # the descent decides where the average has no say
+        free = reject(
+            average - 1e-6 * ranked.scaled.sum(-2), normal
+        )  # the descent decides where the average has no say
         direction = unit(reject(free + 1e-9 * axis, normal))  # and an axis where neither has; again, for rounding
         if self.escape.hold in meeting.concerned:
             held, strength, largest_other = _of_goal(self.escape.hold, meeting, ranked)

@@ -81,11 +81,17 @@ class Interconnection(Node):
             The value ``(*B, m)`` and the Jacobian ``(*B, m, n)``.
         """
         if name in self.jacobians:
-            return self(values), self.jacobians[name](values)
+            return self(values), self.slope(values, name, rows, differentiable)
         if name not in self.inputs:
             value = self(values)
             return value, value.new_zeros(*value.shape, cast(Tensor, values[name]).shape[-1])
         return self.differentiate(values, name, rows, differentiable)
+
+    def slope(self, values: Values, name: str, rows: int, differentiable: bool = False) -> Tensor:
+        """The Jacobian of :meth:`linearize` alone, ``(*B, m, n)``, where the value is of no use."""
+        if name in self.jacobians:
+            return cast(Tensor, self.jacobians[name](values))
+        return self.linearize(values, name, rows, differentiable)[1]
 
     def verify(self, values: Values, rows: int) -> None:
         """Compare the Jacobians that were given with autograd's.

@@ -40,10 +40,12 @@ class Ranked(NamedTuple):
         norms: Magnitudes ‖∇ᵢ‖, ``(*B, n)``.
         units: Directions, ``(*B, n, d)``.
         weights: Normalised magnitudes wᵢ, ``(*B, n)``.
+        scaled: The gradients at these magnitudes, ``(*B, n, d)``.
         first: Index of the dominant one, ``(*B, 1)``.
     """
 
     norms: Tensor
     units: Tensor
     weights: Tensor
+    scaled: Tensor
     first: Tensor

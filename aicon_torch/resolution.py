@@ -122,9 +122,10 @@ class NullspaceProjection(Resolution):
         norms = torch.linalg.vector_norm(meeting.gradients, dim=-1)
         units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny ** 0.5).unsqueeze(-1)
         weights = self.weigh(norms, meeting.final)
-        resolved, rank = self.resolve(units * weights.unsqueeze(-1), weights, memory["rank"])
+        scaled = units * weights.unsqueeze(-1)
+        resolved, rank = self.resolve(scaled, weights, memory["rank"])
         state = {"rank": rank}
-        ranked = Ranked(norms, units, weights, first=rank[..., :1].clamp(min=0))
+        ranked = Ranked(norms, units, weights, scaled, first=rank[..., :1].clamp(min=0))
         if self.restore_magnitude and not meeting.final:
             lead = norms.gather(-1, ranked.first)
             resolved = resolved * lead / weights.gather(-1, ranked.first).clamp(min=torch.finfo(norms.dtype).tiny)
