@@ -207,9 +207,8 @@ class EKF(Estimator):
             drops = measurement.gate is not None and not measurement.gate_keeps_gradient
             if self.derivative == "model" and not drops:  # the reading itself is of no use
                 jacobian = measurement.residual.slope(now, self.mean, measurement.size, differentiable=True)
-                covariance = (
-                    covariance - Correction.by(covariance, jacobian, measurement.uncertainty(now, True)).of_covariance()
-                )
+                step = Correction.by(covariance, jacobian, measurement.uncertainty(now, differentiable=True))
+                covariance = covariance - step.of_covariance()
                 continue
             residual, jacobian, noise = measurement.innovation(now, self.mean, differentiable=True)
             step = Correction.by(covariance, jacobian, noise)
