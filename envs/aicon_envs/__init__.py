@@ -14,3 +14,10 @@ register(
     vector_entry_point="aicon_envs.navigation.vector:Nav2DVectorEnv",
     max_episode_steps=12_000,
 )
+
+register(
+    id="aicon/PushT-v0",
+    entry_point="aicon_envs.pusht.environment:PushTEnv",
+    vector_entry_point="aicon_envs.pusht.vector:PushTVectorEnv",
+    max_episode_steps=300,
+)

@@ -1,0 +1,192 @@
+"""The physics of one world: a driven disc, an object and four walls, in pymunk.
+
+All numbers and the order of all operations are those of gym-pusht 0.1.8, so that trajectories agree with it to the
+last bits; pymunk's solver depends on the order in which bodies are created.
+"""
+
+import math
+from typing import Any
+
+from gymnasium.error import DependencyNotInstalled
+
+from aicon_envs.pusht.geometry import Point, Pose
+from aicon_envs.pusht.objects import PushObject
+
+try:
+    import pymunk
+except ImportError as error:
+    raise DependencyNotInstalled('pushT needs pymunk: pip install "aicon-torch[pusht]"') from error
+
+SIZE = 512.0
+"""Width and height of the world, px."""
+
+PUSHER_RADIUS = 15.0
+"""Radius of the pusher, px."""
+
+WALL_LOW, WALL_HIGH = 7.0, 504.0
+"""Inner faces of the walls, px: segments at 5 and 506 with radius 2."""
+
+SUB_STEP = 0.01
+"""Duration of one step of the physics, s."""
+
+SUB_STEPS = 10
+"""Steps of the physics in one control step."""
+
+CONTROL_STEP = SUB_STEP * SUB_STEPS
+"""Duration of one control step, s."""
+
+STIFFNESS, DAMPING = 100.0, 20.0
+"""Gains of the pusher's controller, 1/s² and 1/s."""
+
+_OTHERS, _BLOCK = 0, 1  # pymunk's collision types
+
+_WALL_COLOR = (211, 211, 211, 255)
+_PUSHER_COLOR = (65, 105, 225, 255)
+_BLOCK_COLOR = (119, 136, 153, 255)
+
+
+class Simulation:
+    """A kinematic pusher and a block that slides with quasi-static friction: its velocity is lost in every sub-step.
+
+    Attributes:
+        object: What is pushed.
+        space: The pymunk space.
+    """
+
+    def __init__(self, object: PushObject, start: Point, pose: Pose) -> None:
+        """Put the pusher at `start` and the block at exactly `pose`, px and rad."""
+        self.object = object
+        self.space = pymunk.Space()
+        self.space.damping = 0.0
+        self.space.add(*_walls(self.space.static_body))
+        self._pusher = _add_pusher(self.space)
+        self._block = _add_block(self.space, object)
+        self._contacts = _count_contacts(self.space)
+        self._touched = False
+        self._pusher.position = start
+        self.pose = pose
+
+    @classmethod
+    def legacy(cls, object: PushObject, start: Point, pose: Pose) -> "Simulation":
+        """Set a state as gym-pusht does: not exactly `pose`.
+
+        It sets the position before the angle, which then turns the block about its centre of gravity g instead of the
+        origin: the position becomes (x, y) + g - R(angle) g. And it runs one sub-step of the physics.
+        """
+        simulation = cls(object, start, (pose[0], pose[1], 0.0))
+        simulation._block.angle = pose[2]
+        simulation._touched = simulation._advance()
+        return simulation
+
+    @property
+    def pusher(self) -> Point:
+        """Position of the pusher, px."""
+        x, y = self._pusher.position
+        return x, y
+
+    @property
+    def velocity(self) -> Point:
+        """Velocity of the pusher, px/s."""
+        x, y = self._pusher.velocity
+        return x, y
+
+    @property
+    def pose(self) -> Pose:
+        """Pose of the block's frame, px and rad; the angle is not wrapped."""
+        x, y = self._block.position
+        return x, y, self._block.angle
+
+    @pose.setter
+    def pose(self, pose: Pose) -> None:
+        self._block.angle = pose[2]
+        self._block.position = pose[:2]
+
+    @property
+    def touched(self) -> bool:
+        """Whether the block touched anything in the last control step."""
+        return self._touched
+
+    def steer(self, target: Point, limit: float) -> None:
+        """Run one control step in which a PD controller drives the pusher to a target.
+
+        In every sub-step: v ← v + (k_p (target - p) - k_v v) dt, with |v| limited.
+
+        Args:
+            target: Where to go, px.
+            limit: Largest speed, px/s; may be infinite.
+        """
+        target_x, target_y = target
+        pusher = self._pusher
+        self._touched = False
+        vx, vy = pusher.velocity
+        for _ in range(SUB_STEPS):
+            x, y = pusher.position
+            vx += (STIFFNESS * (target_x - x) + DAMPING * (0.0 - vx)) * SUB_STEP
+            vy += (STIFFNESS * (target_y - y) + DAMPING * (0.0 - vy)) * SUB_STEP
+            speed = math.hypot(vx, vy)
+            if speed > limit:
+                vx, vy = vx * limit / speed, vy * limit / speed
+            pusher.velocity = vx, vy
+            self._touched |= self._advance()
+
+    def drive(self, velocity: Point) -> None:
+        """Run one control step in which the pusher moves with a velocity, px/s."""
+        self._pusher.velocity = velocity
+        self._touched = False
+        for _ in range(SUB_STEPS):
+            self._touched |= self._advance()
+
+    def _advance(self) -> bool:
+        """Run one sub-step; return whether the block touches anything."""
+        self.space.step(SUB_STEP)
+        return self._contacts["pairs"] > 0
+
+
+def _walls(body: pymunk.Body) -> list[pymunk.Segment]:
+    corners = [((5, 506), (5, 5)), ((5, 5), (506, 5)), ((506, 5), (506, 506)), ((5, 506), (506, 506))]
+    walls = [pymunk.Segment(body, start, end, 2) for start, end in corners]
+    for wall in walls:
+        wall.color = _WALL_COLOR
+    return walls
+
+
+def _add_pusher(space: pymunk.Space) -> pymunk.Body:
+    body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    body.position = 256, 400
+    disc = pymunk.Circle(body, PUSHER_RADIUS)
+    disc.color = _PUSHER_COLOR
+    space.add(body, disc)
+    return body
+
+
+def _add_block(space: pymunk.Space, object: PushObject) -> pymunk.Body:
+    body = pymunk.Body(object.mass, object.inertia)
+    shapes = [pymunk.Poly(body, part.tolist()) for part in object.parts]
+    for shape in shapes:
+        shape.color = _BLOCK_COLOR
+        shape.collision_type = _BLOCK
+    body.center_of_gravity = object.center_of_gravity
+    body.angle = 0.0
+    body.position = 256, 300
+    space.add(body, *shapes)
+    return body
+
+
+def _count_contacts(space: pymunk.Space) -> dict[str, int]:
+    """Return a dictionary whose entry "pairs" is the number of the block's contacts in the last sub-step.
+
+    Callbacks at the begin and the end of a contact are much rarer than gym-pusht's for every contact and sub-step.
+    """
+    handler = space.add_collision_handler(_OTHERS, _BLOCK)
+    handler.begin, handler.separate = _begin, _separate
+    handler.data["pairs"] = 0
+    return handler.data
+
+
+def _begin(arbiter: pymunk.Arbiter, space: pymunk.Space, data: dict[str, Any]) -> bool:
+    data["pairs"] += 1
+    return True
+
+
+def _separate(arbiter: pymunk.Arbiter, space: pymunk.Space, data: dict[str, Any]) -> None:
+    data["pairs"] -= 1

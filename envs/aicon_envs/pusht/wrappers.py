@@ -1,0 +1,167 @@
+"""Imperfect sensors: noise, dropouts and delays, as wrappers of one environment.
+
+Their randomness comes from a child of the environment's noise, drawn at every reset: the same seed (or the same option
+`noise_seed`) gives the same readings, the start and the physics are those of the environment without wrappers, and two
+wrappers, one in the other, draw different numbers.
+"""
+
+from collections import deque
+from typing import Any, cast
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
+from numpy.typing import NDArray
+
+from aicon_envs.pusht.environment import PushTEnv
+from aicon_envs.pusht.spaces import AGENT, KEYPOINTS, Action, Observation
+
+
+class ReadingBox(spaces.Box):
+    """A box of readings that may be missing: NaN lies in it as well."""
+
+    def contains(self, x: Any) -> bool:
+        """Return whether every number that is not NaN lies within the bounds."""
+        return super().contains(np.where(np.isnan(x), self.low, x)) if isinstance(x, np.ndarray) else False
+
+
+class _Sensor(gym.Wrapper[Observation, Action, Observation, Action]):
+    """Changes the observations of each episode; the first one may be treated differently."""
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Start an episode; see the environment for the options."""
+        observation, info = self.env.reset(seed=seed, options=options)
+        self._generator = cast("PushTEnv", self.unwrapped).noise.spawn(1)[0]
+        return self.first(observation), info
+
+    def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Move by one control step."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        return self.later(observation), float(reward), terminated, truncated, info
+
+    def first(self, observation: Observation) -> Observation:
+        """Return what the sensor gives at a reset."""
+        return self.later(observation)
+
+    def later(self, observation: Observation) -> Observation:
+        """Return what the sensor gives after a step."""
+        raise NotImplementedError
+
+
+class SensorNoise(_Sensor, RecordConstructorArgs):
+    """Adds Gaussian noise to the keypoints: z = x + n, n ~ N(0, σ²) for every coordinate, px.
+
+    The bounds of the noisy observations become infinite.
+
+    Args:
+        env: A pushT environment that observes keypoints.
+        sigma: Standard deviation σ, px.
+        agent: Whether `agent_pos` is noisy too.
+
+    Raises:
+        ValueError: If `sigma` is negative or the environment observes no keypoints.
+    """
+
+    def __init__(self, env: gym.Env[Observation, Action], sigma: float, agent: bool = False) -> None:
+        """Wrap an environment."""
+        RecordConstructorArgs.__init__(self, sigma=sigma, agent=agent)
+        super().__init__(env)
+        if not (np.isfinite(sigma) and sigma >= 0.0):
+            raise ValueError(f"sigma must be a finite number >= 0, got {sigma!r}")
+        self._sigma = sigma
+        self._noisy = (KEYPOINTS, AGENT) if agent else (KEYPOINTS,)
+        space = _keypoint_space(env)
+        self.observation_space = spaces.Dict({**space.spaces, **{key: _endless(space[key]) for key in self._noisy}})
+
+    def later(self, observation: Observation) -> Observation:
+        """Return the observation with noise."""
+        noisy = {key: observation[key] + self._noise(observation[key]) for key in self._noisy}
+        return {**observation, **noisy}
+
+    def _noise(self, reading: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._generator.normal(0.0, self._sigma, reading.shape)
+
+
+class Dropout(_Sensor, RecordConstructorArgs):
+    """Loses all keypoints of a step with a probability, as if the object was not seen: they read NaN, no reading.
+
+    The first observation of an episode is never lost, and `agent_pos` never is.
+
+    Args:
+        env: A pushT environment that observes keypoints.
+        probability: Probability of a loss, per step.
+
+    Raises:
+        ValueError: If `probability` is not in [0, 1] or the environment observes no keypoints.
+    """
+
+    def __init__(self, env: gym.Env[Observation, Action], probability: float) -> None:
+        """Wrap an environment."""
+        RecordConstructorArgs.__init__(self, probability=probability)
+        super().__init__(env)
+        if not 0.0 <= probability <= 1.0:
+            raise ValueError(f"probability must be in [0, 1], got {probability!r}")
+        self._probability = probability
+        space = _keypoint_space(env)
+        box = cast("spaces.Box", space[KEYPOINTS])
+        self.observation_space = spaces.Dict(
+            {**space.spaces, KEYPOINTS: ReadingBox(box.low, box.high, dtype=np.float64)}
+        )
+
+    def first(self, observation: Observation) -> Observation:
+        """Return the observation as it is."""
+        return observation
+
+    def later(self, observation: Observation) -> Observation:
+        """Return the observation, or one without keypoints."""
+        if self._generator.uniform() >= self._probability:
+            return observation
+        return {**observation, KEYPOINTS: np.full_like(observation[KEYPOINTS], np.nan)}
+
+
+class Delay(_Sensor, RecordConstructorArgs):
+    """Lets observations lag: after step t comes the observation of step t - k, and that of the reset until step k.
+
+    Reward, flags and info are not delayed.
+
+    Args:
+        env: A pushT environment.
+        steps: Number k of control steps.
+
+    Raises:
+        ValueError: If `steps` is not an integer >= 0.
+    """
+
+    def __init__(self, env: gym.Env[Observation, Action], steps: int) -> None:
+        """Wrap an environment."""
+        RecordConstructorArgs.__init__(self, steps=steps)
+        super().__init__(env)
+        if not isinstance(steps, int) or steps < 0:
+            raise ValueError(f"steps must be an integer >= 0, got {steps!r}")
+        self._line: deque[Observation] = deque(maxlen=steps + 1)
+
+    def first(self, observation: Observation) -> Observation:
+        """Return the observation, and forget the last episode's."""
+        self._line.clear()
+        return self.later(observation)
+
+    def later(self, observation: Observation) -> Observation:
+        """Return the oldest observation that is not older than k steps."""
+        self._line.append(observation)
+        return self._line[0]
+
+
+def _keypoint_space(env: gym.Env[Observation, Action]) -> spaces.Dict:
+    space = env.observation_space
+    if not (isinstance(space, spaces.Dict) and KEYPOINTS in space.spaces):
+        raise ValueError(f"the environment must observe keypoints: obs_type environment_state_agent_pos, got {space}")
+    return space
+
+
+def _endless(space: spaces.Space[Any]) -> spaces.Box:
+    """Return a box of the same kind and shape without bounds."""
+    kind = ReadingBox if isinstance(space, ReadingBox) else spaces.Box
+    return kind(-np.inf, np.inf, space.shape, np.float64)
