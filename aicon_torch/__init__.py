@@ -12,7 +12,7 @@ from aicon_torch.models import make_policy, presets
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
-from aicon_torch.shaping import by_sign, straight_through, straight_through_clamp
+from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
 
 __all__ = [
     "EKF",
@@ -39,6 +39,7 @@ __all__ = [
     "SteepestPath",
     "Sum",
     "WorldModel",
+    "by_gain",
     "by_sign",
     "make_policy",
     "presets",

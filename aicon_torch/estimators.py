@@ -27,6 +27,7 @@ class Estimator(Node):
         covariances: Those of its outputs that are covariances of others.
         is_motion: Whether its outputs are motions themselves (see :class:`Quantity`).
         recursive: Whether it remembers its last values. Without, ``update`` and ``forward`` give the same value.
+        each: Quantities with rows, for each row of which it is evaluated; its outputs then have rows as well.
     """
 
     outputs: tuple[str, ...]
@@ -34,6 +35,7 @@ class Estimator(Node):
     covariances: tuple[str, ...] = ()
     is_motion: bool = False
     recursive: bool = True
+    each: tuple[str, ...] = ()
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """Values of the outputs before the first step, from the first readings."""
@@ -64,6 +66,8 @@ class Function(Estimator):
         name: Name of the quantity.
         function: f; its parameter names are the quantities that it reads.
         is_motion: Whether the quantity is itself a motion, such as a displacement.
+        each: Quantities ``(*B, N, k)`` for each row of which f is evaluated, so that f is written for one row and the
+            quantity is ``(*B, N, n)``. Each row is a path of its own to whatever else f reads.
 
     Example:
         >>> def move(a, dt):
@@ -74,12 +78,21 @@ class Function(Estimator):
     recursive = False
 
     def __init__(
-        self, name: str, function: Callable[..., Tensor] | Interconnection, *, is_motion: bool = False
+        self,
+        name: str,
+        function: Callable[..., Tensor] | Interconnection,
+        *,
+        is_motion: bool = False,
+        each: Sequence[str] = (),
     ) -> None:
         super().__init__()
         self.relation = Interconnection.of(function)
         self.outputs = (name,)
         self.inputs = self.relation.inputs
+        self.each = tuple(each)
+        for rows in self.each:
+            if rows not in self.inputs:
+                raise GraphError(f"Function {name!r}: each={rows!r}, but it reads {choices(self.inputs)}.")
         if name in self.inputs:
             raise GraphError(f"Function {name!r} reads itself; what remembers its last value is an EKF or a Linear.")
         self.is_motion = is_motion
@@ -91,10 +104,14 @@ class Function(Estimator):
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """The value ``(*B, n)``."""
-        return {self.outputs[0]: self.relation(values)}
+        return {self.outputs[0]: self(values, self.outputs[0])}
 
     def forward(self, values: Values, output: str) -> Tensor:
-        """The value, differentiable."""
+        """The value, differentiable. With ``each``, a value may come with a copy for each row, or without."""
+        if self.each:
+            dim = cast(Tensor, values[self.each[0]]).dim()
+            read = {name: values[name] for name in self.inputs}
+            values = {n: x.unsqueeze(-2) if isinstance(x, Tensor) and x.dim() < dim else x for n, x in read.items()}
         return cast(Tensor, self.relation(values))
 
 

@@ -2,6 +2,7 @@
 
 import functools
 from dataclasses import dataclass
+from typing import Literal
 
 import torch
 from torch import Tensor
@@ -52,9 +53,12 @@ class Exploration(Node):
     Args:
         enter_cosine: θ_enter of the paper.
         exit_cosine: θ_exit of the paper.
-        ratio: λ of the paper, on the normalised magnitudes.
+        ratio: λ of the paper.
         average_time: Time constant of the motion average, s.
         escape: What is done beyond the text.
+        partner: Whether the dominant gradient is compared with the second strongest (the text), or with the strongest
+            of those that oppose it, which a conflict among three or more needs.
+        ratio_of: Whether λ compares the normalised magnitudes or the magnitudes themselves.
     """
 
     def __init__(
@@ -64,6 +68,8 @@ class Exploration(Node):
         ratio: float = 3.0,
         average_time: float = 1.0,
         escape: Escape | None = None,
+        partner: Literal["second", "opposing"] = "second",
+        ratio_of: Literal["weights", "magnitudes"] = "weights",
     ) -> None:
         super().__init__()
         if not -1 <= enter_cosine <= exit_cosine <= 1:
@@ -72,6 +78,12 @@ class Exploration(Node):
             )
         if not ratio >= 1 or not average_time > 0:
             raise OptionError(f"ratio={ratio!r}: expected >= 1; average_time={average_time!r}: expected > 0 (s).")
+        if partner not in ("second", "opposing") or ratio_of not in ("weights", "magnitudes"):
+            raise OptionError(
+                f"partner={partner!r}, ratio_of={ratio_of!r}: "
+                "expected 'second' or 'opposing', and 'weights' or 'magnitudes'."
+            )
+        self.partner, self.ratio_of = partner, ratio_of
         self.enter_cosine, self.exit_cosine = enter_cosine, exit_cosine
         self.ratio, self.average_time = ratio, average_time
         self.escape = escape or Escape()
@@ -94,7 +106,7 @@ class Exploration(Node):
         Returns:
             Whether to explore ``(*B,)``, the unit direction of motion ``(*B, d)``, and the new memory.
         """
-        cosine, decided = self.compare(ranked)
+        cosine, decided = self.compare(ranked, memory["exploring"])
         rate = meeting.dt / (meeting.dt + self.average_time)
         state = {"cosine": cosine, "average": torch.lerp(memory["average"], meeting.motion, rate)}
         enter = (cosine < self.enter_cosine) & ~decided
@@ -107,12 +119,19 @@ class Exploration(Node):
         state["exploring"] = torch.where(memory["exploring"], stay, enter)
         return state["exploring"], self.direction(meeting, ranked, state["average"]), state
 
-    def compare(self, ranked: Ranked) -> tuple[Tensor, Tensor]:
-        """Cosine of the two strongest, and whether the first exceeds all others by λ, ``(*B,)`` each."""
+    def compare(self, ranked: Ranked, exploring: Tensor) -> tuple[Tensor, Tensor]:
+        """Cosine of the dominant gradient and its partner, and whether it exceeds the partner by λ, ``(*B,)`` each."""
         rows = torch.arange(ranked.norms.shape[-1], device=ranked.first.device)
-        largest_other, second = ranked.weights.masked_fill(rows == ranked.first, -1.0).max(-1, keepdim=True)
-        cosine = (select(ranked.units, ranked.first) * select(ranked.units, second)).sum(-1)
-        decided = ranked.weights.gather(-1, ranked.first) > self.ratio * largest_other
+        strengths = ranked.weights if self.ratio_of == "weights" else ranked.norms
+        first = select(ranked.units, ranked.first)
+        others = strengths.masked_fill(rows == ranked.first, -1.0)
+        if self.partner == "opposing":
+            cosines = (first.unsqueeze(-2) * ranked.units).sum(-1)
+            bound = torch.where(exploring, self.exit_cosine, self.enter_cosine).unsqueeze(-1)
+            others = others.masked_fill(cosines > bound, -1.0)
+        largest_other, partner = others.max(-1, keepdim=True)
+        cosine = (first * select(ranked.units, partner)).sum(-1)
+        decided = strengths.gather(-1, ranked.first) > self.ratio * largest_other
         return cosine, decided.squeeze(-1)
 
     def direction(self, meeting: Meeting, ranked: Ranked, average: Tensor) -> Tensor:

@@ -9,6 +9,8 @@ from torch import Tensor
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.graph import Tapes, WorldModel
 from aicon_torch.meeting import Meeting
+from aicon_torch.paths import Edge
+from aicon_torch.quantities import Quantity
 from aicon_torch.resolution import Memory, Resolution
 
 
@@ -38,6 +40,7 @@ class Sweep:
 
     Attributes:
         arrivals: For each quantity the gradients that arrive there, in the order of the stack.
+        blocks: For each quantity how many of them each turn brings, row by row; 0 stands for a single gradient.
     """
 
     def __init__(self, model: WorldModel, resolution: Resolution) -> None:
@@ -47,15 +50,39 @@ class Sweep:
         self.model, self.resolution = model, resolution
         self.levels = _levels(model)
         self.arrivals: dict[str, list[Arrival]] = {}
+        self.blocks: dict[str, list[int]] = {}
         leaving = {goal: [Arrival((goal,), frozenset([goal]))] for goal in model.goals}
         for level in self.levels:
             leaving |= {name: self._leaving(name) for name in level if name in self.arrivals}
             for names in _rounds(level, leaving):
                 for name in names:
                     for edge in model.edges[name]:
-                        self.arrivals.setdefault(edge.source, []).append(leaving[name][names[name]])
+                        self._announce(edge, leaving[name][names[name]])
         self.final = self._find_final()
         self.remembered = {name: tuple(self._initial(name)) for name in self.arrivals if self.meets(name)}
+
+    def _announce(self, edge: Edge, arrival: Arrival) -> None:
+        """Note what an edge brings to its source when it is pulled once."""
+        here = self.arrivals.setdefault(edge.source, [])
+        self.blocks.setdefault(edge.source, []).append(edge.rows)
+        if not edge.rows:
+            here.append(arrival)
+            return
+        rows = [Arrival((*arrival.trace[:-1], label), arrival.goals) for label in edge.labels]
+        start = self._joined(edge.source, edge.rows)
+        if start is None:
+            here.extend(rows)
+        else:  # summed with those that came before, row by row
+            for index, row in enumerate(rows, start):
+                joined = f"{here[index].trace[-1]}+{row.trace[-1]}"
+                here[index] = Arrival((*here[index].trace[:-1], joined), here[index].goals | row.goals)
+
+    def _joined(self, source: str, rows: int) -> int | None:
+        """Where the candidates begin with which those of a new block are summed, if there are any."""
+        blocks = self.blocks[source][:-1]
+        if not self.resolution.by_row or rows not in blocks:
+            return None
+        return sum(count or 1 for count in blocks[: blocks.index(rows)])
 
     def _leaving(self, name: str) -> list[Arrival]:
         here = self.arrivals[name]
@@ -107,7 +134,7 @@ class Sweep:
 
         def leaving(name: str) -> list[Tensor]:
             if not self.meets(name):
-                return arrived[name]
+                return self._apart(name, arrived[name])
             resolved, state = self._resolve(name, arrived[name], values, before, costs)
             memory.update(state)
             return [resolved]
@@ -122,6 +149,29 @@ class Sweep:
         actions = {name: leaving(name)[0] for name in self.model.actuators}
         return actions, memory | {f"{name}/gradient": gradient for name, gradient in actions.items()}
 
+    def _apart(self, name: str, arrived: Sequence[Tensor]) -> list[Tensor]:
+        """The gradients ``(*B, *shape)`` one by one; those that came row by row are taken apart."""
+        if not any(self.blocks.get(name, ())):
+            return list(arrived)
+        apart: list[Tensor] = []
+        for block, rows in zip(arrived, self.blocks[name], strict=True):
+            apart.extend(block.unbind(-2) if rows else (block,))
+        return apart
+
+    def _stack(self, quantity: Quantity, arrived: Sequence[Tensor]) -> Tensor:
+        """The gradients that arrived as one stack, ``(*B, n, d)``."""
+        blocks = self.blocks[quantity.name]
+        if not any(blocks):
+            return torch.stack([quantity.flatten(gradient) for gradient in arrived], dim=-2)
+        stacks = [b if rows else quantity.flatten(b).unsqueeze(-2) for b, rows in zip(arrived, blocks, strict=True)]
+        if self.resolution.by_row:
+            together: dict[int, Tensor] = {}
+            for index, (stack, rows) in enumerate(zip(stacks, blocks, strict=True)):
+                key = rows or -index - 1
+                together[key] = together[key] + stack if key in together else stack
+            stacks = list(together.values())
+        return torch.cat(stacks, dim=-2)
+
     @staticmethod
     def _pull(tapes: Tapes, gradients: Mapping[str, Tensor]) -> tuple[Tensor, ...]:
         """One factor of the chain rule, (∂x/∂source)ᵀ ∇ₓ, for every edge of some quantities x at once (Eq. 1).
@@ -135,7 +185,7 @@ class Sweep:
     def _resolve(
         self,
         name: str,
-        gradients: Sequence[Tensor],
+        arrived: Sequence[Tensor],
         values: Mapping[str, Tensor],
         before: Mapping[str, Tensor],
         costs: dict[str, Tensor],
@@ -145,7 +195,7 @@ class Sweep:
         quantity = self.model.quantities[name]
         motion = values[name] if quantity.is_motion else values[name] - before[name]
         meeting = Meeting(
-            gradients=torch.stack([quantity.flatten(gradient) for gradient in gradients], dim=-2),
+            gradients=self._stack(quantity, arrived),
             goals=tuple(arrival.goals for arrival in self.arrivals[name]),
             motion=quantity.flatten(motion),
             costs=costs,

@@ -11,7 +11,7 @@ from aicon_torch.drawing import flowchart
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimators import Estimator
 from aicon_torch.goals import Goal
-from aicon_torch.interconnections import Values
+from aicon_torch.interconnections import Interconnection, Values
 from aicon_torch.paths import Edge, PathTable
 from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
 from aicon_torch.shaping import straight_through
@@ -81,6 +81,7 @@ class WorldModel(nn.Module):
         for estimator in self.nodes:
             for name in estimator.outputs:
                 self.quantities[name] = Quantity(name, tuple(values[name].shape[2:]), estimator.is_motion)
+        self._constraints, self._commands = self._wire_actuators()
         self._prepare(values)
         self.edges = self._find_edges(values)
         self._final = self._find_final()
@@ -197,6 +198,18 @@ class WorldModel(nn.Module):
         between = needed & moved - {quantity}
         return tuple(name for node in self.nodes for name in node.outputs if name in between)
 
+    def constrain(self, name: str, values: Mapping[str, Tensor]) -> Tensor:
+        """The action of an actuator within its constraints, ``(*B, size)``."""
+        now = self._with_dt(values)
+        for constraint in self._constraints[name]:
+            now[name] = constraint(now)
+        return cast(Tensor, now[name])
+
+    def commands(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """What to send for each actuator: its action, or the command that brings it about."""
+        now = self._with_dt(values)
+        return {name: self._commands[name](now) if name in self._commands else values[name] for name in self.actuators}
+
     def paths(self, max_length: int | None = None) -> PathTable:
         """The table of paths from goals to actuators (Eq. 1), lazily enumerated.
 
@@ -214,10 +227,33 @@ class WorldModel(nn.Module):
 
     def _record(self, name: str, values: Values) -> Tape:
         """Evaluate a quantity or goal on fresh leaves, detached so that its tape ends there: one factor of Eq. 1."""
-        leaves = {edge.source: cast(Tensor, values[edge.source]).detach().requires_grad_() for edge in self.edges[name]}
+        leaves = {}
+        for edge in self.edges[name]:
+            value = cast(Tensor, values[edge.source]).detach()
+            if edge.rows:  # a copy for each row, whose gradients then come apart
+                value = value.unsqueeze(-2).expand(*value.shape[:-1], edge.rows, -1)
+            leaves[edge.source] = value.requires_grad_()
         inputs = {**values, **leaves}
         output = self.goals[name](inputs) if name in self.goals else self.owners[name](inputs, name)
         return Tape(output, tuple(leaves.values()))
+
+    def _wire_actuators(self) -> tuple[dict[str, list[Interconnection]], dict[str, Interconnection]]:
+        """The constraints and the command of each actuator, with their names checked."""
+        known = [*self.sensors, *self.actuators, *self.owners, "dt"]
+        constraints: dict[str, list[Interconnection]] = {}
+        commands: dict[str, Interconnection] = {}
+        for name, actuator in self.actuators.items():
+            constraints[name] = [Interconnection.of(constraint) for constraint in actuator.constraints]
+            if actuator.command is not None:
+                commands[name] = Interconnection.of(actuator.command)
+            for function in (*constraints[name], *(commands[name] for _ in range(name in commands))):
+                for source in function.inputs:
+                    if source not in known:
+                        raise GraphError(
+                            f"{function.function!r} of actuator {name!r} reads {source!r}, which is not in the graph. "
+                            f"Known: {choices(known)}."
+                        )
+        return constraints, commands
 
     @torch.no_grad()
     def _probe(self) -> dict[str, Tensor]:
@@ -266,7 +302,7 @@ class WorldModel(nn.Module):
         """
         now = self._with_dt(values)
         earlier = set(self.actuators)
-        found: dict[str, list[str]] = {}
+        found: dict[str, list[Edge]] = {}
         nodes: tuple[Estimator | Goal, ...] = (*self.nodes, *self.goals.values())
         for node in nodes:
             sources = [name for name in node.inputs if name in earlier]
@@ -277,14 +313,19 @@ class WorldModel(nn.Module):
                 gradients: Sequence[Tensor | None] = [None] * len(leaves)
                 if leaves and output.requires_grad:
                     gradients = torch.autograd.grad(output.sum(), list(leaves.values()), allow_unused=True)
-                found[name] = [source for source, slope in zip(leaves, gradients, strict=True) if slope is not None]
+                each = node.each if isinstance(node, Estimator) else ()
+                found[name] = [
+                    Edge(name, source, 0 if not each or source in each else output.shape[-2])
+                    for source, slope in zip(leaves, gradients, strict=True)
+                    if slope is not None
+                ]
             if isinstance(node, Estimator):
                 earlier.update(output for output in node.outputs if found[output])
         wanted = set(self.goals)
         for name in reversed(found):
             if name in wanted:
-                wanted.update(found[name])
-        return {n: tuple(Edge(n, s) for s in sources) for n, sources in found.items() if n in wanted and sources}
+                wanted.update(edge.source for edge in found[name])
+        return {name: tuple(edges) for name, edges in found.items() if name in wanted and edges}
 
     def _find_final(self) -> frozenset[str]:
         """Functions on a path whose inputs all have their new values when they run: evaluated once, not twice."""

@@ -128,14 +128,15 @@ class Interconnection(Node):
             if rows == 1:
                 value = self(inputs)
                 (row,) = torch.autograd.grad(value, point, torch.ones_like(value), create_graph=differentiable)
-                return value, row.unsqueeze(-2)
+                return value if differentiable else value.detach(), row.unsqueeze(-2)
             variable = point.expand(rows, *point.shape)
             copies = {key: x.expand(rows, *x.shape) if isinstance(x, Tensor) else x for key, x in inputs.items()}
             value = self(copies | {name: variable})
             selector = torch.eye(rows, dtype=value.dtype, device=value.device)
             selector = selector.reshape(rows, *(1,) * (value.dim() - 2), rows).expand_as(value)
             (jacobian,) = torch.autograd.grad(value, variable, selector, create_graph=differentiable)
-            return value[0], jacobian.movedim(0, -2)
+            value = value[0] if differentiable else value[0].detach()  # of no further use but as a number
+            return value, jacobian.movedim(0, -2)
 
 
 class Affine(Interconnection):

@@ -6,10 +6,22 @@ from typing import NamedTuple
 
 
 class Edge(NamedTuple):
-    """One factor of the chain rule: the gradient of ``target`` goes on to ``source``, which it depends on."""
+    """One factor of the chain rule: the gradient of ``target`` goes on to ``source``, which it depends on.
+
+    Attributes:
+        target: The quantity or goal that the gradient leaves.
+        source: The quantity that it arrives at.
+        rows: Number of gradients that arrive, one for each row of the target; 0 where it is one gradient.
+    """
 
     target: str
     source: str
+    rows: int = 0
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The target, or each of its rows: ``("x_contact[0]", "x_contact[1]", …)``."""
+        return tuple(f"{self.target}[{row}]" for row in range(self.rows)) if self.rows else (self.target,)
 
 
 class Path(NamedTuple):
@@ -59,7 +71,9 @@ class PathTable:
 
         @cache
         def below(name: str) -> int:
-            return 1 if name in self._actuators else sum(below(edge.source) for edge in self._edges[name])
+            if name in self._actuators:
+                return 1
+            return sum(len(edge.labels) * below(edge.source) for edge in self._edges[name])
 
         return sum(below(goal) for goal in self._goals)
 
@@ -72,4 +86,5 @@ class PathTable:
             yield Path(trail[0], trail[1:-1], name)
         elif self._max_length is None or len(trail) <= self._max_length:
             for edge in self._edges[name]:
-                yield from self._walk(edge.source, (*trail, edge.source))
+                for label in edge.labels:
+                    yield from self._walk(edge.source, (*trail[:-1], label, edge.source))

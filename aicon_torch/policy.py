@@ -74,8 +74,9 @@ class Policy(nn.Module):
             gradients, meetings = self.sweep(tapes, values, before, before[ACTIVE])
             for name, actuator in self.model.actuators.items():
                 values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
+                values[name] = self.model.constrain(name, values)
         memory = {**values, **meetings, ACTIVE: before[ACTIVE]}
-        actions: dict[str, Any] = {name: values[name] for name in self.model.actuators}
+        actions: dict[str, Any] = dict(self.model.commands(values))
         if not any(isinstance(reading, Tensor) for reading in observation.values()):
             actions = {name: action.numpy(force=True).astype(np.float32) for name, action in actions.items()}
         return (next(iter(actions.values())) if len(actions) == 1 else actions), memory

@@ -1,7 +1,7 @@
 """Quantities: the named tensors of a world model, and the sensors and actuators among them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import torch
@@ -73,11 +73,16 @@ class Actuator:
         size: Number of components.
         unit: Unit of each component.
         limit: One number limits the Euclidean norm; a sequence limits each component's magnitude.
+        constraints: What else limits it, one after the other: functions of the action and of any quantities, wired by
+            their parameter names, that return the nearest action that is allowed, ``(*B, size)``.
+        command: What the robot is sent instead of the action, if it takes another command: a function wired likewise.
     """
 
     size: int
     unit: str
     limit: float | Sequence[float] = field(default=math.inf)
+    constraints: Sequence[Callable[..., Tensor]] = ()
+    command: Callable[..., Tensor] | None = None
 
     def __post_init__(self) -> None:
         """Check that the limit fits the size."""

@@ -22,9 +22,11 @@ class Resolution(Node):
     Attributes:
         merges: Whether it acts wherever gradients meet, so that one gradient leaves each quantity. Otherwise every
             path is followed to its end and the rule acts there.
+        by_row: Whether gradients that come from the same row of quantities with rows are summed before they meet.
     """
 
     merges = True
+    by_row = False
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -82,6 +84,9 @@ class NullspaceProjection(Resolution):
             The text has no such bound (0), but a softmax gives weight even to a gradient that has vanished.
         restore_magnitude: Whether a gradient that meets others again further on gets the magnitude of the one that led
             here. The weights compare only those that met; the next meeting compares magnitudes. The text does not say.
+        relative: Whether the softmax is over magnitudes relative to the largest, so that their unit does not matter.
+        by_row: Whether gradients from the same row of quantities with rows, such as those through the likelihood and
+            the position of one contact, are summed before they meet. In the text each is a candidate of its own.
         exploration: What to do about conflicts, by default the paper's; None never explores.
     """
 
@@ -92,6 +97,8 @@ class NullspaceProjection(Resolution):
         projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal",
         negligible: float = 0.0,
         restore_magnitude: bool = True,
+        relative: bool = False,
+        by_row: bool = False,
         exploration: Exploration | None = PAPER,
     ) -> None:
         super().__init__()
@@ -103,6 +110,7 @@ class NullspaceProjection(Resolution):
             raise OptionError(f"projector={projector!r}: expected one of {choices(PROJECTORS)}.")
         self.temperature, self.margin, self.negligible = temperature, margin, negligible
         self.restore_magnitude = restore_magnitude
+        self.relative, self.by_row = relative, by_row
         self.project = PROJECTORS[projector]
         self.exploration = exploration
 
@@ -141,6 +149,8 @@ class NullspaceProjection(Resolution):
         """Normalised magnitudes ``(*B, n)``: their softmax, and zero for those that are negligible."""
         if self.temperature is None:
             return norms
+        if self.relative:
+            norms = norms / norms.amax(-1, keepdim=True).clamp(min=torch.finfo(norms.dtype).tiny ** 0.5)
         weights = torch.softmax(norms / self.temperature, dim=-1)
         if self.negligible == 0:
             return weights

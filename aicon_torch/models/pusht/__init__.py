@@ -1,0 +1,342 @@
+"""Pushing an object to a target pose (Sect. "pushT: Object Pushing in Simulation").
+
+A disc pushes a polygon of which it sees the corners. For each side of the polygon two gradients lead from the pose
+error to the pusher: p₁ through the likelihood of a contact there, p₂ through its position. The world is that of
+gym-pusht: pixels, with y pointing down, and a PD controller that moves the pusher to position targets.
+
+What is ours beyond the text is an option of its own: likelihoods that differ for contacts that help and contacts that
+harm, the quasi-static effect of a contact, magnitudes relative to the largest, conflicts with any opposing gradient,
+and limits of the motion near contact.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Literal
+
+import torch
+from torch import Tensor
+
+from aicon_torch.actuation import ActionLaw
+from aicon_torch.errors import OptionError
+from aicon_torch.estimators import EKF, Estimator, Function, Linear
+from aicon_torch.exploration import Exploration
+from aicon_torch.filtering import Measurement
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point, held_point, norm
+from aicon_torch.models.pusht.dynamics import ContactDynamics
+from aicon_torch.models.pusht.limits import ContactLimits, SlowApproach, pose_error
+from aicon_torch.models.pusht.outline import Outline
+from aicon_torch.models.pusht.poses import PoseMotion, Registration, rest, same
+from aicon_torch.models.pusht.pusher import WORKSPACE, Servo
+from aicon_torch.policy import Policy
+from aicon_torch.quantities import Actuator, Sensor
+from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the pushing policy.
+
+    Attributes:
+        keypoints: Corners of the object in its body frame, in the order of the sensor, px; None for the T.
+        border: Their order around the object; by default as given.
+        center: Centre of mass in the body frame, px; by default the polygon's.
+        gyration: Radius of gyration, px; by default the polygon's.
+        goal_pose: Target of the body frame (x, y, θ), px and rad.
+        observe_goal: Whether the target is observed instead, as ``goal_pose``.
+        dt: Time step, s.
+        max_speed: Largest speed, px/s.
+        command: Whether the action is sent as the PD controller's position target or as the velocity itself.
+        servo: Whether the position target takes the controller's lag into account.
+        keypoint_noise: Standard deviation of each coordinate of a keypoint, px.
+        pusher_noise: Standard deviation of each coordinate of the pusher's position, px.
+        slip: Standard deviation of each coordinate of what moves pusher and object in a step besides the model, px.
+        estimation: Whether pusher and object are filtered, or read off the sensors.
+        rotation: L in radii of gyration: a rotation of one rad counts as much as a translation by L.
+        effect: What a contact does: quasi-static pushing, or the coarse model of the text.
+        reach: ℓ of the likelihood of contacts that help, px.
+        reaction: ℓ' of the likelihood of contacts that harm, px.
+        aim: How far outside its side a contact that helps is aimed at, px.
+        facing: Whether harm at a corner counts as far as the side faces the pusher.
+        intent: T of the soft choice between the two likelihoods; 0 chooses by the sign of a contact's gain.
+        likelihood_path: Whether p₁ is there.
+        position_path: Whether p₂ is there.
+        speed_law: Limits near contact, the first study's slow approach, or none.
+        slide_gap: Gap below which the pusher is kept from sliding off a side, px; 0 never.
+        substeps: Whether the limits hold within a step, too.
+        push: Least and largest push at a contact that helps, px.
+        harm: Largest push at one that harms, px.
+        resolution: Nullspace projection (the paper), the sum (a potential field) or the steepest path (Eq. 2).
+        temperature: τ of the softmax over magnitudes; None for no softmax.
+        relative: Whether the softmax is over magnitudes relative to the largest.
+        by_row: Whether the two gradients of a contact are summed before they meet others.
+        margin: Hysteresis of the order.
+        projector: Form of the projection, or ``"none"``.
+        explore: Whether conflicts are explored.
+        enter_cosine: Cosine below which a conflict begins.
+        exit_cosine: Cosine above which it ends.
+        ratio: λ, by which one gradient must exceed the other to end it.
+        partner: Which gradient is compared with the dominant one: see :class:`aicon_torch.Exploration`.
+        ratio_of: What λ compares.
+        average_time: Time constant of the motion average, s.
+        gain: k of the action law. The direction alone matters where the speed is at its limit.
+        accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
+        smoothing: Time constant of the low-pass on the velocity, s.
+        dtype: Precision of the estimates.
+    """
+
+    keypoints: Sequence[Sequence[float]] | None = None
+    border: Sequence[int] | None = None
+    center: Sequence[float] | None = None
+    gyration: float | None = None
+    goal_pose: Sequence[float] = (256.0, 256.0, math.pi / 4)
+    observe_goal: bool = False
+    dt: float = 0.1
+    max_speed: float = 800.0
+    command: Literal["position", "velocity"] = "position"
+    servo: bool = True
+    keypoint_noise: float = 0.1
+    pusher_noise: float = 0.1
+    slip: float = 0.5
+    estimation: bool = True
+    rotation: float = 1.55
+    effect: Literal["quasi_static", "coarse"] = "quasi_static"
+    reach: float = 30.0
+    reaction: float = 10.0
+    aim: float = 8.0
+    facing: bool = True
+    intent: float = 0.0
+    likelihood_path: bool = True
+    position_path: bool = True
+    speed_law: Literal["contact", "slow", "none"] = "contact"
+    slide_gap: float = 15.0
+    substeps: bool = True
+    push: tuple[float, float] = (0.5, 40.0)
+    harm: float = 2.0
+    resolution: Literal["nullspace", "sum", "steepest"] = "nullspace"
+    temperature: float | None = 0.8
+    relative: bool = True
+    by_row: bool = True
+    margin: float = 0.1
+    projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
+    explore: bool = True
+    enter_cosine: float = -0.6
+    exit_cosine: float = -0.4
+    ratio: float = 3.0
+    partner: Literal["second", "opposing"] = "opposing"
+    ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
+    average_time: float = 0.4
+    gain: float = 1e9
+    accumulate: bool = False
+    smoothing: float = 0.1
+    dtype: torch.dtype = torch.float64
+
+    def __post_init__(self) -> None:
+        """Check what the parts do not check themselves."""
+        noises = ("keypoint_noise", "pusher_noise", "slip")
+        for name in ("dt", "max_speed", *noises, "rotation", "reach", "reaction"):
+            if not 0 < getattr(self, name) < math.inf:
+                raise OptionError(f"{name}={getattr(self, name)!r}: expected a positive number.")
+        for name in ("aim", "intent", "slide_gap", "harm"):
+            if not 0 <= getattr(self, name) < math.inf:
+                raise OptionError(f"{name}={getattr(self, name)!r}: expected a number >= 0.")
+        for name, valid in _CHOICES.items():
+            if getattr(self, name) not in valid:
+                raise OptionError(f"{name}={getattr(self, name)!r}: expected one of {', '.join(map(repr, valid))}.")
+        if len(tuple(self.goal_pose)) != 3:
+            raise OptionError(f"goal_pose={self.goal_pose!r}: expected (x, y, angle), px and rad.")
+        if len(tuple(self.push)) != 2 or not 0 <= self.push[0] <= self.push[1]:
+            raise OptionError(f"push={self.push!r}: expected (least, largest) in px.")
+
+
+_CHOICES = {
+    "command": ("position", "velocity"),
+    "effect": ("quasi_static", "coarse"),
+    "speed_law": ("contact", "slow", "none"),
+    "resolution": ("nullspace", "sum", "steepest"),
+}
+
+_FULL = {
+    "effect": "coarse",
+    "rotation": 65.0 / 3000**0.5,
+    "reach": 40.0,
+    "facing": False,
+    "speed_law": "slow",
+    "servo": False,
+    "max_speed": 600.0,
+    "smoothing": 0.025,
+}
+_STRICT = {**_FULL, "by_row": False, "partner": "second"}
+
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "aicon": {},
+        "full": _FULL,
+        "strict": _STRICT,
+        "paper_literal": {**_STRICT, "reach": 10.0, "aim": 0.0, "speed_law": "none"},
+        "steepest": {"resolution": "steepest"},
+        "steepest_unlimited": {"resolution": "steepest", "speed_law": "none"},
+        "potential_field": {"resolution": "sum"},
+        "potential_field_unlimited": {"resolution": "sum", "speed_law": "none"},
+        "intended": {"intent": 0.1},
+        "symmetric": {"reach": 10.0, "aim": 0.0, "facing": False},
+        "pass_through": {"estimation": False},
+        "no_exploration": {"explore": False},
+        "no_projection": {"projector": "none"},
+        "no_softmax": {"temperature": None},
+        "no_hysteresis": {"margin": 0.0},
+        "no_smoothing": {"smoothing": 0.0},
+        "no_position_path": {"position_path": False},
+        "no_grouping": {"by_row": False},
+        "no_facing": {"facing": False},
+        "no_limits": {"speed_law": "none"},
+        "no_slide_limit": {"slide_gap": 0.0},
+        "no_substeps": {"substeps": False},
+        "no_servo": {"servo": False},
+        "second_partner": {"partner": "second"},
+    }
+)
+"""Named options: ours, the formulations nearer to the text, the baselines, and ours without one part each."""
+
+
+def seen_pusher(z_pusher: Tensor) -> tuple[Tensor, Tensor]:
+    """The pusher's prior: at its first reading, give or take 10 px."""
+    return z_pusher, 100.0 * torch.eye(2, dtype=z_pusher.dtype, device=z_pusher.device)
+
+
+def world_model(options: Options) -> WorldModel:
+    """The graph of the paper's pushT, with its paths p₁ and p₂ for each side."""
+    outline = Outline.of(options.keypoints, options.border, options.center, options.gyration)
+    length = options.rotation * outline.gyration
+    servo = Servo.of()
+    dynamics = ContactDynamics(outline, length, options.effect, options.intent)
+    sensors = {
+        "z_pusher": Sensor(2, "px", key="agent_pos", optional=True),
+        "z_keypoints": Sensor(2 * len(outline.keypoints), "px", key="environment_state", optional=True),
+    }
+    if options.observe_goal:
+        sensors["z_target"] = Sensor(3, "px, px, rad", key="goal_pose")
+    command = None
+    if options.command == "position":
+        command = servo.target if options.servo else lagging_target
+    actuator = Actuator(
+        2, "px/s", limit=options.max_speed, constraints=_constraints(options, dynamics, servo), command=command
+    )
+    return WorldModel(
+        sensors=sensors,
+        actuators={"a": actuator},
+        estimators=[
+            *_pusher(options, servo),
+            *_object(options, outline, dynamics),
+            Function("x_target", _target(options, outline)),
+            Function("x_side", outline.sides),
+            Function("x_contact", closest_point if options.position_path else held_point, each=["x_side"]),
+            Function("p_contact", _likelihood(options), each=["x_side", "x_contact"]),
+            Function("x_obj", dynamics),
+        ],
+        goals=[Goal("push", lambda x_obj, x_target: norm(pose_error(x_obj, x_target, length)))],
+        dt=options.dt,
+        dtype=options.dtype,
+    )
+
+
+def lagging_target(a: Tensor, x_pusher: Tensor, dt: float) -> Tensor:
+    """The position target as if the pusher followed at once, ``(*B, 2)``, px."""
+    return (x_pusher + a * dt).clamp(0.0, WORKSPACE)
+
+
+def _pusher(options: Options, servo: Servo) -> list[Estimator]:
+    """The pusher's position, and its velocity as the PD controller leaves it."""
+    slip, read = options.slip**2, options.pusher_noise**2
+    sight = Measurement(Affine(x_pusher=1.0, z_pusher=-1.0), read if options.estimation else 1e-9, size=2)
+    position = EKF(
+        "x_pusher",
+        "P_pusher",
+        predict=Affine(x_pusher=1.0, a=options.dt),
+        noise=slip,
+        initial=seen_pusher,
+        size=2,
+        correct=[sight],
+    )
+    change = Affine(
+        v_pusher=servo.keep - servo.kick * float(servo.drift[-1] / servo.follow[-1]),
+        a=servo.kick * options.dt / float(servo.follow[-1]),
+    )
+    velocity = Linear("v_pusher", "P_velocity", predict=change, noise=1.0, initial=((0.0, 0.0), 1.0))
+    return [position, velocity]
+
+
+def _object(options: Options, outline: Outline, dynamics: ContactDynamics) -> list[Estimator]:
+    """The object's pose, and its keypoints there."""
+    register = Registration(outline)
+    predict = PoseMotion(dynamics) if options.estimation else rest
+    noise = register.variances(options.keypoint_noise if options.estimation else 1e-6)
+    slip = options.slip**2
+    pose = EKF(
+        "x_pose",
+        "P_pose",
+        predict=Interconnection(predict, x_pose=same),
+        noise=(slip, slip, slip / outline.gyration**2),
+        initial=register.prior,
+        size=3,
+        correct=[Measurement(Interconnection(register, x_pose=same), noise, size=3)],
+    )
+    return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
+
+
+def _target(options: Options, outline: Outline) -> Interconnection:
+    """x_target: centre and orientation of the object at the goal, observed or fixed, ``(*B, 3)``."""
+    if options.observe_goal:
+        return Interconnection(outline.center_at, inputs=["z_target"])
+    fixed = outline.center_at(torch.tensor(tuple(options.goal_pose), dtype=torch.float64))
+    return Interconnection(lambda x_pose: fixed.to(x_pose).expand_as(x_pose))
+
+
+def _likelihood(options: Options) -> Callable[..., Tensor]:
+    likelihood = ContactLikelihood(options.reach, options.reaction, options.aim, options.facing)
+    if options.likelihood_path:
+        return likelihood
+    return lambda x_pusher, x_contact, x_side: likelihood(x_pusher.detach(), x_contact, x_side)  # without p1
+
+
+def _constraints(options: Options, dynamics: ContactDynamics, servo: Servo) -> list[Callable[..., Tensor]]:
+    if options.speed_law == "none":
+        return []
+    if options.speed_law == "slow":
+        return [SlowApproach(dynamics.length)]
+    within = servo if options.substeps and options.command == "position" else None
+    return [ContactLimits(dynamics, within, (options.push[0], options.push[1]), options.harm, options.slide_gap)]
+
+
+def resolution(options: Options) -> Resolution:
+    """The rule that the options name."""
+    if options.resolution == "sum":
+        return Sum()
+    if options.resolution == "steepest":
+        return SteepestPath()
+    exploration = Exploration(
+        options.enter_cosine,
+        options.exit_cosine,
+        options.ratio,
+        options.average_time,
+        partner=options.partner,
+        ratio_of=options.ratio_of,
+    )
+    return NullspaceProjection(
+        options.temperature,
+        options.margin,
+        options.projector,
+        relative=options.relative,
+        by_row=options.by_row,
+        exploration=exploration if options.explore else None,
+    )
+
+
+def build(options: Options) -> Policy:
+    """The pushing policy."""
+    law = ActionLaw(options.gain, options.accumulate, options.smoothing)
+    return Policy(world_model(options), resolution(options), law)
