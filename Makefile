@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 EPISODES ?= 100
-OUT ?= runs/nav2d
+OUT ?= runs
 
 INSTALLED := $(VENV)/.installed
 # The policies are small: more threads than one only wait for each other.
@@ -34,15 +34,18 @@ test: $(INSTALLED) ## Run the tests, but for the slow ones
 test-all: $(INSTALLED) ## Run all tests
 	$(RUN) -m pytest -n $(JOBS) -m ""
 
-compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation: a table, curves and pictures
+compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and pushT: tables, curves and pictures
 	$(RUN) scripts/compare.py --task nav2d --policies aicon paper_literal steepest potential_field \
-	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)
-	$(RUN) scripts/figures.py nav2d --out $(OUT)
-	@echo "The numbers of the table: $(OUT)/summary.json; one row per episode: $(OUT)/episodes.csv; the pictures:"
-	@ls $(OUT)/*.png $(OUT)/*.gif $(OUT)/*.mp4 2>/dev/null | sed 's/^/  /'
+	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/nav2d
+	$(RUN) scripts/compare.py --task pusht --policies aicon full strict paper_literal steepest steepest_unlimited \
+	  potential_field --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
+	@$(MAKE) --no-print-directory figures
+	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
+	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
 
-figures: $(INSTALLED) ## Draw the navigation figure and its film from a rollout
-	$(RUN) scripts/figures.py nav2d --out $(OUT)
+figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task
+	$(RUN) scripts/figures.py nav2d --out $(OUT)/nav2d
+	$(RUN) scripts/figures.py pusht --out $(OUT)/pusht
 
 benchmark: $(INSTALLED) ## Measure the time of a control step
 	$(RUN) scripts/benchmark.py

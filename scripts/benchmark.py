@@ -1,4 +1,4 @@
-"""Time one control step on one thread, side by side with the same law written by hand in plain torch.
+"""Time one control step on one thread: navigation beside the same law by hand in plain torch, pushT beside navigation.
 
 Example: python scripts/benchmark.py --out runs/benchmark
 
@@ -23,7 +23,8 @@ import torch
 from torch import Tensor
 from tqdm import tqdm
 
-import aicon_envs  # noqa: F401  # registers aicon/Nav2D-v0
+import aicon_envs  # noqa: F401  # registers the environments
+import gym_pusht  # noqa: F401  # registers gym_pusht/PushT-v0
 import plain_navigation
 from aicon_torch import (
     ActionLaw,
@@ -43,6 +44,8 @@ Step = Callable[[], None]
 BOUNDS = {
     "library, batch 1 / by hand, autograd along each path, batch 1": 1.5,
     "library, batch 256 / library, batch 1": 3.0,
+    "pushT, batch 1 / navigation, batch 1": 2.0,
+    "pushT, batch 256 / pushT, batch 1": 5.0,
 }
 
 
@@ -56,24 +59,31 @@ def main() -> None:
     arguments = parser.parse_args()
     torch.set_num_threads(1)
     steps, rungs = navigation(arguments.rounds, arguments.steps), ladder(arguments.rounds, arguments.steps)
-    speed = environment(arguments.rounds)
-    print("\none navigation step, one thread, ms: median (5 % to 95 %)")
-    for name, times in steps["times"].items():
-        print(f"  {name:44} {_spread(times, 1e3)}")
-    print("ratios, taken round by round")
-    for name, ratios in steps["ratios"].items():
-        print(f"  {name:44} {_spread(ratios)}")
+    pushes = pushing(arguments.rounds, arguments.steps)
+    speed = environment(gym.make("aicon/Nav2D-v0", map="clutter"), arguments.rounds)
+    pushed = pushing_environments(arguments.rounds)
+    for title, measured in (("navigation", steps), ("pushT", pushes)):
+        print(f"\none {title} step, one thread, ms: median (5 % to 95 %)")
+        for name, times in measured["times"].items():
+            print(f"  {name:44} {_spread(times, 1e3)}")
+        print("ratios, taken round by round")
+        for name, ratios in measured["ratios"].items():
+            print(f"  {name:44} {_spread(ratios)}")
     print("a ladder whose paths double with every rung")
     for row in rungs:
         per_edge = _spread([1e6 * t / row["edges"] for t in row["times"]])
         print(f"  {row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths: {per_edge} µs an edge")
     print(f"aicon/Nav2D-v0 alone: {_spread(speed)} steps/s")
+    for name, speeds in pushed["speeds"].items():
+        print(f"{name} alone: {_spread(speeds)} steps/s")
+    print(f"  ratio, round by round: {_spread(pushed['ratio'])}")
     if arguments.out:
         arguments.out.mkdir(parents=True, exist_ok=True)
         path = arguments.out / "benchmark.json"
-        path.write_text(json.dumps({"navigation": steps, "ladder": rungs, "environment": speed}, indent=2) + "\n")
+        content = {"navigation": steps, "pusht": pushes, "ladder": rungs, "environment": speed, "pusht_env": pushed}
+        path.write_text(json.dumps(content, indent=2) + "\n")
         print(f"\nsaved in {path}")
-    medians = {name: statistics.median(steps["ratios"][name]) for name in BOUNDS}
+    medians = {name: statistics.median((steps["ratios"] | pushes["ratios"])[name]) for name in BOUNDS}
     missed = [f"{name}: {medians[name]:.3g} > {bound}\n" for name, bound in BOUNDS.items() if medians[name] > bound]
     if arguments.check and missed:
         parser.exit(1, "".join(missed))
@@ -98,9 +108,18 @@ def navigation(rounds: int, steps: int) -> dict[str, Any]:
     return {"times": times, "ratios": ratios}
 
 
-def environment(rounds: int, steps: int = 200) -> list[float]:
+def pushing(rounds: int, steps: int) -> dict[str, Any]:
+    """The step of pushT at batch 1 and 256, beside that of navigation."""
+    programs = {"navigation, batch 1": _library(1)}
+    programs |= {f"pushT, batch {batch}": _pushing(batch) for batch in (1, 256)}
+    times = _take_turns(programs, rounds, steps, "pushT")
+    pairs = (("pushT, batch 1", "navigation, batch 1"), ("pushT, batch 256", "pushT, batch 1"))
+    ratios = {f"{a} / {b}": [x / y for x, y in zip(times[a], times[b], strict=True)] for a, b in pairs}
+    return {"times": times, "ratios": ratios}
+
+
+def environment(env: gym.Env[Any, Any], rounds: int, steps: int = 200) -> list[float]:
     """Steps per second of one environment without rendering, round by round."""
-    env = gym.make("aicon/Nav2D-v0", map="clutter")
     action = np.zeros(2, np.float32)
     speeds = []
     for _ in range(rounds):
@@ -110,6 +129,18 @@ def environment(rounds: int, steps: int = 200) -> list[float]:
             env.step(action)
         speeds.append(steps / (time.process_time() - start))
     return speeds
+
+
+def pushing_environments(rounds: int) -> dict[str, Any]:
+    """Steps per second of aicon/PushT-v0 and of upstream's, in turns, and their ratio."""
+    kind = {"obs_type": "environment_state_agent_pos"}
+    envs = {name: gym.make(name, **kind) for name in ("aicon/PushT-v0", "gym_pusht/PushT-v0")}
+    speeds: dict[str, list[float]] = {name: [] for name in envs}
+    for _ in range(rounds):
+        for name, env in envs.items():
+            speeds[name] += environment(env, 1)
+    ours, theirs = speeds.values()
+    return {"speeds": speeds, "ratio": [a / b for a, b in zip(ours, theirs, strict=True)]}
 
 
 def ladder(rounds: int, steps: int) -> list[dict[str, Any]]:
@@ -133,6 +164,12 @@ def ladder(rounds: int, steps: int) -> list[dict[str, Any]]:
 def _library(batch: int) -> Step:
     observation = {"bearing": torch.zeros(batch, 1), "range": torch.full((batch, 1), 0.15)}
     return _stepper(make_policy("nav2d"), observation)
+
+
+def _pushing(batch: int) -> Step:
+    observation, _ = gym.make("aicon/PushT-v0").reset(seed=0)
+    readings = {key: torch.as_tensor(value).expand(batch, -1) for key, value in observation.items()}
+    return _stepper(make_policy("pusht"), readings)
 
 
 def _by_hand(batch: int, closed_form: bool) -> Step:

@@ -18,6 +18,7 @@ from aicon_baselines.config import configure
 from aicon_baselines.policies import factory
 from aicon_baselines.report import write_report
 from aicon_baselines.runs import RunFolder
+from aicon_baselines.tables import list_failures
 from aicon_baselines.tasks import load
 
 
@@ -37,7 +38,7 @@ def main() -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--task", required=True, help="name of the task, such as nav2d")
+    parser.add_argument("--task", required=True, help="name of the task, nav2d or pusht")
     parser.add_argument("--policies", nargs="+", required=True, metavar="NAME", help="policies to compare")
     parser.add_argument("--episodes", type=int, default=100, help="seeds, per condition and repeat (default: 100)")
     parser.add_argument("--seed", type=int, default=0, help="first seed (default: 0)")
@@ -53,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _run(arguments: argparse.Namespace) -> str:
-    """Run what is missing in the folder and return the table of results."""
+    """Run what is missing in the folder and return the table of results, and which episodes failed."""
     task = load(arguments.task)
     policies = {name: factory(task.name, name) for name in arguments.policies}
     config = configure(
@@ -67,7 +68,8 @@ def _run(arguments: argparse.Namespace) -> str:
     )
     folder = RunFolder(arguments.out, config)
     compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
-    return write_report(folder)
+    table, failures = write_report(task, folder), list_failures(folder.rows(), task)
+    return f"{table}\n\n{failures}" if failures else table
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Search over gain and speed, the same for every policy, on seeds that are not reported.
+"""Search over gain and speed, the same for every policy of a task, on seeds that are not reported.
 
 Example: python scripts/tune.py --policies aicon paper_literal steepest potential_field --jobs 2 --out runs/tune
 
@@ -7,56 +7,71 @@ The best of each policy is what its preset should hold. The same command goes on
 
 import argparse
 import os
-from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded, here and in the workers
 
+from aicon_baselines import ComparisonError
 from aicon_baselines.compare import compare
 from aicon_baselines.config import configure
+from aicon_baselines.policies import factory
 from aicon_baselines.report import write_report
 from aicon_baselines.runs import RunFolder
 from aicon_baselines.tasks import load
 
-if TYPE_CHECKING:
-    from aicon_torch import Policy
+
+class Search(NamedTuple):
+    """What is searched unless asked otherwise, on which seeds; speeds in the task's unit of length per second."""
+
+    gains: tuple[float, ...]
+    speeds: tuple[float, ...]
+    seed: int
+    episodes: int
 
 
-GAINS = (0.3, 0.6, 1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0)
+SEARCHES = {
+    "nav2d": Search((0.3, 0.6, 1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0), (0.25, 0.5), 1024, 128),
+    "pusht": Search((4e3, 16e3, 64e3, 256e3, 1e6, 1e9), (100.0, 200.0, 400.0, 800.0), 1000, 100),
+}
 LAWS: dict[str, dict[str, bool]] = {"preset": {}, "set": {"accumulate": False}, "accumulate": {"accumulate": True}}
 
 
 def main() -> None:
     """Parse the arguments, run what is missing, save and print the results, best first."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--policies", nargs="+", required=True, metavar="PRESET", help="presets of nav2d")
-    parser.add_argument("--gains", nargs="+", type=float, default=GAINS, help="gains of the action law")
-    parser.add_argument("--speeds", nargs="+", type=float, default=[0.25, 0.5], help="largest speeds, m/s")
+    parser.add_argument("--task", choices=SEARCHES, default="nav2d", help="the task (default: nav2d)")
+    parser.add_argument("--policies", nargs="+", required=True, metavar="PRESET", help="presets of the task's model")
+    parser.add_argument("--gains", nargs="+", type=float, help="gains of the action law (default: the task's)")
+    parser.add_argument("--speeds", nargs="+", type=float, help="largest speeds, m/s or px/s (default: the task's)")
     parser.add_argument("--laws", nargs="+", choices=LAWS, default=["preset"], help="set or accumulate the velocity")
-    parser.add_argument("--seed", type=int, default=1024, help="first seed, 1000 or more (default: 1024)")
-    parser.add_argument("--episodes", type=int, default=128, help="seeds (default: 128)")
+    parser.add_argument("--seed", type=int, help="first seed, 1000 or more (default: the task's)")
+    parser.add_argument("--episodes", type=int, help="seeds (default: the task's)")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
+    parser.set_defaults(**SEARCHES[parser.parse_known_args()[0].task]._asdict())
     arguments = parser.parse_args()
     if arguments.seed < 1000:
         parser.error(f"--seed {arguments.seed}: seeds below 1000 are for reporting, not for tuning")
-    task = load("nav2d")
+    try:
+        print(_run(arguments))
+    except ComparisonError as error:
+        parser.error(str(error))
+
+
+def _run(arguments: argparse.Namespace) -> str:
+    """Run what is missing in the folder and return the table of results."""
+    task = load(arguments.task)
     candidates = {
-        f"{preset} {law} gain={gain:g} speed={speed:g}": partial(_build, preset, law, gain, speed)
+        f"{preset} {law} gain={gain:g} speed={speed:g}": factory(
+            task.name, preset, gain=gain, max_speed=speed, **LAWS[law]
+        )
         for preset, law, gain, speed in product(arguments.policies, arguments.laws, arguments.gains, arguments.speeds)
     }
     folder = RunFolder(arguments.out, configure(task, seed=arguments.seed, episodes=arguments.episodes))
     compare(task, candidates, folder, arguments.jobs)
-    print(write_report(folder))
-
-
-def _build(preset: str, law: str, gain: float, speed: float, condition: str | None) -> "Policy":
-    from aicon_torch import make_policy  # in the worker
-
-    sensing = condition or "range"
-    return make_policy("nav2d", preset=preset, gain=gain, max_speed=speed, sensing=sensing, **LAWS[law])
+    return write_report(task, folder)
 
 
 if __name__ == "__main__":

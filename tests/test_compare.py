@@ -6,6 +6,7 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from aicon_baselines import ComparisonError, names
+from aicon_baselines import ComparisonError, names, tasks
 from aicon_baselines.compare import compare
 from aicon_baselines.config import Config, configure
 from aicon_baselines.curves import success_curve
@@ -25,11 +26,16 @@ from aicon_baselines.report import write_report
 from aicon_baselines.rollout import rollout
 from aicon_baselines.row import Row
 from aicon_baselines.runs import RunFolder, read_rows
-from aicon_baselines.summary import summarize, to_table
+from aicon_baselines.summary import summarize
+from aicon_baselines.tables import list_failures, to_table
 from aicon_baselines.task import Episode, Task
 from aicon_baselines.tasks import load
 from aicon_envs.navigation import MAP_NAMES, Nav2DVectorEnv, shortest_path_length
 
+TASKS = [
+    "nav2d",
+    pytest.param("pusht", marks=pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")),
+]
 SCRIPT = Path(__file__).parent.parent / "scripts" / "compare.py"
 TARGET = np.array([3.0, 0.0])  # m
 WALL = 1.5  # m; touching y = WALL is a collision
@@ -89,8 +95,13 @@ def make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, An
     return PointEnv(count)
 
 
-def reset_options(episodes: Sequence[Episode]) -> dict[str, Any]:
-    return {"map": [episode.map for episode in episodes]}
+def reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
+    options = {"map": [episode.map for episode in episodes]}
+    return {"seed": [episode.noise_seed for episode in episodes], "options": options}
+
+
+def policy_options(condition: str) -> dict[str, Any]:
+    return {}
 
 
 def distance_to_target(episode: Episode) -> float:
@@ -105,16 +116,17 @@ TASK = Task(
     maps=("calm", "windy", "calm"),
     conditions=("usual", "other"),
     make_env=make_env,
-    reset_options=reset_options,
+    reset_arguments=reset_arguments,
+    policy_options=policy_options,
     shortest_path_length=distance_to_target,
 )
 
 
-def slow(condition: str | None) -> Walker:
+def slow(condition: str) -> Walker:
     return Walker(0.7)
 
 
-def fast(condition: str | None) -> Walker:
+def fast(condition: str) -> Walker:
     return Walker(2.0)
 
 
@@ -238,9 +250,48 @@ def test_summary_of_handmade_rows() -> None:
     assert first.interval == wilson_interval(3, 4)
     assert (first.maps["u"].episodes, first.maps["u"].collisions, first.maps["u"].success_rate) == (2, 1, 0.5)
     assert (second.policy, second.success_rate, second.median_steps, second.median_path_ratio) == ("b", 0, None, None)
-    table = to_table([first, second], time_step=0.1).splitlines()
+    table = to_table([first, second], TASK).splitlines()
     assert len(table) == 4
     assert table[2].startswith("| usual | a | 3/4 = 75.0% (30.1% to 95.4%) | 1 | 10.0 s | 1.50 |")
+
+
+STEPS_TASK = replace(
+    TASK, horizon=400, time_unit="steps", length_unit="px", milestones=(99, 100, 300), shortest_path_length=None
+)
+
+
+def test_summary_by_steps_of_handmade_rows() -> None:
+    rows = [row._replace(shortest_path_length=None) for row in handmade()]
+    assert [Row.from_fields(row.to_fields()) for row in rows] == rows
+    first, second = summarize(rows, STEPS_TASK.milestones)
+    assert [(each.steps, each.successes, each.success_rate) for each in first.milestones] == [
+        (99, 0, 0.0),
+        (100, 2, 0.5),
+        (300, 3, 0.75),
+    ]
+    assert first.milestones[1].interval == wilson_interval(2, 4)
+    assert (first.median_steps, first.percentile_95_steps, first.longest_steps) == (100, 280, 300)
+    assert (second.median_steps, second.percentile_95_steps, second.longest_steps) == (None, None, None)
+    assert (first.failed_seeds, second.failed_seeds, first.median_path_ratio) == ([2], [0], None)
+    table = to_table([first, second], STEPS_TASK).splitlines()
+    assert table[0].endswith("| within 100 steps | within 300 steps | median steps | 95th percentile | longest |")
+    assert table[2].endswith("| 50.0% (15.0% to 85.0%) | 75.0% (30.1% to 95.4%) | 100 | 280 | 300 |")
+    assert table[3].endswith(" |  |  |  |")
+
+
+def test_failures_are_listed_where_there_are_few() -> None:
+    rows = handmade()
+    many = [rows[-1]._replace(policy="c", seed=seed) for seed in range(21)]
+    assert list_failures([*rows, *many], STEPS_TASK).splitlines() == [
+        "usual, a: failed with seed 2 (collision)",
+        "usual, b: failed with seed 0 (0.1 px left)",
+    ]
+    assert list_failures(rows[:2], TASK) == ""
+
+
+def test_a_comparison_keeps_the_milestones_below_its_horizon() -> None:
+    config = configure(STEPS_TASK, horizon=100)
+    assert config.apply(STEPS_TASK).milestones == (99, 100)
 
 
 def test_success_curve_of_handmade_rows() -> None:
@@ -249,11 +300,13 @@ def test_success_curve_of_handmade_rows() -> None:
     np.testing.assert_allclose(shares, [[0.5, *wilson_interval(2, 4)], [0.75, *wilson_interval(3, 4)]])
 
 
+@pytest.mark.parametrize("task", [TASK, STEPS_TASK], ids=["seconds", "steps"])
 @pytest.mark.parametrize("rows", [handmade(), handmade()[4:]], ids=["some succeed", "none succeeds"])
-def test_report_files(tmp_path: Path, rows: list[Row]) -> None:
-    folder = RunFolder(tmp_path, configure(TASK, episodes=4))
-    folder.append(rows)
-    assert write_report(folder) == to_table(summarize(rows), TASK.time_step)
+def test_report_files(tmp_path: Path, rows: list[Row], task: Task) -> None:
+    folder = RunFolder(tmp_path, configure(task, episodes=4))
+    conditions = [rows[0]._replace(condition=name) for name in ("w", "x", "y")]  # more than one line of panels
+    folder.append([*rows, *conditions])
+    assert write_report(task, folder) == to_table(summarize([*rows, *conditions], task.milestones), task)
     content = json.loads((tmp_path / "summary.json").read_text())
     assert content["config"]["episodes"] == 4
     assert content["summaries"][0]["maps"]["u"]["episodes"] == sum(
@@ -293,11 +346,12 @@ def test_broken_files_are_refused(tmp_path: Path) -> None:
         ({"seed": -1}, "seed must be 0 or more, not -1"),
         ({"maps": ["stormy"]}, "unknown map 'stormy'; valid maps: calm, windy$"),
         ({"conditions": ["odd"]}, "unknown condition 'odd'; valid conditions: usual, other"),
+        ({"conditions": ["usual", "other"], "repeats": 2}, "repeats must be 1, not 2, without noise, as in other"),
     ],
 )
 def test_bad_configurations_say_what_would_be_right(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ComparisonError, match=message):
-        configure(TASK, **options)
+        configure(replace(TASK, noiseless=("other",)), **options)
 
 
 def test_unknown_names_list_the_valid_ones() -> None:
@@ -306,9 +360,9 @@ def test_unknown_names_list_the_valid_ones() -> None:
             ComparisonError, match="unknown policy 'oracle' for task 'nav2d'; valid policies: aicon, paper"
         ):
             build("nav2d", "oracle")
-    with pytest.raises(ComparisonError, match="valid tasks: nav2d"):
+    with pytest.raises(ComparisonError, match="valid tasks: nav2d, pusht"):
         names("chess")
-    with pytest.raises(ComparisonError, match="valid tasks: nav2d"):
+    with pytest.raises(ComparisonError, match="valid tasks: nav2d, pusht"):
         load("chess")
 
 
@@ -325,14 +379,67 @@ def test_bad_ways_to_run_are_refused(tmp_path: Path, options: dict[str, Any], me
         run(tmp_path, **options)
 
 
-@pytest.mark.parametrize("condition", load("nav2d").conditions)
-def test_every_policy_of_nav2d_can_be_built_and_steps(condition: str) -> None:
-    task = load("nav2d")
-    env = task.make_env(2, condition, 5)
-    observation, _ = env.reset(options={"map": "clutter"})
-    for name in names("nav2d"):
-        action, state = make("nav2d", name, condition).predict(observation, episode_start=np.ones(2, np.bool_))
-        assert action.shape == (2, 2) and np.isfinite(action).all() and state is not None
+def test_a_task_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(tasks._MODULES, "pusht", "no_such_module")
+    with pytest.raises(ComparisonError, match="'no_such_module'; the task 'pusht' needs: pip install .*pusht"):
+        load("pusht")
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_every_policy_can_be_built_and_steps(name: str) -> None:
+    task = load(name)
+    for condition in task.conditions[:2]:
+        env = task.make_env(2, condition, 5)
+        observation, _ = env.reset(**task.reset_arguments(task.chunk(0, repeat=0)[:2]))
+        for policy in names(name):
+            action, state = make(name, policy, condition).predict(observation, episode_start=np.ones(2, np.bool_))
+            assert action.shape == (2, 2) and np.isfinite(action).all() and state is not None
+        env.close()
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_every_condition_can_be_run(name: str) -> None:
+    task = replace(load(name), chunk_size=2, horizon=4)
+    for condition in task.conditions:
+        if condition == "upstream":
+            pytest.importorskip("gym_pusht")
+        policy = factory(name, "aicon")(condition)
+        first, again = (rollout(policy, task, condition, task.chunk(0, repeat=0), range(2)) for _ in range(2))
+        assert (first.steps == 4).all() and (first.path_length > 0).all(), condition
+        np.testing.assert_array_equal(first.path_length, again.path_length)
+    assert set(task.noiseless) <= set(task.conditions)
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_a_task_leaves_ended_episodes_alone(name: str) -> None:
+    task = load(name)
+    env = task.make_env(2, task.conditions[0], 3)
+    env.reset(**task.reset_arguments(task.chunk(0, repeat=0)[:2]))
+    actions = 0.5 * np.ones((2, 2), np.float32)
+    *_, truncated, info = [env.step(actions) for _ in range(3)][-1]
+    assert truncated.all()
+    *_, truncated, again = env.step(actions)
+    assert truncated.all()
+    np.testing.assert_array_equal(info["position"], again["position"])
+    env.close()
+
+
+@pytest.mark.parametrize("condition", ["deterministic", "noise_2", "upstream"])
+def test_pusht_starts_are_those_of_gym_pusht_and_repeats_differ_in_noise(condition: str) -> None:
+    gym_pusht = pytest.importorskip("gym_pusht.envs")
+    task = load("pusht")
+    upstream = gym_pusht.PushTEnv(obs_type="environment_state_agent_pos")
+    ends = []
+    for repeat in (0, 1):
+        env = task.make_env(2, condition, 5)
+        observation, _ = env.reset(**task.reset_arguments(task.chunk(2, repeat)[7:9]))
+        for row, seed in enumerate((207, 208)):
+            expected, _ = upstream.reset(seed=seed)
+            for key, value in expected.items():
+                np.testing.assert_allclose(observation[key][row], value, rtol=1e-12)
+        ends.append(env.step(np.full((2, 2), 256, np.float32))[4]["position"])
+        env.close()
+    assert (ends[0] == ends[1]).all() == (condition in task.noiseless)
 
 
 def test_nav2d_seeds_choose_every_class_and_mazes_twice() -> None:
@@ -350,7 +457,7 @@ def test_nav2d_shortest_paths_are_those_of_the_environment() -> None:
     episodes = task.chunk(0, repeat=0)[:17]
     env = task.make_env(len(episodes), "range", 5)
     assert isinstance(env, Nav2DVectorEnv)
-    env.reset(options=task.reset_options(episodes))
+    env.reset(**task.reset_arguments(episodes))
     for episode, (name, obstacles, start, target) in zip(episodes, env.maps, strict=True):
         assert name == episode.map
         assert task.shortest_path_length(episode) == shortest_path_length(obstacles, start, target, env.physics.radius)
@@ -382,15 +489,18 @@ def test_nav2d_walking_straight_at_the_target(tmp_path: Path) -> None:
         assert not row.success or row.path_length > row.shortest_path_length - 0.2
 
 
-def script(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(SCRIPT), "--task", "nav2d", *arguments]
+def script(*arguments: str, task: str = "nav2d") -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(SCRIPT), "--task", task, *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-def test_script_saves_and_prints_the_results(tmp_path: Path) -> None:
-    result = script("--policies", "aicon", "steepest", "--episodes", "2", "--horizon", "20", "--out", str(tmp_path))
+@pytest.mark.parametrize("task", TASKS)
+def test_script_saves_and_prints_the_results(tmp_path: Path, task: str) -> None:
+    options = ("--policies", "aicon", "steepest", "--episodes", "2", "--horizon", "10", "--out", str(tmp_path))
+    result = script(*options, task=task)
     assert result.returncode == 0, result.stderr
-    assert "| range | aicon | 0/2 = 0.0% (0.0% to 65.8%) | 0 |" in result.stdout
+    assert f"| {load(task).conditions[0]} | aicon | 0/2 = 0.0% (0.0% to 65.8%) |" in result.stdout
+    assert ", aicon: failed with seed 0 (" in result.stdout
     assert {path.name for path in tmp_path.iterdir()} == {
         "config.json",
         "episodes.csv",

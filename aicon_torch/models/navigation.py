@@ -50,10 +50,13 @@ class Options:
         margin: Hysteresis of the order: by how much a gradient must exceed the one that held its rank.
         projector: Form of the projection, or ``"none"``; see :class:`NullspaceProjection`.
         negligible: Magnitude below which a gradient has no weight.
+        relative: Whether the softmax is over magnitudes relative to the largest.
         explore: Whether conflicts are explored.
         enter_cosine: Cosine of the two strongest below which a conflict begins.
         exit_cosine: Cosine above which it ends.
-        ratio: λ, by which one gradient must exceed all others to end it.
+        ratio: λ, by which one gradient must exceed the other to end it.
+        partner: Which gradient is compared with the dominant one: see :class:`aicon_torch.Exploration`.
+        ratio_of: What λ compares.
         average_time: Time constant of the motion average, s.
         exit_on_progress: A: exploration ends only once the target is nearer than when it began.
         hold_level: B: exploration holds the level of p_collision.
@@ -78,10 +81,13 @@ class Options:
     margin: float = 0.1
     projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
     negligible: float = 1e-3
+    relative: bool = False
     explore: bool = True
     enter_cosine: float = -0.6
     exit_cosine: float = -0.4
     ratio: float = 3.0
+    partner: Literal["second", "opposing"] = "second"
+    ratio_of: Literal["weights", "magnitudes"] = "weights"
     average_time: float = 1.0
     exit_on_progress: bool = True
     hold_level: bool = True
@@ -107,6 +113,8 @@ _LITERAL = {
     "negligible": 0.0,
 }
 
+_SHARED = {"relative": True, "partner": "opposing", "ratio_of": "magnitudes", "average_time": 0.4}
+
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
@@ -119,10 +127,12 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_projection": {"projector": "none"},
         "no_exploration": {"explore": False},
         "no_softmax": {"temperature": None},
+        "shared": _SHARED,
         "no_hysteresis": {"margin": 0.0},
     }
 )
-"""Named options: ours, the paper's text and nothing else, the baselines, and ours without one part each.
+"""Named options: ours, the paper's text and nothing else, the baselines, ours without one part each, and ours with the
+mechanism set as in pushT.
 
 Gain, speed and law are the best of the same search for each policy (``scripts/tune.py``).
 """
@@ -282,12 +292,21 @@ def resolution(options: Options) -> Resolution:
         hold="avoid" if options.hold_level else None,
         along="avoid" if options.along_obstacle else None,
     )
-    exploration = Exploration(options.enter_cosine, options.exit_cosine, options.ratio, options.average_time, escape)
+    exploration = Exploration(
+        options.enter_cosine,
+        options.exit_cosine,
+        options.ratio,
+        options.average_time,
+        escape,
+        options.partner,
+        options.ratio_of,
+    )
     return NullspaceProjection(
         options.temperature,
         options.margin,
         options.projector,
         options.negligible,
+        relative=options.relative,
         exploration=exploration if options.explore else None,
     )
 

@@ -1,7 +1,6 @@
 """Running a comparison: every policy on every episode, in parallel, going on where an earlier run stopped."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -52,7 +51,7 @@ def compare(
     if jobs < 1:
         raise ComparisonError(f"jobs must be 1 or more, not {jobs}")
     config = folder.config
-    task = replace(task, maps=config.maps, horizon=config.horizon)
+    task = config.apply(task)
     todo = list(_jobs(task, config, list(policies), {key(row) for row in folder.rows()}))
     total = len(policies) * len(config.conditions) * config.repeats * config.episodes
     done = total - sum(len(job.seeds) for job in todo)
@@ -92,7 +91,7 @@ def _run(task: Task, build: Factory, job: _Job, progress: Path) -> list[Row]:
             steps=int(outcome.steps[i]) if outcome.success[i] else None,
             collision=bool(outcome.collision[i]),
             path_length=float(outcome.path_length[i]),
-            shortest_path_length=task.shortest_path_length(episode),
+            shortest_path_length=task.shortest_path_length(episode) if task.shortest_path_length else None,
             distance=float(outcome.distance[i]),
         )
         for i, episode in enumerate(episodes)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from aicon_baselines.errors import ComparisonError
@@ -46,6 +46,11 @@ class Config:
         """The seeds of the comparison."""
         return range(self.seed, self.seed + self.episodes)
 
+    def apply(self, task: Task) -> Task:
+        """Return the task with the maps, the horizon and the milestones that this comparison leaves it."""
+        milestones = tuple(steps for steps in task.milestones if steps <= self.horizon)
+        return replace(task, maps=self.maps, horizon=self.horizon, milestones=milestones)
+
     def save(self, path: Path) -> None:
         """Write the configuration as JSON, or check that the file already there holds the same one."""
         text = json.dumps(asdict(self), indent=2) + "\n"
@@ -82,12 +87,16 @@ def configure(
     Returns:
         The configuration; an unknown condition or map is an error that lists the valid ones.
     """
+    conditions = _known("condition", conditions or task.conditions[:1], task.conditions)
+    copies = [name for name in conditions if name in task.noiseless]
+    if repeats > 1 and copies:
+        raise ComparisonError(f"repeats must be 1, not {repeats}, without noise, as in {', '.join(copies)}")
     return Config(
         task=task.name,
         seed=seed,
         episodes=episodes,
         repeats=repeats,
-        conditions=_known("condition", conditions or task.conditions[:1], task.conditions),
+        conditions=conditions,
         maps=_known("map", maps, task.maps) if maps else task.maps,
         horizon=task.horizon if horizon is None else horizon,
         time_step=task.time_step,

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +15,13 @@ from numpy.typing import NDArray
 from aicon_baselines.intervals import wilson_interval
 from aicon_baselines.row import Row
 from aicon_baselines.summary import group_rows
+from aicon_baselines.task import Task
 
 # Colours that colour-blind readers can tell apart (Okabe and Ito, "Color Universal Design", 2008); beyond seven
 # policies they come back with another line style.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _LINE_STYLES = ("-", "--", ":", "-.")
+_COLUMNS = 3  # panels next to each other
 _LABEL_DISTANCE = 0.05  # least distance of two labels, as a share of episodes
 
 
@@ -27,10 +30,10 @@ def success_curve(rows: Sequence[Row], time_step: float) -> tuple[NDArray[np.flo
 
     Args:
         rows: The n episodes of one policy.
-        time_step: Duration of one step, s.
+        time_step: Duration of one step.
 
     Returns:
-        Times (k,), s, and for each the share and the ends of its 95 % Wilson interval (k, 3).
+        Times (k,), in the unit of `time_step`, and for each the share and the ends of its 95 % Wilson interval (k, 3).
     """
     steps, counts = np.unique([row.steps for row in rows if row.steps is not None], return_counts=True)
     successes = np.cumsum(counts)
@@ -38,39 +41,49 @@ def success_curve(rows: Sequence[Row], time_step: float) -> tuple[NDArray[np.flo
     return np.asarray(steps, np.float64) * time_step, np.asarray(shares, np.float64).reshape(-1, 3)
 
 
-def draw_success_curves(rows: Sequence[Row], time_step: float, horizon: int, path: Path) -> None:
+def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
     """Save a picture with one panel per condition and one labelled line per policy, bands of 95 %, time in log scale.
 
     Args:
         rows: The episodes of all policies.
-        time_step: Duration of one step, s.
-        horizon: Steps after which an episode ends without success.
+        task: The task; episodes end without success at its horizon, its last milestone is marked.
         path: Where to save the picture.
     """
     conditions = group_rows(rows, lambda row: row.condition)
-    figure = Figure(figsize=(7.5 * len(conditions), 4.5), layout="constrained")
+    columns = min(len(conditions), _COLUMNS)
+    lines = ceil(len(conditions) / columns)
+    figure = Figure(figsize=(7.5 * columns, 4.5 * lines), layout="constrained")
     FigureCanvasAgg(figure)
-    end = horizon * time_step
-    start = min(row.steps or horizon / 2 for row in rows) * time_step
+    start = min(row.steps or task.horizon / 2 for row in rows)
     policies = sorted({row.policy for row in rows})
-    panels = figure.subplots(1, len(conditions), squeeze=False)[0]
-    for axes, (condition, group) in zip(panels, sorted(conditions.items()), strict=True):
-        _prepare(axes, start, end)
+    panels = figure.subplots(lines, columns, squeeze=False).ravel()
+    for axes, (condition, group) in zip(panels, sorted(conditions.items()), strict=False):
+        _prepare(axes, task, start)
         if len(conditions) > 1:
             axes.set_title(condition, loc="left")
-        lines = group_rows(group, lambda row: row.policy)
-        shares = {policy: _draw(axes, lines[policy], policies.index(policy), time_step, end) for policy in lines}
+        groups = group_rows(group, lambda row: row.policy)
+        shares = {policy: _draw(axes, groups[policy], policies.index(policy), task) for policy in groups}
         for policy, height in _spread(shares).items():
             text = f"{policy}  {shares[policy]:.1%}"
             colour, _ = _style(policies.index(policy))
             axes.annotate(text, (1.01, height), xycoords=("axes fraction", "data"), color=colour, va="center")
+    for axes in panels[len(conditions) :]:
+        axes.set_axis_off()
     figure.savefig(path, dpi=160)
 
 
-def _prepare(axes: Axes, start: float, end: float) -> None:
+def _prepare(axes: Axes, task: Task, start: float) -> None:
+    """Set up a panel from `start`, in steps, to the horizon."""
     axes.set(
-        xscale="log", xlim=(start, end), ylim=(0, 1.02), xlabel="time (s)", ylabel="episodes that reached the target"
+        xscale="log",
+        xlim=(start * task.time_scale, task.horizon * task.time_scale),
+        ylim=(0, 1.02),
+        xlabel=f"time ({task.time_unit})",
+        ylabel="episodes that reached the target",
     )
+    for steps in task.milestones[-1:]:
+        axes.axvline(steps * task.time_scale, color="0.5", linewidth=0.8)
+        axes.text(steps * task.time_scale, 0.01, f" {steps} steps", color="0.5", fontsize="small")
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
@@ -79,12 +92,12 @@ def _prepare(axes: Axes, start: float, end: float) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
 
 
-def _draw(axes: Axes, rows: Sequence[Row], index: int, time_step: float, end: float) -> float:
+def _draw(axes: Axes, rows: Sequence[Row], index: int, task: Task) -> float:
     """Draw one policy, from a share of 0 at the first step to the horizon, and return its final share."""
-    times, shares = success_curve(rows, time_step)
+    times, shares = success_curve(rows, task.time_scale)
     before = np.array([[0, *wilson_interval(0, len(rows))]])
     shares = np.concatenate([before, shares, shares[-1:] if len(shares) else before])
-    times = np.concatenate([[time_step], times, [end]])
+    times = np.concatenate([[task.time_scale], times, [task.horizon * task.time_scale]])
     colour, line_style = _style(index)
     axes.step(times, shares[:, 0], where="post", color=colour, linestyle=line_style, linewidth=1.8)
     axes.fill_between(times, shares[:, 1], shares[:, 2], step="post", color=colour, alpha=0.15, linewidth=0)

@@ -43,8 +43,11 @@ def _make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, A
     )
 
 
-def _reset_options(episodes: Sequence[Episode]) -> dict[str, Any]:
-    return {"map": [episode.map for episode in episodes], "map_seed": [episode.seed for episode in episodes]}
+def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
+    return {
+        "seed": [episode.noise_seed for episode in episodes],
+        "options": {"map": [episode.map for episode in episodes], "map_seed": [episode.seed for episode in episodes]},
+    }
 
 
 @lru_cache(maxsize=1024)
@@ -61,6 +64,7 @@ TASK = Task(
     maps=_SLOTS,
     conditions=("range", "range_bearing"),
     make_env=_make_env,
-    reset_options=_reset_options,
+    reset_arguments=_reset_arguments,
+    policy_options=lambda condition: {"sensing": condition},
     shortest_path_length=lambda episode: _shortest_path_length(episode.map, episode.seed),
 )

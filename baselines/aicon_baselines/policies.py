@@ -2,37 +2,41 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 from aicon_baselines.errors import ComparisonError
 from aicon_baselines.protocol import Predictor
+from aicon_baselines.tasks import load
 
-Factory = Callable[[str | None], Predictor]
-"""Builds a policy for a condition of its task; None stands for the usual one."""
-
-_TASKS = ("nav2d",)
+Factory = Callable[[str], Predictor]
+"""Builds a policy for a condition of its task."""
 
 
-def _preset(task: str, preset: str, condition: str | None) -> Predictor:
+def _preset(task: str, preset: str, options: dict[str, Any], condition: str) -> Predictor:
     # Imported on demand: comparing a policy needs the dependencies of that policy only.
     from aicon_torch import make_policy
 
-    return make_policy(task, preset=preset, **({} if condition is None else {"sensing": condition}))
+    return make_policy(task, preset=preset, **load(task).policy_options(condition) | options)
 
 
 def names(task: str) -> tuple[str, ...]:
     """List the policies of a task, the presets of its model; an unknown task is an error that lists the tasks."""
     from aicon_torch import presets
 
-    if task not in _TASKS:
-        raise ComparisonError(f"unknown task {task!r}; valid tasks: {', '.join(_TASKS)}")
-    return presets(task)
+    return presets(load(task).name)
 
 
-def factory(task: str, name: str) -> Factory:
-    """Return what builds a policy, without building it; an unknown name is an error that lists the names."""
+def factory(task: str, name: str, **options: Any) -> Factory:
+    """Return what builds a policy, without building it.
+
+    Args:
+        task: Name of the task; an unknown one is an error that lists the tasks.
+        name: Name of the policy; an unknown one is an error that lists the policies of the task.
+        **options: Options of the policy, which override those of its name and of the condition.
+    """
     if name not in names(task):
         raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {', '.join(names(task))}")
-    return partial(_preset, task, name)
+    return partial(_preset, task, name, options)
 
 
 def make(task: str, name: str, condition: str | None = None) -> Predictor:
@@ -43,4 +47,4 @@ def make(task: str, name: str, condition: str | None = None) -> Predictor:
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
         condition: The task's condition that the policy is for; by default the usual one.
     """
-    return factory(task, name)(condition)
+    return factory(task, name)(condition or load(task).conditions[0])

@@ -5,14 +5,17 @@ from dataclasses import asdict
 
 from aicon_baselines.curves import draw_success_curves
 from aicon_baselines.runs import RunFolder
-from aicon_baselines.summary import summarize, to_table
+from aicon_baselines.summary import summarize
+from aicon_baselines.tables import to_table
+from aicon_baselines.task import Task
 
 
-def write_report(folder: RunFolder) -> str:
+def write_report(task: Task, folder: RunFolder) -> str:
     """Write `summary.json` and `success_curve.png` into the folder and return the table, in Markdown."""
     rows, config = folder.rows(), folder.config
-    summaries = summarize(rows)
+    task = config.apply(task)
+    summaries = summarize(rows, task.milestones)
     content = {"config": asdict(config), "summaries": [asdict(summary) for summary in summaries]}
     (folder.path / "summary.json").write_text(json.dumps(content, indent=2) + "\n")
-    draw_success_curves(rows, config.time_step, config.horizon, folder.path / "success_curve.png")
-    return to_table(summaries, config.time_step)
+    draw_success_curves(rows, task, folder.path / "success_curve.png")
+    return to_table(summaries, task)

@@ -18,8 +18,8 @@ class Outcome(NamedTuple):
         steps: (B,) steps taken.
         success: (B,) whether the target was reached.
         collision: (B,) whether something was touched.
-        path_length: (B,) length of the path taken, m.
-        distance: (B,) distance to the target at the end, m.
+        path_length: (B,) length of the path taken, in the task's unit.
+        distance: (B,) distance to the target at the end, in the task's unit.
     """
 
     steps: NDArray[np.int64]
@@ -66,8 +66,7 @@ def _rollout(
     on_finished: Callable[[int], None],
 ) -> Outcome:
     count = len(episodes)
-    seeds: Any = [episode.noise_seed for episode in episodes]  # gymnasium declares one int, and takes one for each
-    observation, info = env.reset(seed=seeds, options=task.reset_options(episodes))
+    observation, info = env.reset(**task.reset_arguments(episodes))
     outcome = Outcome(
         steps=np.zeros(count, np.int64),
         success=np.zeros(count, np.bool_),
@@ -96,7 +95,7 @@ def _rollout(
 
 
 def _record(outcome: Outcome, running: NDArray[np.bool_], position: NDArray[np.float64], info: dict[str, Any]) -> None:
-    """Add one step to the outcome of the episodes still running; `position` (B, 2) is that before the step, m."""
+    """Add one step to the outcome of the episodes still running; `position` (B, 2) is that before the step."""
     outcome.steps[running] += 1
     outcome.success[running] = info["is_success"][running]
     outcome.collision[running] = info["collision"][running]

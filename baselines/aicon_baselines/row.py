@@ -16,14 +16,14 @@ class Row(NamedTuple):
     """Step at which the episode succeeded; None if it did not."""
     collision: bool
     path_length: float
-    """Length of the path taken, m."""
-    shortest_path_length: float
-    """Length of the shortest collision-free path, m."""
+    """Length of the path taken, in the task's unit."""
+    shortest_path_length: float | None
+    """Length of the shortest collision-free path, in the task's unit; None if the task has no such path."""
     distance: float
-    """Distance to the target at the end, m."""
+    """Distance to the target at the end, in the task's unit."""
 
     def to_fields(self) -> list[str]:
-        """Write the row as text: truth values as 0 and 1, lengths to the micrometre, nothing for None."""
+        """Write the row as text: truth values as 0 and 1, lengths to six decimals, nothing for None."""
         return [
             self.policy,
             self.condition,
@@ -34,7 +34,7 @@ class Row(NamedTuple):
             "" if self.steps is None else str(self.steps),
             str(int(self.collision)),
             f"{self.path_length:.6f}",
-            f"{self.shortest_path_length:.6f}",
+            "" if self.shortest_path_length is None else f"{self.shortest_path_length:.6f}",
             f"{self.distance:.6f}",
         ]
 
@@ -52,7 +52,7 @@ class Row(NamedTuple):
             steps=int(steps) if steps else None,
             collision=bool(int(collision)),
             path_length=float(path),
-            shortest_path_length=float(shortest),
+            shortest_path_length=float(shortest) if shortest else None,
             distance=float(distance),
         )
 

@@ -1,14 +1,26 @@
-"""What the rows of a comparison amount to, as numbers and as a table."""
+"""What the rows of a comparison amount to, as numbers."""
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
 from typing import TypeVar
+
+import numpy as np
 
 from aicon_baselines.intervals import wilson_interval
 from aicon_baselines.row import Row
 
 _Name = TypeVar("_Name", bound=Hashable)
+
+
+@dataclass(frozen=True)
+class Milestone:
+    """The episodes that succeeded within a number of steps; the interval is the 95 % Wilson interval of their share."""
+
+    steps: int
+    successes: int
+    success_rate: float
+    interval: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -32,9 +44,14 @@ class Summary:
         successes: Number of episodes that reached the target.
         success_rate: Their share.
         interval: 95 % Wilson interval of the share.
+        milestones: The same within fewer steps.
+        failed_seeds: Seeds of the other episodes; a seed that failed in several repeats comes as often.
         collisions: Number of episodes that ended in a collision.
         median_steps: Median steps of the successes; None without any.
-        median_path_ratio: Median of path length by shortest path length of the successes; None without any.
+        percentile_95_steps: Their 95th percentile.
+        longest_steps: The most steps of a success.
+        median_path_ratio: Median of path length by shortest path length of the successes; None without any, or if the
+            task has no shortest path.
         maps: The same by class of maps.
     """
 
@@ -44,16 +61,20 @@ class Summary:
     successes: int
     success_rate: float
     interval: tuple[float, float]
+    milestones: list[Milestone]
+    failed_seeds: list[int]
     collisions: int
     median_steps: float | None
+    percentile_95_steps: float | None
+    longest_steps: int | None
     median_path_ratio: float | None
     maps: dict[str, MapSummary]
 
 
-def summarize(rows: Iterable[Row]) -> list[Summary]:
-    """Sum up the rows by condition and policy, the most successful policy first."""
+def summarize(rows: Iterable[Row], milestones: Sequence[int] = ()) -> list[Summary]:
+    """Sum up the rows by condition and policy, the most successful policy first; `milestones` in steps."""
     groups = group_rows(rows, lambda row: (row.condition, row.policy))
-    summaries = [_summary(policy, condition, group) for (condition, policy), group in groups.items()]
+    summaries = [_summary(policy, condition, group, milestones) for (condition, policy), group in groups.items()]
     return sorted(summaries, key=lambda summary: (summary.condition, -summary.success_rate, summary.policy))
 
 
@@ -65,28 +86,21 @@ def group_rows(rows: Iterable[Row], name: Callable[[Row], _Name]) -> dict[_Name,
     return groups
 
 
-def to_table(summaries: Iterable[Summary], time_step: float) -> str:
-    """Write the summaries as a table in Markdown; `time_step` in s."""
-    lines = [
-        "| condition | policy | success (95 % interval) | collisions | median time | median path / shortest |",
-        "|---|---|---|---|---|---|",
-    ]
-    for summary in summaries:
-        low, high = summary.interval
-        cells = (
-            summary.condition,
-            summary.policy,
-            f"{summary.successes}/{summary.episodes} = {summary.success_rate:.1%} ({low:.1%} to {high:.1%})",
-            str(summary.collisions),
-            "" if summary.median_steps is None else f"{summary.median_steps * time_step:.1f} s",
-            "" if summary.median_path_ratio is None else f"{summary.median_path_ratio:.2f}",
-        )
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+def reached_within(rows: Sequence[Row], steps: int) -> Milestone:
+    """Count the successes of at most so many steps."""
+    successes = sum(row.steps is not None and row.steps <= steps for row in rows)
+    return Milestone(steps, successes, successes / len(rows), wilson_interval(successes, len(rows)))
 
 
-def _summary(policy: str, condition: str, rows: list[Row]) -> Summary:
+def median_of(values: Iterable[float]) -> float | None:
+    """Return the median; None if there is nothing to take it of."""
+    known = list(values)
+    return float(median(known)) if known else None
+
+
+def _summary(policy: str, condition: str, rows: list[Row], milestones: Sequence[int]) -> Summary:
     successes = [row for row in rows if row.success]
+    steps = [row.steps for row in successes if row.steps is not None]
     return Summary(
         policy=policy,
         condition=condition,
@@ -94,9 +108,15 @@ def _summary(policy: str, condition: str, rows: list[Row]) -> Summary:
         successes=len(successes),
         success_rate=len(successes) / len(rows),
         interval=wilson_interval(len(successes), len(rows)),
+        milestones=[reached_within(rows, milestone) for milestone in milestones],
+        failed_seeds=sorted(row.seed for row in rows if not row.success),
         collisions=sum(row.collision for row in rows),
-        median_steps=_median(row.steps for row in successes if row.steps is not None),
-        median_path_ratio=_median(row.path_length / row.shortest_path_length for row in successes),
+        median_steps=median_of(steps),
+        percentile_95_steps=float(np.percentile(steps, 95)) if steps else None,
+        longest_steps=max(steps, default=None),
+        median_path_ratio=median_of(
+            r.path_length / r.shortest_path_length for r in successes if r.shortest_path_length
+        ),
         maps={name: _map_summary(group) for name, group in sorted(group_rows(rows, lambda row: row.map).items())},
     )
 
@@ -104,8 +124,3 @@ def _summary(policy: str, condition: str, rows: list[Row]) -> Summary:
 def _map_summary(rows: list[Row]) -> MapSummary:
     successes = sum(row.success for row in rows)
     return MapSummary(len(rows), successes, sum(row.collision for row in rows), successes / len(rows))
-
-
-def _median(values: Iterable[float]) -> float | None:
-    known = list(values)
-    return float(median(known)) if known else None

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from gymnasium.vector import VectorEnv
@@ -40,10 +40,16 @@ class Task:
         maps: Slots of map classes; seed s plays `maps[s % len(maps)]`.
         conditions: Names of the variants of the environment, the usual one first.
         make_env: Builds the environment from (number of episodes, condition, horizon in steps). It must leave ended
-            episodes alone (autoreset disabled) and report `position` (B, 2), m, `distance` (B,), m, `is_success` (B,)
-            and `collision` (B,) in `info`.
-        reset_options: The `options` of the environment's `reset` that select these episodes.
-        shortest_path_length: Length of the shortest collision-free path of an episode, m.
+            episodes alone (autoreset disabled) and report `position` (B, 2), `distance` (B,), both in `length_unit`,
+            `is_success` (B,) and `collision` (B,) in `info`.
+        reset_arguments: The arguments of the environment's `reset` that select these episodes.
+        policy_options: What a policy is told about a condition: options of its model.
+        noiseless: Conditions without noise, where the repeats of an episode would be copies of it.
+        length_unit: Unit of the lengths in the rows.
+        time_unit: Unit in which durations are told.
+        milestones: Numbers of steps within which success is reported as well; curves mark the last.
+        shortest_path_length: Length of the shortest collision-free path of an episode, in `length_unit`; None where a
+            path has no such bound and nothing to collide with.
     """
 
     name: str
@@ -53,8 +59,18 @@ class Task:
     maps: tuple[str, ...]
     conditions: tuple[str, ...]
     make_env: Callable[[int, str, int], VectorEnv[Any, Any, Any]]
-    reset_options: Callable[[Sequence[Episode]], dict[str, Any]]
-    shortest_path_length: Callable[[Episode], float]
+    reset_arguments: Callable[[Sequence[Episode]], dict[str, Any]]
+    policy_options: Callable[[str], dict[str, Any]]
+    noiseless: tuple[str, ...] = ()
+    length_unit: Literal["m", "px"] = "m"
+    time_unit: Literal["s", "steps"] = "s"
+    milestones: tuple[int, ...] = ()
+    shortest_path_length: Callable[[Episode], float] | None = None
+
+    @property
+    def time_scale(self) -> float:
+        """Duration of one control step in `time_unit`."""
+        return self.time_step if self.time_unit == "s" else 1.0
 
     def chunk(self, index: int, repeat: int) -> list[Episode]:
         """List the episodes of seeds [index * chunk_size, (index + 1) * chunk_size), which are stepped together.

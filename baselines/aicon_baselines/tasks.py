@@ -5,12 +5,15 @@ from importlib import import_module
 from aicon_baselines.errors import ComparisonError
 from aicon_baselines.task import Task
 
-_MODULES = {"nav2d": "aicon_baselines.nav2d"}
+_MODULES = {"nav2d": "aicon_baselines.nav2d", "pusht": "aicon_baselines.pusht"}
 
 
 def load(name: str) -> Task:
     """Return the task of this name, importing its environment; an unknown name is an error that lists the names."""
     if name not in _MODULES:
         raise ComparisonError(f"unknown task {name!r}; valid tasks: {', '.join(_MODULES)}")
-    task: Task = import_module(_MODULES[name]).TASK
+    try:
+        task: Task = import_module(_MODULES[name]).TASK
+    except ModuleNotFoundError as error:
+        raise ComparisonError(f"{error}; the task {name!r} needs: pip install 'aicon-torch[{name}]'") from error
     return task

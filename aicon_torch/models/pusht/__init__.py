@@ -27,6 +27,7 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point, held_point, norm
+from aicon_torch.models.pusht.delay import ActionHistory, LatePoseMotion, PoseNow, now, then
 from aicon_torch.models.pusht.dynamics import ContactDynamics
 from aicon_torch.models.pusht.limits import ContactLimits, SlowApproach, pose_error
 from aicon_torch.models.pusht.outline import Outline
@@ -56,6 +57,7 @@ class Options:
         pusher_noise: Standard deviation of each coordinate of the pusher's position, px.
         slip: Standard deviation of each coordinate of what moves pusher and object in a step besides the model, px.
         estimation: Whether pusher and object are filtered, or read off the sensors.
+        delay: Age of every reading, steps; without estimation readings are taken as they come.
         rotation: L in radii of gyration: a rotation of one rad counts as much as a translation by L.
         effect: What a contact does: quasi-static pushing, or the coarse model of the text.
         reach: ℓ of the likelihood of contacts that help, px.
@@ -103,6 +105,7 @@ class Options:
     pusher_noise: float = 0.1
     slip: float = 0.5
     estimation: bool = True
+    delay: int = 0
     rotation: float = 1.55
     effect: Literal["quasi_static", "coarse"] = "quasi_static"
     reach: float = 30.0
@@ -144,6 +147,8 @@ class Options:
         for name in ("aim", "intent", "slide_gap", "harm"):
             if not 0 <= getattr(self, name) < math.inf:
                 raise OptionError(f"{name}={getattr(self, name)!r}: expected a number >= 0.")
+        if not (isinstance(self.delay, int) and self.delay >= 0):
+            raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
         for name, valid in _CHOICES.items():
             if getattr(self, name) not in valid:
                 raise OptionError(f"{name}={getattr(self, name)!r}: expected one of {', '.join(map(repr, valid))}.")
@@ -198,6 +203,8 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_substeps": {"substeps": False},
         "no_servo": {"servo": False},
         "second_partner": {"partner": "second"},
+        "symmetric_far": {"reaction": 30.0},
+        "as_in_navigation": {"relative": False, "partner": "second", "ratio_of": "weights", "average_time": 1.0},
     }
 )
 """Named options: ours, the formulations nearer to the text, the baselines, and ours without one part each."""
@@ -251,41 +258,47 @@ def lagging_target(a: Tensor, x_pusher: Tensor, dt: float) -> Tensor:
 
 def _pusher(options: Options, servo: Servo) -> list[Estimator]:
     """The pusher's position, and its velocity as the PD controller leaves it."""
-    slip, read = options.slip**2, options.pusher_noise**2
-    sight = Measurement(Affine(x_pusher=1.0, z_pusher=-1.0), read if options.estimation else 1e-9, size=2)
+    late = options.estimation and options.delay > 0
+    name, covariance = ("y_pusher", "Q_pusher") if late else ("x_pusher", "P_pusher")
+    noise = options.pusher_noise**2 if options.estimation else 1e-9
     position = EKF(
-        "x_pusher",
-        "P_pusher",
-        predict=Affine(x_pusher=1.0, a=options.dt),
-        noise=slip,
+        name,
+        covariance,
+        predict=then if late else Affine(x_pusher=1.0, a=options.dt),
+        noise=options.slip**2,
         initial=seen_pusher,
         size=2,
-        correct=[sight],
+        correct=[Measurement(Affine(**{name: 1.0, "z_pusher": -1.0}), noise, size=2)],
     )
     change = Affine(
         v_pusher=servo.keep - servo.kick * float(servo.drift[-1] / servo.follow[-1]),
         a=servo.kick * options.dt / float(servo.follow[-1]),
     )
     velocity = Linear("v_pusher", "P_velocity", predict=change, noise=1.0, initial=((0.0, 0.0), 1.0))
-    return [position, velocity]
+    if not late:
+        return [position, velocity]
+    return [ActionHistory(options.delay + 1), position, Function("x_pusher", now), velocity]
 
 
 def _object(options: Options, outline: Outline, dynamics: ContactDynamics) -> list[Estimator]:
     """The object's pose, and its keypoints there."""
-    register = Registration(outline)
-    predict = PoseMotion(dynamics) if options.estimation else rest
+    late = options.estimation and options.delay > 0
+    name, covariance = ("y_pose", "Q_pose") if late else ("x_pose", "P_pose")
+    register, motion = Registration(outline), PoseMotion(dynamics)
+    predict = LatePoseMotion(motion) if late else motion if options.estimation else rest
     noise = register.variances(options.keypoint_noise if options.estimation else 1e-6)
     slip = options.slip**2
     pose = EKF(
-        "x_pose",
-        "P_pose",
-        predict=Interconnection(predict, x_pose=same),
+        name,
+        covariance,
+        predict=Interconnection(predict, **{name: same}),
         noise=(slip, slip, slip / outline.gyration**2),
         initial=register.prior,
         size=3,
-        correct=[Measurement(Interconnection(register, x_pose=same), noise, size=3)],
+        correct=[Measurement(Interconnection(register, inputs=[name, "z_keypoints"], **{name: same}), noise, size=3)],
     )
-    return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
+    keypoints = Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))
+    return [pose, Function("x_pose", PoseNow(motion)), keypoints] if late else [pose, keypoints]
 
 
 def _target(options: Options, outline: Outline) -> Interconnection:

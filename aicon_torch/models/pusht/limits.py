@@ -66,13 +66,13 @@ class ContactLimits:
         normals, gaps = to_contact / distance.unsqueeze(-1), distance - RADIUS
         gain = self.gain(x_contact, normals, x_obj, x_target)
         bounds = gaps.clamp(min=0.0) + torch.where(gain > 0, gain.clamp(*self.push), self.harm)
-        nearest = gaps.argsort(-1)
+        nearest = gaps.topk(min(self.sides, gaps.shape[-1]), largest=False).indices
+        normals = normals.gather(-2, nearest.unsqueeze(-1).expand(*nearest.shape, 2))
+        bounds = bounds.gather(-1, nearest)
+        if self.servo is not None:
+            bounds = self.servo.farthest(bounds, (v_pusher.unsqueeze(-2) * normals).sum(-1))
         motion = a * dt
-        for rank in range(min(self.sides, gaps.shape[-1])):
-            index = nearest[..., rank : rank + 1]
-            normal, bound = select(normals, index), bounds.gather(-1, index).squeeze(-1)
-            if self.servo is not None:
-                bound = self.servo.farthest(bound, (v_pusher * normal).sum(-1))
+        for normal, bound in zip(normals.unbind(-2), bounds.unbind(-1), strict=True):
             excess = ((motion * normal).sum(-1) - bound).clamp(min=0.0)
             motion = motion - excess.unsqueeze(-1) * normal
         if self.slide_gap:

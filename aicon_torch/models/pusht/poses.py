@@ -50,9 +50,9 @@ def rest(x_pose: Tensor) -> Tensor:
     return x_pose
 
 
-def same(x_pose: Tensor) -> Tensor:
-    """The identity ``(3, 3)`` as derivative of the pose's prediction and of its residual."""
-    return torch.eye(3, dtype=x_pose.dtype, device=x_pose.device)
+def same(z_keypoints: Tensor) -> Tensor:
+    """The identity ``(3, 3)``: the derivative of the pose's prediction and of its residual by the pose."""
+    return torch.eye(3, dtype=z_keypoints.dtype, device=z_keypoints.device)
 
 
 @dataclass(frozen=True)
