@@ -28,6 +28,7 @@ class Estimator(Node):
         is_motion: Whether its outputs are motions themselves (see :class:`Quantity`).
         recursive: Whether it remembers its last values. Without, ``update`` and ``forward`` give the same value.
         each: Quantities with rows, for each row of which it is evaluated; its outputs then have rows as well.
+        prior_inputs: What its initial values are read off.
     """
 
     outputs: tuple[str, ...]
@@ -36,6 +37,7 @@ class Estimator(Node):
     is_motion: bool = False
     recursive: bool = True
     each: tuple[str, ...] = ()
+    prior_inputs: tuple[str, ...] = ()
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """Values of the outputs before the first step, from the first readings."""

@@ -57,7 +57,7 @@ class Exploration(Node):
         average_time: Time constant of the motion average, s.
         escape: What is done beyond the text.
         partner: Whether the dominant gradient is compared with the second strongest (the text), or with the strongest
-            of those that oppose it, which a conflict among three or more needs.
+            of those that oppose it, cos < θ_enter (θ_exit while exploring), which a conflict among three or more needs.
         ratio_of: Whether λ compares the normalised magnitudes or the magnitudes themselves.
     """
 
@@ -131,6 +131,7 @@ class Exploration(Node):
             others = others.masked_fill(cosines > bound, -1.0)
         largest_other, partner = others.max(-1, keepdim=True)
         cosine = (first * select(ranked.units, partner)).sum(-1)
+        cosine = torch.where(largest_other.squeeze(-1) < 0, 1.0, cosine)  # nothing opposes
         decided = strengths.gather(-1, ranked.first) > self.ratio * largest_other
         return cosine, decided.squeeze(-1)
 

@@ -40,7 +40,7 @@ class Sweep:
 
     Attributes:
         arrivals: For each quantity the gradients that arrive there, in the order of the stack.
-        blocks: For each quantity how many of them each turn brings, row by row; 0 stands for a single gradient.
+        blocks: For each quantity the edges that they come along, in this order; one may bring several, row by row.
     """
 
     def __init__(self, model: WorldModel, resolution: Resolution) -> None:
@@ -50,7 +50,7 @@ class Sweep:
         self.model, self.resolution = model, resolution
         self.levels = _levels(model)
         self.arrivals: dict[str, list[Arrival]] = {}
-        self.blocks: dict[str, list[int]] = {}
+        self.blocks: dict[str, list[Edge]] = {}
         leaving = {goal: [Arrival((goal,), frozenset([goal]))] for goal in model.goals}
         for level in self.levels:
             leaving |= {name: self._leaving(name) for name in level if name in self.arrivals}
@@ -64,25 +64,30 @@ class Sweep:
     def _announce(self, edge: Edge, arrival: Arrival) -> None:
         """Note what an edge brings to its source when it is pulled once."""
         here = self.arrivals.setdefault(edge.source, [])
-        self.blocks.setdefault(edge.source, []).append(edge.rows)
+        self.blocks.setdefault(edge.source, []).append(edge)
         if not edge.rows:
             here.append(arrival)
             return
         rows = [Arrival((*arrival.trace[:-1], label), arrival.goals) for label in edge.labels]
-        start = self._joined(edge.source, edge.rows)
+        start = self._joined(edge)
         if start is None:
             here.extend(rows)
         else:  # summed with those that came before, row by row
-            for index, row in enumerate(rows, start):
-                joined = f"{here[index].trace[-1]}+{row.trace[-1]}"
-                here[index] = Arrival((*here[index].trace[:-1], joined), here[index].goals | row.goals)
+            here[start : start + edge.rows] = [
+                Arrival(_joined(old.trace, new.trace), old.goals | new.goals)
+                for old, new in zip(here[start:], rows, strict=False)
+            ]
 
-    def _joined(self, source: str, rows: int) -> int | None:
-        """Where the candidates begin with which those of a new block are summed, if there are any."""
-        blocks = self.blocks[source][:-1]
-        if not self.resolution.by_row or rows not in blocks:
-            return None
-        return sum(count or 1 for count in blocks[: blocks.index(rows)])
+    def _joined(self, edge: Edge) -> int | None:
+        """Where the candidates begin with which the rows of the latest edge are summed, if there are any."""
+        start, seen = 0, set()
+        for block in self.blocks[edge.source][:-1]:
+            if self.resolution.by_row and block.rows and block.rows_of == edge.rows_of:
+                return start
+            if block.rows_of not in seen or not (self.resolution.by_row and block.rows):
+                start += block.rows or 1
+            seen.add(block.rows_of)
+        return None
 
     def _leaving(self, name: str) -> list[Arrival]:
         here = self.arrivals[name]
@@ -151,26 +156,23 @@ class Sweep:
 
     def _apart(self, name: str, arrived: Sequence[Tensor]) -> list[Tensor]:
         """The gradients ``(*B, *shape)`` one by one; those that came row by row are taken apart."""
-        if not any(self.blocks.get(name, ())):
+        if not any(edge.rows for edge in self.blocks.get(name, ())):
             return list(arrived)
-        apart: list[Tensor] = []
-        for block, rows in zip(arrived, self.blocks[name], strict=True):
-            apart.extend(block.unbind(-2) if rows else (block,))
-        return apart
+        quantity = self.model.quantities[name]
+        gradients = self._stack(quantity, arrived).unbind(-2)
+        return [gradient.reshape(*gradient.shape[:-1], *quantity.shape) for gradient in gradients]
 
     def _stack(self, quantity: Quantity, arrived: Sequence[Tensor]) -> Tensor:
         """The gradients that arrived as one stack, ``(*B, n, d)``."""
         blocks = self.blocks[quantity.name]
-        if not any(blocks):
+        if not any(edge.rows for edge in blocks):
             return torch.stack([quantity.flatten(gradient) for gradient in arrived], dim=-2)
-        stacks = [b if rows else quantity.flatten(b).unsqueeze(-2) for b, rows in zip(arrived, blocks, strict=True)]
-        if self.resolution.by_row:
-            together: dict[int, Tensor] = {}
-            for index, (stack, rows) in enumerate(zip(stacks, blocks, strict=True)):
-                key = rows or -index - 1
-                together[key] = together[key] + stack if key in together else stack
-            stacks = list(together.values())
-        return torch.cat(stacks, dim=-2)
+        stacks: dict[str | int, Tensor] = {}
+        for index, (block, edge) in enumerate(zip(arrived, blocks, strict=True)):
+            stack = block if edge.rows else quantity.flatten(block).unsqueeze(-2)
+            key = edge.rows_of if edge.rows and self.resolution.by_row else index
+            stacks[key] = stacks[key] + stack if key in stacks else stack
+        return torch.cat(list(stacks.values()), dim=-2)
 
     @staticmethod
     def _pull(tapes: Tapes, gradients: Mapping[str, Tensor]) -> tuple[Tensor, ...]:
@@ -207,6 +209,13 @@ class Sweep:
         resolved, state = self.resolution(meeting, own)
         state = {**state, "gradients": meeting.gradients}
         return resolved.reshape(shape), {f"{name}/{key}": value for key, value in state.items()}
+
+
+def _joined(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:
+    """The trace of a sum of two gradients: what they have in common from the goal on, then both."""
+    if first[:-1] == second[:-1]:
+        return (*first[:-1], f"{first[-1]}+{second[-1]}")
+    return (f"{' → '.join(first)} + {' → '.join(second)}",)
 
 
 def _levels(model: WorldModel) -> list[list[str]]:

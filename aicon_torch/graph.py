@@ -81,9 +81,13 @@ class WorldModel(nn.Module):
         for estimator in self.nodes:
             for name in estimator.outputs:
                 self.quantities[name] = Quantity(name, tuple(values[name].shape[2:]), estimator.is_motion)
+        self._check_rows()
         self._constraints, self._commands = self._wire_actuators()
+        self._check_actuators(values)
         self._prepare(values)
         self.edges = self._find_edges(values)
+        priors = {name for estimator in estimators for name in estimator.prior_inputs}
+        self.first_readings = tuple(n for n, sensor in self.sensors.items() if sensor.optional and n in priors)
         self._final = self._find_final()
         self._check_reach()
 
@@ -243,6 +247,11 @@ class WorldModel(nn.Module):
         constraints: dict[str, list[Interconnection]] = {}
         commands: dict[str, Interconnection] = {}
         for name, actuator in self.actuators.items():
+            functions = (*actuator.constraints, *(() if actuator.command is None else (actuator.command,)))
+            if not all(callable(function) for function in functions):
+                raise GraphError(
+                    f"Actuator {name!r}: constraints are a sequence of functions, and command is a function."
+                )
             constraints[name] = [Interconnection.of(constraint) for constraint in actuator.constraints]
             if actuator.command is not None:
                 commands[name] = Interconnection.of(actuator.command)
@@ -254,6 +263,25 @@ class WorldModel(nn.Module):
                             f"Known: {choices(known)}."
                         )
         return constraints, commands
+
+    @torch.no_grad()
+    def _check_actuators(self, values: Mapping[str, Tensor]) -> None:
+        """Constraints return an action, commands something with the batch in front."""
+        now = self._with_dt(values)
+        for name in self.actuators:
+            shape = tuple(values[name].shape)
+            functions = [*self._constraints[name], *(self._commands[name] for _ in range(name in self._commands))]
+            for function in functions:
+                try:
+                    result = tuple(function(now).shape)
+                except (RuntimeError, IndexError, TypeError, ValueError, AttributeError) as error:
+                    raise GraphError(
+                        f"{function.function!r} of actuator {name!r} cannot be evaluated: {error!r}"
+                    ) from error
+                if result[: len(shape) - 1] != shape[:-1] or (function in self._constraints[name] and result != shape):
+                    raise GraphError(
+                        f"{function.function!r} of actuator {name!r} returns shape {result}; expected {shape}."
+                    )
 
     @torch.no_grad()
     def _probe(self) -> dict[str, Tensor]:
@@ -315,7 +343,9 @@ class WorldModel(nn.Module):
                     gradients = torch.autograd.grad(output.sum(), list(leaves.values()), allow_unused=True)
                 each = node.each if isinstance(node, Estimator) else ()
                 found[name] = [
-                    Edge(name, source, 0 if not each or source in each else output.shape[-2])
+                    Edge(name, source, output.shape[-2], self._rows_of(name))
+                    if each and source not in each
+                    else Edge(name, source)
                     for source, slope in zip(leaves, gradients, strict=True)
                     if slope is not None
                 ]
@@ -326,6 +356,25 @@ class WorldModel(nn.Module):
             if name in wanted:
                 wanted.update(edge.source for edge in found[name])
         return {name: tuple(edges) for name, edges in found.items() if name in wanted and edges}
+
+    def _rows_of(self, name: str) -> str:
+        """The quantity that a quantity's rows go back to."""
+        owner = self.owners.get(name)
+        return self._rows_of(owner.each[0]) if owner is not None and owner.each else name
+
+    def _check_rows(self) -> None:
+        """What is evaluated for each row reads rows of one number, and vectors besides."""
+        for node in self.nodes:
+            shapes = {name: self.quantities[name].shape for name in node.inputs if node.each and name != "dt"}
+            for name, shape in shapes.items():
+                rows = name in node.each
+                if len(shape) != 1 + rows or (rows and shape[0] != shapes[node.each[0]][0]):
+                    expected = (
+                        f"({shapes[node.each[0]][0]}, n), as each= names it"
+                        if rows
+                        else "(n,), as each= does not name it"
+                    )
+                    raise GraphError(f"{node.outputs[0]!r} reads {name!r} of shape {shape}; expected {expected}.")
 
     def _find_final(self) -> frozenset[str]:
         """Functions on a path whose inputs all have their new values when they run: evaluated once, not twice."""

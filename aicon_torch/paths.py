@@ -12,15 +12,17 @@ class Edge(NamedTuple):
         target: The quantity or goal that the gradient leaves.
         source: The quantity that it arrives at.
         rows: Number of gradients that arrive, one for each row of the target; 0 where it is one gradient.
+        rows_of: The quantity that the target's rows go back to.
     """
 
     target: str
     source: str
     rows: int = 0
+    rows_of: str = ""
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The target, or each of its rows: ``("x_contact[0]", "x_contact[1]", …)``."""
+        """The target, or each of its rows: ``("x[0]", "x[1]", …)``."""
         return tuple(f"{self.target}[{row}]" for row in range(self.rows)) if self.rows else (self.target,)
 
 

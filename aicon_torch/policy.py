@@ -147,6 +147,7 @@ class Policy(nn.Module):
         readings = read(observation, self.model.sensors, self.model.like)
         batch = tuple(next(iter(readings.values())).shape[:-1])
         if state is None:
+            self._check_first(observation, readings, None)
             readings = hold(readings, self.model.sensors)
             before = self._initial(readings, batch)
         else:
@@ -161,6 +162,8 @@ class Policy(nn.Module):
                     f"state: its batch is {there}, that of the observation {batch}; expected the same."
                 )
             start = self._starts(episode_start, batch)
+            if start is not None:
+                self._check_first(observation, readings, start)
             readings = hold(readings, self.model.sensors, state, start)
             before = state
             if start is not None:
@@ -169,6 +172,21 @@ class Policy(nn.Module):
                 before = {key: torch.where(rows[key], fresh[key], value) for key, value in state.items()}
                 before[ACTIVE] = state[ACTIVE]  # a setting, no estimate
         return before, {name: before[name] for name in self.model.quantities} | readings
+
+    def _check_first(
+        self, observation: Mapping[str, Any], readings: Mapping[str, Tensor], start: Tensor | None
+    ) -> None:
+        """An estimate that starts at a reading needs one in the first observation; tensors are not checked."""
+        for name in self.model.first_readings:
+            key = self.model.sensors[name].key or name
+            if isinstance(observation.get(key), Tensor):
+                continue
+            absent = ~readings[name].isfinite().all(-1)
+            if (absent if start is None else absent & start).any():
+                raise ObservationError(
+                    f"Sensor {name!r}: an episode's first observation must have a reading under {key!r}, where an "
+                    f"estimate starts; it has {choices(observation)}."
+                )
 
     def _starts(self, episode_start: ArrayLike | Tensor | None, batch: tuple[int, ...]) -> Tensor | None:
         """The rows that start anew, ``(*B,)``; None if there are none."""

@@ -74,7 +74,7 @@ class Actuator:
         unit: Unit of each component.
         limit: One number limits the Euclidean norm; a sequence limits each component's magnitude.
         constraints: What else limits it, one after the other: functions of the action and of any quantities, wired by
-            their parameter names, that return the nearest action that is allowed, ``(*B, size)``.
+            their parameter names, that return an action that is allowed, ``(*B, size)``.
         command: What the robot is sent instead of the action, if it takes another command: a function wired likewise.
     """
 
@@ -85,12 +85,14 @@ class Actuator:
     command: Callable[..., Tensor] | None = None
 
     def __post_init__(self) -> None:
-        """Check that the limit fits the size."""
+        """Check limit and constraints."""
         limits = (self.limit,) if isinstance(self.limit, int | float) else tuple(self.limit)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
             raise GraphError(
                 f"Actuator limit {self.limit!r}: expected one positive number (a norm) or {self.size} of them."
             )
+        if not isinstance(self.constraints, Sequence):
+            raise GraphError(f"Actuator constraints {self.constraints!r}: expected a sequence of functions.")
 
     def clip(self, action: Tensor) -> Tensor:
         """The nearest action in the same direction (norm limit) or box (component limits) that respects the limit.

@@ -84,9 +84,10 @@ class NullspaceProjection(Resolution):
             The text has no such bound (0), but a softmax gives weight even to a gradient that has vanished.
         restore_magnitude: Whether a gradient that meets others again further on gets the magnitude of the one that led
             here. The weights compare only those that met; the next meeting compares magnitudes. The text does not say.
-        relative: Whether the softmax is over magnitudes relative to the largest, so that their unit does not matter.
-        by_row: Whether gradients from the same row of quantities with rows, such as those through the likelihood and
-            the position of one contact, are summed before they meet. In the text each is a candidate of its own.
+        relative: Whether the softmax is over magnitudes relative to the largest, so that their unit does not matter;
+            without a softmax it has no effect.
+        by_row: Whether gradients through the same row of quantities whose rows go back to one quantity are summed
+            before they meet. In the text each is a candidate of its own.
         exploration: What to do about conflicts, by default the paper's; None never explores.
     """
 

@@ -1,4 +1,4 @@
-"""Check a wheel of aicon-torch that is installed, without extras, in the environment that runs this script.
+"""Check a wheel of aicon-torch that is installed, with the extra [pusht] or with none, in this script's environment.
 
 Example, from any folder but the repository's:
     python -I /path/to/scripts/check_wheel.py /path/to/aicon_torch-0.1.0-py3-none-any.whl
@@ -6,6 +6,7 @@ Example, from any folder but the repository's:
 
 import argparse
 import importlib
+import importlib.util
 import re
 import sys
 import sysconfig
@@ -44,6 +45,7 @@ def main() -> None:
     check_library_alone()
     check_packages()
     check_rollout()
+    check_pushing()
 
 
 def check_content(wheel: Path) -> None:
@@ -56,15 +58,16 @@ def check_content(wheel: Path) -> None:
 
 
 def check_library_alone() -> None:
-    """``aicon_torch`` and its navigation policy need torch and numpy only."""
+    """``aicon_torch`` and its policies need torch and numpy only."""
     hook = OnlyTorchAndNumpy()
     sys.meta_path.insert(0, hook)
     try:
         library = importlib.import_module("aicon_torch")
         library.make_policy("nav2d")
+        library.make_policy("pusht")
     finally:
         sys.meta_path.remove(hook)
-    _check("gymnasium" not in sys.modules, "aicon_torch alone, with torch and numpy only, builds a policy")
+    _check("gymnasium" not in sys.modules, "aicon_torch alone, with torch and numpy only, builds the policies")
 
 
 def check_packages() -> None:
@@ -90,6 +93,27 @@ def check_rollout() -> None:
         observation, _, terminated, truncated, info = env.step(action)
         steps, over = steps + 1, terminated or truncated
     _check(info["is_success"], f"a rollout in {info.get('map', 'u_trap')} reaches the target after {steps} steps")
+
+
+def check_pushing() -> None:
+    """The pushing policy reaches the goal pose where the extra is installed; elsewhere the error names it."""
+    gym = importlib.import_module("gymnasium")
+    if importlib.util.find_spec("pymunk") is None:
+        try:
+            gym.make("aicon/PushT-v0")
+        except gym.error.DependencyNotInstalled as error:
+            _check("aicon-torch[pusht]" in str(error), f"without the extra: {error}")
+        else:
+            _check(False, "aicon/PushT-v0 needs the extra [pusht]")
+        return
+    policy, env = importlib.import_module("aicon_torch").make_policy("pusht"), gym.make("aicon/PushT-v0")
+    observation, info = env.reset(seed=0)
+    memory, steps, over = None, 0, False
+    while not over:
+        action, memory = policy.predict(observation, memory)
+        observation, _, terminated, truncated, info = env.step(action)
+        steps, over = steps + 1, terminated or truncated
+    _check(info["is_success"], f"a rollout in pushT reaches the goal pose after {steps} steps")
 
 
 def _with_requirements(names: set[str]) -> set[str]:

@@ -113,7 +113,7 @@ _LITERAL = {
     "negligible": 0.0,
 }
 
-_SHARED = {"relative": True, "partner": "opposing", "ratio_of": "magnitudes", "average_time": 0.4}
+_AS_IN_PUSHT = {"relative": True, "partner": "opposing", "ratio_of": "magnitudes", "average_time": 0.4}
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
@@ -127,7 +127,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_projection": {"projector": "none"},
         "no_exploration": {"explore": False},
         "no_softmax": {"temperature": None},
-        "shared": _SHARED,
+        "as_in_pusht": _AS_IN_PUSHT,
         "no_hysteresis": {"margin": 0.0},
     }
 )

@@ -62,7 +62,6 @@ def _policy_options(condition: str) -> dict[str, Any]:
         outline = OBJECTS[arguments["object"]]
         options["keypoints"] = tuple((float(x), float(y)) for x, y in outline.keypoints)
         options["border"] = tuple(int(index) for index in outline.border)
-        options["gyration"] = float(outline.radius_of_gyration)
     if "observe_goal" in arguments:
         options["observe_goal"] = True
     options |= _SENSORS.get(condition, {})

@@ -2,6 +2,8 @@
 
 from importlib import import_module
 
+from gymnasium.error import DependencyNotInstalled
+
 from aicon_baselines.errors import ComparisonError
 from aicon_baselines.task import Task
 
@@ -14,6 +16,6 @@ def load(name: str) -> Task:
         raise ComparisonError(f"unknown task {name!r}; valid tasks: {', '.join(_MODULES)}")
     try:
         task: Task = import_module(_MODULES[name]).TASK
-    except ModuleNotFoundError as error:
+    except (ModuleNotFoundError, DependencyNotInstalled) as error:
         raise ComparisonError(f"{error}; the task {name!r} needs: pip install 'aicon-torch[{name}]'") from error
     return task

@@ -1,5 +1,6 @@
 """gym-pusht itself behind the interface of a comparison."""
 
+from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
@@ -7,6 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
+from aicon_baselines.errors import ComparisonError
 from aicon_envs.pusht.goal import Goal
 from aicon_envs.pusht.objects import OBJECTS
 from aicon_envs.pusht.variant import DEFAULT_GOAL
@@ -21,6 +23,8 @@ class UpstreamPushT(VectorEnv[Any, Any, Any]):
 
     def __init__(self, num_envs: int, horizon: int) -> None:
         """Create the environments; `horizon` in steps."""
+        if find_spec("gym_pusht") is None:
+            raise ComparisonError("the condition 'upstream' needs gym-pusht: pip install 'aicon-torch[upstream]'")
         self.num_envs = num_envs
         self._envs = [
             gymnasium.make(

@@ -30,7 +30,7 @@ from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point, 
 from aicon_torch.models.pusht.delay import ActionHistory, LatePoseMotion, PoseNow, now, then
 from aicon_torch.models.pusht.dynamics import ContactDynamics
 from aicon_torch.models.pusht.limits import ContactLimits, SlowApproach, pose_error
-from aicon_torch.models.pusht.outline import Outline
+from aicon_torch.models.pusht.outline import Outline, numbers
 from aicon_torch.models.pusht.poses import PoseMotion, Registration, rest, same
 from aicon_torch.models.pusht.pusher import WORKSPACE, Servo
 from aicon_torch.policy import Policy
@@ -49,7 +49,7 @@ class Options:
         gyration: Radius of gyration, px; by default the polygon's.
         goal_pose: Target of the body frame (x, y, θ), px and rad.
         observe_goal: Whether the target is observed instead, as ``goal_pose``.
-        dt: Time step, s.
+        dt: Time step, s; a multiple of the PD controller's sub-step of 0.01 s.
         max_speed: Largest speed, px/s.
         command: Whether the action is sent as the PD controller's position target or as the velocity itself.
         servo: Whether the position target takes the controller's lag into account.
@@ -59,7 +59,7 @@ class Options:
         estimation: Whether pusher and object are filtered, or read off the sensors.
         delay: Age of every reading, steps; without estimation readings are taken as they come.
         rotation: L in radii of gyration: a rotation of one rad counts as much as a translation by L.
-        effect: What a contact does: quasi-static pushing, or the coarse model of the text.
+        effect: What a contact does: see :class:`ContactDynamics`.
         reach: ℓ of the likelihood of contacts that help, px.
         reaction: ℓ' of the likelihood of contacts that harm, px.
         aim: How far outside its side a contact that helps is aimed at, px.
@@ -67,7 +67,7 @@ class Options:
         intent: T of the soft choice between the two likelihoods; 0 chooses by the sign of a contact's gain.
         likelihood_path: Whether p₁ is there.
         position_path: Whether p₂ is there.
-        speed_law: Limits near contact, the first study's slow approach, or none.
+        speed_law: Limits near contact, a slow approach, or none.
         slide_gap: Gap below which the pusher is kept from sliding off a side, px; 0 never.
         substeps: Whether the limits hold within a step, too.
         push: Least and largest push at a contact that helps, px.
@@ -107,7 +107,7 @@ class Options:
     estimation: bool = True
     delay: int = 0
     rotation: float = 1.55
-    effect: Literal["quasi_static", "coarse"] = "quasi_static"
+    effect: Literal["quasi_static", "sine", "angle"] = "quasi_static"
     reach: float = 30.0
     reaction: float = 10.0
     aim: float = 8.0
@@ -142,31 +142,33 @@ class Options:
         """Check what the parts do not check themselves."""
         noises = ("keypoint_noise", "pusher_noise", "slip")
         for name in ("dt", "max_speed", *noises, "rotation", "reach", "reaction"):
-            if not 0 < getattr(self, name) < math.inf:
+            if not 0 < numbers(name, getattr(self, name), 1)[0]:
                 raise OptionError(f"{name}={getattr(self, name)!r}: expected a positive number.")
         for name in ("aim", "intent", "slide_gap", "harm"):
-            if not 0 <= getattr(self, name) < math.inf:
+            if not 0 <= numbers(name, getattr(self, name), 1)[0]:
                 raise OptionError(f"{name}={getattr(self, name)!r}: expected a number >= 0.")
-        if not (isinstance(self.delay, int) and self.delay >= 0):
+        if not (type(self.delay) is int and self.delay >= 0):
             raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
+        if abs(self.dt / 0.01 - round(self.dt / 0.01)) > 1e-6 or self.dt < 0.01:
+            raise OptionError(f"dt={self.dt!r}: expected a multiple of 0.01 s, the PD controller's sub-step.")
         for name, valid in _CHOICES.items():
             if getattr(self, name) not in valid:
                 raise OptionError(f"{name}={getattr(self, name)!r}: expected one of {', '.join(map(repr, valid))}.")
-        if len(tuple(self.goal_pose)) != 3:
-            raise OptionError(f"goal_pose={self.goal_pose!r}: expected (x, y, angle), px and rad.")
-        if len(tuple(self.push)) != 2 or not 0 <= self.push[0] <= self.push[1]:
+        numbers("goal_pose", self.goal_pose, 3)
+        least, largest = numbers("push", self.push, 2)
+        if not 0 <= least <= largest:
             raise OptionError(f"push={self.push!r}: expected (least, largest) in px.")
 
 
 _CHOICES = {
     "command": ("position", "velocity"),
-    "effect": ("quasi_static", "coarse"),
+    "effect": ("quasi_static", "sine", "angle"),
     "speed_law": ("contact", "slow", "none"),
     "resolution": ("nullspace", "sum", "steepest"),
 }
 
 _FULL = {
-    "effect": "coarse",
+    "effect": "sine",
     "rotation": 65.0 / 3000**0.5,
     "reach": 40.0,
     "facing": False,
@@ -176,20 +178,32 @@ _FULL = {
     "smoothing": 0.025,
 }
 _STRICT = {**_FULL, "by_row": False, "partner": "second"}
+_SYMMETRIC = {"aim": 0.0, "facing": False}
+_LITERAL = {
+    **_STRICT,
+    **_SYMMETRIC,
+    "effect": "angle",
+    "reach": 10.0,
+    "relative": False,
+    "speed_law": "none",
+    "smoothing": 0.1,
+}
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
         "full": _FULL,
         "strict": _STRICT,
-        "paper_literal": {**_STRICT, "reach": 10.0, "aim": 0.0, "speed_law": "none"},
+        "paper_literal": _LITERAL,
         "steepest": {"resolution": "steepest"},
         "steepest_unlimited": {"resolution": "steepest", "speed_law": "none"},
         "potential_field": {"resolution": "sum"},
         "potential_field_unlimited": {"resolution": "sum", "speed_law": "none"},
         "intended": {"intent": 0.1},
-        "symmetric": {"reach": 10.0, "aim": 0.0, "facing": False},
+        "symmetric_near": {**_SYMMETRIC, "reach": 10.0},
+        "symmetric_far": {**_SYMMETRIC, "reaction": 30.0},
         "pass_through": {"estimation": False},
+        "uniform_density": {"center": (0.0, 285.0 / 7), "gyration": 43.9447},
         "no_exploration": {"explore": False},
         "no_projection": {"projector": "none"},
         "no_softmax": {"temperature": None},
@@ -203,11 +217,19 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_substeps": {"substeps": False},
         "no_servo": {"servo": False},
         "second_partner": {"partner": "second"},
-        "symmetric_far": {"reaction": 30.0},
         "as_in_navigation": {"relative": False, "partner": "second", "ratio_of": "weights", "average_time": 1.0},
     }
 )
-"""Named options: ours, the formulations nearer to the text, the baselines, and ours without one part each."""
+"""Named options: ours, the baselines, and ours without one part each. Nearer to the text are
+
+- ``full``: likelihoods of two ranges and any opposing partner, but the sine for the effect, a slow approach instead of
+  limits, and position targets that leave the servo's lag to itself;
+- ``strict``: besides, each path a candidate of its own, and the second strongest as partner;
+- ``paper_literal``: besides, one likelihood for all contacts, the angle for the effect, the softmax over magnitudes as
+  they are, and no speed law.
+
+Gain and speed are the best of the same search for each policy (``scripts/tune.py --task pusht``).
+"""
 
 
 def seen_pusher(z_pusher: Tensor) -> tuple[Tensor, Tensor]:
@@ -219,7 +241,7 @@ def world_model(options: Options) -> WorldModel:
     """The graph of the paper's pushT, with its paths p₁ and p₂ for each side."""
     outline = Outline.of(options.keypoints, options.border, options.center, options.gyration)
     length = options.rotation * outline.gyration
-    servo = Servo.of()
+    servo = Servo.of(substeps=round(options.dt / 0.01))
     dynamics = ContactDynamics(outline, length, options.effect, options.intent)
     sensors = {
         "z_pusher": Sensor(2, "px", key="agent_pos", optional=True),
@@ -270,10 +292,10 @@ def _pusher(options: Options, servo: Servo) -> list[Estimator]:
         size=2,
         correct=[Measurement(Affine(**{name: 1.0, "z_pusher": -1.0}), noise, size=2)],
     )
-    change = Affine(
-        v_pusher=servo.keep - servo.kick * float(servo.drift[-1] / servo.follow[-1]),
-        a=servo.kick * options.dt / float(servo.follow[-1]),
-    )
+    change = Affine(v_pusher=0.0, a=1.0)  # a velocity that is commanded is there at once
+    if options.command == "position":
+        lag = servo.kick / float(servo.follow[-1])
+        change = Affine(v_pusher=servo.keep - lag * float(servo.drift[-1]), a=lag * options.dt)
     velocity = Linear("v_pusher", "P_velocity", predict=change, noise=1.0, initial=((0.0, 0.0), 1.0))
     if not late:
         return [position, velocity]
@@ -288,14 +310,15 @@ def _object(options: Options, outline: Outline, dynamics: ContactDynamics) -> li
     predict = LatePoseMotion(motion) if late else motion if options.estimation else rest
     noise = register.variances(options.keypoint_noise if options.estimation else 1e-6)
     slip = options.slip**2
+    slope: dict[str, Callable[..., Tensor]] = {name: same}
     pose = EKF(
         name,
         covariance,
-        predict=Interconnection(predict, **{name: same}),
+        predict=Interconnection(predict, None, **slope),
         noise=(slip, slip, slip / outline.gyration**2),
         initial=register.prior,
         size=3,
-        correct=[Measurement(Interconnection(register, inputs=[name, "z_keypoints"], **{name: same}), noise, size=3)],
+        correct=[Measurement(Interconnection(register, [name, "z_keypoints"], **slope), noise, size=3)],
     )
     keypoints = Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))
     return [pose, Function("x_pose", PoseNow(motion)), keypoints] if late else [pose, keypoints]

@@ -1,6 +1,7 @@
 """Readings that come late: pusher and object are filtered as they were then, and moved on by what was done since."""
 
 from dataclasses import dataclass
+from typing import cast
 
 import torch
 from torch import Tensor
@@ -27,15 +28,16 @@ class ActionHistory(Estimator):
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """The pusher was at rest."""
-        return {"a_past": self.rest}  # type: ignore[dict-item]  # a buffer
+        return {"a_past": cast(Tensor, self.rest)}
 
     def update(self, values: Values) -> dict[str, Tensor]:
         """The oldest action goes, the last one comes."""
-        return {"a_past": torch.cat((values["a_past"][..., 2:], values["a"]), dim=-1)}  # type: ignore[index,list-item]
+        past, last = cast(Tensor, values["a_past"]), cast(Tensor, values["a"])
+        return {"a_past": torch.cat((past[..., 2:], last), dim=-1)}
 
     def forward(self, values: Values, output: str) -> Tensor:
         """The same actions: what is past depends on nothing."""
-        return values["a_past"].detach()  # type: ignore[union-attr]  # no gradient reaches the past
+        return cast(Tensor, values["a_past"]).detach()  # no gradient reaches the past
 
 
 def then(y_pusher: Tensor, a_past: Tensor, dt: float) -> Tensor:
@@ -45,7 +47,7 @@ def then(y_pusher: Tensor, a_past: Tensor, dt: float) -> Tensor:
 
 def now(y_pusher: Tensor, a_past: Tensor, a: Tensor, dt: float) -> Tensor:
     """x_pusher: where the actions since have brought it, ``(*B, 2)``, px; the next action moves it by a·dt."""
-    since = a_past[..., 2:].unflatten(-1, (-1, 2)).sum(-2) * dt  # type: ignore[no-untyped-call]
+    since = a_past[..., 2:].reshape(*y_pusher.shape[:-1], -1, 2).sum(-2).detach() * dt  # past as well
     return straight_through(y_pusher + since, a * dt)
 
 

@@ -16,19 +16,20 @@ class ContactDynamics:
     """x_obj moves by the likelihood-weighted combination of what each contact does to it.
 
     A push along the inward normal n at a lever λ = (x_contact − c) × n moves an object with radius of gyration r by
-    (n, λ/r²)/(1 + (λ/r)²) for each px, if it slides without friction at the contact and stops at once. The coarse
-    effect of the text is (n, sin α/L), with the angle α from the line to the centre to the normal.
+    (n, λ/r²)/(1 + (λ/r)²) for each px, if it slides without friction at the contact and stops at once. As the effect of
+    a contact this direction counts at unit length, (n, λ/r²)/√(1 + (Lλ/r²)²). In the text it is (n, α/L), with the
+    angle α between the normal and the line to the centre; ``"sine"`` has sin α for α.
 
     Attributes:
         outline: The object.
         length: L, px: a rotation of one rad counts as much as a translation by L.
-        effect: Which of them; the first at unit length.
+        effect: Which of them.
         intent: T, by which the gain b of a contact decides softly, by σ(−b/T), whether it is sought; 0 decides by sign.
     """
 
     outline: Outline
     length: float
-    effect: Literal["quasi_static", "coarse"] = "quasi_static"
+    effect: Literal["quasi_static", "sine", "angle"] = "quasi_static"
     intent: float = 0.0
 
     def __call__(self, x_keypoints: Tensor, x_contact: Tensor, p_contact: Tensor, x_side: Tensor) -> Tensor:
@@ -42,9 +43,9 @@ class ContactDynamics:
         """Direction of the object's motion by each contact ``(*B, N, 2)``, ``(*B, N, 3)``."""
         arm = points - pose[..., None, :2]
         lever = cross(arm, normals)
-        if self.effect == "coarse":
-            turn = lever / norm(arm) / self.length
-            return torch.cat((normals, turn.unsqueeze(-1)), dim=-1)
+        if self.effect != "quasi_static":
+            angle = torch.atan2(lever, -(arm * normals).sum(-1)) if self.effect == "angle" else lever / norm(arm)
+            return torch.cat((normals, angle.unsqueeze(-1) / self.length), dim=-1)
         turn = lever / self.outline.gyration**2
         effects = torch.cat((normals, turn.unsqueeze(-1)), dim=-1)
         return effects / torch.sqrt(1 + (self.length * turn) ** 2).unsqueeze(-1)

@@ -1,7 +1,7 @@
-"""Limits of the pusher's motion near the object, in the order in which contacts are near.
+"""Limits of the pusher's motion near the object. They are ours: the text has none.
 
 They are reactive: each is a bound on the next displacement that follows from where the pusher, the object and the
-target are now. The text has none of them.
+target are now. They belong to the actuator and know the target, like the goal; a goal that is switched off leaves them.
 """
 
 import math
@@ -25,13 +25,15 @@ def pose_error(x_obj: Tensor, x_target: Tensor, length: float) -> Tensor:
 
 @dataclass(frozen=True)
 class ContactLimits:
-    """A contact is pushed no farther than it helps, and the pusher does not slide off the side that it pushes.
+    """A contact is pushed no farther than it helps, and the pusher does not slide far off the side that it pushes.
 
-    Toward each side: d·n ≤ max(gap, 0) + s, where n points from the pusher to the side. A push by s moves the object
+    One pass over the nearest sides takes away from the displacement d what goes beyond, nearest first; where sides form
+    a notch a later one may push it back a little. Toward each side: d·n ≤ max(gap, 0) + s, where n points from the pusher to the side. A push by s moves the object
     by s·J, so s* = −E·J/|J|² brings the error E nearest to zero along it (a Gauss-Newton step on g = |E|). Where s* > 0
     it is the bound, within [s_min, s_max]; elsewhere the pusher may not push farther than s_bad.
 
-    Along the nearest side, if it is of use: |d·t| ≤ 0.7 (distance to the side's end) + 3 px.
+    Along the nearest side, if it is of use: |d·t| ≤ 0.7 (distance to the side's end) + 3 px, so that the pusher comes to
+    the end in several steps and leaves it in small ones.
 
     Attributes:
         dynamics: What a push does.
@@ -103,7 +105,7 @@ class ContactLimits:
 
 @dataclass(frozen=True)
 class SlowApproach:
-    """The first study's speed: fast in the open, slow near contact, and slower near the goal.
+    """A speed limit: fast in the open, slow near contact, and slower near the goal.
 
     |a|·dt ≤ (1 − p)·60 + p·30·clip(g/30, 0.1, 1) px with p = exp(−max(gap, 0)/20).
 

@@ -1,7 +1,9 @@
 """The outline of the object that is pushed: a simple polygon, its mass properties and its registration."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -18,7 +20,10 @@ T_CENTER = (0.0, 45.0)
 """The T's centre of mass in the benchmark's physics, px."""
 
 T_GYRATION = 3000**0.5
-"""Its radius of gyration there, px: both its boxes have the inertia of the bar about the frame's origin."""
+"""Its radius of gyration there, px: both its boxes have the inertia of the bar about the frame's origin.
+
+A T of uniform density has its centre at (0, 40.7) and a radius of gyration of 43.9 px.
+"""
 
 
 @dataclass(frozen=True)
@@ -60,19 +65,23 @@ class Outline:
         if keypoints is None:
             keypoints, border = T_KEYPOINTS, T_BORDER if border is None else border
             center, gyration = T_CENTER if center is None else center, T_GYRATION if gyration is None else gyration
-        corners = torch.tensor([tuple(corner) for corner in keypoints], dtype=torch.float64)
-        if corners.dim() != 2 or corners.shape[0] < 3 or corners.shape[1] != 2 or not corners.isfinite().all():
-            raise OptionError(f"keypoints: expected 3 or more corners (x, y) in px, got shape {tuple(corners.shape)}.")
-        order = list(range(len(corners)) if border is None else border)
+        if isinstance(keypoints, str) or not hasattr(keypoints, "__len__") or len(keypoints) < 3:
+            raise OptionError(f"keypoints={keypoints!r}: expected 3 or more corners (x, y) in px.")
+        corners = torch.tensor([numbers("keypoints", corner, 2) for corner in keypoints], dtype=torch.float64)
+        order = [int(index) for index in (range(len(corners)) if border is None else border)]
         if sorted(order) != list(range(len(corners))):
             raise OptionError(f"border={border!r}: expected each of the {len(corners)} keypoints once.")
+        if not _is_simple(corners[order]):
+            raise OptionError(
+                f"border={border!r}: two sides cross; expected the order of the keypoints around the object."
+            )
         area, centroid, squared = _moments(corners[order])
         if not abs(area) > 0:
             raise OptionError("keypoints: expected a polygon with an area; does border= follow its outline?")
         if area < 0:
             order.reverse()
-        middle = centroid if center is None else torch.tensor(tuple(center), dtype=torch.float64)
-        radius = squared**0.5 if gyration is None else gyration
+        middle = centroid if center is None else torch.tensor(numbers("center", center, 2), dtype=torch.float64)
+        radius = squared**0.5 if gyration is None else numbers("gyration", gyration, 1)[0]
         if not radius > 0:
             raise OptionError(f"gyration={gyration!r}: expected a positive number of px.")
         return cls(corners - middle, middle, tuple(order), float(radius))
@@ -116,6 +125,34 @@ class Outline:
         x, y = self.center.to(frame)
         offset = torch.stack((cos * x - sin * y, sin * x + cos * y, torch.zeros_like(cos)), dim=-1)
         return frame + offset
+
+
+def numbers(name: str, value: Any, size: int) -> tuple[float, ...]:
+    """The finite numbers of an option.
+
+    Raises:
+        OptionError: If they are not so many or not finite.
+    """
+    try:
+        found = tuple(map(float, value)) if size > 1 else (float(value),)
+    except (TypeError, ValueError):
+        found = ()
+    if isinstance(value, str | bool) or len(found) != size or not all(map(math.isfinite, found)):
+        raise OptionError(f"{name}={value!r}: expected {size} finite number{'s' * (size > 1)}.")
+    return found
+
+
+def _is_simple(border: Tensor) -> bool:
+    """Whether no two sides of a polygon ``(N, 2)`` cross."""
+    after = border.roll(-1, 0)
+
+    def turn(a: Tensor, b: Tensor, c: Tensor) -> Tensor:
+        first, second = b - a, c - a
+        return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+
+    a, b, c, d = border[:, None], after[:, None], border[None], after[None]
+    crossing = (turn(a, b, c) * turn(a, b, d) < 0) & (turn(c, d, a) * turn(c, d, b) < 0)
+    return not bool(crossing.any())
 
 
 def _moments(border: Tensor) -> tuple[float, Tensor, float]:

@@ -51,7 +51,10 @@ def rest(x_pose: Tensor) -> Tensor:
 
 
 def same(z_keypoints: Tensor) -> Tensor:
-    """The identity ``(3, 3)``: the derivative of the pose's prediction and of its residual by the pose."""
+    """The identity ``(3, 3)``: the derivative of the pose's prediction and of its residual by the pose.
+
+    Any quantity will do as argument: it tells dtype and device.
+    """
     return torch.eye(3, dtype=z_keypoints.dtype, device=z_keypoints.device)
 
 
@@ -82,6 +85,8 @@ class Registration:
 
     def variances(self, noise: float) -> tuple[float, float, float]:
         """Variances of a registered pose (px², px², rad²) for keypoints with a standard deviation (px)."""
-        spread = self.outline.keypoints - self.outline.keypoints.mean(0)
-        position = noise**2 / len(spread)
-        return position, position, noise**2 / float((spread * spread).sum())
+        middle = self.outline.keypoints.mean(0)  # where the position is known best
+        spread = self.outline.keypoints - middle
+        turn = noise**2 / float((spread * spread).sum())
+        x, y = (noise**2 / len(spread) + turn * middle.flip(0) ** 2).tolist()
+        return x, y, turn

@@ -10,20 +10,18 @@ from typing import Any
 
 from tqdm import tqdm
 
-from aicon_baselines.errors import ComparisonError
 from aicon_baselines.navigation_figure.field import Field, clearance, sample
 from aicon_baselines.navigation_figure.grid import Grid
-from aicon_baselines.navigation_figure.panels import Panel, choose_panels, summary
+from aicon_baselines.navigation_figure.panels import choose_panels, summary
 from aicon_baselines.navigation_figure.recording import Recording, record
 from aicon_baselines.navigation_figure.rollout_picture import draw_rollout
-from aicon_baselines.navigation_figure.video import VIDEOS, draw_video, video_steps
+from aicon_baselines.navigation_figure.video import draw_video, video_steps
+from aicon_baselines.pictures import check_video
 from aicon_torch import make_policy
 
 __all__ = [
-    "VIDEOS",
     "Field",
     "Grid",
-    "Panel",
     "Recording",
     "choose_panels",
     "clearance",
@@ -57,8 +55,7 @@ def make_figure(
         ComparisonError: If the class of maps or the kind of video is unknown, the rollout is too short for six panels,
             or imageio is not installed and the video is an mp4.
     """
-    if video not in VIDEOS:
-        raise ComparisonError(f"unknown video {video!r}; valid: {', '.join(VIDEOS)}")
+    check_video(video)
     out.mkdir(parents=True, exist_ok=True)
     path = out / "nav2d_rollout.png"
     with tqdm(unit="step", desc="rollout", disable=None if progress else True) as bar:

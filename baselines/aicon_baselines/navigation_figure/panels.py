@@ -1,21 +1,14 @@
 """The six moments that the figure shows, and its numbers."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from aicon_baselines.errors import ComparisonError
 from aicon_baselines.navigation_figure.recording import Recording
+from aicon_baselines.pictures import Panel, in_order
 from aicon_envs.navigation import shortest_path_length
-
-
-class Panel(NamedTuple):
-    """One moment of the rollout: its letter, its step and what happens there, in plain words."""
-
-    letter: str
-    step: int
-    title: str
 
 
 def choose_panels(recording: Recording) -> list[Panel]:
@@ -45,17 +38,9 @@ def choose_panels(recording: Recording) -> list[Panel]:
         titles = ["On the way"] * 4
     triangulating = _end_of_triangulation(recording, marks[0])
     endings = {"arrival": "Arrival at the target", "collision": "Collision", "time limit": "Out of time"}
-    steps = _in_order([triangulating, *marks, last], last)
+    steps = in_order([triangulating, *marks, last], last)
     titles = ["Triangulating: sideways first", *titles, endings[recording.ending]]
     return [Panel(*panel) for panel in zip("abcdef", steps, titles, strict=True)]
-
-
-def _in_order(steps: Sequence[int], last: int) -> list[int]:
-    """The steps, moved where needed so that they increase and lie within 1 to `last`."""
-    moved = [0]
-    for left, step in zip(reversed(range(len(steps))), steps, strict=True):
-        moved.append(min(max(step, moved[-1] + 1), last - left))
-    return moved[1:]
 
 
 def _along(recording: Recording, begin: int, end: int, shares: Sequence[float]) -> list[int]:

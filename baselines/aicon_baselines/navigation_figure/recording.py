@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.errors import ComparisonError
+from aicon_baselines.pictures import OnStep, spans
 from aicon_envs.navigation import NavigationMap
 from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-OnStep = Callable[[], object]
 
 MEETING = "x_rob"
 """The quantity where all paths meet: the agent's position."""
@@ -81,8 +81,7 @@ class Recording:
     @cached_property
     def spans(self) -> list[tuple[int, int]]:
         """First step of each exploration and the first one after it."""
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], self.exploring, [False]]).astype(np.int8)))
-        return [(int(first), int(last)) for first, last in edges.reshape(-1, 2)]
+        return spans(self.exploring)
 
     @cached_property
     def travelled(self) -> FloatArray:

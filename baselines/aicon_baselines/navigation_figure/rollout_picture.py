@@ -4,18 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from PIL import Image
 
 from aicon_baselines.navigation_figure.grid import grid_around
-from aicon_baselines.navigation_figure.panels import Panel
-from aicon_baselines.navigation_figure.pixels import pixels
-from aicon_baselines.navigation_figure.recording import OnStep, Recording
+from aicon_baselines.navigation_figure.recording import Recording
 from aicon_baselines.navigation_figure.strengths import draw_strengths
 from aicon_baselines.navigation_figure.style import (
     AGENT,
@@ -28,6 +24,7 @@ from aicon_baselines.navigation_figure.style import (
     TINT,
 )
 from aicon_baselines.navigation_figure.view import View
+from aicon_baselines.pictures import OnStep, Panel, mark_panels, save_picture
 
 _CAPTION = (
     "Arrows: direction of the resolved descent, sampled densely with the agent's memory of that moment; the clearance "
@@ -63,22 +60,11 @@ def draw_rollout(
     draw_strengths(strip, recording)
     strip.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.1), ncols=5, frameon=False, fontsize=10, columnspacing=1.8)
     for panel in panels:
-        time = recording.times[panel.step]
-        strip.axvline(time, color="0.25", linewidth=0.8, linestyle=(0, (2, 2)))
-        strip.annotate(
-            panel.letter,
-            (time, 1.0),
-            (0, 2),
-            ("data", "axes fraction"),
-            textcoords="offset points",
-            ha="center",
-            fontsize=10,
-            fontweight="bold",
-        )
+        strip.axvline(recording.times[panel.step], color="0.25", linewidth=0.8, linestyle=(0, (2, 2)))
+    mark_panels(strip, panels, recording.policy.model.dt)
     figure.legend(**_legend(), loc="upper center", bbox_to_anchor=(0.5, 1.004), ncols=7, frameon=False, fontsize=10)
     figure.text(0.012, 0.012, _CAPTION, fontsize=8.5, color="0.3", linespacing=1.35)
-    fourths = np.minimum((pixels(figure).astype(np.uint16) + 2) // 4 * 4, 255)  # looks the same and is 30 % smaller
-    Image.fromarray(fourths.astype(np.uint8)).save(path, optimize=True)
+    save_picture(figure, path)
 
 
 def _legend() -> dict[str, Any]:

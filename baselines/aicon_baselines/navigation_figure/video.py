@@ -3,18 +3,14 @@
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from PIL import Image
 
-from aicon_baselines.errors import ComparisonError
 from aicon_baselines.navigation_figure.grid import grid_around
-from aicon_baselines.navigation_figure.pixels import pixels
-from aicon_baselines.navigation_figure.recording import PATHS, OnStep, Recording
+from aicon_baselines.navigation_figure.recording import PATHS, Recording
 from aicon_baselines.navigation_figure.strengths import draw_strengths
 from aicon_baselines.navigation_figure.style import (
     AGENT,
@@ -28,9 +24,7 @@ from aicon_baselines.navigation_figure.style import (
     TINT,
 )
 from aicon_baselines.navigation_figure.view import View
-
-VIDEOS = ("mp4", "gif", "none")
-"""Kinds of video, "none" among them."""
+from aicon_baselines.pictures import OnStep, pixels, save_video
 
 _SECONDS = 22.0  # a video lasts at most
 
@@ -47,23 +41,7 @@ def draw_video(recording: Recording, path: Path, spacing: float = 0.06, on_step:
     Raises:
         ComparisonError: If imageio is not installed and the video is no gif.
     """
-    pictures = _pictures(recording, path, spacing, on_step)
-    rate = _rate(path)
-    if path.suffix == ".gif":
-        palette = _palette()
-        first, *others = (
-            Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures
-        )
-        first.save(path, save_all=True, append_images=others, duration=1000 // rate, loop=0)
-        return
-    try:
-        import imageio.v2 as imageio  # an extra: the picture and the gif do without
-    except ImportError as error:
-        raise ComparisonError("mp4 needs imageio[ffmpeg]; install it or choose --video gif") from error
-    writer: Any
-    with imageio.get_writer(path, fps=rate, quality=6) as writer:
-        for picture in pictures:
-            writer.append_data(picture)
+    save_video(_pictures(recording, path, spacing, on_step), path, _rate(path), _palette())
 
 
 def _pictures(recording: Recording, path: Path, spacing: float, on_step: OnStep) -> Iterator[NDArray[np.uint8]]:
@@ -86,7 +64,7 @@ def _pictures(recording: Recording, path: Path, spacing: float, on_step: OnStep)
         yield picture
 
 
-def _palette() -> Image.Image:
+def _palette() -> NDArray[np.float64]:
     """The colours of a gif: the heights, tinted ones where it would explore, and the marks with their soft edges."""
     heights = HEIGHT(np.linspace(0, 1, 40))[:, :3]
     tint = np.array(to_rgb(EXPLORING))
@@ -95,10 +73,7 @@ def _palette() -> Image.Image:
         share * marks + (1 - share) * np.array(ground) for share in (1.0, 0.5) for ground in ((1, 1, 1), heights[20])
     ]
     pale = (1 - share * (1 - tint) for share in (0.0, STRIP_TINT))
-    colours = np.concatenate([heights, (1 - TINT) * heights + TINT * tint, *soft, list(pale)])
-    image = Image.new("P", (1, 1))
-    image.putpalette((255 * colours).round().astype(np.uint8).tobytes())
-    return image
+    return np.concatenate([heights, (1 - TINT) * heights + TINT * tint, *soft, list(pale)])
 
 
 def video_steps(recording: Recording, path: Path) -> range:

@@ -20,7 +20,7 @@ DEFAULT_GOAL: Pose = (256.0, 256.0, math.pi / 4.0)
 RANDOM = "random"
 """Name of a goal that every reset draws."""
 
-DEFAULT_SPEED = 400.0
+DEFAULT_SPEED = 800.0
 """Largest speed in the action mode "velocity" without a `velocity_limit`, px/s."""
 
 
@@ -32,7 +32,7 @@ class Variant:
         goal_pose: Goal of the object's frame (x, y, angle), px and rad, or "random".
         action_mode: "position" or "velocity".
         action_noise: Standard deviation of the noise on the pusher's target offset, px per axis and step.
-        velocity_limit: Largest speed of the pusher, px/s; None for no limit ("velocity": 400).
+        velocity_limit: Largest speed of the pusher, px/s; None for no limit ("velocity": 800).
         goal_jumps: How often the goal jumps to a random pose in an episode.
         goal_jump_interval: Fewest and most steps between jumps, both inclusive.
         kick_interval: Steps between kicks of the object; None for no kicks.
