@@ -15,7 +15,7 @@ from aicon_baselines import ComparisonError
 from aicon_baselines.backends import BACKENDS
 from aicon_baselines.compare import compare
 from aicon_baselines.config import configure
-from aicon_baselines.policies import factory
+from aicon_baselines.policies import Factory, factory, saved_agent
 from aicon_baselines.report import write_report
 from aicon_baselines.runs import RunFolder
 from aicon_baselines.tables import list_failures
@@ -40,6 +40,9 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--task", required=True, help="name of the task, nav2d or pusht")
     parser.add_argument("--policies", nargs="+", required=True, metavar="NAME", help="policies to compare")
+    parser.add_argument(
+        "--sb3-path", nargs="+", default=[], type=Path, metavar="FOLDER", help="agents that 'sb3' in --policies means"
+    )
     parser.add_argument("--episodes", type=int, default=100, help="seeds, per condition and repeat (default: 100)")
     parser.add_argument("--seed", type=int, default=0, help="first seed (default: 0)")
     parser.add_argument("--repeats", type=int, default=1, help="runs of each seed with other noise (default: 1)")
@@ -56,7 +59,7 @@ def _parser() -> argparse.ArgumentParser:
 def _run(arguments: argparse.Namespace) -> str:
     """Run what is missing in the folder and return the table of results, and which episodes failed."""
     task = load(arguments.task)
-    policies = {name: factory(task.name, name) for name in arguments.policies}
+    policies = _policies(task.name, arguments)
     config = configure(
         task,
         seed=arguments.seed,
@@ -70,6 +73,22 @@ def _run(arguments: argparse.Namespace) -> str:
     compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
     table, failures = write_report(task, folder), list_failures(folder.rows(), task)
     return f"{table}\n\n{failures}" if failures else table
+
+
+def _policies(task: str, arguments: argparse.Namespace) -> dict[str, Factory]:
+    """Return what builds each policy, by the name it gets in the rows."""
+    policies: dict[str, Factory] = {}
+    for name in arguments.policies:
+        if name == "sb3":
+            policies |= [saved_agent(task, folder) for folder in arguments.sb3_path]
+        else:
+            policies[name] = factory(task, name)
+    if ("sb3" in arguments.policies) != bool(arguments.sb3_path):
+        raise ComparisonError(
+            "the policy 'sb3' and --sb3-path FOLDER belong together; train one: python scripts/train_sb3.py --task "
+            f"{task} --out FOLDER"
+        )
+    return policies
 
 
 if __name__ == "__main__":

@@ -2,6 +2,9 @@
 
 from collections.abc import Callable
 from functools import partial
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from aicon_baselines.errors import ComparisonError
@@ -48,3 +51,25 @@ def make(task: str, name: str, condition: str | None = None) -> Predictor:
         condition: The task's condition that the policy is for; by default the usual one.
     """
     return factory(task, name)(condition or load(task).conditions[0])
+
+
+def saved_agent(task: str, folder: Path) -> tuple[str, Factory]:
+    """Return the name that a saved agent of stable-baselines3 gets in the rows, and what builds it.
+
+    It is loaded once here, so that what does not fit is an error before anything runs.
+    """
+    folder = folder.resolve()
+    return import_sb3().Agent(folder, task).name, partial(_saved_agent, task, folder)
+
+
+def import_sb3() -> ModuleType:
+    """Import `aicon_baselines.sb3`; without stable-baselines3 an error says how to install it."""
+    try:
+        return import_module("aicon_baselines.sb3")
+    except ModuleNotFoundError as error:
+        raise ComparisonError(f"{error}; agents of stable-baselines3 need: pip install 'aicon-torch[sb3]'") from error
+
+
+def _saved_agent(task: str, folder: Path, condition: str) -> Predictor:
+    agent: Predictor = import_sb3().Agent(folder, task)
+    return agent
