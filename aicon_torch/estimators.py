@@ -91,9 +91,11 @@ class Function(Estimator):
         self.relation = Interconnection.of(function)
         self.outputs = (name,)
         self.inputs = self.relation.inputs
+        if isinstance(each, str):
+            raise GraphError(f"Function {name!r}: each={each!r}; expected a sequence of names, such as [{each!r}].")
         self.each = tuple(each)
         for rows in self.each:
-            if rows not in self.inputs:
+            if rows not in self.inputs or rows == "dt":
                 raise GraphError(f"Function {name!r}: each={rows!r}, but it reads {choices(self.inputs)}.")
         if name in self.inputs:
             raise GraphError(f"Function {name!r} reads itself; what remembers its last value is an EKF or a Linear.")

@@ -71,6 +71,9 @@ class WorldModel(nn.Module):
         check_names(self.sensors, self.actuators, estimators, goals)
         self.estimators = nn.ModuleList(ordered(estimators, self.owners))
         self._goal_modules = nn.ModuleList(goals)  # registers their parameters
+        self._constraints, self._commands = self._wire_actuators()
+        wired = (*self._commands.values(), *(one for several in self._constraints.values() for one in several))
+        self._actuator_modules = nn.ModuleList(wired)
         self.register_buffer("_like", torch.zeros(()), persistent=False)  # tells dtype and device
         if dtype is not None and not dtype.is_floating_point:
             raise GraphError(f"dtype={dtype!r}: expected a floating-point type such as torch.float64.")
@@ -82,7 +85,6 @@ class WorldModel(nn.Module):
             for name in estimator.outputs:
                 self.quantities[name] = Quantity(name, tuple(values[name].shape[2:]), estimator.is_motion)
         self._check_rows()
-        self._constraints, self._commands = self._wire_actuators()
         self._check_actuators(values)
         self._prepare(values)
         self.edges = self._find_edges(values)
@@ -202,6 +204,7 @@ class WorldModel(nn.Module):
         between = needed & moved - {quantity}
         return tuple(name for node in self.nodes for name in node.outputs if name in between)
 
+    @torch.no_grad()
     def constrain(self, name: str, values: Mapping[str, Tensor]) -> Tensor:
         """The action of an actuator within its constraints, ``(*B, size)``."""
         now = self._with_dt(values)
@@ -209,6 +212,7 @@ class WorldModel(nn.Module):
             now[name] = constraint(now)
         return cast(Tensor, now[name])
 
+    @torch.no_grad()
     def commands(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """What to send for each actuator: its action, or the command that brings it about."""
         now = self._with_dt(values)
@@ -365,7 +369,9 @@ class WorldModel(nn.Module):
     def _check_rows(self) -> None:
         """What is evaluated for each row reads rows of one number, and vectors besides."""
         for node in self.nodes:
-            shapes = {name: self.quantities[name].shape for name in node.inputs if node.each and name != "dt"}
+            if not node.each:
+                continue
+            shapes = {name: self.quantities[name].shape for name in node.inputs if name != "dt"}
             for name, shape in shapes.items():
                 rows = name in node.each
                 if len(shape) != 1 + rows or (rows and shape[0] != shapes[node.each[0]][0]):
@@ -375,6 +381,9 @@ class WorldModel(nn.Module):
                         else "(n,), as each= does not name it"
                     )
                     raise GraphError(f"{node.outputs[0]!r} reads {name!r} of shape {shape}; expected {expected}.")
+            own, number = self.quantities[node.outputs[0]].shape, shapes[node.each[0]][0]
+            if len(own) != 2 or own[0] != number:
+                raise GraphError(f"{node.outputs[0]!r} has shape {own}; expected ({number}, n), a value for each row.")
 
     def _find_final(self) -> frozenset[str]:
         """Functions on a path whose inputs all have their new values when they run: evaluated once, not twice."""

@@ -78,7 +78,7 @@ def _reading(name: str, sensor: Sensor, value: Any, batch: tuple[int, ...] | Non
         leading = "*batch" if batch is None else ", ".join(map(str, batch))
         raise ObservationError(f"Sensor {name!r}: expected shape ({leading}, {sensor.size}), got {shape}.")
     if isinstance(array, Tensor):
-        reading = array.to(like)
+        reading = array.detach().to(like)
         reading = reading.clone() if reading.is_inference() else reading  # what comes of it must be differentiable
     else:
         reading = torch.as_tensor(array, dtype=like.dtype)

@@ -79,9 +79,6 @@ class NullspaceProjection(Resolution):
         margin: By how much a gradient must exceed the one that held its rank before, to take it (the paper: 10 %).
         projector: ``"orthogonal"`` I − vvᵀ (Eq. 6), ``"qr"`` I − QQᵀ (Eq. 5) or ``"pinv"`` I − J⁺J (Eq. 4), which are
             equal for scalar goals; ``"none"`` adds without projecting.
-        negligible: Magnitude below which a gradient loses the weight that the softmax gives it; the others keep theirs.
-            Where gradients will meet again, the strongest always keeps its own: what it is worth shows further on.
-            The text has no such bound (0), but a softmax gives weight even to a gradient that has vanished.
         restore_magnitude: Whether a gradient that meets others again further on gets the magnitude of the one that led
             here. The weights compare only those that met; the next meeting compares magnitudes. The text does not say.
         relative: Whether the softmax is over magnitudes relative to the largest, so that their unit does not matter;
@@ -96,7 +93,6 @@ class NullspaceProjection(Resolution):
         temperature: float | None = 0.8,
         margin: float = 0.1,
         projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal",
-        negligible: float = 0.0,
         restore_magnitude: bool = True,
         relative: bool = False,
         by_row: bool = False,
@@ -105,11 +101,11 @@ class NullspaceProjection(Resolution):
         super().__init__()
         if temperature is not None and not 0 < temperature < math.inf:
             raise OptionError(f"temperature={temperature!r}: expected a positive number, or None for no softmax.")
-        if not 0 <= margin < math.inf or not 0 <= negligible < math.inf:
-            raise OptionError(f"margin={margin!r}, negligible={negligible!r}: expected numbers >= 0.")
+        if not 0 <= margin < math.inf:
+            raise OptionError(f"margin={margin!r}: expected a number >= 0.")
         if projector not in PROJECTORS:
             raise OptionError(f"projector={projector!r}: expected one of {choices(PROJECTORS)}.")
-        self.temperature, self.margin, self.negligible = temperature, margin, negligible
+        self.temperature, self.margin = temperature, margin
         self.restore_magnitude = restore_magnitude
         self.relative, self.by_row = relative, by_row
         self.project = PROJECTORS[projector]
@@ -130,7 +126,7 @@ class NullspaceProjection(Resolution):
         """The conflict-free sum, or the exploration that replaces it."""
         norms = torch.linalg.vector_norm(meeting.gradients, dim=-1)
         units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny ** 0.5).unsqueeze(-1)
-        weights = self.weigh(norms, meeting.final)
+        weights = self.weigh(norms)
         scaled = units * weights.unsqueeze(-1)
         resolved, rank = self.resolve(scaled, weights, memory["rank"])
         state = {"rank": rank}
@@ -146,17 +142,13 @@ class NullspaceProjection(Resolution):
             state |= explored
         return resolved, state
 
-    def weigh(self, norms: Tensor, final: bool = True) -> Tensor:
-        """Normalised magnitudes ``(*B, n)``: their softmax, and zero for those that are negligible."""
+    def weigh(self, norms: Tensor) -> Tensor:
+        """Normalised magnitudes ``(*B, n)``: their softmax."""
         if self.temperature is None:
             return norms
         if self.relative:
             norms = norms / norms.amax(-1, keepdim=True).clamp(min=torch.finfo(norms.dtype).tiny ** 0.5)
-        weights = torch.softmax(norms / self.temperature, dim=-1)
-        if self.negligible == 0:
-            return weights
-        counts = norms >= self.negligible
-        return weights * (counts if final else counts | (norms == norms.amax(-1, keepdim=True)))
+        return torch.softmax(norms / self.temperature, dim=-1)
 
     def resolve(self, gradients: Tensor, strengths: Tensor, held: Tensor) -> tuple[Tensor, Tensor]:
         """Greedy ordering by strength after projection (Eq. 7-8), with hysteresis.

@@ -81,7 +81,7 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     stack = torch.stack(slopes(p, cov + noise, o, x), -2)
     norms = stack.norm(dim=-1)
     units = stack / norms.clamp(min=torch.finfo(x.dtype).tiny ** 0.5).unsqueeze(-1)
-    weights = torch.softmax(norms / 0.8, -1) * (norms >= 1e-3)
+    weights = torch.softmax(norms / norms.amax(-1, keepdim=True) / 0.8, -1)
     scaled = units * weights.unsqueeze(-1)
     # order with hysteresis, project, add
     index = torch.arange(3)
@@ -93,11 +93,13 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     strengths = rest.norm(dim=-1)
     strength, second = (strengths * (1 + 0.1 * (index == state.rank[..., 1:]))).max(-1, keepdim=True)
     pursuit = top + (rest * (index == second).unsqueeze(-1)).sum(-2)
-    # conflict between the two strongest
-    rival, opponent = weights.masked_fill(is_first, -1.0).max(-1, keepdim=True)
-    cosine = (v * (units * (index == opponent).unsqueeze(-1)).sum(-2)).sum(-1)
-    decided = (weights.gather(-1, first) > 3.0 * rival).squeeze(-1)
-    average = torch.lerp(state.average, x, DT / (DT + 1.0))
+    # conflict of the strongest with the strongest that opposes it
+    cosines = (units * v.unsqueeze(-2)).sum(-1)
+    agrees = cosines > torch.where(state.exploring, -0.4, -0.6).to(x.dtype).unsqueeze(-1)
+    rival, opponent = norms.masked_fill(is_first | agrees, -1.0).max(-1, keepdim=True)
+    cosine = cosines.gather(-1, opponent).masked_fill(rival < 0, 1.0).squeeze(-1)
+    decided = (norms.gather(-1, first) > 3.0 * rival).squeeze(-1)
+    average = torch.lerp(state.average, x, DT / (DT + 0.4))
     displacement = (state.displacement + x) * state.exploring.unsqueeze(-1)
     spread = cov.diagonal(dim1=-2, dim2=-1).sum(-1)
     no_nearer = p.norm(dim=-1) + spread >= (p + displacement).norm(dim=-1) + spread - 0.1

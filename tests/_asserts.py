@@ -1,6 +1,6 @@
 """Properties that the tests check, and independent second implementations to check against."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -45,27 +45,39 @@ def assert_orthogonal(vectors: Tensor, scale: Tensor) -> None:
 # --- gradients
 
 
+def named(label: str) -> tuple[str, int | None]:
+    """A quantity and its row: ``x_contact[3]`` is ``("x_contact", 3)``, and ``x_pusher`` is ``("x_pusher", None)``."""
+    name, _, row = label.rstrip("]").partition("[")
+    return name, int(row) if row else None
+
+
+def factors(path: Path, model: WorldModel, tapes: Tapes) -> Iterator[tuple[Tensor, Tensor, int | None]]:
+    """For each edge of a path the output of its tape, the leaf, and the row of the leaf's copies that it stands for."""
+    for label, further in pairwise((path.goal, *path.quantities, path.actuator)):
+        (target, row), (source, _) = named(label), named(further)
+        sources = [edge.source for edge in model.edges[target]]
+        yield tapes[target].output, tapes[target].leaves[sources.index(source)], row
+
+
 def along(path: Path, model: WorldModel, tapes: Tapes) -> Tensor:
     """The gradient along one complete path (Eq. 1): one factor after the other, each a product with a Jacobian."""
     gradient = torch.ones_like(tapes[path.goal].output)
-    for target, source in pairwise((path.goal, *path.quantities, path.actuator)):
-        sources = [edge.source for edge in model.edges[target]]
-        leaf = tapes[target].leaves[sources.index(source)]
-        (gradient,) = torch.autograd.grad(tapes[target].output, leaf, gradient, retain_graph=True)
+    for output, leaf, row in factors(path, model, tapes):
+        (gradient,) = torch.autograd.grad(output, leaf, gradient, retain_graph=True)
+        gradient = gradient if row is None else gradient[..., row, :]
     return gradient
 
 
 def through_jacobians(path: Path, model: WorldModel, tapes: Tapes) -> Tensor:
     """The same without batch dimensions, with every factor of the chain rule as a full matrix."""
     gradient = torch.ones(1, 1, dtype=torch.float64)
-    for target, source in pairwise((path.goal, *path.quantities, path.actuator)):
-        tape = tapes[target]
-        leaf = tape.leaves[[edge.source for edge in model.edges[target]].index(source)]
-        rows = [
+    for output, leaf, row in factors(path, model, tapes):
+        slopes = [
             torch.autograd.grad(component, leaf, retain_graph=True, allow_unused=True)[0]
-            for component in tape.output.flatten()
+            for component in output.flatten()
         ]
-        gradient = gradient @ torch.stack([(torch.zeros_like(leaf) if row is None else row).flatten() for row in rows])
+        whole = [torch.zeros_like(leaf) if slope is None else slope for slope in slopes]
+        gradient = gradient @ torch.stack([(slope if row is None else slope[row]).flatten() for slope in whole])
     return gradient.squeeze(0)
 
 

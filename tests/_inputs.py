@@ -32,6 +32,7 @@ from aicon_torch.models import navigation
 Memory = dict[str, Tensor]
 
 DTYPES = (torch.float32, torch.float64)
+DERIVATIVES = ("model", "update", "detached_gain")
 BATCHES: tuple[tuple[int, ...], ...] = ((), (1,), (3,), (2, 3))
 
 
@@ -135,6 +136,18 @@ class Smooth:
         return value if self.position is None else inputs[self.position] + 0.2 * value
 
 
+class Anchors(Smooth):
+    """Rows ``(*B, N, n)`` that the reading places."""
+
+    def __init__(self, rows: int, size: int, seed: int) -> None:
+        super().__init__({"z": (2,)}, rows * size, seed)
+        self.rows = rows
+
+    def __call__(self, *inputs: Tensor) -> Tensor:
+        rows: Tensor = super().__call__(*inputs).unflatten(-1, (self.rows, -1))  # type: ignore[no-untyped-call]
+        return rows
+
+
 class Cost(Smooth):
     """Half the squared length of a smooth function: a scalar cost."""
 
@@ -153,6 +166,8 @@ class Part:
     feedback: tuple[str, ...] = ()
     seed: int = 0
     derivative: Any = "model"
+    rows: int = 0
+    each: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -167,7 +182,7 @@ class Blueprint:
     def shapes(self) -> dict[str, tuple[int, ...]]:
         shapes: dict[str, tuple[int, ...]] = {name: (size,) for name, size in self.actuators.items()}
         for part in self.parts:
-            shapes[part.name] = (part.size,)
+            shapes[part.name] = (part.rows, part.size) if part.rows else (part.size,)
             if part.kind in ("ekf", "linear"):
                 shapes[f"P_{part.name}"] = (part.size, part.size)
         return shapes | {"z": (2,)}
@@ -192,6 +207,11 @@ class Blueprint:
         own = {part.name: (part.size,)}
         if part.kind == "function":
             return Function(part.name, Smooth(reads, part.size, part.seed))
+        if part.kind == "anchors":
+            return Function(part.name, Anchors(part.rows, part.size, part.seed))
+        if part.kind == "rowed":  # written for one row
+            each_row = {name: shape[-1:] if name in part.each else shape for name, shape in reads.items()}
+            return Function(part.name, Smooth(each_row, part.size, part.seed), each=part.each)
         matrices = {
             name: 0.5 * normal(part.size, *shape, seed=part.seed + i) for i, (name, shape) in enumerate(reads.items())
         }
@@ -220,13 +240,13 @@ class Blueprint:
         )
 
 
-def blueprint(seed: int, derivatives: Sequence[str] = ("model", "update", "detached_gain")) -> Blueprint:
-    """1-4 layers of 1-2 estimators of every kind, with several actuators and goals; some of them are cyclic."""
+def blueprint(seed: int, derivatives: Sequence[str] = DERIVATIVES, most: int = 4) -> Blueprint:
+    """Some layers of 1-2 estimators of every kind, with several actuators and goals; some of them are cyclic."""
     random = Random(seed)
     actuators = {f"a{i}": random.randint(1, 3) for i in range(random.randint(1, 2))}
     kinds = [
         random.choices(("ekf", "function", "linear", "affine"), (3, 2, 1, 1), k=random.randint(1, 2))
-        for _ in range(random.randint(1, 4))
+        for _ in range(random.randint(1, most))
     ]
     names = [[f"x{i}{j}" for j in range(len(layer))] for i, layer in enumerate(kinds)]
     vectors, everything = list(actuators), list(actuators)
@@ -258,9 +278,44 @@ def blueprint(seed: int, derivatives: Sequence[str] = ("model", "update", "detac
     return Blueprint(actuators, tuple(parts), goals)
 
 
-def blueprints(derivatives: Sequence[str] = ("model", "update", "detached_gain")) -> st.SearchStrategy[Blueprint]:
+def blueprints(derivatives: Sequence[str] = DERIVATIVES) -> st.SearchStrategy[Blueprint]:
     """Random world models."""
     return st.integers(0, 2**32).map(lambda seed: blueprint(seed, derivatives))
+
+
+def with_rows(base: Blueprint, seed: int) -> Blueprint:
+    """The same and a layer with rows: anchors, one or two functions for each of them, and another number of rows."""
+    random = Random(seed)
+    vectors = [*base.actuators, *(part.name for part in base.parts)]
+    lowest = "x00" if random.random() < 0.5 else "a0"
+    parts: list[Part] = []
+
+    def add(kind: str, name: str, reads: Sequence[str] = (), rows: int = 0, each: Sequence[str] = ()) -> None:
+        wired = tuple(dict.fromkeys((*each, *reads)))
+        size, seed = random.randint(1, 3), random.randint(1, 10**6)
+        parts.append(Part(kind, name, size, wired, seed=seed, rows=rows, each=tuple(each)))
+
+    rows = random.randint(1, 4)
+    add("anchors", "r", rows=rows)
+    add("rowed", "y", [lowest, random.choice(vectors)], rows, ["r"])
+    ends = ["y"]
+    if random.random() < 0.6:
+        add("rowed", "w", [random.choice(vectors)], rows, ["r", "y"])
+        ends.append("w")
+    if random.random() < 0.4:
+        add("anchors", "q", rows=rows + 1)
+        add("rowed", "v", [lowest], rows + 1, ["q"])
+        ends.append("v")
+    add("function", "s", [*ends, random.choice(vectors)])
+    first = next(iter(base.goals))
+    goals = {**base.goals, first: (*base.goals[first], "s"), "gr": (random.choice(ends), "s")}
+    return Blueprint(base.actuators, (*base.parts, *parts), goals)
+
+
+def graphs(derivatives: Sequence[str] = DERIVATIVES) -> st.SearchStrategy[Blueprint]:
+    """Random world models, with rows and without."""
+    seeds = st.integers(0, 2**32)
+    return blueprints(derivatives) | seeds.map(lambda seed: with_rows(blueprint(seed, derivatives, most=2), seed))
 
 
 def readings(batch: tuple[int, ...], seed: int) -> dict[str, Tensor]:

@@ -126,6 +126,131 @@ def test_the_dominance_ratio_is_of_the_normalised_magnitudes() -> None:
     assert not rule()(meeting(gradients), fresh(rule(), gradients))[1]["exploring"]
 
 
+# --- against whom
+
+THREE = torch.tensor([[1.0, 0.0], [0.3, 0.9], [-0.8, 0.1]], dtype=torch.float64)
+"""The second strongest is nearly at right angles to the first; the third opposes it."""
+
+
+def test_among_three_the_second_strongest_may_not_be_the_one_that_opposes() -> None:
+    for partner, cosine, conflicting in (("second", 0.3162, False), ("opposing", -0.9923, True)):
+        of = rule(partner=partner)
+        total, state = of(meeting(THREE), fresh(of, THREE))
+        assert bool(state["exploring"]) == conflicting
+        assert float(state["cosine"]) == pytest.approx(cosine, abs=1e-4)
+        assert (abs(float(total[0])) < 1e-9) == conflicting  # it moves in the nullspace of the first
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 2, 0), (2, 1, 0), (2, 0, 1)], ids=str)
+def test_the_partner_does_not_depend_on_the_order(order: tuple[int, ...]) -> None:
+    of = rule(partner="opposing")
+    first, second = (of(meeting(stack), fresh(of, stack)) for stack in (THREE, THREE[list(order)]))
+    torch.testing.assert_close(first[0], second[0])
+    torch.testing.assert_close(first[1]["cosine"], second[1]["cosine"])
+
+
+def test_the_partner_is_the_strongest_of_those_that_oppose() -> None:
+    """Not the one that opposes most."""
+    stack = torch.tensor([[2.0, 0.0], [-0.5, 0.0], [-0.9, 0.9], [1.2, 1.2]], dtype=torch.float64)
+    of = rule(partner="opposing")
+    _, state = of(meeting(stack), fresh(of, stack))
+    assert float(state["cosine"]) == pytest.approx(-math.sqrt(0.5))
+    assert state["exploring"]
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS, ids=str)
+def test_of_two_the_opposing_one_is_the_other(scenario: tuple[bool, float, float, bool]) -> None:
+    """Then both rules begin and end conflicts alike, at the same two thresholds."""
+    before, cosine, ratio, after = scenario
+    gradients = pair(cosine, ratio)
+    of = rule(partner="opposing")
+    memory = fresh(of, gradients) | {"exploring": torch.tensor(before)}
+    total, state = of(meeting(gradients), memory)
+    assert bool(state["exploring"]) == after
+    torch.testing.assert_close(total, rule()(meeting(gradients), memory)[0])
+
+
+def test_an_opposing_partner_is_kept_up_to_the_exit_cosine() -> None:
+    """A conflict with the third lasts while it opposes by the exit cosine; by the enter cosine it would not begin."""
+    of = rule(partner="opposing")
+    seen = []
+    memory = fresh(of, THREE)
+    for cosine in (-0.5, -0.59, -0.61, -0.5, -0.41, -0.39, -0.5, -0.7):
+        third = 0.8 * torch.tensor([cosine, math.sqrt(1 - cosine**2)], dtype=torch.float64)
+        _, memory = of(meeting(torch.stack((THREE[0], THREE[1], third))), memory)
+        seen.append(bool(memory["exploring"]))
+    assert seen == [False, False, True, True, True, False, False, True]
+
+
+@pytest.mark.parametrize("partner", ["second", "opposing"])
+@pytest.mark.parametrize(("length", "conflicting"), [(0.34, True), (0.32, False)])
+def test_the_ratio_is_to_the_partner(partner: Any, length: float, conflicting: bool) -> None:
+    """λ = 3. The strongest of the others counts in the text; the one that opposes, where that is the partner."""
+    stack = torch.tensor([[1.0, 0.0], [-length, 0.0], [0.0, 0.9]], dtype=torch.float64)
+    of = rule(partner=partner)
+    _, state = of(meeting(stack), exploring_memory(stack, of))
+    assert bool(state["exploring"]) == (conflicting and partner == "opposing")
+
+
+def test_the_dominance_ratio_may_be_of_the_magnitudes() -> None:
+    """Lengths of ratio 3.33 have weights of ratio 2.4 with τ = 0.8: only the former exceed λ = 3."""
+    gradients = torch.tensor([[1.0, 0.0], [-0.3, 0.0]], dtype=torch.float64)
+    for ratio_of, conflicting in (("weights", True), ("magnitudes", False)):
+        for partner in ("second", "opposing"):
+            of = NullspaceProjection(exploration=Exploration(ratio_of=ratio_of, partner=partner))  # type: ignore[arg-type]
+            assert bool(of(meeting(gradients), fresh(of, gradients))[1]["exploring"]) == conflicting
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_a_ratio_of_magnitudes_does_not_depend_on_their_unit(scale: float) -> None:
+    of = NullspaceProjection(exploration=Exploration(ratio_of="magnitudes", partner="opposing"))
+    for ratio, conflicting in ((2.99, True), (3.01, False)):
+        gradients = scale * pair(-0.9, ratio)
+        assert bool(of(meeting(gradients), fresh(of, gradients))[1]["exploring"]) == conflicting
+
+
+@pytest.mark.parametrize("exploring", [False, True])
+@pytest.mark.parametrize(
+    "stack",
+    [
+        torch.tensor([[1.0, 0.0], [0.5, 0.5], [0.2, -0.9]]).double(),
+        torch.tensor([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]).double(),
+        torch.zeros(3, 2).double(),
+    ],
+    ids=["none opposes", "the others are zero", "all are zero"],
+)
+def test_where_nothing_opposes_there_is_no_conflict(stack: Tensor, exploring: bool) -> None:
+    of = rule(partner="opposing")
+    memory = fresh(of, stack) | {"exploring": torch.tensor(exploring)}
+    total, state = of(meeting(stack), memory)
+    assert not state["exploring"]
+    pursuit, _ = NullspaceProjection(temperature=None, margin=0.0, exploration=None)(meeting(stack), memory)
+    assert torch.equal(total, pursuit)
+
+
+@pytest.mark.parametrize("batch", BATCHES, ids=str)
+@pytest.mark.parametrize("ratio_of", ["weights", "magnitudes"])
+def test_partners_are_found_row_by_row(batch: tuple[int, ...], ratio_of: Any) -> None:
+    """Against plain loops, on random stacks of four."""
+    stack = normal(*batch, 20, 4, 2, seed=3)
+    of = NullspaceProjection(
+        exploration=Exploration(-0.3, -0.1, ratio=2.0, partner="opposing", ratio_of=ratio_of), margin=0.0
+    )
+    before = normal(*batch, 20, seed=8) > 0
+    _, state = of(meeting(stack), fresh(of, stack) | {"exploring": before})
+    expected = []
+    for gradients, exploring in zip(stack.reshape(-1, 4, 2), before.flatten(), strict=True):
+        norms = gradients.norm(dim=-1)
+        strengths = norms if ratio_of == "magnitudes" else torch.softmax(norms / 0.8, dim=-1)
+        first = int(norms.argmax())
+        cosines = torch.cosine_similarity(gradients[first], gradients, dim=-1)
+        limit = -0.1 if exploring else -0.3
+        against = [i for i in range(4) if i != first and cosines[i] <= limit]
+        expected.append(bool(against) and bool(strengths[first] <= 2.0 * max(strengths[i] for i in against)))
+    assert state["exploring"].flatten().tolist() == expected
+    assert 0 < sum(expected) < len(expected)
+
+
 # --- where to
 
 
@@ -348,7 +473,6 @@ def test_progress_is_measured_under_the_current_belief() -> None:
 def test_paper_literal_has_none_of_the_escapes() -> None:
     literal: Any = make_policy("nav2d", preset="paper_literal")
     assert literal.resolution.exploration.escape == Escape()
-    assert literal.resolution.negligible == 0.0
     assert literal.law.accumulate
     assert (literal.resolution.exploration.enter_cosine, literal.resolution.exploration.exit_cosine) == (-0.6, -0.4)
     assert (literal.resolution.exploration.ratio, literal.resolution.temperature) == (3.0, 0.8)
@@ -448,6 +572,8 @@ def test_an_escape_that_names_no_goal_of_the_model_is_an_error() -> None:
         ({"exit_cosine": math.nan}, "exit_cosine"),
         ({"ratio": 0.9}, "ratio"),
         ({"average_time": 0.0}, "average_time"),
+        ({"partner": "third"}, "partner='third'.*'second' or 'opposing'"),
+        ({"ratio_of": "costs"}, "ratio_of='costs'.*'weights' or 'magnitudes'"),
     ],
 )
 def test_bad_options_are_named(options: dict[str, Any], culprit: str) -> None:

@@ -1,7 +1,7 @@
 """The sweep: on random graphs, cyclic ones included, its sum is the total derivative, and paths are what Eq. 1 says."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
@@ -16,7 +16,7 @@ from _asserts import (
     through_jacobians,
     totals,
 )
-from _inputs import Blueprint, actions, blueprints, in_motion, readings, unlimited
+from _inputs import Blueprint, actions, blueprints, graphs, in_motion, normal, readings, unlimited
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from torch import Tensor
@@ -24,10 +24,12 @@ from torch import Tensor
 from aicon_torch import (
     ActionLaw,
     Actuator,
+    Estimator,
     Exploration,
     Function,
     Goal,
     GraphError,
+    Interconnection,
     NullspaceProjection,
     Policy,
     Sensor,
@@ -68,7 +70,7 @@ def swept(policy: Policy, model: WorldModel, batch: tuple[int, ...]) -> dict[str
     return {name: -memory[name] for name in model.actuators}
 
 
-@given(blueprints(), st.sampled_from([(), (1,), (2, 3)]))
+@given(graphs(), st.sampled_from([(), (1,), (2, 3)]))
 def test_sum_over_paths_is_the_sweep_is_the_total_derivative(blueprint: Blueprint, batch: tuple[int, ...]) -> None:
     model = build(blueprint)
     values, moved, tapes = stepped(model, batch)
@@ -77,7 +79,7 @@ def test_sum_over_paths_is_the_sweep_is_the_total_derivative(blueprint: Blueprin
     assert_equal_gradients(swept(unlimited(model, Sum()), model, batch), total)
 
 
-@given(blueprints())
+@given(graphs())
 def test_factors_of_a_path_are_full_jacobians(blueprint: Blueprint) -> None:
     model = build(blueprint)
     _, _, tapes = stepped(model, ())
@@ -87,14 +89,14 @@ def test_factors_of_a_path_are_full_jacobians(blueprint: Blueprint) -> None:
         )
 
 
-@given(blueprints(derivatives=("model", "update")))
+@given(graphs(derivatives=("model", "update")))
 def test_total_derivative_agrees_with_finite_differences(blueprint: Blueprint) -> None:
     model = build(blueprint)
     values, moved, _ = stepped(model, ())
     assert_equal_gradients(totals(model, values, moved), numeric_totals(model, values, moved), rtol=1e-6)
 
 
-@given(blueprints(), st.sampled_from([(), (3,)]))
+@given(graphs(), st.sampled_from([(), (3,)]))
 def test_steepest_path_is_the_longest_of_all_path_gradients(blueprint: Blueprint, batch: tuple[int, ...]) -> None:
     model = build(blueprint)
     assume(len(model.paths()) <= 60)
@@ -107,7 +109,7 @@ def test_steepest_path_is_the_longest_of_all_path_gradients(blueprint: Blueprint
         torch.testing.assert_close(steepest[actuator], expected, rtol=1e-9, atol=1e-12)
 
 
-@given(blueprints())
+@given(graphs())
 def test_number_of_paths_is_counted_without_walking_them(blueprint: Blueprint) -> None:
     model = build(blueprint)
     paths = list(model.paths())
@@ -122,14 +124,14 @@ def full_rule() -> NullspaceProjection:
     return NullspaceProjection(exploration=Exploration(enter_cosine=-0.1, exit_cosine=0.0, ratio=10.0))
 
 
-@given(blueprints())
+@given(graphs())
 def test_singles_are_rows_of_a_batch(blueprint: Blueprint) -> None:
     model = build(blueprint)
     policy = Policy(model, full_rule(), ActionLaw(gain=0.5))
     assert_rows_stand_alone(policy, [readings((3,), seed) for seed in range(3)], rows=(0, 2))
 
 
-@given(blueprints(), st.randoms(use_true_random=False))
+@given(graphs(), st.randoms(use_true_random=False))
 def test_order_of_the_goals_does_not_matter(blueprint: Blueprint, random: Any) -> None:
     model = build(blueprint)
     names = list(model.goals)
@@ -145,7 +147,7 @@ def test_order_of_the_goals_does_not_matter(blueprint: Blueprint, random: Any) -
             torch.testing.assert_close(first[actuator], second[actuator], rtol=1e-9, atol=1e-12)
 
 
-@given(blueprints())
+@given(graphs())
 def test_gradients_are_finite_and_meet_where_the_memory_says(blueprint: Blueprint) -> None:
     model = build(blueprint)
     policy = Policy(model, full_rule(), ActionLaw(gain=0.5))
@@ -154,7 +156,7 @@ def test_gradients_are_finite_and_meet_where_the_memory_says(blueprint: Blueprin
     readers: dict[str, int] = {}
     for edges in model.edges.values():
         for edge in edges:
-            readers[edge.source] = readers.get(edge.source, 0) + 1
+            readers[edge.source] = readers.get(edge.source, 0) + len(edge.labels)
     assert {key.split("/")[0] for key in memory if key.endswith("/gradients")} == {
         q for q, n in readers.items() if n > 1
     }
@@ -304,3 +306,211 @@ def test_a_factor_scales_the_gradient_of_its_goal(blueprint: Blueprint) -> None:
     for actuator in model.actuators:
         pick = (lambda action, a=actuator: action[a]) if len(model.actuators) > 1 else (lambda action: action)
         torch.testing.assert_close(pick(whole), sum(pick(part) for part in parts), rtol=1e-9, atol=1e-12)
+
+
+# --- quantities with rows
+
+
+def bent(a: Tensor) -> Tensor:
+    return a + 0.3 * torch.sin(2.0 * a)
+
+
+class Row:
+    """One row, nonlinear in both, and different for every seed."""
+
+    def __init__(self, seed: int) -> None:
+        self.scale = 1.0 + 0.3 * seed
+
+    def __call__(self, x: Tensor, r: Tensor) -> Tensor:
+        return torch.sin(self.scale * x * r) + 0.5 * (x - r) ** 2
+
+
+def anchors(count: int) -> Callable[..., Tensor]:
+    """Rows of points that the reading shifts."""
+    points = normal(count, 2, seed=4)
+    return lambda z: points + 0.1 * z.unsqueeze(-2)
+
+
+def distances(*names: str, beside: str | None = None) -> Callable[..., Tensor]:
+    """A cost on all rows of some quantities, each row and component at a weight of its own, and on a vector."""
+    namespace: dict[str, Any] = {"normal": normal, "torch": torch}
+    terms = [f"({n} * normal(*{n}.shape[-2:], seed={7 + i})).sum((-1, -2)) ** 2" for i, n in enumerate(names)]
+    terms += [f"torch.cos({beside}).sum(-1)"] * (beside is not None)
+    exec(f"def cost({', '.join((*names, *([beside] if beside else [])))}): return {' + '.join(terms)}", namespace)
+    function: Callable[..., Tensor] = namespace["cost"]
+    return function
+
+
+def model_of(*estimators: Estimator, goals: Sequence[Goal]) -> WorldModel:
+    return WorldModel(
+        sensors={"z": Sensor(2, "m")},
+        actuators={"a": Actuator(2, "m")},
+        estimators=estimators,
+        goals=goals,
+        dtype=torch.float64,
+    )
+
+
+def rows_of(of: str = "r", /, **families: int) -> list[Estimator]:
+    """Rowed functions of x, each with its number of rows; those with equally many read the same anchors, ``r3``."""
+    placed = [Function(f"{of}{count}", anchors(count)) for count in dict.fromkeys(families.values())]
+    written = {
+        name: Interconnection(Row(seed), inputs=["x", f"{of}{n}"]) for seed, (name, n) in enumerate(families.items())
+    }
+    return [*placed, *(Function(name, row, each=[f"{of}{families[name]}"]) for name, row in written.items())]
+
+
+def moved(policy: Policy, batch: tuple[int, ...] = ()) -> tuple[dict[str, Tensor], dict[str, Tensor]]:
+    """The memory after a step away from rest, and the actions before it."""
+    _, start = policy.predict(readings(batch, 1))
+    start |= actions(policy.model, batch, 3)
+    return policy.predict(readings(batch, 2), start)[1], start
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("batch", [(), (4,), (2, 3)], ids=str)
+def test_each_row_pulls_as_if_the_other_rows_were_constants(count: int, batch: tuple[int, ...]) -> None:
+    goals = [Goal("g", distances("y"))]
+    model = model_of(Function("x", bent), *rows_of(y=count), goals=goals)
+    memory, start = moved(unlimited(model, SteepestPath()), batch)
+    tapes = model.record({**{name: memory[name] for name in model.quantities}, "a": start["a"]})
+    paths = list(model.paths())
+    assert [str(path) for path in paths] == [f"g → y[{row}] → x → a" for row in range(count)]
+    for row, path in enumerate(paths):
+
+        def only(x: Tensor, r: Tensor, row: int = row) -> Tensor:
+            value = Row(0)(x.unsqueeze(-2), r)
+            return torch.where(torch.arange(count).unsqueeze(-1) == row, value, value.detach())
+
+        alone = model_of(Function("x", bent), Function("r", anchors(count)), Function("y", only), goals=goals)
+        expected, _ = moved(unlimited(alone, Sum()), batch)
+        torch.testing.assert_close(along(path, model, tapes), -expected["a"], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("batch", [(), (3,)], ids=str)
+def test_the_steepest_path_may_be_a_row(batch: tuple[int, ...]) -> None:
+    model = model_of(Function("x", bent), *rows_of(y=3, w=2), goals=[Goal("g", distances("y", "w", beside="x"))])
+    policy = unlimited(model, SteepestPath())
+    memory, start = moved(policy, batch)
+    tapes = model.record({**{name: memory[name] for name in model.quantities}, "a": start["a"]})
+    by_label = {str(path): along(path, model, tapes) for path in model.paths()}
+    assert {f"{arrival} → a" for arrival in policy.sweep.arrivals["a"]} == by_label.keys()
+    for index, arrival in enumerate(policy.sweep.arrivals["a"]):  # what is remembered stands under its label
+        torch.testing.assert_close(memory["a/gradients"][..., index, :], by_label[f"{arrival} → a"])
+    stack = torch.stack(list(by_label.values()), dim=-2)
+    longest = stack.norm(dim=-1).argmax(-1)[..., None, None]
+    torch.testing.assert_close(-memory["a"], stack.take_along_dim(longest, -2).squeeze(-2))
+
+
+def added(by_row: bool = True) -> NullspaceProjection:
+    """Gradients are added as they are."""
+    return NullspaceProjection(None, 0.0, "none", by_row=by_row, exploration=None)
+
+
+def arrived(policy: Policy, memory: dict[str, Tensor]) -> dict[frozenset[str], Tensor]:
+    """The gradients at x by the last quantities that they came through."""
+    labels = [frozenset(arrival.trace[-1].split("+")) for arrival in policy.sweep.arrivals["x"]]
+    gradients = memory["x/gradients"].unbind(-2)
+    assert len(set(labels)) == len(labels)
+    return dict(zip(labels, gradients, strict=True))
+
+
+FAMILIES: dict[str, tuple[dict[str, int], list[str]]] = {
+    "one": ({"y": 3}, ["y[0]", "y[1]", "y[2]"]),
+    "two of a kind": ({"y": 2, "w": 2}, ["y[0] w[0]", "y[1] w[1]"]),
+    "two kinds": ({"y": 2, "w": 3}, ["y[0]", "y[1]", "w[0]", "w[1]", "w[2]"]),
+    "three of a kind and another": ({"y": 2, "w": 2, "v": 1, "u": 2}, ["y[0] w[0] u[0]", "y[1] w[1] u[1]", "v[0]"]),
+    "a single row of each": ({"y": 1, "w": 1}, ["y[0] w[0]"]),
+}
+"""Numbers of rows by quantity, and which of them are summed."""
+
+
+@pytest.mark.parametrize(("families", "together"), FAMILIES.values(), ids=FAMILIES.keys())
+@pytest.mark.parametrize("batch", [(), (2, 3)], ids=str)
+def test_by_row_sums_what_comes_from_the_same_row(
+    families: dict[str, int], together: list[str], batch: tuple[int, ...]
+) -> None:
+    """And what comes from elsewhere stays a candidate of its own: another goal's gradient, and another function's."""
+    plain = Function("n", lambda x: torch.tanh(2.0 * x))
+    goals = [Goal("g", distances(*families, beside="n")), Goal("direct", distances(beside="x"))]
+    model = model_of(Function("x", bent), plain, *rows_of(**families), goals=goals)
+    apart, joined = (unlimited(model, added(by_row)) for by_row in (False, True))
+    (alone, start), (summed, _) = moved(apart, batch), moved(joined, batch)
+    by_label = {next(iter(label)): gradient for label, gradient in arrived(apart, alone).items()}
+    rows = {f"{name}[{row}]" for name, count in families.items() for row in range(count)}
+    assert by_label.keys() == rows | {"n", "direct"}
+    expected = [frozenset(labels.split()) for labels in (*together, "n", "direct")]
+    found = arrived(joined, summed)
+    assert found.keys() == set(expected)
+    for labels in expected:
+        torch.testing.assert_close(found[labels], sum(by_label[label] for label in labels))
+    total = totals(model, {name: summed[name] for name in model.quantities}, {"a": start["a"]})
+    for memory in (alone, summed):  # added up, it is the same gradient
+        torch.testing.assert_close(memory["a"], -total["a"], rtol=1e-12, atol=1e-12)
+
+
+def test_by_row_sums_two_families_apart() -> None:
+    model = model_of(
+        Function("x", bent), *rows_of(y=3, w=3, v=2, u=2), goals=[Goal("g", distances("y", "w", "v", "u"))]
+    )
+    policy = unlimited(model, added())
+    memory, start = moved(policy)
+    assert {frozenset("yw"), frozenset("vu")} == {
+        frozenset(label[0] for label in labels) for labels in arrived(policy, memory)
+    }
+    total = totals(model, {name: memory[name] for name in model.quantities}, {"a": start["a"]})
+    torch.testing.assert_close(memory["a"], -total["a"])
+
+
+def test_a_row_that_two_goals_share_is_of_both() -> None:
+    model = model_of(
+        Function("x", bent), *rows_of(y=2, w=2), goals=[Goal("g", distances("y")), Goal("h", distances("w"))]
+    )
+    policy = unlimited(model, added())
+    arrivals = policy.sweep.arrivals["x"]
+    assert [arrival.goals for arrival in arrivals] == 2 * [frozenset("gh")]
+    assert [{part in str(arrival) for part in ("g → y[0]", "h → w[0]")} for arrival in arrivals] == [{True}, {False}]
+    memory, start = moved(policy)
+    total = totals(model, {name: memory[name] for name in model.quantities}, {"a": start["a"]})
+    torch.testing.assert_close(memory["a"], -total["a"])
+
+
+def test_by_row_loses_nothing_where_one_candidate_is_left() -> None:
+    model = model_of(Function("x", bent), *rows_of(y=1, w=1), goals=[Goal("g", distances("y", "w"))])
+    memory, start = moved(unlimited(model, added()))
+    total = totals(model, {name: memory[name] for name in model.quantities}, {"a": start["a"]})
+    torch.testing.assert_close(memory["a"], -total["a"])
+
+
+def test_by_row_keeps_rows_of_unrelated_things_apart() -> None:
+    """Two landmarks and two obstacles: the first landmark has nothing to do with the first obstacle."""
+    model = model_of(
+        Function("x", bent),
+        *rows_of(y=2),
+        *rows_of("o", w=2),
+        goals=[Goal("g", distances("y")), Goal("h", distances("w"))],
+    )
+    arrivals = Sweep(model, added()).arrivals["x"]
+    assert {arrival.goals for arrival in arrivals} == {frozenset("g"), frozenset("h")}
+
+
+def test_a_rowed_quantity_is_one_quantity_where_its_gradients_meet() -> None:
+    """Two goals meet at y: one candidate each, over all components; what leaves comes apart into rows further on."""
+    model = model_of(Function("x", bent), *rows_of(y=3), goals=[Goal("g", distances("y")), Goal("h", distances("y"))])
+    policy = unlimited(model, added(by_row=False))
+    memory, start = moved(policy, (2,))
+    assert memory["y/gradients"].shape == (2, 2, 6)
+    assert [str(arrival) for arrival in policy.sweep.arrivals["x"]] == [f"g+h → y[{row}]" for row in range(3)]
+    total = totals(model, {name: memory[name] for name in model.quantities}, {"a": start["a"]})
+    torch.testing.assert_close(memory["a"], -total["a"])
+
+
+def test_rows_that_meet_elsewhere_are_explained_by_row() -> None:
+    model = model_of(Function("x", bent), *rows_of(y=3), goals=[Goal("g", distances("y"))])
+    policy = unlimited(model, NullspaceProjection(temperature=None))
+    memory, _ = moved(policy)
+    report = policy.explain(memory).meetings["x"]
+    assert [candidate.trace for candidate in report.candidates] == [f"g → y[{row}] → x" for row in range(3)]
+    lengths = memory["x/gradients"].norm(dim=-1)
+    assert [candidate.strength for candidate in report.candidates] == pytest.approx(lengths.tolist())
+    assert report.candidates[int(lengths.argmax())].rank == 0

@@ -6,13 +6,14 @@ from typing import Any
 import pytest
 import torch
 from _asserts import totals
-from _inputs import Blueprint, actions, blueprints, in_motion, readings
+from _inputs import Blueprint, actions, blueprints, graphs, in_motion, normal, readings
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from torch import Tensor
 
 from aicon_torch import (
     EKF,
+    ActionLaw,
     Actuator,
     Affine,
     Estimator,
@@ -22,7 +23,9 @@ from aicon_torch import (
     Interconnection,
     Linear,
     Measurement,
+    Policy,
     Sensor,
+    Sum,
     WorldModel,
 )
 
@@ -88,7 +91,34 @@ def summed_over_everything(a: Tensor) -> Tensor:
     return a.sum()
 
 
-MOVE, TRACK = Function("x", move), tracked()
+def row(x: Tensor, corners: Tensor) -> Tensor:
+    return x * corners
+
+
+def both(x: Tensor, corners: Tensor, four: Tensor) -> Tensor:
+    return x * corners + four
+
+
+def read_whole(w: Tensor, corners: Tensor) -> Tensor:
+    return w * corners
+
+
+def slower(a: Tensor) -> Tensor:
+    return 0.5 * a
+
+
+def corner(z: Tensor) -> Tensor:
+    return torch.stack((z, 2 * z, 3 * z), dim=-2)
+
+
+MOVE, TRACK, CORNERS = Function("x", move), tracked(), Function("corners", corner)
+FOUR = Function("four", lambda z: torch.stack(4 * [z], dim=-2))
+
+
+def far(y: Tensor) -> Tensor:
+    return (y**2).sum((-1, -2))
+
+
 BAD: dict[str, tuple[Callable[[], Any], str]] = {
     "misspelt in a function": (
         lambda: model(Function("x", lambda aa: aa), TRACK),
@@ -154,9 +184,94 @@ BAD: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: model(goals=[Goal("near", near), Goal("idle", lambda z: z.sum(-1))]),
         r"Goal 'idle' depends on no actuator. It reads 'z'",
     ),
+    "rows of what is not read": (
+        lambda: model(MOVE, Function("y", row, each=["r"])),
+        r"Function 'y': each='r', but it reads 'x', 'corners'",
+    ),
+    "rows of different number": (
+        lambda: model(MOVE, CORNERS, FOUR, TRACK, Function("y", both, each=["corners", "four"])),
+        r"'y' cannot be evaluated",
+    ),
+    "rows of different number, one of them not announced": (
+        lambda: model(MOVE, CORNERS, FOUR, TRACK, Function("y", both, each=["corners"])),
+        r"'y' cannot be evaluated",
+    ),
+    "rows that are read as a vector": (
+        lambda: model(MOVE, CORNERS, TRACK, Function("y", row)),
+        r"'y' cannot be evaluated",
+    ),
+    "rows of a plain vector": (
+        lambda: model(MOVE, TRACK, Function("y", lambda x, z: x * z, each=["z"])),
+        r"'y' reads 'z' of shape \(2,\)",
+    ),
+    "rows on a path that are not announced": (
+        lambda: model(
+            MOVE, CORNERS, TRACK, Function("w", row, each=["corners"]), Function("y", read_whole, each=["corners"])
+        ),
+        r"'y' reads 'w' of shape \(3, 2\); expected \(n,\), as each= does not name it",
+    ),
+    "rows beside a matrix": (
+        lambda: model(MOVE, CORNERS, TRACK, Function("y", lambda x, corners, P: x * corners, each=["corners"])),
+        r"'y' reads 'P' of shape \(2, 2\)",
+    ),
+    "a constraint of another size": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[slower, lambda a: a[..., :1]])}),
+        r"of actuator 'a' returns shape \(7, 5, 1\)",
+    ),
+    "a constraint that is no tensor": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[lambda a: 0.0])}),
+        "of actuator 'a' cannot be evaluated",
+    ),
+    "a constraint that sums over the batch": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[lambda a: a.sum()])}),
+        r"of actuator 'a' returns shape \(\)",
+    ),
+    "a constraint that cannot be evaluated": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[lambda a, P: a + P[..., :1]])}),
+        "of actuator 'a' cannot be evaluated",
+    ),
+    "a constraint that is no function": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[0.5])}),
+        "Actuator 'a': constraints",
+    ),
+    "a command that is no function": (lambda: model(actuators={"a": Actuator(2, "m/s", command=0.5)}), "Actuator 'a'"),
+    "a command that leaves no batch free": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", command=lambda a: torch.zeros(2))}),
+        r"of actuator 'a' returns shape \(2,\)",
+    ),
+    "a misspelt constraint": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[slower, lambda aa: aa])}),
+        r"of actuator 'a' reads 'aa', which is not in the graph. Known: 'z', 'a', 'x', 'p', 'P', 'dt'",
+    ),
+    "a misspelt command": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", command=lambda a, x_rob: a + x_rob)}),
+        r"of actuator 'a' reads 'x_rob', which is not in the graph. Known: 'z', 'a', 'x', 'p', 'P', 'dt'",
+    ),
+    "a constraint on a cost": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[lambda a, near: a])}),
+        r"'near', which is not in the graph",
+    ),
+    "a constraint that takes anything": (
+        lambda: model(actuators={"a": Actuator(2, "m/s", constraints=[lambda *inputs: inputs[0]])}),
+        r"'\*inputs' names no quantity",
+    ),
     "an actuator that moves no goal": (
         lambda: model(actuators={"a": Actuator(2, "m/s"), "b": Actuator(1, "m/s")}),
         r"No goal depends on the actuator 'b'. Goals: 'near'",
+    ),
+    "rows that are lost": (
+        lambda: model(
+            MOVE,
+            CORNERS,
+            Function("y", lambda x, corners: (x * corners).sum(-2), each=["corners"]),
+            goals=[Goal("g", lambda y: y.sum(-1))],
+        ),
+        "'y'",
+    ),
+    "rows of the time step": (lambda: model(MOVE, Function("y", lambda x, dt: x * dt, each=["dt"]), TRACK), "'dt'"),
+    "rows named by a string": (
+        lambda: model(MOVE, CORNERS, TRACK, Function("y", row, each="corners"), goals=[Goal("far", far)]),
+        "each='corners'",
     ),
 }
 
@@ -174,7 +289,7 @@ def test_the_same_parts_make_a_model_that_works() -> None:
 # --- order and cycles
 
 
-@given(blueprints(), st.randoms(use_true_random=False))
+@given(graphs(), st.randoms(use_true_random=False))
 def test_estimators_may_be_listed_in_any_order(blueprint: Blueprint, random: Any) -> None:
     parts = [type(part)(**{**vars(part), "feedback": ()}) for part in blueprint.parts]
     straight = Blueprint(blueprint.actuators, tuple(parts), blueprint.goals)
@@ -244,7 +359,7 @@ def test_a_filter_that_nothing_moves_can_stand_in_a_graph() -> None:
 # --- steps
 
 
-@given(blueprints(), st.sampled_from([(), (3,)]))
+@given(graphs(), st.sampled_from([(), (3,)]))
 def test_estimation_alone_gives_the_same_values(blueprint: Blueprint, batch: tuple[int, ...]) -> None:
     try:
         graph = blueprint.build()
@@ -263,7 +378,7 @@ def test_estimation_alone_gives_the_same_values(blueprint: Blueprint, batch: tup
             assert after[name].shape == (*batch, *graph.quantities[name].shape)
 
 
-@given(blueprints())
+@given(graphs())
 def test_the_uncut_model_stands_at_the_values_of_the_step(blueprint: Blueprint) -> None:
     try:
         graph = blueprint.build()
@@ -319,6 +434,66 @@ def test_linear_and_extended_filters_agree_in_a_graph() -> None:
     for name in values[0]:
         torch.testing.assert_close(values[0][name], values[1][name])
     torch.testing.assert_close(*slopes)
+
+
+def test_a_filter_that_only_predicts_remembers_no_gradient() -> None:
+    """Its prediction is linearised under autograd; neither that nor its own last value may stay in the memory."""
+    for size in (1, 2):
+
+        def drift(p: Tensor, x: Tensor, size: int = size) -> Tensor:
+            return torch.sin(p) + x[..., :size]
+
+        alone = EKF("p", "P", predict=drift, noise=0.1, initial=((0.3, 0.2)[:size], 1.0))
+        policy = Policy(model(Function("x", move), alone), Sum(), ActionLaw(1.0))
+        memory = None
+        for _ in range(3):
+            _, memory = policy.predict({"z": normal(2)}, memory)
+            assert not [name for name, value in memory.items() if value.requires_grad]
+
+
+# --- rows
+
+
+def cornered(**options: Any) -> WorldModel:
+    return model(MOVE, CORNERS, Function("y", row, each=["corners"]), goals=[Goal("far", far)], **options)
+
+
+def test_a_function_of_each_row_is_written_for_one() -> None:
+    graph = cornered()
+    assert [str(path) for path in graph.paths()] == [f"far → y[{i}] → x → a" for i in range(3)]
+    assert graph.quantities["y"].shape == (3, 2)
+    for batch in ((), (4,), (3,), (2, 3)):
+        values = graph.initial({"z": normal(*batch, 2)}, batch) | {"a": normal(*batch, 2, seed=1)}
+        after, _ = graph.step(values)
+        expected = [0.1 * values["a"] * i * values["z"] for i in (1, 2, 3)]
+        torch.testing.assert_close(after["y"], torch.stack(expected, dim=-2))
+
+
+def test_functions_of_rows_may_read_rows_and_constants() -> None:
+    """A second rowed function of the same rows, read as a whole by a third, with ``dt`` among the inputs."""
+    graph = model(
+        MOVE,
+        CORNERS,
+        Function("y", row, each=["corners"]),
+        Function("w", lambda y, a, corners, dt: y + dt * a - corners, each=["corners", "y"]),
+        Function("s", lambda w: w.sum(-2)),
+        goals=[Goal("near", lambda s: (s**2).sum(-1))],
+    )
+    assert [str(path) for path in graph.paths()] == [
+        *(f"near → s → w → y[{i}] → x → a" for i in range(3)),
+        *(f"near → s → w[{i}] → a" for i in range(3)),
+    ]
+    assert len(graph.paths()) == 6
+    assert [str(path) for path in graph.paths(max_length=3)] == [f"near → s → w[{i}] → a" for i in range(3)]
+
+
+def test_a_rowed_quantity_can_be_displaced() -> None:
+    graph = cornered()
+    values, _ = graph.step(graph.initial({"z": normal(5, 2)}, (5,)) | {"a": normal(5, 2, seed=1)})
+    shift = normal(5, 3, 2, seed=2)
+    torch.testing.assert_close(graph.displaced_cost("far", "y", shift, values), far(values["y"] + shift))
+    moved = (values["x"] + shift[:, 0]).unsqueeze(-2) * values["corners"]
+    torch.testing.assert_close(graph.displaced_cost("far", "x", shift[:, 0], values), far(moved))
 
 
 # --- displaced costs

@@ -40,7 +40,6 @@ def test_presets_choose_the_rule() -> None:
 def test_options_override_the_preset() -> None:
     policy: Any = make_policy("nav2d", preset="paper_literal", temperature=0.5, accumulate=False, margin=0.2)
     assert (policy.resolution.temperature, policy.resolution.margin, policy.law.accumulate) == (0.5, 0.2, False)
-    assert policy.resolution.negligible == 0.0
     assert make_policy("nav2d", max_speed=0.3).model.actuators["a"].limit == 0.3
     assert make_policy("nav2d", dtype=torch.float32).model.like.dtype == torch.float32
     assert make_policy("nav2d", dt=0.1).model.dt == 0.1

@@ -33,6 +33,51 @@ def test_paths_are_listed_goal_by_goal() -> None:
     assert list(table) == list(table)  # a table can be walked again
 
 
+ROWED = {
+    "g": (Edge("g", "y"), Edge("g", "x")),
+    "y": (Edge("y", "w"), Edge("y", "x", 2)),
+    "w": (Edge("w", "x", 2), Edge("w", "a", 3)),
+    "x": (Edge("x", "a"),),
+}
+"""Rows that are read as a whole by the next rows, with other numbers of rows on different edges."""
+
+
+def test_every_row_is_a_path_in_the_order_of_the_rows() -> None:
+    table = PathTable(ROWED, ("g",), ("a",))
+    assert str(table).splitlines() == [
+        "g → y → w[0] → x → a",
+        "g → y → w[1] → x → a",
+        "g → y → w[0] → a",
+        "g → y → w[1] → a",
+        "g → y → w[2] → a",
+        "g → y[0] → x → a",
+        "g → y[1] → x → a",
+        "g → x → a",
+    ]
+    assert len(table) == len(set(table)) == 8
+
+
+def test_rows_multiply_the_count() -> None:
+    """Two edges with three rows each between all layers, one row, and a number that nobody could walk."""
+    layers = 40
+    edges = {f"x{i}": (Edge(f"x{i}", f"x{i - 1}", 3), Edge(f"x{i}", f"x{i - 1}", 3)) for i in range(1, layers + 1)}
+    table = PathTable({**edges, "g": (Edge("g", f"x{layers}"),), "x0": (Edge("x0", "a", 1),)}, ("g",), ("a",))
+    assert table.count() == 6**layers
+    assert str(next(iter(table))).endswith("x2[0] → x1[0] → x0[0] → a")
+
+
+def test_a_row_counts_as_its_quantity_in_the_length_of_a_path() -> None:
+    for bound, expected in ((1, 0), (2, 1), (3, 6), (4, 8)):
+        table = PathTable(ROWED, ("g",), ("a",), max_length=bound)
+        assert len(table) == len(list(table)) == expected
+
+
+def test_the_labels_of_an_edge_name_its_rows() -> None:
+    assert Edge("y", "x").labels == ("y",)
+    assert Edge("y", "x", 1).labels == ("y[0]",)
+    assert Edge("y", "x", 3).labels == ("y[0]", "y[1]", "y[2]")
+
+
 def test_counting_follows_the_edges() -> None:
     for rungs in (1, 2, 5):
         assert len(ladder(rungs)) == len(list(ladder(rungs))) == 2 ** (rungs + 1)

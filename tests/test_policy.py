@@ -1,7 +1,7 @@
 """Policies: memory goes in and comes out, bad observations are named, rows and episodes are independent."""
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -250,6 +250,201 @@ def two_robots() -> WorldModel:
         goals=[Goal("meet", meet)],
         dtype=torch.float64,
     )
+
+
+# --- constraints and commands
+
+
+def slower(a: Tensor) -> Tensor:
+    return 0.5 * a
+
+
+def rightward(a: Tensor) -> Tensor:
+    return a + torch.tensor([1.0, 0.0], dtype=a.dtype)
+
+
+def off_the_wall(a: Tensor, x: Tensor, wall: Tensor, dt: float) -> Tensor:
+    """No farther to the right than the wall, of which a sensor tells."""
+    return torch.cat((torch.minimum(a[..., :1], (wall - x[..., :1]) / dt), a[..., 1:]), dim=-1)
+
+
+def where_to(a: Tensor, x: Tensor, dt: float) -> Tensor:
+    return x + a * dt
+
+
+def steered(constraints: Sequence[Any] = (), command: Any = None, goal: tuple[float, float] = (3.0, -1.0)) -> Policy:
+    """A point that goes to a goal with at most 2 m/s."""
+
+    def reach(x: Tensor) -> Tensor:
+        return ((x - x.new_tensor(goal)) ** 2).sum(-1)
+
+    track = Linear("x", "P", predict=Affine(x=1.0, a=0.1), noise=0.1, initial=((0.0, 0.0), 1.0), correct=[
+        Measurement(Affine(x=1.0, z=-1.0), 0.1, size=2)
+    ])  # fmt: skip
+    model = WorldModel(
+        sensors={"z": Sensor(2, "m"), "wall": Sensor(1, "m")},
+        actuators={"a": Actuator(2, "m/s", 2.0, constraints, command)},
+        estimators=[track],
+        goals=[Goal("reach", reach)],
+        dt=0.1,
+        dtype=torch.float64,
+    )
+    return Policy(model, Sum(), ActionLaw(10.0))
+
+
+def walled(steps: int, batch: tuple[int, ...] = (), wall: float = 0.1) -> list[dict[str, Tensor]]:
+    return [
+        {"z": 0.1 * normal(*batch, 2, seed=seed), "wall": torch.full((*batch, 1), wall, dtype=torch.float64)}
+        for seed in range(steps)
+    ]
+
+
+def test_constraints_act_one_after_the_other() -> None:
+    (reading,) = walled(1)
+    free = steered().predict(reading)[0]
+    assert torch.equal(steered([slower]).predict(reading)[0], 0.5 * free)
+    one, other = (steered(pair).predict(reading)[0] for pair in ([slower, rightward], [rightward, slower]))
+    right = torch.tensor([1.0, 0.0], dtype=torch.float64)
+    torch.testing.assert_close(one, 0.5 * free + right)
+    torch.testing.assert_close(other, 0.5 * (free + right))
+
+
+def test_a_constraint_reads_what_the_step_has_estimated() -> None:
+    """The estimate after this reading, not the last one, and a sensor's reading that no estimator reads."""
+    policy = steered([off_the_wall])
+    memory, active = None, []
+    for reading in walled(30):
+        action, memory = policy.predict(reading, memory)
+        room = (reading["wall"] - memory["x"][:1]) / 0.1
+        assert action[:1] <= room
+        active.append(bool(action[:1] == room))
+    assert 0 < sum(active) < len(active)
+
+
+def test_the_memory_holds_the_constrained_action_and_the_robot_gets_the_command() -> None:
+    """The action is what the estimates go on with; the command is what is sent."""
+    policy, plain = steered([slower], where_to), steered([slower])
+    memory = other = None
+    for reading in walled(5):
+        command, memory = policy.predict(reading, memory)
+        action, other = plain.predict(reading, other)
+        assert_same_memory(memory, other, 0.0)
+        assert torch.equal(memory["a"], action) and memory["a"].norm() <= 1.0
+        torch.testing.assert_close(command, memory["x"] + 0.1 * action)
+
+
+def test_the_next_step_starts_from_the_constrained_action() -> None:
+    """The low-pass smooths what was done, and the prediction moves by it."""
+    policy = steered([slower])
+    first, second = walled(2)
+    _, memory = policy.predict(first)
+    done, _ = policy.predict(second, memory)
+    wish = steered().predict(second, memory)[0]  # without constraint from the same memory
+    torch.testing.assert_close(done, 0.5 * wish)
+    faked = policy.predict(second, memory | {"a": 2.0 * memory["a"]})[1]
+    assert not torch.allclose(faked["x"], policy.predict(second, memory)[1]["x"])
+
+
+def test_commands_are_of_the_kind_of_the_observation() -> None:
+    policy = steered([slower], where_to)
+    (reading,) = walled(1)
+    command, memory = policy.predict(arrays(reading))
+    assert isinstance(command, np.ndarray) and command.dtype == np.float32
+    expected, same = policy.predict(reading)
+    assert isinstance(expected, Tensor) and expected.dtype == torch.float64
+    assert np.array_equal(command, expected.numpy().astype(np.float32))
+    assert_same_memory(memory, same, 0.0)
+    assert np.array_equal(policy.act(arrays(reading)), command)
+
+
+def test_a_command_may_have_another_size() -> None:
+    def polar(a: Tensor) -> Tensor:
+        return torch.cat((a, a.norm(dim=-1, keepdim=True)), dim=-1)
+
+    for batch in ((), (4,)):
+        (reading,) = walled(1, batch)
+        command, memory = steered(command=polar).predict(reading)
+        torch.testing.assert_close(command, polar(memory["a"]))
+
+
+def test_constrained_singles_are_rows_of_a_batch() -> None:
+    policy, recorded = steered([off_the_wall, slower], where_to), walled(10, (3,))
+    assert_rows_stand_alone(policy, recorded, rows=(0, 2))
+    together, _ = policy.predict(recorded[0])
+    for row in range(3):
+        alone, _ = policy.predict({name: value[row] for name, value in recorded[0].items()})
+        torch.testing.assert_close(alone, together[row])
+
+
+def test_constraints_hold_for_what_the_policy_does_and_not_for_what_was_done() -> None:
+    """An action that somebody else executed moves the estimates as it is."""
+    recorded = walled(3)
+    executed = {"a": torch.tensor([30.0, -40.0], dtype=torch.float64)}
+    plain, limited = steered(), steered([slower, off_the_wall], where_to)
+    for policy in (plain, limited):
+        memory = policy.estimate(recorded[0], None, executed)
+        assert torch.equal(memory["a"], executed["a"])
+    watched = [policy.estimate(recorded[1], policy.estimate(recorded[0]), executed) for policy in (plain, limited)]
+    assert_same_memory(watched[0], watched[1], 0.0)
+    memory = limited.predict(recorded[0])[1]
+    assert torch.equal(limited.estimate(recorded[1], memory)["a"], memory["a"])
+
+
+def test_each_actuator_has_its_own() -> None:
+    def meet(x: Tensor, y: Tensor) -> Tensor:
+        return ((x - y - 1.0) ** 2).sum(-1)
+
+    def follows(b: Tensor, a: Tensor) -> Tensor:
+        return torch.maximum(b, -0.5 * a.abs())  # of a as it was constrained
+
+    model = WorldModel(
+        sensors={"z": Sensor(2, "m")},
+        actuators={
+            "a": Actuator(2, "m", constraints=[slower]),
+            "b": Actuator(2, "m", constraints=[follows], command=lambda b: 10.0 * b),
+        },
+        estimators=[Function("x", lambda a, z: a + z), Function("y", lambda b: 1.0 * b)],
+        goals=[Goal("meet", meet)],
+        dtype=torch.float64,
+    )
+    action, memory = Policy(model, Sum(), ActionLaw(1.0, smoothing=0.0)).predict({"z": np.zeros(2)})
+    assert memory["a"].tolist() == [1.0, 1.0]
+    assert memory["b"].tolist() == [-0.5, -0.5]
+    assert action["a"].tolist() == [1.0, 1.0] and action["b"].tolist() == [-5.0, -5.0]
+
+
+def test_a_constraint_with_parameters_leaves_no_graph_in_the_memory() -> None:
+    class Learned(torch.nn.Module):
+        def __init__(self) -> None:
+            super().__init__()
+            self.factor = torch.nn.Parameter(torch.tensor(0.5, dtype=torch.float64))
+
+        def forward(self, a: Tensor) -> Tensor:
+            return self.factor * a
+
+    policy = steered([Learned()])
+    _, memory = policy.predict(walled(1)[0])
+    assert not [name for name, value in memory.items() if value.requires_grad]
+
+
+def test_a_constraint_follows_the_precision_of_the_model() -> None:
+    class Shifted(torch.nn.Module):
+        def __init__(self) -> None:
+            super().__init__()
+            self.register_buffer("shift", torch.ones(2))
+
+        def forward(self, a: Tensor) -> Tensor:
+            return a + self.shift  # type: ignore[operator]  # a buffer
+
+    policy = steered([Shifted()])
+    assert [buffer.dtype for name, buffer in policy.named_buffers() if name.endswith("shift")] == [torch.float64]
+
+
+def test_a_reading_that_requires_a_gradient_leaves_no_graph_in_the_memory() -> None:
+    reading = {name: value.requires_grad_() for name, value in walled(1)[0].items()}
+    for policy in (steered(), steered([off_the_wall])):
+        _, memory = policy.predict(reading)
+        assert not [name for name, value in memory.items() if value.requires_grad]
 
 
 # --- estimation alone

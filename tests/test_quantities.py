@@ -55,6 +55,19 @@ def test_no_finite_or_infinite_action_escapes_the_limit(action: list[float], lim
         assert within(Actuator(2, "m/s", limit).clip(torch.tensor(action, dtype=dtype)), limit)
 
 
+def test_the_limit_knows_nothing_of_constraints_and_commands() -> None:
+    """Those are the model's to apply: an actuator alone does not know what they read."""
+    plain, more = Actuator(2, "m/s", 0.5), Actuator(2, "m/s", 0.5, [lambda a: 0.0 * a], lambda a, x: a + x)
+    assert (plain.constraints, plain.command) == ((), None)
+    action = normal(3, 2)
+    assert torch.equal(plain.clip(action), more.clip(action))
+
+
+def test_constraints_are_a_sequence() -> None:
+    with pytest.raises(GraphError, match="constraints .*expected a sequence of functions"):
+        Actuator(2, "m/s", 0.5, constraints=lambda a: a)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, (1.0, 0.0), (1.0, 2.0, 3.0), ()])
 def test_a_limit_that_does_not_fit_is_named(limit: Any) -> None:
     with pytest.raises(GraphError, match=r"limit .*expected one positive number"):

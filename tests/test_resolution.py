@@ -237,17 +237,6 @@ def test_magnitudes_stay_without_temperature() -> None:
     assert torch.equal(NullspaceProjection(**TEXT).weigh(norms), norms)
 
 
-def test_negligible_gradients_weigh_nothing() -> None:
-    norms = torch.tensor([1.0, 1e-3, 0.99e-3, 0.0], dtype=torch.float64)
-    bounded, literal = NullspaceProjection(negligible=1e-3, **ALONE), NullspaceProjection(**ALONE)
-    assert (bounded.weigh(norms) > 0).tolist() == [True, True, False, False]
-    assert torch.equal(bounded.weigh(norms)[:2], literal.weigh(norms)[:2])  # the others keep their weight
-    assert (literal.weigh(norms) > 0).all()
-    with_rest = torch.tensor([[1.0, 0.0], [0.0, 1e-4]], dtype=torch.float64)
-    assert resolved(bounded, with_rest)[1] == 0.0
-    assert resolved(literal, with_rest)[1] > 0.1
-
-
 @pytest.mark.parametrize("dtype", DTYPES, ids=str)
 @pytest.mark.parametrize("length", [1e-10, 1e-25, 1e-40, 1e-200, 1e-310])
 def test_a_vanishing_gradient_never_outgrows_its_weight(dtype: torch.dtype, length: float) -> None:
@@ -256,6 +245,55 @@ def test_a_vanishing_gradient_never_outgrows_its_weight(dtype: torch.dtype, leng
     total = resolved(NullspaceProjection(**ALONE), stack)
     assert total[0] > 0.5
     assert total.norm() <= 1.0 + 1e-6
+
+
+# --- relative magnitudes
+
+
+@pytest.mark.parametrize("stack", RANDOM.values(), ids=RANDOM.keys())
+@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1e9])
+@pytest.mark.parametrize("options", [ALONE, {}], ids=["alone", "exploring"])
+def test_relative_weights_do_not_depend_on_the_unit(stack: Tensor, scale: float, options: dict[str, Any]) -> None:
+    rule = NullspaceProjection(relative=True, **options)
+    torch.testing.assert_close(resolved(rule, scale * stack), resolved(rule, stack), rtol=1e-9, atol=1e-12)
+    norms = torch.linalg.vector_norm(stack, dim=-1)
+    torch.testing.assert_close(rule.weigh(scale * norms), rule.weigh(norms))
+    if stack.shape[-2] > 1:  # else there is nothing to weigh against
+        assert not torch.allclose(NullspaceProjection(**ALONE).weigh(norms), rule.weigh(norms), rtol=1e-3)
+
+
+@pytest.mark.parametrize("temperature", [0.1, 0.8, 5.0])
+def test_relative_weights_are_the_softmax_of_shares_of_the_largest(temperature: float) -> None:
+    norms = 30.0 * normal(3, 4).abs()
+    weights = NullspaceProjection(temperature=temperature, relative=True, **ALONE).weigh(norms)
+    shares = norms / norms.amax(-1, keepdim=True)
+    torch.testing.assert_close(weights, torch.softmax(shares / temperature, dim=-1))
+    torch.testing.assert_close(weights.sum(-1), torch.ones(3, dtype=torch.float64))
+    assert torch.equal(weights.argsort(-1), norms.argsort(-1))
+    largest = weights.amax(-1) / weights.amin(-1)
+    assert (largest <= math.exp(1.0 / temperature) * (1 + 1e-12)).all()
+
+
+@pytest.mark.parametrize("dtype", DTYPES, ids=str)
+@pytest.mark.parametrize("stack", DEGENERATE.values(), ids=DEGENERATE.keys())
+def test_relative_weights_of_degenerate_stacks_are_finite(stack: Tensor, dtype: torch.dtype) -> None:
+    gradients = stack.to(dtype)
+    norms = torch.linalg.vector_norm(gradients, dim=-1)
+    for options in (ALONE, {}):
+        rule = NullspaceProjection(relative=True, **options)
+        assert rule.weigh(norms).isfinite().all()
+        total, memory = rule(meeting(gradients), fresh(rule, gradients))
+        assert total.isfinite().all() and all(value.isfinite().all() for value in memory.values())
+        assert (torch.linalg.vector_norm(total, dim=-1) <= 1 + 1e-6).all()
+        if not gradients.any():
+            assert not total.any()
+
+
+def test_without_a_softmax_there_is_nothing_relative() -> None:
+    for stack in RANDOM.values():
+        assert torch.equal(
+            resolved(NullspaceProjection(relative=True, **TEXT), stack), resolved(NullspaceProjection(**TEXT), stack)
+        )
 
 
 # --- magnitudes between meetings
@@ -286,17 +324,9 @@ def test_between_meetings_exploration_is_as_strong_as_what_led_there() -> None:
         assert float(total.norm()) == pytest.approx(length)
 
 
-def test_between_meetings_even_a_negligible_gradient_goes_on() -> None:
-    """What it is worth shows where it meets others again; at the last meeting it weighs nothing."""
-    stack = 1e-5 * torch.tensor([[1.0, 0.0], [0.0, 3.0]], dtype=torch.float64)
-    rule = NullspaceProjection(negligible=1e-3, **ALONE)
-    torch.testing.assert_close(rule(meeting(stack, final=False), fresh(rule, stack))[0], stack[1])
-    assert not rule(meeting(stack, final=True), fresh(rule, stack))[0].any()
-
-
 @pytest.mark.parametrize("stack", DEGENERATE.values(), ids=DEGENERATE.keys())
 def test_restored_magnitudes_are_finite(stack: Tensor) -> None:
-    for options in (ALONE, {"negligible": 1e-3}, {}):
+    for options in (ALONE, {"relative": True}, {}):
         rule = NullspaceProjection(**options)
         assert rule(meeting(stack, final=False), fresh(rule, stack))[0].isfinite().all()
 
@@ -307,7 +337,7 @@ def test_restored_magnitudes_are_finite(stack: Tensor) -> None:
 def test_what_has_vanished_holds_no_rank() -> None:
     stack = torch.zeros(2, 4, 3, dtype=torch.float64)
     stack[0, 2] = torch.tensor([0.0, 1.0, 2.0])
-    rule = NullspaceProjection(negligible=1e-3, **ALONE)
+    rule = NullspaceProjection(**TEXT)
     assert ranks(rule, stack).tolist() == [[2, -1, -1], [-1, -1, -1]]
     assert not resolved(rule, stack)[1].any()
 
@@ -377,7 +407,6 @@ def test_hysteresis_is_of_each_row() -> None:
         ({"temperature": -1.0}, "temperature"),
         ({"temperature": math.nan}, "temperature"),
         ({"margin": -0.1}, "margin"),
-        ({"negligible": -1.0}, "negligible"),
         ({"projector": "ortho"}, "'orthogonal', 'qr', 'pinv', 'none'"),
     ],
 )
@@ -388,6 +417,8 @@ def test_bad_options_are_named(options: dict[str, Any], culprit: str) -> None:
 
 def test_the_defaults_are_those_of_the_paper() -> None:
     rule = NullspaceProjection()
-    assert (rule.temperature, rule.margin, rule.negligible) == (0.8, 0.1, 0.0)
+    assert (rule.temperature, rule.margin) == (0.8, 0.1)
+    assert (rule.relative, rule.by_row) == (False, False)
     assert rule.exploration is not None and rule.exploration.escape == Escape()
     assert (rule.exploration.enter_cosine, rule.exploration.exit_cosine, rule.exploration.ratio) == (-0.6, -0.4, 3.0)
+    assert (rule.exploration.partner, rule.exploration.ratio_of) == ("second", "weights")

@@ -11,7 +11,7 @@ from torch import Tensor
 from aicon_torch import NullspaceProjection
 from aicon_torch.vectors import unit
 
-RULES = [{"temperature": 0.8}, {"temperature": None}, {"temperature": 0.8, "negligible": 1e-3}]
+RULES = [{"temperature": 0.8}, {"temperature": None}, {"temperature": 0.8, "relative": True}]
 
 
 @st.composite

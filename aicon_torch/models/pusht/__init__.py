@@ -142,10 +142,10 @@ class Options:
         """Check what the parts do not check themselves."""
         noises = ("keypoint_noise", "pusher_noise", "slip")
         for name in ("dt", "max_speed", *noises, "rotation", "reach", "reaction"):
-            if not 0 < numbers(name, getattr(self, name), 1)[0]:
+            if not numbers(name, getattr(self, name), 1)[0] > 0:
                 raise OptionError(f"{name}={getattr(self, name)!r}: expected a positive number.")
         for name in ("aim", "intent", "slide_gap", "harm"):
-            if not 0 <= numbers(name, getattr(self, name), 1)[0]:
+            if not numbers(name, getattr(self, name), 1)[0] >= 0:
                 raise OptionError(f"{name}={getattr(self, name)!r}: expected a number >= 0.")
         if not (type(self.delay) is int and self.delay >= 0):
             raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
@@ -217,7 +217,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_substeps": {"substeps": False},
         "no_servo": {"servo": False},
         "second_partner": {"partner": "second"},
-        "as_in_navigation": {"relative": False, "partner": "second", "ratio_of": "weights", "average_time": 1.0},
+        "as_in_text": {"relative": False, "partner": "second", "ratio_of": "weights", "average_time": 1.0},
     }
 )
 """Named options: ours, the baselines, and ours without one part each. Nearer to the text are

@@ -28,12 +28,13 @@ class ContactLimits:
     """A contact is pushed no farther than it helps, and the pusher does not slide far off the side that it pushes.
 
     One pass over the nearest sides takes away from the displacement d what goes beyond, nearest first; where sides form
-    a notch a later one may push it back a little. Toward each side: d·n ≤ max(gap, 0) + s, where n points from the pusher to the side. A push by s moves the object
-    by s·J, so s* = −E·J/|J|² brings the error E nearest to zero along it (a Gauss-Newton step on g = |E|). Where s* > 0
-    it is the bound, within [s_min, s_max]; elsewhere the pusher may not push farther than s_bad.
+    a notch a later one may push it back a little. Toward each side: d·n ≤ max(gap, 0) + s, where n points from the
+    pusher to the side. A push by s moves the object by s·J, so s* = −E·J/|J|² brings the error E nearest to zero along
+    it (a Gauss-Newton step on g = |E|). Where s* > 0 it is the bound, within [s_min, s_max]; elsewhere the pusher may
+    not push farther than s_bad.
 
-    Along the nearest side, if it is of use: |d·t| ≤ 0.7 (distance to the side's end) + 3 px, so that the pusher comes to
-    the end in several steps and leaves it in small ones.
+    Along the nearest side, if it is of use: |d·t| ≤ 0.7 (distance to the side's end) + 3 px, so that the pusher comes
+    to the end in several steps and leaves it in small ones.
 
     Attributes:
         dynamics: What a push does.
