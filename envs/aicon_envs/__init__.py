@@ -21,3 +21,9 @@ register(
     vector_entry_point="aicon_envs.pusht.vector:PushTVectorEnv",
     max_episode_steps=300,
 )
+
+register(
+    id="aicon/PandaPush-v0",
+    entry_point="aicon_envs.panda.environment:PandaPushEnv",
+    max_episode_steps=18_000,
+)

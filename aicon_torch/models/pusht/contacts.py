@@ -53,21 +53,23 @@ class ContactLikelihood:
         reaction: ℓ', px.
         aim: How far outside the side a sought contact is aimed at, px.
         facing: Whether a contact that just happens at a corner counts as far as the side faces the pusher.
+        radius: Radius of the pusher, px.
     """
 
     reach: float
     reaction: float
     aim: float
     facing: bool
+    radius: float = RADIUS
 
     def __call__(self, x_pusher: Tensor, x_contact: Tensor, x_side: Tensor) -> Tensor:
         """The two likelihoods of a contact with one side."""
         point = x_contact.detach()  # the closest point: what its motion adds to a distance is zero
         normal = inward(x_side)
         to_point = point - x_pusher
-        sought = torch.exp(-(norm(to_point - self.aim * normal) - (RADIUS - self.aim)) / self.reach)
+        sought = torch.exp(-(norm(to_point - self.aim * normal) - (self.radius - self.aim)) / self.reach)
         distance = norm(to_point)
-        happens = torch.exp(-(distance - RADIUS) / self.reaction)
+        happens = torch.exp(-(distance - self.radius) / self.reaction)
         if self.facing:
             faces = ((normal * to_point).sum(-1) / distance).clamp(min=0.0).detach()  # a share of the likelihood
             happens = torch.where(interior(point, x_side), happens, faces * happens)

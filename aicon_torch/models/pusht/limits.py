@@ -43,6 +43,7 @@ class ContactLimits:
         harm: s_bad, px.
         slide_gap: Gap to the nearest side below which the second limit acts, px; 0 switches it off.
         sides: Number of sides that are considered, the nearest ones.
+        radius: Radius of the pusher, px.
     """
 
     dynamics: ContactDynamics
@@ -51,6 +52,7 @@ class ContactLimits:
     harm: float = 2.0
     slide_gap: float = 15.0
     sides: int = 4
+    radius: float = RADIUS
 
     def __call__(
         self,
@@ -66,7 +68,7 @@ class ContactLimits:
         """The velocity within the limits, ``(*B, 2)``, px/s."""
         to_contact = x_contact - x_pusher.unsqueeze(-2)
         distance = norm(to_contact)
-        normals, gaps = to_contact / distance.unsqueeze(-1), distance - RADIUS
+        normals, gaps = to_contact / distance.unsqueeze(-1), distance - self.radius
         gain = self.gain(x_contact, normals, x_obj, x_target)
         bounds = gaps.clamp(min=0.0) + torch.where(gain > 0, gain.clamp(*self.push), self.harm)
         nearest = gaps.topk(min(self.sides, gaps.shape[-1]), largest=False).indices
@@ -112,15 +114,17 @@ class SlowApproach:
 
     Attributes:
         length: L of the pose error, px.
+        radius: Radius of the pusher, px.
     """
 
     length: float
+    radius: float = RADIUS
 
     def __call__(
         self, a: Tensor, x_pusher: Tensor, x_contact: Tensor, x_obj: Tensor, x_target: Tensor, dt: float
     ) -> Tensor:
         """The velocity at the limit of speed or below, ``(*B, 2)``, px/s."""
-        gap = norm(x_contact - x_pusher.unsqueeze(-2)).amin(-1) - RADIUS
+        gap = norm(x_contact - x_pusher.unsqueeze(-2)).amin(-1) - self.radius
         near = torch.exp(-gap.clamp(min=0.0) / 20.0)
         cost = norm(pose_error(x_obj, x_target, self.length))
         limit = ((1 - near) * 60.0 + near * 30.0 * (cost / 30.0).clamp(0.1, 1.0)) / dt

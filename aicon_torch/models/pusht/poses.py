@@ -19,9 +19,11 @@ class PoseMotion:
 
     Attributes:
         dynamics: What a push does.
+        radius: Radius of the pusher, px.
     """
 
     dynamics: ContactDynamics
+    radius: float = RADIUS
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor, a: Tensor, dt: float) -> Tensor:
         """The pose (x, y, θ) ``(*B, 3)``.
@@ -38,8 +40,8 @@ class PoseMotion:
         points = closest_point(before, self.dynamics.outline.sides(self.dynamics.outline.placed(pose)))
         distance = norm(points - before)
         nearest = distance.argmin(-1, keepdim=True)
-        point, gap = select(points, nearest), distance.gather(-1, nearest).squeeze(-1) - RADIUS
-        normal = (point - before.squeeze(-2)) / (gap + RADIUS).unsqueeze(-1)
+        point, gap = select(points, nearest), distance.gather(-1, nearest).squeeze(-1) - self.radius
+        normal = (point - before.squeeze(-2)) / (gap + self.radius).unsqueeze(-1)
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
         response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2)).squeeze(-2)
         return x_pose + push.unsqueeze(-1) * response

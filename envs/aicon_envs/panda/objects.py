@@ -1,0 +1,59 @@
+"""The objects to push: those of pushT, in metres, and as thick as a hand can push."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import shapely
+from numpy.typing import ArrayLike
+
+from aicon_envs.pusht.geometry import FloatArray
+from aicon_envs.pusht.objects import OBJECTS, PushObject, make_object
+
+PIXELS_PER_METRE = 600.0
+"""One metre in the units of pushT, whose T is 120 px wide; here it is 0.2 m wide."""
+
+THICKNESS = 0.04
+"""Height of every object, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prism:
+    """An object of uniform density; lengths in m, the origin of its frame in the centroid, at half its height.
+
+    Attributes:
+        name: Its name.
+        corners: The outline, ``(N, 2)``, with positive signed area.
+        parts: Convex polygons ``(n, 2)`` that make it up.
+        radius: Largest distance of a corner from the origin.
+    """
+
+    name: str
+    corners: FloatArray
+    parts: tuple[FloatArray, ...]
+    radius: float
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """The names of the objects."""
+    return tuple(OBJECTS)
+
+
+def resolve_object(object: str | Prism | ArrayLike) -> Prism:
+    """An object by its name, itself, or its outline in m.
+
+    Raises:
+        ValueError: If no object has this name (the message lists the names), or the outline is not usable.
+    """
+    if isinstance(object, Prism):
+        return object
+    if isinstance(object, str):
+        if object not in OBJECTS:
+            raise ValueError(f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y) in m")
+        return _prism(make_object(OBJECTS[object].outline, object))
+    return _prism(make_object(PIXELS_PER_METRE * shapely.get_coordinates(shapely.Polygon(object))))
+
+
+def _prism(planar: PushObject) -> Prism:
+    parts = tuple(part / PIXELS_PER_METRE for part in planar.parts)
+    return Prism(planar.name, planar.outline / PIXELS_PER_METRE, parts, planar.radius / PIXELS_PER_METRE)
