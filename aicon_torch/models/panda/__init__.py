@@ -1,0 +1,343 @@
+"""Pushing with an arm (Sect. "Real-World Transfer: Handling Additional Goal Conflicts").
+
+The contact-based dynamics model of pushT is imported from there and works in its units: metres of the table become
+pixels at 600 to the metre, which makes the T of both worlds the same. Added to it are the joints, the kinematics and
+the goals of height, joint limits and self-collision. All gradients reach the joints through the kinematics.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Literal
+
+import torch
+from torch import Tensor
+
+from aicon_torch.actuation import ActionLaw
+from aicon_torch.errors import OptionError
+from aicon_torch.estimators import EKF, Estimator, Function, Linear
+from aicon_torch.exploration import Exploration
+from aicon_torch.filtering import Measurement
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.panda.body import BodyFrames, JointLimits, SelfCollision
+from aicon_torch.models.panda.kinematics import LEVER, EndEffector, Kinematics
+from aicon_torch.models.panda.limits import ArmLimits
+from aicon_torch.models.panda.robot import PANDA, Robot
+from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point, norm
+from aicon_torch.models.pusht.dynamics import ContactDynamics
+from aicon_torch.models.pusht.limits import ContactLimits, pose_error
+from aicon_torch.models.pusht.outline import Outline
+from aicon_torch.models.pusht.poses import PoseMotion, same
+from aicon_torch.policy import Policy
+from aicon_torch.quantities import Actuator, Sensor
+from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+
+SCALE = 600.0
+"""px per m: the T is 0.2 m wide, that of pushT 120 px."""
+
+T_CORNERS = (
+    *((-0.1, -0.19 / 2.8), (0.1, -0.19 / 2.8), (0.1, -0.05 / 2.8), (0.025, -0.05 / 2.8)),
+    *((0.025, 0.37 / 2.8), (-0.025, 0.37 / 2.8), (-0.025, -0.05 / 2.8), (-0.1, -0.05 / 2.8)),
+)
+"""Corners of the T about its centroid, m."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the arm's policy. Those that pushT has, too, mean the same; lengths of the contact model are in px.
+
+    Attributes:
+        robot: The robot.
+        corners: Corners of the object around its frame, m.
+        sensing: Whether the object is seen by the camera, or its true pose is observed.
+        dt: Time step, s.
+        max_speed: Largest speed of the end effector, m/s.
+        joint_speed: Largest norm of the joints' velocities, rad/s.
+        joint_noise: Standard deviation of an encoder, rad.
+        pose_noise: Standard deviation of an observed pose, px.
+        slip: Standard deviation of what moves the object in a second besides the model, px.
+        rotation: L in radii of gyration.
+        effect: What a contact does.
+        reach: ℓ of contacts that help, px.
+        reaction: ℓ' of contacts that harm, px.
+        aim: How far outside its side a contact that helps is aimed at, px.
+        facing: Whether harm at a corner counts as far as the side faces the pusher.
+        speed_law: pushT's limits near contact, or none.
+        horizon: Time over which they hold, s.
+        slide_gap: Gap below which the tip is kept from sliding off a side, px.
+        push: Least and largest push at a contact that helps within the horizon, px.
+        harm: Largest push at one that harms, px.
+        height: Height of the tip above the table, m.
+        height_tolerance: Deviation from it that g₂ leaves alone, m; 0 in the text.
+        tilt_tolerance: Tilt of the stick that the goal "upright" leaves alone, rad.
+        settle: Least time to arrive at a height, s.
+        limit_margin: m₀ of g₃, rad.
+        limit_weight: w of g₃.
+        collision_margin: d₀ of g₄, m.
+        collision_weight: w of g₄.
+        goals: Which goals there are besides pushing.
+        pullback: How a gradient goes from the end effector to the joints: see :class:`EndEffector`.
+        damping: λ of the pseudo-inverse, m/rad.
+        resolution: Nullspace projection (the paper), the sum (a potential field) or the steepest path (Eq. 2).
+        temperature: τ of the softmax over magnitudes.
+        relative: Whether the softmax is over magnitudes relative to the largest.
+        by_row: Whether the two gradients of a contact are summed before they meet others.
+        margin: Hysteresis of the order.
+        projector: Form of the projection.
+        explore: Whether conflicts are explored.
+        enter_cosine: Cosine below which a conflict begins.
+        exit_cosine: Cosine above which it ends.
+        ratio: λ, by which one gradient must exceed the other to end it.
+        partner: Which gradient is compared with the dominant one.
+        ratio_of: What λ compares.
+        average_time: Time constant of the motion average, s.
+        gain: k of the action law.
+        accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
+        smoothing: Time constant of the low-pass on the velocity, s.
+        dtype: Precision of the estimates.
+    """
+
+    robot: Robot = PANDA
+    corners: Sequence[Sequence[float]] = T_CORNERS
+    sensing: Literal["camera", "pose"] = "pose"
+    dt: float = 0.01
+    max_speed: float = 0.2
+    joint_speed: float = 0.8
+    joint_noise: float = 1e-4
+    pose_noise: float = 0.1
+    slip: float = 5.0
+    rotation: float = 1.55
+    effect: Literal["quasi_static", "sine", "angle"] = "quasi_static"
+    reach: float = 30.0
+    reaction: float = 10.0
+    aim: float = 8.0
+    facing: bool = True
+    speed_law: Literal["contact", "none"] = "contact"
+    horizon: float = 0.1
+    slide_gap: float = 15.0
+    push: tuple[float, float] = (0.5, 5.0)
+    harm: float = 1.0
+    height: float = 0.02
+    height_tolerance: float = 0.001
+    tilt_tolerance: float = 0.02
+    settle: float = 0.2
+    limit_margin: float = 0.25
+    limit_weight: float = 30.0
+    collision_margin: float = 0.05
+    collision_weight: float = 30.0
+    goals: Sequence[str] = ("heights", "upright", "limits", "collisions")
+    pullback: Literal["natural", "transpose"] = "natural"
+    damping: float = 0.02
+    resolution: Literal["nullspace", "sum", "steepest"] = "nullspace"
+    temperature: float | None = 0.8
+    relative: bool = True
+    by_row: bool = True
+    margin: float = 0.1
+    projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
+    explore: bool = True
+    enter_cosine: float = -0.6
+    exit_cosine: float = -0.4
+    ratio: float = 3.0
+    partner: Literal["second", "opposing"] = "opposing"
+    ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
+    average_time: float = 0.4
+    gain: float = 1e9
+    accumulate: bool = False
+    smoothing: float = 0.1
+    dtype: torch.dtype = torch.float64
+
+    def __post_init__(self) -> None:
+        """Check what the parts do not check themselves."""
+        for name, valid in _CHOICES.items():
+            if getattr(self, name) not in valid:
+                raise OptionError(f"{name}={getattr(self, name)!r}: expected one of {', '.join(map(repr, valid))}.")
+        for goal in self.goals:
+            if goal not in GOALS:
+                raise OptionError(f"goals={tuple(self.goals)!r}: expected some of {', '.join(map(repr, GOALS))}.")
+
+
+GOALS = ("heights", "upright", "limits", "collisions")
+"""g₂, one of ours, g₃ and g₄."""
+
+_CHOICES = {
+    "sensing": ("camera", "pose"),
+    "effect": ("quasi_static", "sine", "angle"),
+    "speed_law": ("contact", "none"),
+    "resolution": ("nullspace", "sum", "steepest"),
+    "pullback": ("natural", "transpose"),
+}
+
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "aicon": {},
+        "transpose": {"pullback": "transpose"},
+        "steepest": {"resolution": "steepest"},
+        "potential_field": {"resolution": "sum"},
+        "no_exploration": {"explore": False},
+        "no_upright": {"goals": ("heights", "limits", "collisions")},
+        "no_limits": {"goals": ("heights", "upright", "collisions")},
+        "no_collisions": {"goals": ("heights", "upright", "limits")},
+    }
+)
+"""Named options: ours, baselines, and ours without one part each."""
+
+
+def world_model(options: Options) -> WorldModel:
+    """The graph of the arm, of which that of pushT is a part."""
+    outline = Outline.of([[SCALE * x, SCALE * y] for x, y in options.corners])
+    length = options.rotation * outline.gyration
+    dynamics = ContactDynamics(outline, length, options.effect)
+    kinematics = Kinematics(options.robot, options.damping)
+    sensors = {
+        "z_joints": Sensor(7, "rad", key="q"),
+        "z_target": Sensor(3, "m, m, rad", key="target"),
+        "z_object": Sensor(3, "m, m, rad", key="object_pose", optional=True),
+    }
+    actuator = Actuator(7, "rad/s", limit=options.joint_speed, constraints=[_limits(options, kinematics, dynamics)])
+    return WorldModel(
+        sensors=sensors,
+        actuators={"a": actuator},
+        estimators=[
+            *_arm(options, kinematics),
+            *_object(options, outline, dynamics),
+            Function("x_target", Interconnection(lambda z: outline.center_at(in_pixels(z)), inputs=["z_target"])),
+            Function("x_side", outline.sides),
+            Function("x_contact", closest_point, each=["x_side"]),
+            Function("p_contact", _likelihood(options), each=["x_side", "x_contact"]),
+            Function("x_obj", dynamics),
+        ],
+        goals=[
+            Goal("push", lambda x_obj, x_target: norm(pose_error(x_obj, x_target, length))),
+            *_goals(options),
+        ],
+        dt=options.dt,
+        dtype=options.dtype,
+    )
+
+
+def beyond(cost: Tensor, tolerance: float) -> Tensor:
+    """What a cost ``(*B,)`` exceeds a tolerance by: within it the goal asks for nothing."""
+    return (cost - tolerance).clamp(min=0.0)
+
+
+def in_pixels(pose: Tensor) -> Tensor:
+    """A pose (x, y, θ) ``(*B, 3)`` in m and rad, in px and rad."""
+    return torch.cat((SCALE * pose[..., :2], pose[..., 2:]), dim=-1)
+
+
+def _arm(options: Options, kinematics: Kinematics) -> list[Estimator]:
+    """Joints, end effector, and the stick as the pusher of pushT."""
+    robot = options.robot
+    seen = Measurement(Affine(x_joints=1.0, z_joints=-1.0), options.joint_noise**2, size=7)
+    middle = tuple((low + high) / 2 for low, high in zip(robot.low, robot.high, strict=True))
+    joints = Linear(
+        "x_joints",
+        "P_joints",
+        predict=Affine(x_joints=1.0, a=options.dt),
+        noise=1e-6,
+        initial=(middle, 10.0),
+        correct=[seen],
+    )
+
+    def velocity(x_joints: Tensor, a: Tensor) -> Tensor:
+        jacobian = kinematics.jacobian(kinematics.frames(x_joints.detach()))  # what moved the object is past
+        return SCALE * (jacobian[..., :2, :] @ a.detach().unsqueeze(-1)).squeeze(-1)
+
+    arm: list[Estimator] = [
+        joints,
+        Function("x_ee", EndEffector(kinematics, options.pullback)),
+        Function("x_pusher", lambda x_ee: SCALE * x_ee[..., :2]),
+        Function("v_pusher", velocity),
+        Function("x_heights", lambda x_ee: SCALE * (x_ee[..., 2:3] - options.height)),
+    ]
+    if "collisions" in options.goals:
+        arm.append(Function("x_body", BodyFrames(kinematics, robot)))
+    return arm
+
+
+def _object(options: Options, outline: Outline, dynamics: ContactDynamics) -> list[Estimator]:
+    """The object's pose, and its keypoints there."""
+    motion = PoseMotion(dynamics, SCALE * options.robot.stick_radius)
+
+    def seen(x_pose: Tensor, z_object: Tensor) -> Tensor:
+        return pose_error(x_pose, outline.center_at(in_pixels(z_object)), 1.0)
+
+    def prior(z_object: Tensor) -> tuple[Tensor, Tensor]:
+        return outline.center_at(in_pixels(z_object)), torch.eye(3, dtype=z_object.dtype, device=z_object.device)
+
+    slip, noise = options.slip**2 * options.dt, options.pose_noise**2
+    reading = Interconnection(seen, None, x_pose=lambda z_object: same(z_object))
+    pose = EKF(
+        "x_pose",
+        "P_pose",
+        predict=Interconnection(
+            motion, ["x_pose", "x_pusher", "v_pusher", "dt"], x_pose=lambda x_pusher: same(x_pusher)
+        ),
+        noise=(slip, slip, slip / outline.gyration**2),
+        initial=prior,
+        size=3,
+        correct=[Measurement(reading, (noise, noise, noise / outline.gyration**2), size=3)],
+    )
+    return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
+
+
+def _likelihood(options: Options) -> Callable[..., Tensor]:
+    radius = SCALE * options.robot.stick_radius
+    return ContactLikelihood(options.reach, options.reaction, options.aim, options.facing, radius)
+
+
+def _goals(options: Options) -> list[Goal]:
+    """The goals besides pushing; those of the end effector are in px."""
+    parts: dict[str, Callable[..., Tensor]] = {
+        "heights": lambda x_heights: beyond(norm(x_heights), SCALE * options.height_tolerance),
+        "upright": lambda x_ee: SCALE * beyond(norm(x_ee[..., 3:5]), LEVER * options.tilt_tolerance),
+        "limits": JointLimits(options.robot, options.limit_margin, options.limit_weight),
+        "collisions": SelfCollision(options.robot, options.collision_margin, options.collision_weight),
+    }
+    return [Goal(name, parts[name]) for name in GOALS if name in options.goals]
+
+
+def _limits(options: Options, kinematics: Kinematics, dynamics: ContactDynamics) -> ArmLimits:
+    contact = None
+    if options.speed_law == "contact":
+        least, largest = options.push
+        radius = SCALE * options.robot.stick_radius
+        contact = ContactLimits(
+            dynamics, None, (least, largest), options.harm, options.slide_gap, radius=radius
+        )
+    return ArmLimits(
+        options.robot, kinematics, contact, SCALE, options.max_speed, options.horizon, options.settle
+    )
+
+
+def resolution(options: Options) -> Resolution:
+    """The rule that the options name."""
+    if options.resolution == "sum":
+        return Sum()
+    if options.resolution == "steepest":
+        return SteepestPath()
+    exploration = Exploration(
+        options.enter_cosine,
+        options.exit_cosine,
+        options.ratio,
+        options.average_time,
+        partner=options.partner,
+        ratio_of=options.ratio_of,
+    )
+    return NullspaceProjection(
+        options.temperature,
+        options.margin,
+        options.projector,
+        relative=options.relative,
+        by_row=options.by_row,
+        exploration=exploration if options.explore else None,
+    )
+
+
+def build(options: Options) -> Policy:
+    """The arm's policy."""
+    law = ActionLaw(options.gain, options.accumulate, options.smoothing)
+    return Policy(world_model(options), resolution(options), law)
