@@ -7,7 +7,7 @@ from gymnasium.error import DependencyNotInstalled
 from aicon_baselines.errors import ComparisonError
 from aicon_baselines.task import Task
 
-_MODULES = {"nav2d": "aicon_baselines.nav2d", "pusht": "aicon_baselines.pusht"}
+_MODULES = {"nav2d": "aicon_baselines.nav2d", "pusht": "aicon_baselines.pusht", "panda_push": "aicon_baselines.panda"}
 
 
 def load(name: str) -> Task:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -23,9 +24,12 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.panda.body import BodyFrames, JointLimits, SelfCollision
+from aicon_torch.models.panda.camera import LOOK, CameraFrame, Visibility, to_world
 from aicon_torch.models.panda.kinematics import LEVER, EndEffector, Kinematics
 from aicon_torch.models.panda.limits import ArmLimits
+from aicon_torch.models.panda.perception import Registration
 from aicon_torch.models.panda.robot import PANDA, Robot
+from aicon_torch.models.panda.seeing import BLOB, KEYPOINTS, SeeingPolicy
 from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point, norm
 from aicon_torch.models.pusht.dynamics import ContactDynamics
 from aicon_torch.models.pusht.limits import ContactLimits, pose_error
@@ -54,10 +58,18 @@ class Options:
         corners: Corners of the object around its frame, m.
         sensing: Whether the object is seen by the camera, or its true pose is observed.
         dt: Time step, s.
-        max_speed: Largest speed of the end effector, m/s.
+        max_speed: Largest speed of the tip in the plane, m/s.
         joint_speed: Largest norm of the joints' velocities, rad/s.
         joint_noise: Standard deviation of an encoder, rad.
         pose_noise: Standard deviation of an observed pose, px.
+        sight_noise: Standard deviation of a pose seen in the middle of the image, px.
+        border: k, by which its variance grows toward the border: see :class:`Visibility`.
+        blob_noise: Standard deviation of the object's centre about the middle of what is seen of it, px.
+        trust: Score below which a registration is no reading.
+        place: Where the object is expected before it is seen, m.
+        look: What serves to see better: see :data:`LOOK`.
+        trace_weight: Weight of tr Σ in g₁, 1/px; 0 leaves it out.
+        trace_tolerance: tr Σ that g₁ leaves alone, px²; 0 in the text.
         slip: Standard deviation of what moves the object in a second besides the model, px.
         rotation: L in radii of gyration.
         effect: What a contact does.
@@ -102,12 +114,20 @@ class Options:
 
     robot: Robot = PANDA
     corners: Sequence[Sequence[float]] = T_CORNERS
-    sensing: Literal["camera", "pose"] = "pose"
+    sensing: Literal["camera", "pose"] = "camera"
     dt: float = 0.01
     max_speed: float = 0.2
-    joint_speed: float = 0.8
+    joint_speed: float = 1.6
     joint_noise: float = 1e-4
     pose_noise: float = 0.1
+    sight_noise: float = 0.5
+    border: float = 100.0
+    blob_noise: float = 30.0
+    trust: float = 0.75
+    place: tuple[float, float] = (0.54, 0.0)
+    look: Literal["heading", "orientation", "all"] = "heading"
+    trace_weight: float = 1.0
+    trace_tolerance: float = 4.0
     slip: float = 5.0
     rotation: float = 1.55
     effect: Literal["quasi_static", "sine", "angle"] = "quasi_static"
@@ -124,8 +144,8 @@ class Options:
     height_tolerance: float = 0.001
     tilt_tolerance: float = 0.02
     settle: float = 0.2
-    limit_margin: float = 0.25
-    limit_weight: float = 30.0
+    limit_margin: float = 0.1
+    limit_weight: float = 300.0
     collision_margin: float = 0.05
     collision_weight: float = 30.0
     goals: Sequence[str] = ("heights", "upright", "limits", "collisions")
@@ -168,6 +188,7 @@ _CHOICES = {
     "speed_law": ("contact", "none"),
     "resolution": ("nullspace", "sum", "steepest"),
     "pullback": ("natural", "transpose"),
+    "look": tuple(LOOK),
 }
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -177,6 +198,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "steepest": {"resolution": "steepest"},
         "potential_field": {"resolution": "sum"},
         "no_exploration": {"explore": False},
+        "no_trace": {"trace_weight": 0.0},
         "no_upright": {"goals": ("heights", "limits", "collisions")},
         "no_limits": {"goals": ("heights", "upright", "collisions")},
         "no_collisions": {"goals": ("heights", "upright", "limits")},
@@ -191,11 +213,13 @@ def world_model(options: Options) -> WorldModel:
     length = options.rotation * outline.gyration
     dynamics = ContactDynamics(outline, length, options.effect)
     kinematics = Kinematics(options.robot, options.damping)
-    sensors = {
-        "z_joints": Sensor(7, "rad", key="q"),
-        "z_target": Sensor(3, "m, m, rad", key="target"),
-        "z_object": Sensor(3, "m, m, rad", key="object_pose", optional=True),
-    }
+    sensors = {"z_joints": Sensor(7, "rad", key="q"), "z_target": Sensor(3, "m, m, rad", key="target")}
+    if options.sensing == "pose":
+        sensors["z_object"] = Sensor(3, "m, m, rad", key="object_pose", optional=True)
+    else:
+        sensors[KEYPOINTS] = Sensor(3 * len(options.corners), "m", optional=True)
+        sensors[BLOB] = Sensor(3, "m", optional=True)
+        sensors["z_age"] = Sensor(1, "s", key="image_age")
     actuator = Actuator(7, "rad/s", limit=options.joint_speed, constraints=[_limits(options, kinematics, dynamics)])
     return WorldModel(
         sensors=sensors,
@@ -209,10 +233,7 @@ def world_model(options: Options) -> WorldModel:
             Function("p_contact", _likelihood(options), each=["x_side", "x_contact"]),
             Function("x_obj", dynamics),
         ],
-        goals=[
-            Goal("push", lambda x_obj, x_target: norm(pose_error(x_obj, x_target, length))),
-            *_goals(options),
-        ],
+        goals=[Goal("push", _pushing(options, length)), *_goals(options)],
         dt=options.dt,
         dtype=options.dtype,
     )
@@ -251,8 +272,13 @@ def _arm(options: Options, kinematics: Kinematics) -> list[Estimator]:
         Function("x_ee", EndEffector(kinematics, options.pullback)),
         Function("x_pusher", lambda x_ee: SCALE * x_ee[..., :2]),
         Function("v_pusher", velocity),
-        Function("x_heights", lambda x_ee: SCALE * (x_ee[..., 2:3] - options.height)),
     ]
+    if options.sensing == "pose":
+        arm.append(Function("x_heights", lambda x_ee: SCALE * (x_ee[..., 2:3] - options.height)))
+    else:
+        arm.append(Function("x_cam", CameraFrame(robot, options.look)))
+        arm.append(_top(options))
+        arm.append(Function("x_heights", lambda x_ee, x_top: SCALE * (x_ee[..., 2:3] - x_top + options.height)))
     if "collisions" in options.goals:
         arm.append(Function("x_body", BodyFrames(kinematics, robot)))
     return arm
@@ -261,6 +287,8 @@ def _arm(options: Options, kinematics: Kinematics) -> list[Estimator]:
 def _object(options: Options, outline: Outline, dynamics: ContactDynamics) -> list[Estimator]:
     """The object's pose, and its keypoints there."""
     motion = PoseMotion(dynamics, SCALE * options.robot.stick_radius)
+    if options.sensing == "camera":
+        return _seen_object(options, outline, motion)
 
     def seen(x_pose: Tensor, z_object: Tensor) -> Tensor:
         return pose_error(x_pose, outline.center_at(in_pixels(z_object)), 1.0)
@@ -282,6 +310,73 @@ def _object(options: Options, outline: Outline, dynamics: ContactDynamics) -> li
         correct=[Measurement(reading, (noise, noise, noise / outline.gyration**2), size=3)],
     )
     return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
+
+
+def _seen_object(options: Options, outline: Outline, motion: PoseMotion) -> list[Estimator]:
+    """The object's pose as the camera shows it, its keypoints, and how uncertain it is from there."""
+    variance, middle = options.sight_noise**2, (SCALE * options.place[0], SCALE * options.place[1], 0.0)
+    turn = variance / outline.gyration**2
+    visibility = Visibility(options.robot, SCALE, (variance, variance, turn), options.border, 2 * options.height)
+
+    def seen(x_pose: Tensor, z_keypoints: Tensor, x_cam: Tensor) -> Tensor:
+        points = to_world(x_cam.detach(), z_keypoints.unflatten(-1, (-1, 3)))  # a reading leads no gradient anywhere
+        return pose_error(x_pose, outline.pose(SCALE * points[..., :2]), 1.0)
+
+    def part(x_pose: Tensor, z_blob: Tensor, x_cam: Tensor) -> Tensor:
+        return x_pose[..., :2] - SCALE * to_world(x_cam.detach(), z_blob.unsqueeze(-2))[..., 0, :2]
+
+    def position(z_blob: Tensor) -> Tensor:
+        return torch.eye(3, dtype=z_blob.dtype, device=z_blob.device)[:2]
+
+    slip = options.slip**2 * options.dt
+    pose = EKF(
+        "x_pose",
+        "P_pose",
+        predict=Interconnection(
+            motion, ["x_pose", "x_pusher", "v_pusher", "dt"], x_pose=lambda x_pusher: same(x_pusher)
+        ),
+        noise=(slip, slip, slip / outline.gyration**2),
+        initial=(middle, (60.0**2, 100.0**2, 4.0)),
+        correct=[
+            Measurement(Interconnection(seen, None, x_pose=lambda z_keypoints: same(z_keypoints)), visibility, size=3),
+            Measurement(Interconnection(part, None, x_pose=position), options.blob_noise**2, size=2),
+        ],
+    )
+    return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
+
+
+def _top(options: Options) -> Estimator:
+    """x_top: height of the object's top face, m, from the depth of its keypoints."""
+
+    def level(x_top: Tensor, z_keypoints: Tensor, x_cam: Tensor) -> Tensor:
+        points = to_world(x_cam.detach(), z_keypoints.unflatten(-1, (-1, 3)))  # a reading leads no gradient anywhere
+        return x_top - points[..., 2].mean(-1, keepdim=True)
+
+    def one(z_keypoints: Tensor) -> Tensor:
+        return torch.ones(1, 1, dtype=z_keypoints.dtype, device=z_keypoints.device)
+
+    return EKF(
+        "x_top",
+        "P_top",
+        predict=Affine(x_top=1.0),
+        noise=1e-9,
+        initial=((2 * options.height,), 1e-4),
+        correct=[Measurement(Interconnection(level, None, x_top=one), 1e-6, size=1)],
+    )
+
+
+def _pushing(options: Options, length: float) -> Callable[..., Tensor]:
+    """g₁ = ‖x_obj − x_target‖ + tr Σ_obj, with the angle as a length."""
+
+    def distance(x_obj: Tensor, x_target: Tensor) -> Tensor:
+        return norm(pose_error(x_obj, x_target, length))
+
+    def with_trace(x_obj: Tensor, x_target: Tensor, P_pose: Tensor) -> Tensor:
+        x, y, angle = P_pose.diagonal(dim1=-2, dim2=-1).unbind(-1)
+        trace = beyond(x + y + length**2 * angle, options.trace_tolerance)
+        return distance(x_obj, x_target) + options.trace_weight * trace
+
+    return with_trace if options.sensing == "camera" and options.trace_weight else distance
 
 
 def _likelihood(options: Options) -> Callable[..., Tensor]:
@@ -340,4 +435,9 @@ def resolution(options: Options) -> Resolution:
 def build(options: Options) -> Policy:
     """The arm's policy."""
     law = ActionLaw(options.gain, options.accumulate, options.smoothing)
-    return Policy(world_model(options), resolution(options), law)
+    model, rule = world_model(options), resolution(options)
+    if options.sensing == "pose":
+        return Policy(model, rule, law)
+    registration = Registration(np.array(options.corners, dtype=np.float64), options.robot.intrinsics)
+    kinematics = Kinematics(options.robot)
+    return SeeingPolicy(model, rule, law, registration, kinematics, options.robot, SCALE, options.trust)

@@ -17,7 +17,8 @@ from aicon_torch.models.pusht.limits import ContactLimits
 class ArmLimits(nn.Module):
     """The joint velocities within the limits of the tip and of the joints.
 
-    1. The speed of x_ee is at most `max_speed`, the direction in joint space kept.
+    1. In the plane the tip moves at most at `max_speed`, and at most at a quarter of it up and
+       down and in tilt, and at half of it in heading (all in m/s, see x_ee).
     2. In the plane the tip keeps pushT's limits over the next `horizon`, if there are any.
     3. The tip moves toward its height no faster than it would arrive within `settle`.
     4. No joint is faster than its limit, the direction kept.
@@ -27,7 +28,7 @@ class ArmLimits(nn.Module):
         kinematics: The chain.
         contact: pushT's limits, in px; None for none.
         scale: px per m.
-        max_speed: Largest speed of x_ee, m/s.
+        max_speed: Largest speed of the tip in the plane, m/s.
         horizon: Time over which pushT's limits hold, s.
         settle: Least time to arrive at a height, s.
     """
@@ -44,7 +45,8 @@ class ArmLimits(nn.Module):
     ) -> None:
         super().__init__()
         self.kinematics, self.contact, self.scale = kinematics, contact, scale
-        self.max_speed, self.horizon, self.settle = max_speed, horizon, settle
+        self.horizon, self.settle = horizon, settle
+        self.limits = (max_speed, max_speed / 4, max_speed / 4, max_speed / 2)
         self.register_buffer("speed", torch.tensor(robot.speed, dtype=torch.float64))
 
     def forward(
@@ -61,20 +63,21 @@ class ArmLimits(nn.Module):
         """The velocity of the joints within the limits, ``(*B, 7)``, rad/s."""
         jacobian = self.kinematics.jacobian(self.kinematics.frames(x_joints))
         motion = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
-        speed = torch.linalg.vector_norm(motion, dim=-1, keepdim=True)
-        share = (self.max_speed / speed.clamp(min=1e-12)).clamp(max=1.0)
-        a, motion = a * share, motion * share
-        excess = torch.zeros_like(motion)
+        parts = [
+            part * (limit / torch.linalg.vector_norm(part, dim=-1, keepdim=True).clamp(min=limit))
+            for part, limit in zip(motion.split((2, 1, 2, 1), dim=-1), self.limits, strict=True)
+        ]
+        wanted = torch.cat(parts, dim=-1)
         if self.contact is not None:
-            wish = self.scale * motion[..., :2]
+            wish = self.scale * wanted[..., :2]
             allowed = self.contact(
                 wish, x_pusher, torch.zeros_like(wish), x_contact, x_side, x_obj, x_target, self.horizon
             )
-            excess[..., :2] = (wish - allowed) / self.scale
+            wanted[..., :2] = allowed / self.scale
         needed = -x_heights / (self.scale * self.settle)  # m/s
-        rise = motion[..., 2:3]
+        rise = wanted[..., 2:3]
         settled = torch.where(needed * rise > 0, torch.minimum(rise.abs(), needed.abs()) * rise.sign(), rise)
-        excess[..., 2:3] = rise - settled
-        a = a - self.kinematics.solve(jacobian, excess)
+        wanted[..., 2:3] = settled
+        a = a - self.kinematics.solve(jacobian, motion - wanted)
         fastest = (a.abs() / cast(Tensor, self.speed).to(a)).amax(-1, keepdim=True)
         return a / fastest.clamp(min=1.0)

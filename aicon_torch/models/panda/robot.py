@@ -3,7 +3,9 @@
 A test compares these numbers with those that the physics use.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 Row = tuple[float, float, float, float]
 Point = tuple[float, float, float]
@@ -65,6 +67,13 @@ class Robot:
     capsules: tuple[Capsule, ...] = _CAPSULES
     stick_length: float = 0.30
     stick_radius: float = 0.015
+
+    @classmethod
+    def of(cls, description: Mapping[str, Any]) -> "Robot":
+        """The robot of a description with these names; transforms may have a fourth row."""
+        rows = {name: tuple(map(tuple, description[name][:3])) for name in ("tool", "camera")}
+        frames = tuple(tuple(map(tuple, frame[:3])) for frame in description["frames"])
+        return cls(**{**description, **rows, "frames": frames})
 
 
 PANDA = Robot()
