@@ -7,7 +7,11 @@ from typing import Any
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.policy import Policy
 
-MODELS = {"nav2d": "aicon_torch.models.navigation", "pusht": "aicon_torch.models.pusht", "panda_push": "aicon_torch.models.panda"}
+MODELS = {
+    "nav2d": "aicon_torch.models.navigation",
+    "pusht": "aicon_torch.models.pusht",
+    "panda_push": "aicon_torch.models.panda",
+}
 """The module of each model: its ``Options``, its ``PRESETS`` and ``build(options) -> Policy``."""
 
 

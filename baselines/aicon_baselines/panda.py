@@ -28,7 +28,7 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
 
 
 class _Frozen(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """An environment that stands still once its episode has ended, so that it costs no time."""
+    """An environment that stands still, in the dark, once its episode has ended, so that it costs no time."""
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
@@ -45,7 +45,10 @@ class _Frozen(gymnasium.Wrapper[Any, Any, Any, Any]):
             return self._last
         result = super().step(action)
         if result[2] or result[3]:
-            self._last = result
+            observation = dict(result[0])
+            if "rgb" in observation:
+                observation["rgb"] = np.zeros_like(observation["rgb"])  # there is nothing more to look for
+            self._last = (observation, *result[1:])
         return result
 
 
@@ -63,7 +66,7 @@ def _make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, A
         env = PandaPushEnv(**_ARGUMENTS[condition])
         return _Frozen(gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon))
 
-    return _Episodes([make] * count, copy=False, autoreset_mode=AutoresetMode.DISABLED)
+    return _Episodes([make] * count, autoreset_mode=AutoresetMode.DISABLED)
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:

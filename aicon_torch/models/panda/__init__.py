@@ -5,7 +5,6 @@ pixels at 600 to the metre, which makes the T of both worlds the same. Added to 
 the goals of height, joint limits and self-collision. All gradients reach the joints through the kinematics.
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -30,6 +29,7 @@ from aicon_torch.models.panda.limits import ArmLimits
 from aicon_torch.models.panda.perception import Registration
 from aicon_torch.models.panda.robot import PANDA, Robot
 from aicon_torch.models.panda.seeing import BLOB, KEYPOINTS, SeeingPolicy
+from aicon_torch.models.panda.touch import Felt, Resting, Touching
 from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point, norm
 from aicon_torch.models.pusht.dynamics import ContactDynamics
 from aicon_torch.models.pusht.limits import ContactLimits, pose_error
@@ -66,6 +66,7 @@ class Options:
         border: k, by which its variance grows toward the border: see :class:`Visibility`.
         blob_noise: Standard deviation of the object's centre about the middle of what is seen of it, px.
         trust: Score below which a registration is no reading.
+        feel: Whether the force-torque sensor corrects the object's pose and height.
         place: Where the object is expected before it is seen, m.
         look: What serves to see better: see :data:`LOOK`.
         trace_weight: Weight of tr Σ in g₁, 1/px; 0 leaves it out.
@@ -124,6 +125,7 @@ class Options:
     border: float = 100.0
     blob_noise: float = 30.0
     trust: float = 0.75
+    feel: bool = True
     place: tuple[float, float] = (0.54, 0.0)
     look: Literal["heading", "orientation", "all"] = "heading"
     trace_weight: float = 1.0
@@ -199,6 +201,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "potential_field": {"resolution": "sum"},
         "no_exploration": {"explore": False},
         "no_trace": {"trace_weight": 0.0},
+        "no_touch": {"feel": False},
         "no_upright": {"goals": ("heights", "limits", "collisions")},
         "no_limits": {"goals": ("heights", "upright", "collisions")},
         "no_collisions": {"goals": ("heights", "upright", "limits")},
@@ -217,6 +220,7 @@ def world_model(options: Options) -> WorldModel:
     if options.sensing == "pose":
         sensors["z_object"] = Sensor(3, "m, m, rad", key="object_pose", optional=True)
     else:
+        sensors["z_ft"] = Sensor(6, "N, Nm", key="ft", range=(-100.0, 100.0))
         sensors[KEYPOINTS] = Sensor(3 * len(options.corners), "m", optional=True)
         sensors[BLOB] = Sensor(3, "m", optional=True)
         sensors["z_age"] = Sensor(1, "s", key="image_age")
@@ -239,8 +243,13 @@ def world_model(options: Options) -> WorldModel:
     )
 
 
+def points_of(z_keypoints: Tensor) -> Tensor:
+    """The keypoints of a reading ``(*B, 3N)``, ``(*B, N, 3)``."""
+    return z_keypoints.reshape(*z_keypoints.shape[:-1], -1, 3)
+
+
 def beyond(cost: Tensor, tolerance: float) -> Tensor:
-    """What a cost ``(*B,)`` exceeds a tolerance by: within it the goal asks for nothing."""
+    """By what a cost ``(*B,)`` exceeds a tolerance: within it the goal asks for nothing."""
     return (cost - tolerance).clamp(min=0.0)
 
 
@@ -277,6 +286,7 @@ def _arm(options: Options, kinematics: Kinematics) -> list[Estimator]:
         arm.append(Function("x_heights", lambda x_ee: SCALE * (x_ee[..., 2:3] - options.height)))
     else:
         arm.append(Function("x_cam", CameraFrame(robot, options.look)))
+        arm.append(Function("x_force", Felt(robot.tool_mass, robot.stick_length)))
         arm.append(_top(options))
         arm.append(Function("x_heights", lambda x_ee, x_top: SCALE * (x_ee[..., 2:3] - x_top + options.height)))
     if "collisions" in options.goals:
@@ -319,7 +329,7 @@ def _seen_object(options: Options, outline: Outline, motion: PoseMotion) -> list
     visibility = Visibility(options.robot, SCALE, (variance, variance, turn), options.border, 2 * options.height)
 
     def seen(x_pose: Tensor, z_keypoints: Tensor, x_cam: Tensor) -> Tensor:
-        points = to_world(x_cam.detach(), z_keypoints.unflatten(-1, (-1, 3)))  # a reading leads no gradient anywhere
+        points = to_world(x_cam.detach(), points_of(z_keypoints))  # a reading leads no gradient anywhere
         return pose_error(x_pose, outline.pose(SCALE * points[..., :2]), 1.0)
 
     def part(x_pose: Tensor, z_blob: Tensor, x_cam: Tensor) -> Tensor:
@@ -328,7 +338,7 @@ def _seen_object(options: Options, outline: Outline, motion: PoseMotion) -> list
     def position(z_blob: Tensor) -> Tensor:
         return torch.eye(3, dtype=z_blob.dtype, device=z_blob.device)[:2]
 
-    slip = options.slip**2 * options.dt
+    slip, touching = options.slip**2 * options.dt, Touching(outline, SCALE * options.robot.stick_radius)
     pose = EKF(
         "x_pose",
         "P_pose",
@@ -340,6 +350,7 @@ def _seen_object(options: Options, outline: Outline, motion: PoseMotion) -> list
         correct=[
             Measurement(Interconnection(seen, None, x_pose=lambda z_keypoints: same(z_keypoints)), visibility, size=3),
             Measurement(Interconnection(part, None, x_pose=position), options.blob_noise**2, size=2),
+            *([Measurement(touching, touching.variance, size=1)] if options.feel else []),
         ],
     )
     return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
@@ -349,8 +360,10 @@ def _top(options: Options) -> Estimator:
     """x_top: height of the object's top face, m, from the depth of its keypoints."""
 
     def level(x_top: Tensor, z_keypoints: Tensor, x_cam: Tensor) -> Tensor:
-        points = to_world(x_cam.detach(), z_keypoints.unflatten(-1, (-1, 3)))  # a reading leads no gradient anywhere
+        points = to_world(x_cam.detach(), points_of(z_keypoints))  # a reading leads no gradient anywhere
         return x_top - points[..., 2].mean(-1, keepdim=True)
+
+    resting = Resting()
 
     def one(z_keypoints: Tensor) -> Tensor:
         return torch.ones(1, 1, dtype=z_keypoints.dtype, device=z_keypoints.device)
@@ -361,7 +374,10 @@ def _top(options: Options) -> Estimator:
         predict=Affine(x_top=1.0),
         noise=1e-9,
         initial=((2 * options.height,), 1e-4),
-        correct=[Measurement(Interconnection(level, None, x_top=one), 1e-6, size=1)],
+        correct=[
+            Measurement(Interconnection(level, None, x_top=one), 1e-6, size=1),
+            *([Measurement(Interconnection(resting), resting.variance, size=1)] if options.feel else []),
+        ],
     )
 
 
@@ -400,12 +416,8 @@ def _limits(options: Options, kinematics: Kinematics, dynamics: ContactDynamics)
     if options.speed_law == "contact":
         least, largest = options.push
         radius = SCALE * options.robot.stick_radius
-        contact = ContactLimits(
-            dynamics, None, (least, largest), options.harm, options.slide_gap, radius=radius
-        )
-    return ArmLimits(
-        options.robot, kinematics, contact, SCALE, options.max_speed, options.horizon, options.settle
-    )
+        contact = ContactLimits(dynamics, None, (least, largest), options.harm, options.slide_gap, radius=radius)
+    return ArmLimits(options.robot, kinematics, contact, SCALE, options.max_speed, options.horizon, options.settle)
 
 
 def resolution(options: Options) -> Resolution:

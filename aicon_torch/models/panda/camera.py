@@ -42,7 +42,7 @@ class CameraFrame(nn.Module):
 
 def split(x_cam: Tensor) -> tuple[Tensor, Tensor]:
     """Rotation ``(*B, 3, 3)`` and position ``(*B, 3)`` of the camera."""
-    return x_cam[..., :9].unflatten(-1, (3, 3)), x_cam[..., 9:]
+    return x_cam[..., :9].reshape(*x_cam.shape[:-1], 3, 3), x_cam[..., 9:]
 
 
 def to_world(x_cam: Tensor, points: Tensor) -> Tensor:

@@ -17,8 +17,8 @@ from aicon_torch.models.pusht.limits import ContactLimits
 class ArmLimits(nn.Module):
     """The joint velocities within the limits of the tip and of the joints.
 
-    1. In the plane the tip moves at most at `max_speed`, and at most at a quarter of it up and
-       down and in tilt, and at half of it in heading (all in m/s, see x_ee).
+    1. In the plane the tip moves at most at `max_speed`, and at most at a quarter of it up and down and in tilt, and at
+       half of it in heading (all in m/s, see x_ee).
     2. In the plane the tip keeps pushT's limits over the next `horizon`, if there are any.
     3. The tip moves toward its height no faster than it would arrive within `settle`.
     4. No joint is faster than its limit, the direction kept.
@@ -65,7 +65,7 @@ class ArmLimits(nn.Module):
         motion = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
         parts = [
             part * (limit / torch.linalg.vector_norm(part, dim=-1, keepdim=True).clamp(min=limit))
-            for part, limit in zip(motion.split((2, 1, 2, 1), dim=-1), self.limits, strict=True)
+            for part, limit in zip(torch.split(motion, [2, 1, 2, 1], dim=-1), self.limits, strict=True)
         ]
         wanted = torch.cat(parts, dim=-1)
         if self.contact is not None:

@@ -90,7 +90,7 @@ class Registration:
         return best
 
     def segment(self, view: View) -> tuple[Array, Array, float, NDArray[np.bool_]]:
-        """The top face: points on it and on its edges ``(n, 2)``, m, its height, and where the stick covers the view."""
+        """The top face: points on it and on its edges ``(n, 2)``, m, its height, and where the stick is in front."""
         focal, cx, cy, *_ = self.intrinsics
         red, green, blue = view.rgb.astype(np.int16).transpose(2, 0, 1)
         body = (red > 60) & (2 * red > 3 * np.maximum(green, blue))

@@ -22,7 +22,11 @@ _FRAMES: tuple[tuple[Row, ...], ...] = (
     ((1.0, 0.0, 0.0, 0.088), (0.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, 0.0)),
 )
 _TOOL: tuple[Row, ...] = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.107))
-_CAMERA: tuple[Row, ...] = ((0.0, -0.995004165, -0.099833417, 0.06), (1.0, 0.0, 0.0, 0.0), (0.0, -0.099833417, 0.995004165, 0.03))
+_CAMERA: tuple[Row, ...] = (
+    (0.0, -0.995004165, -0.099833417, 0.06),
+    (1.0, 0.0, 0.0, 0.0),
+    (0.0, -0.099833417, 0.995004165, 0.03),
+)
 _INTRINSICS: tuple[float, ...] = (85.688880405, 79.5, 59.5, 160.0, 120.0)
 _CAPSULES: tuple[Capsule, ...] = (
     (0, (-0.09, 0.0, 0.06), (-0.06, 0.0, 0.06), 0.09),
@@ -55,6 +59,7 @@ class Robot:
         capsules: The shape of the robot.
         stick_length: Length of the stick, m.
         stick_radius: Radius of the stick, m.
+        tool_mass: Mass of stick, camera and mount, kg.
     """
 
     frames: tuple[tuple[Row, ...], ...] = _FRAMES
@@ -67,6 +72,7 @@ class Robot:
     capsules: tuple[Capsule, ...] = _CAPSULES
     stick_length: float = 0.30
     stick_radius: float = 0.015
+    tool_mass: float = 0.25
 
     @classmethod
     def of(cls, description: Mapping[str, Any]) -> "Robot":

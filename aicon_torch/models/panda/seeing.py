@@ -61,7 +61,7 @@ class SeeingPolicy(Policy):
     def read(
         self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None = None
     ) -> dict[str, Any]:
-        """The observation with keypoints and the middle of what is seen instead of the images, NaN where there are none.
+        """The observation with keypoints, or the middle of what is seen, instead of the images; NaN where there are none.
 
         Args:
             observation: As for :meth:`predict`, with ``rgb``, ``depth``, ``image_age``, ``q`` and ``dq``.
@@ -74,9 +74,7 @@ class SeeingPolicy(Policy):
         for key in ("rgb", "depth", AGE, "q", "dq"):
             if key not in observation:
                 raise ObservationError(f"the observation has no {key!r}; it has {', '.join(map(repr, observation))}.")
-        rgb, depth, age, joints, speeds = (
-            np.asarray(observation[key]) for key in ("rgb", "depth", AGE, "q", "dq")
-        )
+        rgb, depth, age, joints, speeds = (np.asarray(observation[key]) for key in ("rgb", "depth", AGE, "q", "dq"))
         batch = joints.shape[:-1]
         count = len(self.registration.corners)
         keypoints, blob = np.full((*batch, count * 3), np.nan), np.full((*batch, 3), np.nan)
@@ -85,7 +83,7 @@ class SeeingPolicy(Policy):
         belief = None if state is None else state["x_pose"].numpy(force=True)
         for row in np.ndindex(batch):
             fresh = before is None or starts[row]
-            if not fresh and age[row][0] > before[row][0] + 1e-6:  # type: ignore[index]
+            if not fresh and age[row][0] > 0 and age[row][0] >= before[row][0]:  # type: ignore[index]
                 continue  # the image is that of the last step
             taken = self.camera(joints[row] - speeds[row] * age[row][0])
             view = View(rgb[row], depth[row], taken[:3, :3], taken[:3, 3])

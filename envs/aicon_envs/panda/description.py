@@ -26,7 +26,8 @@ def describe(model: mujoco.MjModel, width: int, height: int) -> dict[str, Any]:
         ``frames``: for each joint the fixed transform ``(4, 4)`` from the previous link, after which it turns about z;
         ``tool``: that of the tool in the last link; ``camera``: that of the camera in the tool, with z into the image,
         x to its right and y down; ``intrinsics``: f, cₓ, c_y, width and height, px; ``low``, ``high``: joint limits,
-        rad; ``speed``: rad/s; ``capsules``: see :data:`Capsule`; ``stick_length``, ``stick_radius``, m.
+        rad; ``speed``: rad/s; ``capsules``: see :data:`Capsule`; ``stick_length``, ``stick_radius``: m; ``tool_mass``:
+        kg.
     """
     frames = [_transform(model, f"panda_link{index}") for index in range(1, 8)]
     tool = _transform(model, "panda_link8") @ _transform(model, "tool")
@@ -47,6 +48,7 @@ def describe(model: mujoco.MjModel, width: int, height: int) -> dict[str, Any]:
         "capsules": tuple(capsules()),
         "stick_length": scene.STICK_LENGTH,
         "stick_radius": scene.STICK_RADIUS,
+        "tool_mass": scene.TOOL_MASS,
     }
 
 

@@ -182,7 +182,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
 
     def picture(self, camera: str) -> NDArray[np.uint8]:
         """A picture of the camera "outside" or "hand"."""
-        return self._camera(f"show {camera}", camera, *self._shown).color(self._simulation.data)
+        return self._camera(f"show {camera}", camera, *self._shown)(self._simulation.data)[0]
 
     def close(self) -> None:
         """Give the contexts of the cameras back."""
@@ -235,9 +235,9 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
             return observation | {"object_pose": simulation.pose}
         if self._steps % 5 == 0:
             camera = self._camera("hand", "hand", *self._size)
-            depth = camera.depth(simulation.data)
+            color, depth = camera(simulation.data)
             depth += self.np_random.normal(0.0, depth_noise, depth.shape).astype(np.float32)
-            self._images.append((self._steps, camera.color(simulation.data), depth.clip(0.0, 10.0)))
+            self._images.append((self._steps, color, depth.clip(0.0, 10.0)))
         while len(self._images) > 1 and self._images[1][0] <= self._steps - self._delay:
             self._images.pop(0)
         taken, color, depth = self._images[0]
@@ -263,7 +263,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
             "limit_margin": simulation.limit_margin,
         }
 
-    def _observation_space(self) -> spaces.Dict:
+    def _observation_space(self) -> spaces.Space[Observation]:
         width, height = self._size
 
         def box(bound: float, *shape: int) -> spaces.Box:
@@ -276,8 +276,8 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
             "target": box(2 * math.pi, 3),
         }
         if self.obs_type == "pose":
-            return spaces.Dict(parts | {"object_pose": box(_LARGE, 3)})
+            return cast("spaces.Space[Observation]", spaces.Dict(parts | {"object_pose": box(_LARGE, 3)}))
         parts["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
         parts["depth"] = spaces.Box(0.0, 10.0, (height, width), np.float32)
         parts["image_age"] = spaces.Box(0.0, _LARGE, (1,), np.float64)
-        return spaces.Dict(parts)
+        return cast("spaces.Space[Observation]", spaces.Dict(parts))

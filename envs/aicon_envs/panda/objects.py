@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cache
 
-import shapely
+import numpy as np
 from numpy.typing import ArrayLike
 
 from aicon_envs.pusht.geometry import FloatArray
@@ -51,7 +51,7 @@ def resolve_object(object: str | Prism | ArrayLike) -> Prism:
         if object not in OBJECTS:
             raise ValueError(f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y) in m")
         return _prism(make_object(OBJECTS[object].outline, object))
-    return _prism(make_object(PIXELS_PER_METRE * shapely.get_coordinates(shapely.Polygon(object))))
+    return _prism(make_object(PIXELS_PER_METRE * np.asarray(object, dtype=np.float64)))
 
 
 def _prism(planar: PushObject) -> Prism:

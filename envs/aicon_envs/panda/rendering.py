@@ -22,33 +22,39 @@ class Camera:
 
     def __init__(self, model: mujoco.MjModel, name: str, width: int, height: int) -> None:
         self.name = name
+        self._option, self._camera = mujoco.MjvOption(), mujoco.MjvCamera()
+        self._camera.type, self._camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(name).id
+        self._model, self._rectangle = model, mujoco.MjrRect(0, 0, width, height)
+        self._scene = mujoco.MjvScene(model, maxgeom=200)
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
+        self._color, self._depth = np.zeros((height, width, 3), np.uint8), np.zeros((height, width), np.float32)
         try:
-            self._renderer = mujoco.Renderer(model, height, width)
+            self._gl = mujoco.GLContext(width, height)
+            self._gl.make_current()
+            self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         except (ImportError, AttributeError, RuntimeError, mujoco.FatalError) as error:  # whatever a driver lacks
             raise RuntimeError(
-                f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL', 'not set')}: {error}). Without a display "
-                "it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa. "
+                f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL', 'not set')}: {error}). Without a "
+                "display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa. "
                 "`import aicon_envs.panda` before `import mujoco`, which reads MUJOCO_GL, chooses between them."
             ) from error
-        self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
-        self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
-    def color(self, data: mujoco.MjData) -> NDArray[np.uint8]:
-        """The picture, ``(height, width, 3)``."""
-        self._renderer.update_scene(data, self.name)
-        picture: NDArray[np.uint8] = self._renderer.render().copy()
-        return picture
-
-    def depth(self, data: mujoco.MjData) -> NDArray[np.float32]:
-        """Distance along the optical axis, ``(height, width)``, m."""
-        self._renderer.enable_depth_rendering()
-        try:
-            self._renderer.update_scene(data, self.name)
-            picture: NDArray[np.float32] = self._renderer.render().copy()
-        finally:
-            self._renderer.disable_depth_rendering()
-        return picture
+    def __call__(self, data: mujoco.MjData) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """The picture ``(height, width, 3)`` and the distance along the optical axis ``(height, width)``, m."""
+        self._gl.make_current()
+        mujoco.mjv_updateScene(
+            self._model, data, self._option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
+        )
+        mujoco.mjr_render(self._rectangle, self._scene, self._context)
+        mujoco.mjr_readPixels(self._color, self._depth, self._rectangle, self._context)
+        extent = self._model.stat.extent
+        near, far = self._model.vis.map.znear * extent, self._model.vis.map.zfar * extent
+        depth = near / (1.0 - self._depth * (1.0 - near / far))
+        return self._color[::-1].copy(), depth[::-1].astype(np.float32)
 
     def close(self) -> None:
         """Give the context back."""
-        self._renderer.close()
+        self._context.free()
+        self._gl.free()

@@ -161,10 +161,8 @@ def _add_robot(spec: mujoco.MjSpec) -> None:
     for link in ("panda_link6", "panda_link7"):
         spec.add_exclude(bodyname1="tool", bodyname2=link)  # the stick begins inside the flange
     spec.add_exclude(bodyname1="panda_link5", bodyname2="panda_link7")  # whose meshes touch
-    spec.add_sensor(name="force", type=mujoco.mjtSensor.mjSENS_FORCE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="wrench")
-    spec.add_sensor(
-        name="torque", type=mujoco.mjtSensor.mjSENS_TORQUE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="wrench"
-    )
+    for name, kind in (("force", mujoco.mjtSensor.mjSENS_FORCE), ("torque", mujoco.mjtSensor.mjSENS_TORQUE)):
+        spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="wrench")
 
 
 def _add_world(spec: mujoco.MjSpec) -> None:
@@ -189,9 +187,7 @@ def _add_world(spec: mujoco.MjSpec) -> None:
         conaffinity=_ROBOT | _OBJECT,
     )
     world.add_light(pos=[0.4, -0.6, 1.8], dir=[0.1, 0.3, -1.0], castshadow=False, diffuse=[0.35] * 3, specular=[0] * 3)
-    world.add_camera(
-        name="outside", pos=[1.45, -0.85, 0.80], xyaxes=[0.62, 0.785, 0.0, -0.38, 0.30, 0.875], fovy=42.0
-    )
+    world.add_camera(name="outside", pos=[1.45, -0.85, 0.80], xyaxes=[0.62, 0.785, 0.0, -0.38, 0.30, 0.875], fovy=42.0)
 
 
 def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float) -> None:

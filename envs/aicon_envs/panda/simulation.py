@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.panda import scene
 from aicon_envs.panda.objects import THICKNESS
 
 FloatArray = NDArray[np.float64]
@@ -132,9 +131,7 @@ class Simulation:
         """
         data = mujoco.MjData(self.model)
         data.qpos[:7] = HOME
-        goal = np.array(
-            [[math.cos(yaw), math.sin(yaw), 0.0], [math.sin(yaw), -math.cos(yaw), 0.0], [0.0, 0.0, -1.0]]
-        )
+        goal = np.array([[math.cos(yaw), math.sin(yaw), 0.0], [math.sin(yaw), -math.cos(yaw), 0.0], [0.0, 0.0, -1.0]])
         position, rotation = np.zeros((3, self.model.nv)), np.zeros((3, self.model.nv))
         for _ in range(200):
             mujoco.mj_kinematics(self.model, data)
