@@ -153,8 +153,8 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         pose, target = self._draw_pose(), self._draw_pose()
         pose = np.asarray(options.get("object_pose", pose), dtype=np.float64)
         self._target = np.asarray(options.get("target_pose", target), dtype=np.float64)
-        tip, yaw = self._draw_tip(pose), self.np_random.uniform(-0.6, 0.6)
-        tip = np.asarray(options.get("tip", tip), dtype=np.float64)
+        yaw = self.np_random.uniform(-0.6, 0.6)
+        tip = np.asarray(options["tip"], dtype=np.float64) if "tip" in options else self._draw_tip(pose)
         self._simulation.start((*tip, CONTACT_HEIGHT), float(options.get("yaw", yaw)), pose)
         self._kick = self.np_random.uniform(-math.pi, math.pi)
         self._steps = 0
@@ -209,10 +209,11 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         """A place for the tip beside the object, 4 to 12 cm from it."""
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         outline = shapely.Polygon(self.object.corners @ np.array([[cos, sin], [-sin, cos]]) + pose[:2])
-        while True:
+        for _ in range(1000):
             tip = np.array([self.np_random.uniform(0.42, 0.66), self.np_random.uniform(-0.22, 0.22)])
             if 0.04 < outline.distance(shapely.Point(tip)) - scene.STICK_RADIUS < 0.12:
                 return tip
+        raise ValueError(f"object_pose={pose.tolist()}: no place for the tip beside it; name one as the option tip")
 
     def _push(self) -> FloatArray | None:
         """The force from outside in this step, if there is one."""

@@ -1,6 +1,7 @@
 """Pictures without a display: EGL, or OSMesa where there is no EGL."""
 
 import os
+import weakref
 
 import mujoco
 import numpy as np
@@ -39,6 +40,7 @@ class Camera:
                 "display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa. "
                 "`import aicon_envs.panda` before `import mujoco`, which reads MUJOCO_GL, chooses between them."
             ) from error
+        self._free = weakref.finalize(self, _free, self._context, self._gl)  # while OpenGL is still there
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
     def __call__(self, data: mujoco.MjData) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
@@ -56,5 +58,10 @@ class Camera:
 
     def close(self) -> None:
         """Give the context back."""
-        self._context.free()
-        self._gl.free()
+        self._free()
+
+
+def _free(context: mujoco.MjrContext, gl: mujoco.GLContext) -> None:
+    gl.make_current()
+    context.free()
+    gl.free()
