@@ -154,10 +154,10 @@ def test_unseen_the_object_becomes_uncertain_and_the_policy_goes_on():
         "image_age": np.zeros(1),
         "q": HOME.numpy(),
         "dq": np.zeros(7),
-        "ft": np.zeros(6),
+        "ft": np.array([0.0, 0.0, -2.4525, 0.0, 0.0, 0.0]),
         "target": np.array([0.54, 0.0, 0.0]),
     }
-    action, memory = policy.predict(image)
+    _, memory = policy.predict(image)
     first = memory["P_pose"].diagonal().sum()
     for _ in range(5):
         action, memory = policy.predict(image, memory)
@@ -165,7 +165,9 @@ def test_unseen_the_object_becomes_uncertain_and_the_policy_goes_on():
 
 
 def test_the_robot_is_that_of_the_physics(kinematics):
-    mujoco = pytest.importorskip("aicon_envs.panda")
+    pytest.importorskip("aicon_envs.panda")
+    import mujoco
+
     from aicon_envs.panda import PandaPushEnv
 
     env = PandaPushEnv(obs_type="pose")

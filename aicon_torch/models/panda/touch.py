@@ -40,14 +40,16 @@ class Touching:
     Attributes:
         outline: The object.
         radius: Of the stick, px.
-        certainty: Standard deviation of the gap under a clear push, px.
-        threshold: Force by which a push becomes clear, N.
+        certainty: Standard deviation σ of the gap under a clear push, px; it is felt at every step.
+        threshold: Force at which a push is as likely as not, N: a tool that is accelerated feels less.
+        width: By how much more it becomes likely, N.
     """
 
     outline: Outline
     radius: float
-    certainty: float = 2.0
-    threshold: float = 0.7
+    certainty: float = 10.0
+    threshold: float = 1.2
+    width: float = 0.1
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor) -> Tensor:
         """The gap, ``(*B, 1)``, px."""
@@ -58,9 +60,9 @@ class Touching:
         return norm(select(points, nearest) - pusher.squeeze(-2)).unsqueeze(-1) - self.radius
 
     def variance(self, x_force: Tensor) -> Tensor:
-        """Its variance, ``(*B, 1)``, px²: beyond use without a push."""
-        push = norm(x_force.detach()[..., :2]) / self.threshold
-        return (self.certainty**2 + 1e6 * torch.exp(-push * push)).unsqueeze(-1)
+        """Its variance σ²/p² with the likelihood p of a push, ``(*B, 1)``, px²: beyond use without one."""
+        push = torch.sigmoid((norm(x_force.detach()[..., :2]) - self.threshold) / self.width)
+        return (self.certainty / push).square().unsqueeze(-1)
 
 
 @dataclass(frozen=True)
@@ -68,10 +70,12 @@ class Resting:
     """An implicit interconnection: where the stick is pushed up, what is below it is as high as its tip.
 
     Attributes:
-        threshold: Force by which this becomes clear, N.
+        threshold: Force at which this is as likely as not, N.
+        width: By how much more it becomes likely, N.
     """
 
     threshold: float = 2.0
+    width: float = 0.15
 
     def __call__(self, x_top: Tensor, x_ee: Tensor) -> Tensor:
         """Height of the top above the tip, ``(*B, 1)``, m."""
@@ -79,5 +83,5 @@ class Resting:
 
     def variance(self, x_force: Tensor) -> Tensor:
         """Its variance, ``(*B, 1)``, m²."""
-        push = x_force[..., 2:3].detach().clamp(min=0.0) / self.threshold
-        return 1e-5 + 1e2 * torch.exp(-push * push)
+        push = torch.sigmoid((x_force[..., 2:3].detach() - self.threshold) / self.width)
+        return 1e-5 / push.square()
