@@ -61,7 +61,7 @@ class SeeingPolicy(Policy):
     def read(
         self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None = None
     ) -> dict[str, Any]:
-        """The observation with keypoints, or the middle of what is seen, instead of the images; NaN where there are none.
+        """The observation with keypoints, or the middle of what is seen, instead of images; NaN where there are none.
 
         Args:
             observation: As for :meth:`predict`, with ``rgb``, ``depth``, ``image_age``, ``q`` and ``dq``.

@@ -7,6 +7,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+_HELP = (
+    "Without a display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa; "
+    "`import aicon_envs.panda` before `import mujoco`, which reads MUJOCO_GL, chooses between them."
+)
+
 
 class Camera:
     """A camera of the scene.
@@ -36,9 +41,7 @@ class Camera:
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         except (ImportError, AttributeError, RuntimeError, mujoco.FatalError) as error:  # whatever a driver lacks
             raise RuntimeError(
-                f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL', 'not set')}: {error}). Without a "
-                "display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa. "
-                "`import aicon_envs.panda` before `import mujoco`, which reads MUJOCO_GL, chooses between them."
+                f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}). {_HELP}"
             ) from error
         self._free = weakref.finalize(self, _free, self._context, self._gl)  # while OpenGL is still there
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
