@@ -11,7 +11,7 @@ RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install test test-all compare figures benchmark lint format clean
+.PHONY: help install test test-all compare panda figures benchmark lint format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -42,6 +42,14 @@ compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and p
 	@$(MAKE) --no-print-directory figures
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
+
+panda: $(INSTALLED) ## Install what the arm needs and compare its policies; rendering needs system packages
+	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all,panda]"
+	@$(RUN) -c 'import aicon_envs.panda as p; p.PandaPushEnv().reset(seed=0)' || { \
+	  echo "The arm cannot be rendered here. On Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"; exit 1; } >&2
+	$(RUN) scripts/compare.py --task panda_push --policies aicon steepest --conditions camera true_pose \
+	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda
+	$(RUN) scripts/figures.py panda --out $(OUT)/panda
 
 figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task
 	$(RUN) scripts/figures.py nav2d --out $(OUT)/nav2d

@@ -38,7 +38,7 @@ def main() -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--task", required=True, help="name of the task, nav2d or pusht")
+    parser.add_argument("--task", required=True, help="name of the task: nav2d, pusht or panda_push")
     parser.add_argument("--policies", nargs="+", required=True, metavar="NAME", help="policies to compare")
     parser.add_argument(
         "--sb3-path", nargs="+", default=[], type=Path, metavar="FOLDER", help="agents that 'sb3' in --policies means"

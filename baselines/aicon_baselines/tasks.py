@@ -7,7 +7,11 @@ from gymnasium.error import DependencyNotInstalled
 from aicon_baselines.errors import ComparisonError
 from aicon_baselines.task import Task
 
-_MODULES = {"nav2d": "aicon_baselines.nav2d", "pusht": "aicon_baselines.pusht", "panda_push": "aicon_baselines.panda"}
+_MODULES = {
+    "nav2d": "aicon_baselines.nav2d",
+    "pusht": "aicon_baselines.pusht",
+    "panda_push": "aicon_baselines.panda",
+}
 
 
 def load(name: str) -> Task:
@@ -17,5 +21,6 @@ def load(name: str) -> Task:
     try:
         task: Task = import_module(_MODULES[name]).TASK
     except (ModuleNotFoundError, DependencyNotInstalled) as error:
-        raise ComparisonError(f"{error}; the task {name!r} needs: pip install 'aicon-torch[{name}]'") from error
+        extra = name.partition("_")[0]
+        raise ComparisonError(f"{error}; the task {name!r} needs: pip install 'aicon-torch[{extra}]'") from error
     return task
