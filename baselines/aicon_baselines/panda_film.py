@@ -108,7 +108,7 @@ def record(policy: Policy, seed: int, horizon: int) -> Film:
 def draw(film: Film) -> Iterator[NDArray[np.uint8]]:
     """The pictures of the film."""
     figure = Figure(figsize=(9.6, 6.4), dpi=100)
-    views = [figure.add_axes((0.01, 0.45, 0.54, 0.53)), figure.add_axes((0.56, 0.45, 0.43, 0.53))]
+    views = [figure.add_axes((0.01, 0.44, 0.54, 0.51)), figure.add_axes((0.56, 0.44, 0.43, 0.51))]
     shown = [axes.imshow(pictures[0]) for axes, pictures in zip(views, (film.outside, film.hand), strict=True)]
     for axes, title in zip(views, ("outside", "camera in the hand"), strict=True):
         axes.set_axis_off()

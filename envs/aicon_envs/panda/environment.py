@@ -156,6 +156,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         yaw = self.np_random.uniform(-0.6, 0.6)
         tip = np.asarray(options["tip"], dtype=np.float64) if "tip" in options else self._draw_tip(pose)
         self._simulation.start((*tip, CONTACT_HEIGHT), float(options.get("yaw", yaw)), pose)
+        self._simulation.show_target(self._target)
         self._kick = self.np_random.uniform(-math.pi, math.pi)
         self._steps = 0
         self._images: list[tuple[int, NDArray[Any], NDArray[Any]]] = []
@@ -192,7 +193,8 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
 
     def _camera(self, key: str, name: str, width: int, height: int) -> Camera:
         if key not in self._cameras:
-            self._cameras[key] = Camera(self._simulation.model, name, width, height)
+            shows = (scene.TARGET_GROUP,) if name == "outside" else ()
+            self._cameras[key] = Camera(self._simulation.model, name, width, height, shows)
         return self._cameras[key]
 
     def _draw_pose(self) -> FloatArray:

@@ -21,14 +21,16 @@ class Camera:
         name: Name of the camera.
         width: Width of the picture, px.
         height: Its height, px.
+        shows: Groups of shapes that it shows besides the usual ones.
 
     Raises:
         RuntimeError: If nothing can render; it names the packages that are missing.
     """
 
-    def __init__(self, model: mujoco.MjModel, name: str, width: int, height: int) -> None:
+    def __init__(self, model: mujoco.MjModel, name: str, width: int, height: int, shows: tuple[int, ...] = ()) -> None:
         self.name = name
         self._option, self._camera = mujoco.MjvOption(), mujoco.MjvCamera()
+        self._option.geomgroup[list(shows)] = 1
         self._camera.type, self._camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(name).id
         self._model, self._rectangle = model, mujoco.MjrRect(0, 0, width, height)
         self._scene = mujoco.MjvScene(model, maxgeom=200)

@@ -37,6 +37,12 @@ FIELD_OF_VIEW = 70.0
 TABLE = ((0.25, 0.95), (-0.55, 0.55))
 """Extent of the table in x and y, m."""
 
+TARGET_GROUP = 4
+"""Group of the shape that shows the target in pictures from outside; no sensor sees it."""
+
+TARGET_HEIGHT = -THICKNESS / 2 + 0.001
+"""Height of that shape's middle, m: it lies on the table like a sheet."""
+
 # Gains (kp, kv) of the velocity servos of the four large and the three small joints.
 _GAINS = ((4500.0, 450.0),) * 4 + ((2000.0, 200.0),) * 3
 _FREE, _ROBOT, _OBJECT, _TABLE = 0, 1, 2, 4  # collision groups
@@ -193,6 +199,7 @@ def _add_world(spec: mujoco.MjSpec) -> None:
 def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float) -> None:
     body = spec.worldbody.add_body(name="object", pos=[0.54, 0.0, THICKNESS / 2])
     body.add_freejoint(name="object")
+    target = spec.worldbody.add_body(name="target", pos=[0.54, 0.0, TARGET_HEIGHT], mocap=True)
     area = sum(_area(part) for part in object.parts)
     for index, part in enumerate(object.parts):
         vertices = np.concatenate(
@@ -211,6 +218,14 @@ def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float
             friction=[friction, 0.005, 0.0001],
             priority=1,
             condim=4,
+        )
+        target.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=f"part{index}",
+            rgba=[0.10, 0.60, 0.25, 0.35],
+            contype=_FREE,
+            conaffinity=_FREE,
+            group=TARGET_GROUP,
         )
     x, y = marker_position(object)
     body.add_geom(

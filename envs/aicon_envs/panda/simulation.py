@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aicon_envs.panda.objects import THICKNESS
+from aicon_envs.panda.scene import TARGET_HEIGHT
 
 FloatArray = NDArray[np.float64]
 
@@ -52,6 +53,12 @@ class Simulation:
         self.data.qpos[7:14] = (x, y, THICKNESS / 2, math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2))
         self.data.qvel[7:13] = 0.0
         mujoco.mj_forward(self.model, self.data)
+
+    def show_target(self, pose: ArrayLike) -> None:
+        """Show the target (x, y, θ) in pictures from outside."""
+        x, y, angle = np.asarray(pose, dtype=np.float64).tolist()
+        self.data.mocap_pos[0] = (x, y, TARGET_HEIGHT)
+        self.data.mocap_quat[0] = (math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2))
 
     def step(self, velocity: FloatArray, force: FloatArray | None = None) -> None:
         """Move by one control step.
