@@ -38,7 +38,8 @@ compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and p
 	$(RUN) scripts/compare.py --task nav2d --policies aicon paper_literal steepest potential_field \
 	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/nav2d
 	$(RUN) scripts/compare.py --task pusht --policies aicon full strict paper_literal steepest steepest_unlimited \
-	  potential_field --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
+	  potential_field potential_field_unlimited --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 \
+	  --jobs $(JOBS) --out $(OUT)/pusht
 	@$(MAKE) --no-print-directory figures
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
