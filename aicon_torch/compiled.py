@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import torch
 from torch import Tensor
@@ -22,9 +21,9 @@ class CompiledPolicy(Policy):
     which every gradient is written out, and TorchInductor compiles it. That takes from seconds to a minute; later runs
     find most of it in Inductor's cache on disk. Observations are checked, and episodes begin, as before.
 
-    Parameters are constants of the compiled step: where they change, compile again (``to`` does so by itself). The
-    step must not branch on values of tensors. Where it does, or where there is no compiler, the policy warns once and
-    goes on uncompiled.
+    A new precision or device is compiled by itself; where a parameter has changed, call ``compile`` again. The step must
+    not branch on values of tensors. Where it does, or where there is no compiler, the policy warns once and goes on
+    uncompiled.
 
     Args:
         policy: The policy, with which it shares its parts.
@@ -33,7 +32,7 @@ class CompiledPolicy(Policy):
     def __init__(self, policy: Policy) -> None:
         super().__init__(policy.model, policy.resolution, policy.law)
         self._order = tuple(sorted(self._keys))
-        self._runs: dict[tuple[Any, ...], Run] = {}
+        self._runs: dict[tuple[torch.Size, torch.dtype, torch.device], Run] = {}
         self._compiles = True
 
     def _step(self, readings: Mapping[str, Tensor], before: Memory) -> tuple[dict[str, Tensor], Memory]:
@@ -41,7 +40,7 @@ class CompiledPolicy(Policy):
             return super()._step(readings, before)
         names = sorted(readings)
         inputs = [*(readings[name].contiguous() for name in names), *(before[n].contiguous() for n in self._order)]
-        kind = (inputs[0].shape, inputs[0].device)
+        kind = (inputs[0].shape, inputs[0].dtype, inputs[0].device)
         if kind not in self._runs:
             try:
                 with warnings.catch_warnings():
@@ -79,13 +78,8 @@ class CompiledPolicy(Policy):
         graph.graph.eliminate_dead_code()
         graph.recompile()
         with torch.no_grad():
-            run: Run = standalone_compile(graph, examples, dynamic_shapes="from_example_inputs")
+            run: Run = standalone_compile(graph, [*examples], dynamic_shapes="from_example_inputs")
         return run
-
-    def _apply(self, *args: Any, **kwargs: Any) -> "CompiledPolicy":
-        """Whatever changes precision or device makes what was compiled useless."""
-        self._runs.clear()
-        return super()._apply(*args, **kwargs)
 
 
 def _summary(error: Exception) -> str:
