@@ -21,9 +21,9 @@ class CompiledPolicy(Policy):
     which every gradient is written out, and TorchInductor compiles it. That takes from seconds to a minute; later runs
     find most of it in Inductor's cache on disk. Observations are checked, and episodes begin, as before.
 
-    A new precision or device is compiled by itself; where a parameter has changed, call ``compile`` again. The step must
-    not branch on values of tensors. Where it does, or where there is no compiler, the policy warns once and goes on
-    uncompiled.
+    A new precision or device is compiled by itself; where a parameter has changed, call ``compile`` again. The step
+    must not branch on values of tensors. Where it does, or where there is no compiler, the policy warns once and goes
+    on uncompiled.
 
     Args:
         policy: The policy, with which it shares its parts.

