@@ -4,19 +4,23 @@ VENV ?= .venv
 JOBS ?= 2
 EPISODES ?= 100
 OUT ?= runs
+LEROBOT_VENV ?= .venv-lerobot
+STUDENT ?= baselines/checkpoints/diffusion_pusht_keypoints
 
 INSTALLED := $(VENV)/.installed
+LEROBOT_INSTALLED := $(LEROBOT_VENV)/.installed
 # The policies are small: more threads than one only wait for each other.
 RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
+LEROBOT_RUN := OMP_NUM_THREADS=1 $(LEROBOT_VENV)/bin/python
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install test test-all compare panda figures benchmark lint format clean
+.PHONY: help install lerobot-env test test-all test-lerobot compare panda figures benchmark lint format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-12s %s\n", $$1, $$2 }'
-	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) OUT=$(OUT)"
+	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) LEROBOT_VENV=$(LEROBOT_VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) OUT=$(OUT)"
 
 install: $(INSTALLED) ## Create the virtual environment (the other targets do it if need be)
 
@@ -28,17 +32,37 @@ $(INSTALLED): pyproject.toml constraints.txt
 	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all]"
 	@touch $@
 
+lerobot-env: $(LEROBOT_INSTALLED) ## Create the virtual environment with LeRobot (8 GB, needs a C compiler)
+
+$(LEROBOT_INSTALLED): pyproject.toml constraints-lerobot.txt baselines/lerobot_policy_aicon/pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 12))' 2>/dev/null || { \
+	  echo "constraints-lerobot.txt is for Python 3.11, and $(PYTHON) is another one or missing."; \
+	  echo "Name one: make PYTHON=/path/to/python3.11 $(MAKECMDGOALS); or install without it: pip install -e '.[lerobot]'"; \
+	  exit 1; } >&2
+	$(PYTHON) -m venv --clear $(LEROBOT_VENV)
+	$(LEROBOT_VENV)/bin/python -m pip install --disable-pip-version-check -c constraints-lerobot.txt \
+	  -e ".[lerobot,compare,pusht,upstream]" -e baselines/lerobot_policy_aicon hypothesis pytest pytest-xdist
+	@touch $@
+
 test: $(INSTALLED) ## Run the tests, but for the slow ones
 	$(RUN) -m pytest -n $(JOBS)
 
 test-all: $(INSTALLED) ## Run all tests
 	$(RUN) -m pytest -n $(JOBS) -m ""
 
+# Warnings are no errors here: most are those of LeRobot about its own dependencies.
+test-lerobot: $(LEROBOT_INSTALLED) ## Run the tests that need LeRobot
+	$(LEROBOT_RUN) -m pytest -W default -n $(JOBS) tests/test_diffusion*.py tests/test_lerobot*.py
+
 compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and pushT: tables, curves and pictures
 	$(RUN) scripts/compare.py --task nav2d --policies aicon paper_literal steepest potential_field \
 	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/nav2d
 	$(RUN) scripts/compare.py --task pusht --policies aicon full strict paper_literal steepest steepest_unlimited \
-	  potential_field --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
+	  potential_field potential_field_unlimited --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 \
+	  --jobs $(JOBS) --out $(OUT)/pusht
+	@if [ -e $(LEROBOT_INSTALLED) ]; then $(LEROBOT_RUN) scripts/compare.py --task pusht --policies diffusion \
+	  --diffusion-path $(STUDENT) --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) \
+	  --out $(OUT)/pusht; else echo "Without the diffusion policy, which needs LeRobot: make lerobot-env"; fi
 	@$(MAKE) --no-print-directory figures
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
@@ -67,6 +91,6 @@ format: $(INSTALLED) ## Put the code into the project's format
 	$(RUN) -m ruff check --fix
 	$(RUN) -m ruff format
 
-clean: ## Remove the virtual environment and what tools left behind, but no results
-	rm -rf .venv build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+clean: ## Remove the virtual environments and what tools left behind, but no results
+	rm -rf .venv .venv-lerobot build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find aicon_torch envs baselines scripts tests -name __pycache__ -type d -prune -exec rm -rf {} +

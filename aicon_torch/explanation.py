@@ -23,7 +23,8 @@ class MeetingReport:
 
     Attributes:
         candidates: The gradients, in the order of the graph.
-        cosine: Cosine between the two strongest, as the step compared them; None where a single one arrived.
+        cosine: Cosine between the leader and the gradient it was compared with, the second strongest or the strongest
+            that opposes it (1 if none does); None where a single one arrived.
         exploring: Whether the quantity moved in a nullspace instead of downhill.
     """
 
@@ -61,7 +62,7 @@ class Explanation:
             lines.append(f"goal {name}: cost {goal.cost:.4g}, predicted change {goal.predicted_change:+.2g}")
         for name, meeting in self.meetings.items():
             state = "exploring" if meeting.exploring else "descending"
-            cosine = "" if meeting.cosine is None else f", cosine of the strongest two {meeting.cosine:+.2f}"
+            cosine = "" if meeting.cosine is None else f", cosine to its rival {meeting.cosine:+.2f}"
             lines.append(f"at {name}: {state}{cosine}")
             for candidate in meeting.candidates:
                 rank = "-" if candidate.rank is None else candidate.rank

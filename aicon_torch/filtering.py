@@ -136,7 +136,7 @@ class Correction(NamedTuple):
             return cls(cross, spread, cross / spread)
         cross = jacobian @ covariance
         spread = cross @ jacobian.mT + noise
-        return cls(cross, spread, torch.linalg.solve(spread, cross))
+        return cls(cross, spread, torch.linalg.solve_ex(spread, cross).result)
 
     def of_mean(self, residual: Tensor, detach_gain: bool = False) -> Tensor:
         """Kν of a residual ν ``(*B, m)``, ``(*B, n)``, to be subtracted."""
@@ -151,7 +151,7 @@ class Correction(NamedTuple):
 
     def distance(self, residual: Tensor) -> Tensor:
         """Squared Mahalanobis distance νᵀS⁻¹ν of a residual ν ``(*B, m)``, ``(*B,)``."""
-        squared: Tensor = residual * torch.linalg.solve(self.spread, residual)
+        squared: Tensor = residual * torch.linalg.solve_ex(self.spread, residual.unsqueeze(-1)).result.squeeze(-1)
         return squared.sum(-1)
 
 

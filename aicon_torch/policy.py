@@ -68,18 +68,23 @@ class Policy(nn.Module):
             ObservationError: If a reading is missing, wrongly shaped, NaN or infinite. Tensors are not checked for
                 NaN and infinity, so that nothing waits for the device.
         """
-        with torch.inference_mode(False), torch.enable_grad():
-            before, values = self._begin(observation, state, episode_start)
-            values, tapes = self.model.step(values)
-            gradients, meetings = self.sweep(tapes, values, before, before[ACTIVE])
-            for name, actuator in self.model.actuators.items():
-                values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
-                values[name] = self.model.constrain(name, values)
-        memory = {**values, **meetings, ACTIVE: before[ACTIVE]}
-        actions: dict[str, Any] = dict(self.model.commands(values))
+        with torch.inference_mode(False):
+            before, readings = self._begin(observation, state, episode_start)
+            commands, memory = self._step(readings, before)
+        actions: dict[str, Any] = commands
         if not any(isinstance(reading, Tensor) for reading in observation.values()):
             actions = {name: action.numpy(force=True).astype(np.float32) for name, action in actions.items()}
         return (next(iter(actions.values())) if len(actions) == 1 else actions), memory
+
+    @torch.enable_grad()
+    def _step(self, readings: Mapping[str, Tensor], before: Memory) -> tuple[dict[str, Tensor], Memory]:
+        """Estimate, pull back, resolve, act: the commands by actuator, and the memory."""
+        values, tapes = self.model.step(self._values(readings, before))
+        gradients, meetings = self.sweep(tapes, values, before, before[ACTIVE])
+        for name, actuator in self.model.actuators.items():
+            values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
+            values[name] = self.model.constrain(name, values)
+        return self.model.commands(values), {**values, **meetings, ACTIVE: before[ACTIVE]}
 
     def estimate(
         self,
@@ -104,9 +109,15 @@ class Policy(nn.Module):
             if executed.shape[-1:] != (size,) or not executed.isfinite().all():
                 raise ObservationError(f"action of {name!r}: expected finite values of shape (*batch, {size}).")
         with torch.inference_mode(False):
-            before, values = self._begin(observation, state, episode_start)
-            values, _ = self.model.step(values | dict(action), differentiable=False)
+            before, readings = self._begin(observation, state, episode_start)
+            values, _ = self.model.step(self._values(readings, before) | dict(action), differentiable=False)
         return before | values
+
+    def compile(self) -> "Policy":  # type: ignore[override]  # nn.Module compiles in place and is called in silence
+        """The same policy with its step compiled: see :class:`aicon_torch.compiled.CompiledPolicy`."""
+        from aicon_torch.compiled import CompiledPolicy  # loads the compiler
+
+        return CompiledPolicy(self)
 
     def reset(self) -> None:
         """Forget the memory that :meth:`act` keeps."""
@@ -143,7 +154,7 @@ class Policy(nn.Module):
     def _begin(
         self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None
     ) -> tuple[Memory, dict[str, Tensor]]:
-        """The memory with the rows that start anew, and the values with the new readings."""
+        """The memory with the rows that start anew, and the new readings."""
         readings = read(observation, self.model.sensors, self.model.like)
         batch = tuple(next(iter(readings.values())).shape[:-1])
         if state is None:
@@ -171,7 +182,11 @@ class Policy(nn.Module):
                 rows = {key: start[(..., *(None,) * (value.dim() - start.dim()))] for key, value in state.items()}
                 before = {key: torch.where(rows[key], fresh[key], value) for key, value in state.items()}
                 before[ACTIVE] = state[ACTIVE]  # a setting, no estimate
-        return before, {name: before[name] for name in self.model.quantities} | readings
+        return before, readings
+
+    def _values(self, readings: Mapping[str, Tensor], before: Memory) -> dict[str, Tensor]:
+        """The last estimates and actions, with the new readings."""
+        return {**{name: before[name] for name in self.model.quantities}, **readings}
 
     def _check_first(
         self, observation: Mapping[str, Any], readings: Mapping[str, Tensor], start: Tensor | None

@@ -15,7 +15,7 @@ from aicon_baselines import ComparisonError
 from aicon_baselines.backends import BACKENDS
 from aicon_baselines.compare import compare
 from aicon_baselines.config import configure
-from aicon_baselines.policies import Factory, factory, saved_agent
+from aicon_baselines.policies import Factory, diffusion_policy, factory, saved_agent
 from aicon_baselines.report import write_report
 from aicon_baselines.runs import RunFolder
 from aicon_baselines.tables import list_failures
@@ -43,6 +43,16 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--sb3-path", nargs="+", default=[], type=Path, metavar="FOLDER", help="agents that 'sb3' in --policies means"
     )
+    parser.add_argument("--sampled", action="store_true", help="draw the actions of these agents, as in training")
+    parser.add_argument(
+        "--diffusion-path",
+        nargs="+",
+        default=[],
+        metavar="FOLDER",
+        help="what 'diffusion' in --policies means: folders, or names such as lerobot/diffusion_pusht",
+    )
+    parser.add_argument("--sampler", choices=("DDPM", "DDIM"), help="of diffusion policies (default: their own)")
+    parser.add_argument("--inference-steps", type=int, metavar="STEPS", help="of the sampler (default: their own)")
     parser.add_argument("--episodes", type=int, default=100, help="seeds, per condition and repeat (default: 100)")
     parser.add_argument("--seed", type=int, default=0, help="first seed (default: 0)")
     parser.add_argument("--repeats", type=int, default=1, help="runs of each seed with other noise (default: 1)")
@@ -80,14 +90,20 @@ def _policies(task: str, arguments: argparse.Namespace) -> dict[str, Factory]:
     policies: dict[str, Factory] = {}
     for name in arguments.policies:
         if name == "sb3":
-            policies |= [saved_agent(task, folder) for folder in arguments.sb3_path]
+            policies |= [saved_agent(task, folder, arguments.sampled) for folder in arguments.sb3_path]
+        elif name == "diffusion":
+            options = arguments.sampler, arguments.inference_steps
+            policies |= [diffusion_policy(task, source, *options) for source in arguments.diffusion_path]
         else:
             policies[name] = factory(task, name)
-    if ("sb3" in arguments.policies) != bool(arguments.sb3_path):
-        raise ComparisonError(
-            "the policy 'sb3' and --sb3-path FOLDER belong together; train one: python scripts/train_sb3.py --task "
-            f"{task} --out FOLDER"
-        )
+    for name, paths, script in (
+        ("sb3", arguments.sb3_path, f"train_sb3.py --task {task} --out FOLDER"),
+        ("diffusion", arguments.diffusion_path, "train_diffusion.py --data DEMONSTRATIONS --out FOLDER"),
+    ):
+        if (name in arguments.policies) != bool(paths):
+            raise ComparisonError(
+                f"the policy {name!r} and --{name}-path FOLDER belong together; train one: python scripts/{script}"
+            )
     return policies
 
 

@@ -4,7 +4,7 @@ Example: python scripts/train_sb3.py --task pusht --algorithm ppo --steps 100000
          python scripts/compare.py --task pusht --policies aicon sb3 --sb3-path runs/ppo_pusht --out runs/pusht
 
 The same command goes on where a stopped run saved the agent last; with more steps it goes on with a finished one.
-Folder, reward, actions and observations are described in aicon_baselines/sb3.py.
+Reward, actions, observations and the folder are described in aicon_baselines/sb3/.
 """
 
 import argparse
@@ -23,9 +23,8 @@ def main() -> None:
     arguments = parser.parse_args()
     try:
         sb3 = import_sb3()
-        options = {
-            name: getattr(arguments, name) for name in ("seed", "envs", "rollout", "horizon", "stack", "approach")
-        }
+        names = ("seed", "envs", "rollout", "epochs", "horizon", "stack", "approach")
+        options = {name: getattr(arguments, name) for name in names}
         config = sb3.settings(arguments.task, arguments.algorithm, arguments.steps, **options)
         trained = sb3.train(config, arguments.out, arguments.checkpoint, report=print)
     except ComparisonError as error:
@@ -49,6 +48,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--checkpoint", type=int, default=50_000, help="steps between saves (default: 50000)")
     parser.add_argument("--envs", type=int, help="environments (default: 8)")
     parser.add_argument("--rollout", type=int, help="steps of each environment between updates of PPO (default: 512)")
+    parser.add_argument("--epochs", type=int, help="times PPO learns from them (default: 5 in nav2d, 10 in pusht)")
     parser.add_argument(
         "--horizon", type=int, help="steps of a training episode (default: 1000 in nav2d, 300 in pusht)"
     )

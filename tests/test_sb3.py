@@ -11,6 +11,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
+import torch
 
 import aicon_envs  # noqa: F401  (registers the environments)
 import compare
@@ -25,9 +26,14 @@ pytest.importorskip("stable_baselines3")
 pytest.importorskip("pymunk")
 
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecNormalize
+from stable_baselines3.common.vec_env import DummyVecEnv
 
 from aicon_baselines import sb3
+from aicon_baselines.sb3.environments import make_training_env
+from aicon_baselines.sb3.files import load_algorithm, load_statistics
+from aicon_baselines.sb3.from_pusher import OFFSETS, to_target
+from aicon_baselines.sb3.last_action import LAST_ACTION
+from aicon_baselines.sb3.shaping import ShapedPush
 
 SMALL = {"envs": 2, "rollout": 64, "horizon": 40}
 KINDS = [("nav2d", "ppo"), ("nav2d", "sac"), ("pusht", "ppo"), ("pusht", "sac")]
@@ -82,7 +88,7 @@ def test_evaluate_policy_runs_pusht(count: int) -> None:
 
 
 def test_a_shaped_episode_is_worth_the_difference_of_its_ends() -> None:
-    env = sb3.ShapedPush(gym.make("aicon/PushT-v0"), approach=0.5)
+    env = ShapedPush(gym.make("aicon/PushT-v0"), approach=0.5)
 
     def potential(observation: dict[str, Any], info: dict[str, Any]) -> float:
         corners = observation["environment_state"].reshape(-1, 2)
@@ -112,11 +118,24 @@ def test_training_goes_on_where_it_was_saved(
     assert before < before + 20 <= after == json.loads((folder / "config.json").read_text())["steps"]
     assert lines and (folder / f"log_{before}" / "progress.csv").exists()
     assert not list(folder.glob("new_*"))
-    resumed = sb3.load_algorithm(folder, config)
+    resumed = load_algorithm(folder, config)
     assert resumed.num_timesteps == after
     assert sb3.train(config, folder).steps == after  # nothing is missing
     with pytest.raises(ComparisonError, match=r"another agent: seed is 10000 there and 10001 here"):
         sb3.train(sb3.settings(task, algorithm, after, seed=10_001, **SMALL), folder)
+
+
+def test_sac_learns_from_what_it_saw(folders: dict[tuple[str, str], Path]) -> None:
+    """Each reading of the buffer is a stack of successive ones, and the next observation is one reading newer."""
+    model: Any = load_algorithm(folders["nav2d", "sac"], sb3.settings("nav2d", "sac", 60, **SMALL))
+    model.load_replay_buffer(str(folders["nav2d", "sac"] / "replay_buffer.pkl"))
+    buffer = model.replay_buffer
+    count = buffer.size()
+    for name, width in {"range": 1, "bearing": 1, LAST_ACTION: 2}.items():
+        before, after = (each[name][:count] for each in (buffer.observations, buffer.next_observations))
+        assert np.array_equal(after[..., :-width], before[..., width:])
+        assert len(np.unique(after[10])) == after[10].size
+    assert np.array_equal(buffer.next_observations[LAST_ACTION][:count, :, -2:], buffer.actions[:count])
 
 
 # --- in a comparison
@@ -130,33 +149,57 @@ def test_an_agent_gets_in_a_comparison_what_it_got_in_training(
     folder = folders[task, algorithm]
     agent = sb3.Agent(folder, task)
     config = agent.settings
-    plain = sb3.make_training_env(config, 5000)
-    trained: Any = VecNormalize.load(str(folder / "vecnormalize.pkl"), plain)
+    envs = make_training_env(config, 5000)
+    trained = load_statistics(folder, envs)
     trained.training = False
-    if config.stack > 1:
-        trained = VecFrameStack(trained, config.stack)
-    model = sb3.load_algorithm(folder, config)
+    model = load_algorithm(folder, config)
     seen = trained.reset()
     memory: Any = None
     start = np.ones(2, np.bool_)
     for _ in range(config.horizon + 15):
-        readings = {name: value.copy() for name, value in plain.buf_obs.items()}  # type: ignore[attr-defined]
+        offered: Any = envs.unwrapped.buf_obs
+        readings = {name: offered[name].copy() for name in offered if name not in (LAST_ACTION, OFFSETS)}
         expected, _ = model.predict(seen, deterministic=True)
         action, memory = agent.predict(readings, memory, start)
-        assert np.allclose(action, sb3.to_target(expected, readings, config.reach), atol=1e-5 * np.abs(action).max())
+        command = expected if config.reach is None else to_target(expected, readings, config.reach)
+        assert np.allclose(action, command, atol=1e-5 * np.abs(action).max())
         seen, _, start, _ = trained.step(expected)
 
 
 def test_a_missing_reading_keeps_its_last_value(folders: dict[tuple[str, str], Path]) -> None:
     agent = sb3.Agent(folders["pusht", "ppo"], "pusht")
     rng = np.random.default_rng(0)
-    first = {"environment_state": rng.uniform(0, 512, (3, 16)), "agent_pos": rng.uniform(0, 512, (3, 2))}
-    missing = first | {"environment_state": np.where(np.arange(16) < 4, np.nan, first["environment_state"])}
-    expected, memory = agent.predict(first)
+    whole = {"environment_state": rng.uniform(0, 512, (3, 16)), "agent_pos": rng.uniform(0, 512, (3, 2))}
+    missing = whole | {"environment_state": np.where(np.arange(16) < 4, np.nan, whole["environment_state"])}
+    _, memory = agent.predict(whole)
+    expected, _ = agent.predict(whole, memory, np.zeros(3, np.bool_))
     action, _ = agent.predict(missing, memory, np.zeros(3, np.bool_))
     assert np.array_equal(action, expected)
     alone, _ = agent.predict(missing)
     assert np.isfinite(alone).all()
+
+
+def test_sampled_actions_come_from_the_memory_alone(folders: dict[tuple[str, str], Path]) -> None:
+    folder = folders["pusht", "ppo"]
+    likely, sampled = sb3.Agent(folder, "pusht"), sb3.Agent(folder, "pusht", sampled=True)
+    rng = np.random.default_rng(0)
+    readings = {"environment_state": rng.uniform(0, 512, (3, 16)), "agent_pos": rng.uniform(0, 512, (3, 2))}
+
+    def three_steps(agent: sb3.Agent) -> list[Any]:
+        memory, actions = None, []
+        for _ in range(3):
+            torch.rand(5)  # others draw numbers too
+            action, memory = agent.predict(readings, memory, np.zeros(3, np.bool_))
+            actions.append(action)
+        return actions
+
+    torch.manual_seed(1)
+    first, kept = three_steps(sampled), torch.rand(1)
+    torch.manual_seed(1)
+    assert np.array_equal(three_steps(sampled), first)
+    assert torch.equal(torch.rand(1), kept)
+    assert not np.isclose(three_steps(likely), first).all(axis=(1, 2)).any()
+    assert sampled.name == f"{likely.name}_sampled"
 
 
 def test_rows_are_appended_to_the_same_run(
@@ -253,7 +296,8 @@ def test_sb3_and_its_path_belong_together(
 
 
 def test_a_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(sys.modules, "aicon_baselines.sb3")
+    for name in [name for name in sys.modules if name.startswith("aicon_baselines.sb3")]:
+        monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
     with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[sb3\]'"):
         import_sb3()

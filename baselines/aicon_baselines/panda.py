@@ -61,9 +61,9 @@ class _Episodes(SyncVectorEnv):
         return super().step(actions)
 
 
-def _make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, Any]:
+def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     def make() -> gymnasium.Env[Any, Any]:
-        env = PandaPushEnv(**_ARGUMENTS[condition])
+        env = PandaPushEnv(**{**_ARGUMENTS[condition], **options})
         return _Frozen(gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon))
 
     return _Episodes([make] * count, autoreset_mode=AutoresetMode.DISABLED)

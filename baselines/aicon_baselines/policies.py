@@ -53,13 +53,18 @@ def make(task: str, name: str, condition: str | None = None) -> Predictor:
     return factory(task, name)(condition or load(task).conditions[0])
 
 
-def saved_agent(task: str, folder: Path) -> tuple[str, Factory]:
+def saved_agent(task: str, folder: Path, sampled: bool = False) -> tuple[str, Factory]:
     """Return the name that a saved agent of stable-baselines3 gets in the rows, and what builds it.
 
     It is loaded once here, so that what does not fit is an error before anything runs.
+
+    Args:
+        task: Name of the task.
+        folder: Folder of the agent.
+        sampled: Whether it draws its actions, as in training, instead of taking the most likely ones.
     """
     folder = folder.resolve()
-    return import_sb3().Agent(folder, task).name, partial(_saved_agent, task, folder)
+    return import_sb3().Agent(folder, task, sampled).name, partial(_saved_agent, task, folder, sampled)
 
 
 def import_sb3() -> ModuleType:
@@ -70,6 +75,34 @@ def import_sb3() -> ModuleType:
         raise ComparisonError(f"{error}; agents of stable-baselines3 need: pip install 'aicon-torch[sb3]'") from error
 
 
-def _saved_agent(task: str, folder: Path, condition: str) -> Predictor:
-    agent: Predictor = import_sb3().Agent(folder, task)
+def _saved_agent(task: str, folder: Path, sampled: bool, condition: str) -> Predictor:
+    agent: Predictor = import_sb3().Agent(folder, task, sampled)
     return agent
+
+
+def diffusion_policy(
+    task: str, source: str, sampler: str | None = None, inference_steps: int | None = None
+) -> tuple[str, Factory]:
+    """Return the name that a saved diffusion policy gets in the rows, and what builds it.
+
+    It is loaded once here, so that what does not fit is an error before anything runs.
+
+    Args:
+        task: Name of the task, "pusht".
+        source: Folder of the policy, or the name of a repository of the Hugging Face hub.
+        sampler: "DDPM" or "DDIM"; by default the policy's.
+        inference_steps: Number of denoising steps; by default the policy's.
+    """
+    if task != "pusht":
+        raise ComparisonError(f"diffusion policies push: compare them with --task pusht, not {task}")
+    from aicon_baselines.diffusion.hub import locate
+
+    folder = locate(source)
+    name = _diffusion_policy(folder, sampler, inference_steps, "").name
+    return name, partial(_diffusion_policy, folder, sampler, inference_steps)
+
+
+def _diffusion_policy(folder: Path, sampler: str | None, inference_steps: int | None, condition: str) -> Any:
+    from aicon_baselines.diffusion.agent import Agent
+
+    return Agent(folder, sampler, inference_steps)

@@ -7,7 +7,11 @@ from numpy.typing import NDArray
 
 
 class Predictor(Protocol):
-    """Anything with the `predict` of stable-baselines3; B is the number of episodes stepped as one batch."""
+    """Anything with the `predict` of stable-baselines3; B is the number of episodes stepped as one batch.
+
+    A policy that needs other observations than the task's usual ones, such as pictures, has an attribute `env_options`:
+    arguments of the environment.
+    """
 
     def predict(
         self,

@@ -40,12 +40,15 @@ _SENSORS: dict[str, dict[str, Any]] = {"delay": {"delay": 3}, "keypoint_noise": 
 _NOISY = ("noise_2", "noise_4", "kicks", "dropout", "keypoint_noise")
 
 
-def _make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, Any]:
+def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     if condition == _UPSTREAM:
-        return UpstreamPushT(count, horizon)
+        return UpstreamPushT(count, horizon, **options)
     # Built by name, because `gymnasium.make_vec` keeps the argument `wrappers` to itself.
     return PushTVectorEnv(
-        num_envs=count, max_episode_steps=horizon, autoreset_mode=AutoresetMode.DISABLED, **_ARGUMENTS[condition]
+        num_envs=count,
+        max_episode_steps=horizon,
+        autoreset_mode=AutoresetMode.DISABLED,
+        **_ARGUMENTS[condition] | options,
     )
 
 

@@ -50,7 +50,7 @@ def rollout(
     Returns:
         The outcome of each episode.
     """
-    env = task.make_env(len(episodes), condition, task.horizon)
+    env = task.make_env(len(episodes), condition, task.horizon, **getattr(policy, "env_options", {}))
     try:
         return _rollout(policy, env, task, episodes, np.isin([e.seed for e in episodes], list(wanted)), on_finished)
     finally:

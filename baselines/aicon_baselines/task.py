@@ -39,9 +39,9 @@ class Task:
         chunk_size: Number of episodes stepped as one batch; a constant, see `chunk`.
         maps: Slots of map classes; seed s plays `maps[s % len(maps)]`.
         conditions: Names of the variants of the environment, the usual one first.
-        make_env: Builds the environment from (number of episodes, condition, horizon in steps). It must leave ended
-            episodes alone (autoreset disabled) and report `position` (B, 2), `distance` (B,), both in `length_unit`,
-            `is_success` (B,) and `collision` (B,) in `info`.
+        make_env: Builds the environment from (number of episodes, condition, horizon in steps), and from the
+            `env_options` of a policy that has some. It must leave ended episodes alone (autoreset disabled) and report
+            `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,) and `collision` (B,) in `info`.
         reset_arguments: The arguments of the environment's `reset` that select these episodes.
         policy_options: What a policy is told about a condition: options of its model.
         noiseless: Conditions without noise, where the repeats of an episode would be copies of it.
@@ -58,7 +58,7 @@ class Task:
     chunk_size: int
     maps: tuple[str, ...]
     conditions: tuple[str, ...]
-    make_env: Callable[[int, str, int], VectorEnv[Any, Any, Any]]
+    make_env: Callable[..., VectorEnv[Any, Any, Any]]
     reset_arguments: Callable[[Sequence[Episode]], dict[str, Any]]
     policy_options: Callable[[str], dict[str, Any]]
     noiseless: tuple[str, ...] = ()

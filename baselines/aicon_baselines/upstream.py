@@ -21,17 +21,20 @@ class UpstreamPushT(VectorEnv[Any, Any, Any]):
 
     metadata = {"autoreset_mode": AutoresetMode.DISABLED}
 
-    def __init__(self, num_envs: int, horizon: int) -> None:
-        """Create the environments; `horizon` in steps."""
+    def __init__(
+        self, num_envs: int, horizon: int, obs_type: str = "environment_state_agent_pos", **options: Any
+    ) -> None:
+        """Create the environments; `horizon` in steps, `obs_type` and other options are gym-pusht's."""
         if find_spec("gym_pusht") is None:
             raise ComparisonError("the condition 'upstream' needs gym-pusht: pip install 'aicon-torch[upstream]'")
         self.num_envs = num_envs
         self._envs = [
             gymnasium.make(
                 "gym_pusht:gym_pusht/PushT-v0",
-                obs_type="environment_state_agent_pos",
+                obs_type=obs_type,
                 max_episode_steps=horizon,
                 disable_env_checker=True,
+                **options,
             )
             for _ in range(num_envs)
         ]

@@ -294,8 +294,8 @@ def _pusher(options: Options, servo: Servo) -> list[Estimator]:
     )
     change = Affine(v_pusher=0.0, a=1.0)  # a velocity that is commanded is there at once
     if options.command == "position":
-        lag = servo.kick / float(servo.follow[-1])
-        change = Affine(v_pusher=servo.keep - lag * float(servo.drift[-1]), a=lag * options.dt)
+        lag = servo.kick / servo.follow[-1]
+        change = Affine(v_pusher=servo.keep - lag * servo.drift[-1], a=lag * options.dt)
     velocity = Linear("v_pusher", "P_velocity", predict=change, noise=1.0, initial=((0.0, 0.0), 1.0))
     if not late:
         return [position, velocity]

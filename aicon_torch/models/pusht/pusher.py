@@ -18,14 +18,14 @@ class Servo(NamedTuple):
     After k sub-steps a pusher with velocity v, whose target lies at an offset o, has moved by follow[k]·o + drift[k]·v.
 
     Attributes:
-        follow: Share of the offset covered after each sub-step, ``(n,)``.
-        drift: Share of the velocity kept as displacement after each sub-step, ``(n,)``, s.
+        follow: Share of the offset covered after each of n sub-steps.
+        drift: Share of the velocity kept as displacement after each sub-step, s.
         kick: Velocity at the end by offset, 1/s.
         keep: Velocity at the end by velocity.
     """
 
-    follow: Tensor
-    drift: Tensor
+    follow: tuple[float, ...]
+    drift: tuple[float, ...]
     kick: float
     keep: float
 
@@ -43,11 +43,11 @@ class Servo(NamedTuple):
         once = torch.tensor([[1.0, substep], [0.0, 1.0]], dtype=torch.float64) @ accelerate  # of (−o, v)
         powers = torch.stack([torch.linalg.matrix_power(once, k + 1) for k in range(substeps)])
         kick, keep = powers[-1, 1].tolist()
-        return cls(1 - powers[:, 0, 0], powers[:, 0, 1], -kick, keep)
+        return cls(tuple((1 - powers[:, 0, 0]).tolist()), tuple(powers[:, 0, 1].tolist()), -kick, keep)
 
     def offset(self, a: Tensor, v_pusher: Tensor, dt: float) -> Tensor:
         """The target's offset that yields a mean velocity a over the next step, ``(*B, 2)``, px."""
-        return (a * dt - float(self.drift[-1]) * v_pusher) / float(self.follow[-1])
+        return (a * dt - self.drift[-1] * v_pusher) / self.follow[-1]
 
     def velocity(self, v_pusher: Tensor, a: Tensor, dt: float) -> Tensor:
         """The velocity at the end of a step with mean velocity a, ``(*B, 2)``, px/s."""
@@ -67,6 +67,6 @@ class Servo(NamedTuple):
         Returns:
             ``(*B)``, px; at most the bound.
         """
-        follow, drift = self.follow.to(bound), self.drift.to(bound)
+        follow, drift = bound.new_tensor(self.follow), bound.new_tensor(self.drift)
         offset = ((bound.unsqueeze(-1) - drift * speed.unsqueeze(-1)) / follow).amin(-1)
-        return torch.minimum(bound, follow[-1] * offset + drift[-1] * speed)
+        return torch.minimum(bound, self.follow[-1] * offset + self.drift[-1] * speed)

@@ -67,8 +67,8 @@ class Recording:
         The environment tells where it was at the moments; between them it follows its PD controller.
         """
         servo = Servo.of()
-        share = np.concatenate([[0.0], servo.follow.numpy()])[:, np.newaxis]
-        drift = np.concatenate([[0.0], servo.drift.numpy()])[:, np.newaxis] * self.velocities[:-1, np.newaxis]
+        share = np.concatenate([[0.0], servo.follow])[:, np.newaxis]
+        drift = np.concatenate([[0.0], servo.drift])[:, np.newaxis] * self.velocities[:-1, np.newaxis]
         start, end = self.pushers[:-1, np.newaxis], self.pushers[1:, np.newaxis]
         ways: FloatArray = start + drift + share / share[-1] * (end - start - drift[:, -1:])
         return ways

@@ -1,0 +1,87 @@
+"""The compiled policy: one control step as machine code, traced once for each size of batch."""
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+
+import torch
+from torch import Tensor
+from torch.fx.experimental.proxy_tensor import make_fx
+
+from aicon_torch.policy import Policy
+from aicon_torch.resolution import Memory
+
+Run = Callable[..., Sequence[Tensor]]
+"""A compiled step: from the values of readings and memory to those of commands and memory, each in a fixed order."""
+
+
+class CompiledPolicy(Policy):
+    """A policy that acts like the one it is made of, many times faster.
+
+    The first step with a new size of batch is traced through autograd into one flat graph of tensor operations, in
+    which every gradient is written out, and TorchInductor compiles it. That takes from seconds to a minute; later runs
+    find most of it in Inductor's cache on disk. Observations are checked, and episodes begin, as before.
+
+    A new precision or device is compiled by itself; where a parameter has changed, call ``compile`` again. The step
+    must not branch on values of tensors. Where it does, or where there is no compiler, the policy warns once and goes
+    on uncompiled.
+
+    Args:
+        policy: The policy, with which it shares its parts.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        super().__init__(policy.model, policy.resolution, policy.law)
+        self._order = tuple(sorted(self._keys))
+        self._runs: dict[tuple[torch.Size, torch.dtype, torch.device], Run] = {}
+        self._compiles = True
+
+    def _step(self, readings: Mapping[str, Tensor], before: Memory) -> tuple[dict[str, Tensor], Memory]:
+        if not self._compiles:
+            return super()._step(readings, before)
+        names = sorted(readings)
+        inputs = [*(readings[name].contiguous() for name in names), *(before[n].contiguous() for n in self._order)]
+        kind = (inputs[0].shape, inputs[0].dtype, inputs[0].device)
+        if kind not in self._runs:
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # torch on its own future
+                    self._runs[kind] = self._compiled(names, inputs)
+            except Exception as error:  # noqa: BLE001  # whatever the compiler says, the robot goes on
+                warnings.warn(
+                    f"The policy runs uncompiled, more slowly: {_summary(error)}. Compiling needs a C++ compiler "
+                    "(Debian: apt install g++) and a step that does not branch on values of tensors.",
+                    RuntimeWarning,
+                    stacklevel=3,
+                )
+                self._compiles = False
+                return super()._step(readings, before)
+        with torch.no_grad():
+            outputs = self._runs[kind](*inputs)
+        split = len(self.model.actuators)
+        return (
+            dict(zip(self.model.actuators, outputs[:split], strict=True)),
+            dict(zip(self._order, outputs[split:], strict=True)),
+        )
+
+    def _compiled(self, names: Sequence[str], inputs: Sequence[Tensor]) -> Run:
+        """The step for inputs of these shapes."""
+        from torch._inductor import standalone_compile  # takes a second to load
+
+        def step(*values: Tensor) -> tuple[Tensor, ...]:
+            readings = dict(zip(names, values, strict=False))
+            before = dict(zip(self._order, values[len(names) :], strict=True))
+            commands, memory = Policy._step(self, readings, before)
+            return (*commands.values(), *(memory[name] for name in self._order))
+
+        examples = [value.clone() for value in inputs]  # a tensor that comes in twice would be taken for one
+        graph = make_fx(step)(*examples)
+        graph.graph.eliminate_dead_code()
+        graph.recompile()
+        with torch.no_grad():
+            run: Run = standalone_compile(graph, [*examples], dynamic_shapes="from_example_inputs")
+        return run
+
+
+def _summary(error: Exception) -> str:
+    lines = str(error).strip().splitlines()
+    return f"{type(error).__name__}: {lines[0] if lines else 'no message'}"

@@ -1,0 +1,61 @@
+"""Record successful episodes of AICON on pushT as a LeRobotDataset, to train a diffusion policy on.
+
+Example: python scripts/collect_demos.py --episodes 200 --out runs/demos
+         python scripts/train_diffusion.py --data runs/demos --out runs/diffusion
+
+The same command goes on where a stopped run was. It needs LeRobot: make lerobot-env.
+"""
+
+import argparse
+import os
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded: the policy is small
+
+from aicon_baselines import ComparisonError
+from aicon_baselines.diffusion.collection import collect
+from aicon_baselines.diffusion.demonstrations import OBSERVATIONS, Recording
+from aicon_baselines.progress import ProgressBar
+
+
+def main() -> None:
+    """Parse the arguments, record what is missing and say what to do with it."""
+    parser = _parser()
+    arguments = parser.parse_args()
+    try:
+        recording = Recording(
+            episodes=arguments.episodes,
+            seed=arguments.seed,
+            noises=tuple(arguments.noises),
+            near=arguments.near,
+            max_speed=arguments.max_speed,
+            smoothing=arguments.smoothing,
+            observations=tuple(arguments.observe),
+        )
+        with ProgressBar(0, recording.episodes) as bar:
+            collect(recording, arguments.out, bar.received)
+    except ComparisonError as error:
+        parser.error(str(error))
+    except KeyboardInterrupt:
+        parser.exit(130, "\nstopped; the same command goes on from here\n")
+    print(f"{recording.episodes} episodes, saved in {arguments.out}; to train a diffusion policy on them:")
+    print(f"python scripts/train_diffusion.py --data {arguments.out} --out runs/diffusion")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--episodes", type=int, default=200, help="successful episodes (default: 200)")
+    parser.add_argument("--seed", type=int, default=100_000, help="first seed (default: 100000)")
+    parser.add_argument(
+        "--noises", nargs="+", type=float, default=[0.0, 2.0], metavar="PX", help="noise on actions (default: 0 2)"
+    )
+    parser.add_argument("--near", type=float, default=0.0, help="share of starts near the goal (default: 0)")
+    parser.add_argument("--max-speed", type=float, default=250.0, help="the teacher's, px/s (default: 250)")
+    parser.add_argument("--smoothing", type=float, default=0.3, help="of its velocity, s (default: 0.3)")
+    parser.add_argument("--observe", nargs="+", choices=OBSERVATIONS, default=["keypoints"], help="default: keypoints")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the dataset")
+    return parser
+
+
+if __name__ == "__main__":
+    main()

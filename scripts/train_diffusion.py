@@ -1,0 +1,88 @@
+"""Train LeRobot's diffusion policy on demonstrations of pushT, to be compared by compare.py.
+
+Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out runs/diffusion
+         python scripts/compare.py --task pusht --policies aicon diffusion --diffusion-path runs/diffusion/policy \
+           --out runs/pusht
+
+The same command goes on where a stopped run was saved last. It needs LeRobot: make lerobot-env.
+"""
+
+import argparse
+import os
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded: small networks gain nothing from more
+
+from aicon_baselines import ComparisonError
+from aicon_baselines.diffusion.demonstrations import OBSERVATIONS
+from aicon_baselines.diffusion.export import export
+from aicon_baselines.diffusion.settings import Training
+from aicon_baselines.diffusion.training import POLICY, train
+
+
+def main() -> None:
+    """Parse the arguments, train what is missing and say what to do with it."""
+    parser = _parser()
+    arguments = parser.parse_args()
+    try:
+        config = Training(
+            steps=arguments.steps,
+            observation=arguments.observe,
+            down_dims=tuple(arguments.down_dims),
+            batch=arguments.batch,
+            learning_rate=arguments.learning_rate,
+            warmup=arguments.warmup,
+            kernel=arguments.kernel,
+            prediction=arguments.prediction,
+            normalization=arguments.normalization,
+            seed=arguments.seed,
+        )
+        steps = train(
+            config,
+            arguments.data,
+            arguments.out,
+            device=arguments.device,
+            checkpoint=arguments.checkpoint,
+            stop_after=arguments.stop_after,
+            report=lambda line: print(line, flush=True),
+        )
+        if arguments.export and steps == config.steps:
+            sampling = {name: getattr(arguments, name) for name in ("sampler", "inference_steps", "action_steps")}
+            export(arguments.out, arguments.export, **sampling)
+    except ComparisonError as error:
+        parser.error(str(error))
+    except KeyboardInterrupt:
+        parser.exit(130, "\nstopped; the same command goes on from the last checkpoint\n")
+    print(f"{steps:,} steps, saved in {arguments.out / POLICY}; to compare it:")
+    print(
+        "python scripts/compare.py --task pusht --policies aicon diffusion --diffusion-path "
+        f"{arguments.out / POLICY} --out runs/pusht"
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, required=True, help="folder of the dataset")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the training")
+    parser.add_argument("--steps", type=int, default=20_000, help="gradient steps (default: 20000)")
+    parser.add_argument("--observe", choices=OBSERVATIONS, default="keypoints", help="default: keypoints")
+    parser.add_argument("--down-dims", nargs="+", type=int, default=[64, 128, 256], help="default: 64 128 256")
+    parser.add_argument("--batch", type=int, default=64, help="windows in a step (default: 64)")
+    parser.add_argument("--learning-rate", type=float, default=1e-3, help="its largest value (default: 1e-3)")
+    parser.add_argument("--warmup", type=int, default=200, help="steps until it is reached (default: 200)")
+    parser.add_argument("--kernel", type=int, default=3, help="size of convolutions (default: 3)")
+    parser.add_argument("--prediction", default="sample", help="sample or epsilon (default: sample)")
+    parser.add_argument("--normalization", default="MEAN_STD", help="MEAN_STD or MIN_MAX (default: MEAN_STD)")
+    parser.add_argument("--seed", type=int, default=100_000, help="of network, order and noise (default: 100000)")
+    parser.add_argument("--device", default="cpu", help="cpu or cuda (default: cpu)")
+    parser.add_argument("--checkpoint", type=int, default=1000, help="steps between saves (default: 1000)")
+    parser.add_argument("--stop-after", type=float, metavar="MINUTES", help="save and stop then, to go on later")
+    parser.add_argument("--export", type=Path, metavar="FOLDER", help="copy it there in half precision at the end")
+    parser.add_argument("--sampler", choices=("DDPM", "DDIM"), help="of the copy (default: DDPM)")
+    parser.add_argument("--inference-steps", type=int, help="of its sampler (default: 100)")
+    parser.add_argument("--action-steps", type=int, help="actions it executes between samples (default: 8)")
+    return parser
+
+
+if __name__ == "__main__":
+    main()
