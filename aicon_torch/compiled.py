@@ -2,8 +2,10 @@
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import torch
+from numpy.typing import ArrayLike
 from torch import Tensor
 from torch.fx.experimental.proxy_tensor import make_fx
 
@@ -31,9 +33,15 @@ class CompiledPolicy(Policy):
 
     def __init__(self, policy: Policy) -> None:
         super().__init__(policy.model, policy.resolution, policy.law)
+        self._before_step = policy._begin  # what the policy makes of an observation stays as it is, images included
         self._order = tuple(sorted(self._keys))
         self._runs: dict[tuple[torch.Size, torch.dtype, torch.device], Run] = {}
         self._compiles = True
+
+    def _begin(
+        self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None
+    ) -> tuple[Memory, dict[str, Tensor]]:
+        return self._before_step(observation, state, episode_start)
 
     def _step(self, readings: Mapping[str, Tensor], before: Memory) -> tuple[dict[str, Tensor], Memory]:
         if not self._compiles:
