@@ -15,7 +15,7 @@ from aicon_baselines import ComparisonError
 from aicon_baselines.backends import BACKENDS
 from aicon_baselines.compare import compare
 from aicon_baselines.config import configure
-from aicon_baselines.policies import Factory, diffusion_policy, factory, saved_agent
+from aicon_baselines.policies import Factory, compiled, diffusion_policy, factory, saved_agent
 from aicon_baselines.report import write_report
 from aicon_baselines.runs import RunFolder
 from aicon_baselines.tables import list_failures
@@ -40,6 +40,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--task", required=True, help="name of the task: nav2d, pusht or panda_push")
     parser.add_argument("--policies", nargs="+", required=True, metavar="NAME", help="policies to compare")
+    parser.add_argument("--compile", action="store_true", help="compile them: the rows of NAME are NAME_compiled")
     parser.add_argument(
         "--sb3-path", nargs="+", default=[], type=Path, metavar="FOLDER", help="agents that 'sb3' in --policies means"
     )
@@ -94,6 +95,8 @@ def _policies(task: str, arguments: argparse.Namespace) -> dict[str, Factory]:
         elif name == "diffusion":
             options = arguments.sampler, arguments.inference_steps
             policies |= [diffusion_policy(task, source, *options) for source in arguments.diffusion_path]
+        elif arguments.compile:
+            policies[f"{name}_compiled"] = compiled(factory(task, name))
         else:
             policies[name] = factory(task, name)
     for name, paths, script in (

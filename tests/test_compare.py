@@ -1,6 +1,8 @@
 """The comparison: rows do not depend on how the work is spread, and their numbers are summed up correctly."""
 
 import json
+import os
+import shutil
 import subprocess
 import sys
 from collections import Counter
@@ -487,6 +489,19 @@ def test_nav2d_walking_straight_at_the_target(tmp_path: Path) -> None:
     for row in rows:
         assert row.distance < 0.2 or row.collision
         assert not row.success or row.path_length > row.shortest_path_length - 0.2
+
+
+def test_a_policy_can_be_compared_compiled(tmp_path: Path) -> None:
+    """The robot must not notice; in a millionth of a metre after ten steps neither does the row."""
+    if not shutil.which(os.environ.get("CXX", "g++")):
+        pytest.skip("there is no C++ compiler")
+    options = ("--policies", "aicon", "--episodes", "1", "--horizon", "10", "--out", str(tmp_path))
+    for more in ((), ("--compile",)):
+        result = script(*options, *more)
+        assert result.returncode == 0, result.stderr
+    uncompiled, compiled = sorted(read_rows(tmp_path / "episodes.csv"), key=lambda row: row.policy)
+    assert (uncompiled.policy, compiled.policy) == ("aicon", "aicon_compiled")
+    assert compiled.distance == pytest.approx(uncompiled.distance, abs=1e-6)
 
 
 def script(*arguments: str, task: str = "nav2d") -> subprocess.CompletedProcess[str]:

@@ -42,6 +42,16 @@ def factory(task: str, name: str, **options: Any) -> Factory:
     return partial(_preset, task, name, options)
 
 
+def compiled(build: Factory) -> Factory:
+    """Return what builds the same policy of the library with its step compiled."""
+    return partial(_compiled, build)
+
+
+def _compiled(build: Any, condition: str) -> Predictor:
+    policy: Predictor = build(condition).compile()
+    return policy
+
+
 def make(task: str, name: str, condition: str | None = None) -> Predictor:
     """Build a policy, for example `make("nav2d", "aicon")`.
 
