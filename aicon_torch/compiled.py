@@ -12,6 +12,9 @@ from torch.fx.experimental.proxy_tensor import make_fx
 from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
 
+_SMALL = 16
+"""Products of matrices up to this size are written out, since to call a library costs more than they do."""
+
 Run = Callable[..., Sequence[Tensor]]
 """A compiled step: from the values of readings and memory to those of commands and memory, each in a fixed order."""
 
@@ -82,12 +85,19 @@ class CompiledPolicy(Policy):
             return (*commands.values(), *(memory[name] for name in self._order))
 
         examples = [value.clone() for value in inputs]  # a tensor that comes in twice would be taken for one
-        graph = make_fx(step)(*examples)
+        graph = make_fx(step, {torch.ops.aten.mm.default: _product, torch.ops.aten.bmm.default: _product})(*examples)
         graph.graph.eliminate_dead_code()
         graph.recompile()
         with torch.no_grad():
             run: Run = standalone_compile(graph, [*examples], dynamic_shapes="from_example_inputs")
         return run
+
+
+def _product(first: Tensor, second: Tensor) -> Tensor:
+    """``(..., n, k)`` times ``(..., k, m)``, as a sum that is compiled together with what is around it."""
+    if max(*first.shape[-2:], *second.shape[-2:]) > _SMALL:
+        return NotImplemented  # as it is
+    return (first.unsqueeze(-1) * second.unsqueeze(-3)).sum(-2)
 
 
 def _summary(error: Exception) -> str:

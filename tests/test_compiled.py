@@ -103,6 +103,24 @@ def test_it_takes_the_same_steps(policy: Policy, readings: Readings, tolerance: 
 
 
 @with_compiler
+@pytest.mark.slow
+def test_the_arm_takes_the_same_steps() -> None:
+    """What it sees is read outside the part that is compiled."""
+    panda = pytest.importorskip("aicon_envs.panda", reason="the arm needs MuJoCo")
+    env, policy, memory, readings = panda.PandaPushEnv(), make_policy("panda_push"), None, []
+    try:
+        observation, _ = env.reset(seed=1000)
+    except RuntimeError as error:
+        pytest.skip(str(error))
+    for _ in range(120):
+        readings.append(observation)
+        action, memory = policy.predict(observation, memory)
+        observation, *_ = env.step(action)
+    env.close()
+    assert_same_steps(policy, policy.compile(), readings, 1e-10)
+
+
+@with_compiler
 def test_it_is_a_policy_like_any_other() -> None:
     """Other batches, numpy, episodes that begin, saved memories, another precision, explanations."""
     policy = follower()

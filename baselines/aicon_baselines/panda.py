@@ -13,7 +13,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 from aicon_baselines.task import Episode, Task
 from aicon_envs.panda import PandaPushEnv
 
-# The arguments of the environment in each condition.
+# The arguments of the environment in each condition. Near the base the arm meets its joint limits and itself.
 _ARGUMENTS: dict[str, dict[str, Any]] = {
     "camera": {},
     "true_pose": {"obs_type": "pose"},
@@ -24,6 +24,8 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "object_L": {"object": "L"},
     "image_delay": {"image_delay": 0.1},
     "kick": {"kick_time": 10.0},
+    "near": {"area": ((0.40, 0.46), (-0.1, 0.1))},
+    "near_true_pose": {"area": ((0.40, 0.46), (-0.1, 0.1)), "obs_type": "pose"},
 }
 
 

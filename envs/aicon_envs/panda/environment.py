@@ -60,7 +60,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
     -√(|Δ|² + (r Δθ)²) per step, m, with r = 0.07 m.
 
     ## Start
-    Poses of object and target are drawn from `AREA` with any angle, the tip upright beside the object. The options
+    Poses of object and target are drawn from `area` with any angle, the tip upright beside the object. The options
     `object_pose`, `target_pose` (3,), `tip` (2,) and `yaw` of `reset` set them.
 
     ## End
@@ -76,8 +76,8 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
     `obs_type`; `render_mode`: None or "rgb_array"; `render_camera`: "outside" or "hand"; `object`: a name, see
     `aicon_envs.panda.objects.names()`, a `Prism` or an outline, m; `mass` (0.5 kg) and `friction` (0.35) of the
     object; `image_delay`: s; `depth_noise` (3 mm), `force_noise` (0.1 N; torques a fiftieth), `joint_noise` (1e-4 rad):
-    standard deviations; `kick_time`: when the object is pushed from outside, s, or None; `kick_force`: with how much
-    for 0.2 s, N.
+    standard deviations; `area`: bounds in x and y within which start and target are drawn, m; `kick_time`: when the
+    object is pushed from outside, s, or None; `kick_force`: with how much for 0.2 s, N.
 
     ## Version history
     v0: first version.
@@ -102,6 +102,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         depth_noise: float = 0.003,
         force_noise: float = 0.1,
         joint_noise: float = 1e-4,
+        area: tuple[tuple[float, float], tuple[float, float]] = AREA,
         kick_time: float | None = None,
         kick_force: float = 6.0,
         width: int = 160,
@@ -128,6 +129,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         self._size, self._shown = (width, height), (render_width, render_height)
         self._delay = round(image_delay / CONTROL_STEP)
         self._noises = (depth_noise, force_noise, joint_noise)
+        self._area = area
         self._kick_step = None if kick_time is None else round(kick_time / CONTROL_STEP)
         self._kick_force = kick_force
         self._simulation = Simulation(scene.build(self.object, mass, friction))
@@ -198,7 +200,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         return self._cameras[key]
 
     def _draw_pose(self) -> FloatArray:
-        (left, right), (near, far) = AREA
+        (left, right), (near, far) = self._area
         return np.array(
             [
                 self.np_random.uniform(left, right),

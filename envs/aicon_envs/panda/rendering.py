@@ -1,5 +1,6 @@
 """Pictures without a display: EGL, or OSMesa where there is no EGL."""
 
+import atexit
 import os
 import weakref
 
@@ -45,7 +46,9 @@ class Camera:
             raise RuntimeError(
                 f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}). {_HELP}"
             ) from error
-        self._free = weakref.finalize(self, _free, self._context, self._gl)  # while OpenGL is still there
+        self._free = weakref.finalize(self, _free, self._context, self._gl)
+        self._free.atexit = False
+        atexit.register(self._free)  # registered after MuJoCo's own, so it is called while OpenGL is still there
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
     def __call__(self, data: mujoco.MjData) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
