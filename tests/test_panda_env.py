@@ -1,4 +1,8 @@
+import ctypes.util
 import math
+import os
+import subprocess
+import sys
 
 import gymnasium as gym
 import numpy as np
@@ -137,6 +141,21 @@ def test_the_camera_shows_a_red_object_on_a_bright_table():
     assert 0.2 < np.median(observation["depth"]) < 0.4
     assert env.render().shape == (480, 640, 3)
     env.close()
+
+
+@pytest.mark.parametrize("backend", ["disable", "none is there", "osmesa"])
+def test_where_nothing_can_render_an_error_names_the_packages(backend):
+    if backend == "osmesa" and ctypes.util.find_library("OSMesa"):
+        pytest.skip("OSMesa is there")
+    environment = {key: value for key, value in os.environ.items() if key not in ("MUJOCO_GL", "DISPLAY")}
+    hide = "import ctypes.util; ctypes.util.find_library = lambda name: None; " if "none" in backend else ""
+    code = f"{hide}import aicon_envs.panda as panda; panda.PandaPushEnv().reset(seed=0)"
+    if not hide:
+        environment["MUJOCO_GL"] = backend
+    result = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    message = result.stderr.strip().splitlines()[-1]
+    assert message.startswith("RuntimeError: MuJoCo can") and "libegl1 libegl-mesa0 libgl1-mesa-dri" in message
 
 
 def test_wrong_arguments_are_named(env):

@@ -3,6 +3,11 @@
 import ctypes.util
 import os
 
+HELP = (
+    "Without a display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa; "
+    "`import aicon_envs.panda` before `import mujoco`, which reads MUJOCO_GL, chooses between them."
+)
+
 BACKENDS = {"egl": "EGL", "osmesa": "OSMesa"}
 """The backends of MuJoCo that need no display and the library of each, the first choice first."""
 
@@ -17,4 +22,19 @@ def choose() -> None:
             return
 
 
-choose()
+def load() -> None:
+    """Choose, and import MuJoCo.
+
+    Raises:
+        RuntimeError: If `MUJOCO_GL` names a backend whose library is missing; it names the packages.
+    """
+    choose()
+    try:
+        import mujoco  # noqa: F401
+    except AttributeError as error:  # PyOpenGL's way to say that there is no library
+        raise RuntimeError(
+            f"MuJoCo cannot be loaded with MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}. {HELP}"
+        ) from error
+
+
+load()

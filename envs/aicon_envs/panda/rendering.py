@@ -3,15 +3,13 @@
 import atexit
 import os
 import weakref
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-_HELP = (
-    "Without a display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa; "
-    "`import aicon_envs.panda` before `import mujoco`, which reads MUJOCO_GL, chooses between them."
-)
+from aicon_envs.panda.opengl import HELP
 
 
 class Camera:
@@ -44,7 +42,7 @@ class Camera:
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         except (ImportError, AttributeError, RuntimeError, mujoco.FatalError) as error:  # whatever a driver lacks
             raise RuntimeError(
-                f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}). {_HELP}"
+                f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}). {HELP}"
             ) from error
         self._free = weakref.finalize(self, _free, self._context, self._gl)
         self._free.atexit = False
@@ -69,7 +67,7 @@ class Camera:
         self._free()
 
 
-def _free(context: mujoco.MjrContext, gl: mujoco.GLContext) -> None:
+def _free(context: mujoco.MjrContext, gl: Any) -> None:
     gl.make_current()
     context.free()
     gl.free()
