@@ -96,8 +96,9 @@ class CompiledPolicy(Policy):
 def _product(first: Tensor, second: Tensor) -> Tensor:
     """``(..., n, k)`` times ``(..., k, m)``, as a sum that is compiled together with what is around it."""
     if max(*first.shape[-2:], *second.shape[-2:]) > _SMALL:
-        return NotImplemented  # as it is
-    return (first.unsqueeze(-1) * second.unsqueeze(-3)).sum(-2)
+        return NotImplemented  # type: ignore[no-any-return]  # it stays a call
+    product: Tensor = (first.unsqueeze(-1) * second.unsqueeze(-3)).sum(-2)
+    return product
 
 
 def _summary(error: Exception) -> str:

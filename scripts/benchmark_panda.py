@@ -45,9 +45,9 @@ def main() -> None:
 
 def measure(steps: int, seed: int, compiled: bool) -> dict[str, list[float]]:
     """Seconds of each part in each step, the first step, which compiles, left out."""
-    policy = make_policy("panda_push", **TASK.policy_options("camera"))
+    policy: Any = make_policy("panda_push", **TASK.policy_options("camera"))
     times: dict[str, list[float]] = {"environment": [], "image": [], "control": [], "clock": []}
-    policy.read = _timed(policy.read, times["image"])  # type: ignore[assignment, operator]
+    policy.read = _timed(policy.read, times["image"])
     if compiled:
         policy = policy.compile()
     env = PandaPushEnv()

@@ -220,7 +220,7 @@ def _change_of_leader(policy: Policy, memory: dict[str, Any]) -> Tensor:
     """
     rows, action = torch.arange(len(memory["a"])), memory["a"]
     stack, rank = memory["x_joints/gradients"], memory["x_joints/rank"][..., 0].clamp(min=0)
-    change = (stack[rows, rank] * action).sum(-1)
+    change: Tensor = (stack[rows, rank] * action).sum(-1)
     if "x_ee/rank" in memory:
         jacobian = _ARM.jacobian(_ARM.frames(memory["x_joints"]))
         motion = (jacobian @ action.unsqueeze(-1)).squeeze(-1)
