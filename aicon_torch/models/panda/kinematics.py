@@ -1,4 +1,8 @@
-"""Kinematics: from joint angles to the end effector and the links, and how a gradient goes back."""
+"""Kinematics: from joint angles to the end effector and the links, and how a gradient goes back.
+
+Not those of pytorch-kinematics: its URDF loader rounds to float32 (2.4e-8 m), and a chain built from numbers is as long
+as the product here, makes a step a tenth slower and needs four more packages. docs/arm.md has the figures.
+"""
 
 from typing import Any, cast
 
