@@ -71,7 +71,7 @@ panda: $(INSTALLED) ## Install what the arm needs and compare its policies; rend
 	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all,panda]"
 	@$(RUN) -c 'import aicon_envs.panda as p; p.PandaPushEnv().reset(seed=0)' || { \
 	  echo "The arm cannot be rendered here. On Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"; exit 1; } >&2
-	$(RUN) scripts/compare.py --task panda_push --policies aicon steepest --conditions camera true_pose \
+	$(RUN) scripts/compare.py --task panda_push --policies aicon steepest --compile --conditions camera true_pose \
 	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda
 	$(RUN) scripts/figures.py panda --out $(OUT)/panda
 
