@@ -20,7 +20,7 @@ from torch import Tensor
 
 import aicon_envs  # noqa: F401  # registers the environments
 from aicon_baselines import ComparisonError
-from aicon_torch import NullspaceProjection, make_policy
+from aicon_torch import NullspaceProjection, OptionError, make_policy
 from aicon_torch.meeting import Meeting
 from aicon_torch.models.pusht.contacts import norm
 from aicon_torch.models.pusht.dynamics import ContactDynamics
@@ -33,13 +33,16 @@ from timing import Step, spread, take_turns
 STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
 SEED, RECORDED = 1000, 48
 DT = 0.1  # s, a control step of pushT
+PUSHT = "aicon/PushT-v0", "pusht", "environment_state_agent_pos"
 
 
 def compare(rounds: int, steps: int, out: Path | None) -> None:
     """Measure every group, print it, and save peers.json in the folder `out`."""
     results: dict[str, dict[str, list[float]]] = {}
-    for title, group in (("one action of pushT", pushing), ("the gradients that meet in pushT", gradients)):
+    for title, group in GROUPS.items():
         programs = {name: step for name, make in group() if (step := _installed(name, make))}
+        if not programs:
+            continue
         results[title] = take_turns(programs, rounds, steps, title)
         print(f"\n{title}, one thread, ms: median (5 % to 95 %), and how many times as long as the first")
         first = next(iter(results[title].values()))
@@ -55,7 +58,7 @@ def compare(rounds: int, steps: int, out: Path | None) -> None:
 
 def pushing() -> Iterator[tuple[str, Callable[[], Step]]]:
     """Policies that choose the next action of pushT from what they observe in an episode of AICON."""
-    observations = _record()
+    observations = _record(*PUSHT)
     yield "AICON", lambda: _play(make_policy("pusht"), observations)
     yield "AICON, compiled", lambda: _play(make_policy("pusht").compile(), observations)
     for sampler, denoising in (("DDIM", 10), ("DDPM", 100)):
@@ -88,6 +91,36 @@ def gradients() -> Iterator[tuple[str, Callable[[], Step]]]:
     yield f"nullspace projection of {count} gradients", projection
     yield "UPGrad of TorchJD", lambda: torchjd("UPGrad")
     yield "PCGrad of TorchJD", lambda: torchjd("PCGrad")
+
+
+def arm() -> Iterator[tuple[str, Callable[[], Step]]]:
+    """AICON on the arm, with all its goals and no camera, beside one step of inverse kinematics for the same Panda."""
+
+    def ours(compiled: bool) -> Step:
+        observations = _record("aicon/PandaPush-v0", "panda_push", obs_type="pose", sensing="pose")
+        policy = make_policy("panda_push", sensing="pose")
+        return _play(policy.compile() if compiled else policy, observations)
+
+    def mink() -> Step:
+        import mink
+
+        env = gym.make("aicon/PandaPush-v0", obs_type="pose").unwrapped
+        env.reset(seed=SEED)
+        configuration = mink.Configuration(env._simulation.model, env._simulation.data.qpos)  # type: ignore[attr-defined]
+        task = mink.FrameTask("tool", "body", position_cost=1.0, orientation_cost=1.0)
+        task.set_target(configuration.get_transform_frame_to_world("tool", "body"))
+        joints = {f"panda_joint{index}": 2.0 for index in range(1, 8)}
+        limits = [mink.ConfigurationLimit(configuration.model), mink.VelocityLimit(configuration.model, joints)]
+
+        def step() -> None:
+            configuration.update(configuration.q)
+            mink.solve_ik(configuration, [task], 0.01, "daqp", limits=limits)
+
+        return step
+
+    yield "AICON", lambda: ours(compiled=False)
+    yield "AICON, compiled", lambda: ours(compiled=True)
+    yield "one step of mink, limits of joints and speeds", mink
 
 
 class Mppi:
@@ -133,9 +166,9 @@ class Mppi:
         return norm(pose_error(state[..., :3], self._goal, self._outline.gyration)) + 0.1 * away
 
 
-def _record() -> list[dict[str, Any]]:
+def _record(name: str, task: str, obs_type: str, **options: Any) -> list[dict[str, Any]]:
     """What an episode of AICON observes at first."""
-    env, policy = gym.make("aicon/PushT-v0"), make_policy("pusht")
+    env, policy = gym.make(name, obs_type=obs_type), make_policy(task, **options)
     observation, _ = env.reset(seed=SEED)
     observations, memory = [], None
     for _ in range(RECORDED):
@@ -148,7 +181,7 @@ def _record() -> list[dict[str, Any]]:
 def _meetings() -> list[Meeting]:
     """The meetings at the pusher in this episode."""
     policy = make_policy("pusht")
-    step = _play(policy, _record())
+    step = _play(policy, _record(*PUSHT))
     with patch.object(policy.resolution, "forward", wraps=policy.resolution.forward) as forward:
         for _ in range(RECORDED):
             step()
@@ -179,6 +212,13 @@ def _student(sampler: str, steps: int, observations: list[dict[str, Any]]) -> St
 def _installed(name: str, make: Callable[[], Step]) -> Step | None:
     try:
         return make()
-    except (ModuleNotFoundError, ComparisonError) as error:
+    except (ModuleNotFoundError, ComparisonError, OptionError, gym.error.Error) as error:
         print(f"without {name}: {error}")
         return None
+
+
+GROUPS = {
+    "one action of pushT": pushing,
+    "the gradients that meet in pushT": gradients,
+    "one step of the arm": arm,
+}
