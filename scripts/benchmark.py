@@ -11,7 +11,6 @@ import json
 import os
 import statistics
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -21,7 +20,6 @@ import gymnasium as gym
 import numpy as np
 import torch
 from torch import Tensor
-from tqdm import tqdm
 
 import aicon_envs  # noqa: F401  # registers the environments
 import plain_navigation
@@ -37,8 +35,7 @@ from aicon_torch import (
     WorldModel,
     make_policy,
 )
-
-Step = Callable[[], None]
+from timing import Step, spread, take_turns
 
 BOUNDS = {
     "library, batch 1 / by hand, autograd along each path, batch 1": 1.5,
@@ -55,8 +52,14 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=20, help="steps of each program a round (default: 20)")
     parser.add_argument("--out", type=Path, help="folder for benchmark.json")
     parser.add_argument("--check", action="store_true", help="fail if a median misses its bound")
+    parser.add_argument("--peers", action="store_true", help="time the tools of others beside ours instead")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
+    if arguments.peers:
+        import benchmark_peers  # what it needs is optional
+
+        benchmark_peers.compare(arguments.rounds, arguments.steps, arguments.out)
+        return
     steps, rungs = navigation(arguments.rounds, arguments.steps), ladder(arguments.rounds, arguments.steps)
     pushes = pushing(arguments.rounds, arguments.steps)
     speed = environment(gym.make("aicon/Nav2D-v0", map="clutter"), arguments.rounds)
@@ -64,18 +67,18 @@ def main() -> None:
     for title, measured in (("navigation", steps), ("pushT", pushes)):
         print(f"\none {title} step, one thread, ms: median (5 % to 95 %)")
         for name, times in measured["times"].items():
-            print(f"  {name:44} {_spread(times, 1e3)}")
+            print(f"  {name:44} {spread(times, 1e3)}")
         print("ratios, taken round by round")
         for name, ratios in measured["ratios"].items():
-            print(f"  {name:44} {_spread(ratios)}")
+            print(f"  {name:44} {spread(ratios)}")
     print("a ladder whose paths double with every rung")
     for row in rungs:
-        per_edge = _spread([1e6 * t / row["edges"] for t in row["times"]])
+        per_edge = spread([1e6 * t / row["edges"] for t in row["times"]])
         print(f"  {row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths: {per_edge} µs an edge")
-    print(f"aicon/Nav2D-v0 alone: {_spread(speed)} steps/s")
+    print(f"aicon/Nav2D-v0 alone: {spread(speed)} steps/s")
     for name, speeds in pushed["speeds"].items():
-        print(f"{name} alone: {_spread(speeds)} steps/s")
-    print(f"  ratio, round by round: {_spread(pushed['ratio'])}")
+        print(f"{name} alone: {spread(speeds)} steps/s")
+    print(f"  ratio, round by round: {spread(pushed['ratio'])}")
     if arguments.out:
         arguments.out.mkdir(parents=True, exist_ok=True)
         path = arguments.out / "benchmark.json"
@@ -97,7 +100,7 @@ def navigation(rounds: int, steps: int) -> dict[str, Any]:
         programs[f"library, batch {batch}"] = _library(batch)
         programs[f"by hand, autograd along each path, batch {batch}"] = _by_hand(batch, closed_form=False)
         programs[f"by hand, all in closed form, batch {batch}"] = _by_hand(batch, closed_form=True)
-    times = _take_turns(programs, rounds, steps, "navigation")
+    times = take_turns(programs, rounds, steps, "navigation")
     ratios = {
         f"{first} / {second}": [a / b for a, b in zip(times[first], times[second], strict=True)]
         for first, second in (
@@ -113,7 +116,7 @@ def pushing(rounds: int, steps: int) -> dict[str, Any]:
     """The step of pushT at batch 1 and 256, beside that of navigation."""
     programs = {"navigation, batch 1": _library(1)}
     programs |= {f"pushT, batch {batch}": _pushing(batch) for batch in (1, 256)}
-    times = _take_turns(programs, rounds, steps, "pushT")
+    times = take_turns(programs, rounds, steps, "pushT")
     pairs = (("pushT, batch 1", "navigation, batch 1"), ("pushT, batch 256", "pushT, batch 1"))
     ratios = {f"{a} / {b}": [x / y for x, y in zip(times[a], times[b], strict=True)] for a, b in pairs}
     return {"times": times, "ratios": ratios}
@@ -150,7 +153,7 @@ def ladder(rounds: int, steps: int) -> list[dict[str, Any]]:
     programs: dict[str, Step] = {
         str(rungs): _stepper(policy, {"z": torch.zeros(1)}) for rungs, policy in models.items()
     }
-    times = _take_turns(programs, max(1, rounds // 6), max(1, steps // 4), "ladder")
+    times = take_turns(programs, max(1, rounds // 6), max(1, steps // 4), "ladder")
     return [
         {
             "rungs": rungs,
@@ -212,26 +215,6 @@ def _stepper(policy: Policy, observation: dict[str, Tensor]) -> Step:
         _, memory = policy.predict(observation, memory)
 
     return step
-
-
-def _take_turns(programs: dict[str, Step], rounds: int, steps: int, name: str) -> dict[str, list[float]]:
-    """Mean processor seconds per step in each round, for each program."""
-    for step in programs.values():
-        for _ in range(steps):
-            step()
-    times: dict[str, list[float]] = {program: [] for program in programs}
-    for _ in tqdm(range(rounds), desc=name, disable=None):
-        for program, step in programs.items():
-            start = time.process_time()
-            for _ in range(steps):
-                step()
-            times[program].append((time.process_time() - start) / steps)
-    return times
-
-
-def _spread(values: list[float], factor: float = 1.0) -> str:
-    cuts = statistics.quantiles([value * factor for value in values], n=20, method="inclusive")
-    return f"{statistics.median(values) * factor:.3g} ({cuts[0]:.3g} to {cuts[-1]:.3g})"
 
 
 if __name__ == "__main__":
