@@ -7,6 +7,7 @@ from aicon_torch.models.panda import Options, world_model
 from aicon_torch.models.panda.body import segment_distance
 from aicon_torch.models.panda.camera import Visibility
 from aicon_torch.models.panda.kinematics import EndEffector, Kinematics, tool_frame
+from aicon_torch.models.panda.limits import ArmLimits
 from aicon_torch.models.panda.perception import Registration, View
 from aicon_torch.models.panda.robot import PANDA, Robot
 from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point
@@ -124,6 +125,21 @@ def test_near_a_limit_the_joint_turns_back():
         q = q + 0.01 * action
         assert q[6] < PANDA.high[6]
     assert q[6] < PANDA.high[6] - 0.04
+
+
+def test_with_stops_no_joint_arrives_early_and_where_none_is_near_nothing_changes(kinematics):
+    limits = ArmLimits(PANDA, kinematics, None, 600.0, 0.2, 0.1, 0.2, stop_time=0.4)
+    generator = torch.Generator().manual_seed(3)
+    low, high = torch.tensor(PANDA.low, dtype=torch.float64), torch.tensor(PANDA.high, dtype=torch.float64)
+    q = low + (high - low) * torch.rand(200, 7, generator=generator, dtype=torch.float64)
+    q[:100, 3] = high[3] - 0.02
+    a, wanted = (torch.randn(200, size, generator=generator, dtype=torch.float64) for size in (7, 6))
+    jacobian = kinematics.jacobian(kinematics.frames(q))
+    stopped = limits.before_stops(a, q, jacobian, wanted, 0.4)
+    assert (q + 0.4 * stopped <= high + 1e-12).all() and (q + 0.4 * stopped >= low - 1e-12).all()
+    far = ((q + 0.4 * a < high) & (q + 0.4 * a > low)).all(-1)
+    assert 0 < far.sum() < 200
+    torch.testing.assert_close(stopped[far], a[far], rtol=0, atol=0)
 
 
 def test_segments_are_as_far_apart_as_their_nearest_points():

@@ -87,6 +87,7 @@ class Options:
         height_tolerance: Deviation from it that g₂ leaves alone, m; 0 in the text.
         tilt_tolerance: Tilt of the stick that the goal "upright" leaves alone, rad.
         settle: Least time to arrive at a height, s.
+        stop_time: Least time to arrive at a joint's stop, s; None leaves the joints to g₃.
         limit_margin: m₀ of g₃, rad.
         limit_weight: w of g₃.
         collision_margin: d₀ of g₄, m.
@@ -146,6 +147,7 @@ class Options:
     height_tolerance: float = 0.001
     tilt_tolerance: float = 0.02
     settle: float = 0.2
+    stop_time: float | None = None
     limit_margin: float = 0.1
     limit_weight: float = 300.0
     collision_margin: float = 0.05
@@ -202,12 +204,13 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_exploration": {"explore": False},
         "no_trace": {"trace_weight": 0.0},
         "no_touch": {"feel": False},
+        "stops": {"stop_time": 0.4},
         "no_upright": {"goals": ("heights", "limits", "collisions")},
         "no_limits": {"goals": ("heights", "upright", "collisions")},
         "no_collisions": {"goals": ("heights", "upright", "limits")},
     }
 )
-"""Named options: ours, baselines, and ours without one part each."""
+"""Named options: ours, baselines, ours without one part each, and with stops (four times the lag of the servos)."""
 
 
 def world_model(options: Options) -> WorldModel:
@@ -417,7 +420,8 @@ def _limits(options: Options, kinematics: Kinematics, dynamics: ContactDynamics)
         least, largest = options.push
         radius = SCALE * options.robot.stick_radius
         contact = ContactLimits(dynamics, None, (least, largest), options.harm, options.slide_gap, radius=radius)
-    return ArmLimits(options.robot, kinematics, contact, SCALE, options.max_speed, options.horizon, options.settle)
+    times = options.horizon, options.settle, options.stop_time
+    return ArmLimits(options.robot, kinematics, contact, SCALE, options.max_speed, *times)
 
 
 def resolution(options: Options) -> Resolution:
