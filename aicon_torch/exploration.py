@@ -106,7 +106,7 @@ class Exploration(Node):
         Returns:
             Whether to explore ``(*B,)``, the unit direction of motion ``(*B, d)``, and the new memory.
         """
-        cosine, decided = self.compare(ranked, memory["exploring"])
+        cosine, decided = self.compare(ranked, memory["exploring"], meeting.siblings)
         rate = meeting.dt / (meeting.dt + self.average_time)
         state = {"cosine": cosine, "average": torch.lerp(memory["average"], meeting.motion, rate)}
         enter = (cosine < self.enter_cosine) & ~decided
@@ -119,12 +119,17 @@ class Exploration(Node):
         state["exploring"] = torch.where(memory["exploring"], stay, enter)
         return state["exploring"], self.direction(meeting, ranked, state["average"]), state
 
-    def compare(self, ranked: Ranked, exploring: Tensor) -> tuple[Tensor, Tensor]:
-        """Cosine of the dominant gradient and its partner, and whether it exceeds the partner by λ, ``(*B,)`` each."""
+    def compare(self, ranked: Ranked, exploring: Tensor, siblings: Tensor | None = None) -> tuple[Tensor, Tensor]:
+        """Cosine of the dominant gradient and its partner, and whether it exceeds the partner by λ, ``(*B,)`` each.
+
+        Candidates that were resolved together before are no conflict, ``siblings`` ``(n, n)``.
+        """
         rows = torch.arange(ranked.norms.shape[-1], device=ranked.first.device)
         strengths = ranked.weights if self.ratio_of == "weights" else ranked.norms
         first = select(ranked.units, ranked.first)
         others = strengths.masked_fill(rows == ranked.first, -1.0)
+        if siblings is not None:
+            others = others.masked_fill(siblings[ranked.first.squeeze(-1)], -1.0)
         if self.partner == "opposing":
             cosines = (first.unsqueeze(-2) * ranked.units).sum(-1)
             bound = torch.where(exploring, self.exit_cosine, self.enter_cosine).unsqueeze(-1)

@@ -1,6 +1,6 @@
 """The sweep: gradients travel from the goals to the actuators and are resolved wherever they meet."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import torch
@@ -17,11 +17,13 @@ from aicon_torch.resolution import Memory, Resolution
 class Arrival(NamedTuple):
     """A gradient that arrives at a quantity: the names it came through, goal first, and the goals it comes from.
 
-    Where several gradients were merged on the way, their goals stand joined, followed by the quantity of the merger.
+    Where several gradients were merged on the way, their goals stand joined, followed by the quantity of the merger,
+    and its rank there if it is one of those that left it; `order` has both.
     """
 
     trace: tuple[str, ...]
     goals: frozenset[str]
+    order: tuple[str, int] | None = None
 
     def __str__(self) -> str:
         """``reach → p_tar → x_rob``."""
@@ -49,8 +51,20 @@ class Sweep:
                 raise OptionError(f"The resolution names the goal {goal!r}. Goals: {choices(model.goals)}.")
         self.model, self.resolution = model, resolution
         self.levels = _levels(model)
+        self.final: dict[str, bool] = {}
+        self._follow()
+        self.final = self._find_final()
+        if resolution.inherits:
+            self._follow()
+        self.siblings = {name: _related(here, lambda i, j: i != j) for name, here in self.arrivals.items()}
+        self.before = {name: _related(here, lambda i, j: j < i) for name, here in self.arrivals.items()}
+        self.remembered = {name: tuple(self._initial(name)) for name in self.arrivals if self.meets(name)}
+
+    def _follow(self) -> None:
+        """Note what arrives where; as long as it is not known which meetings are final, all are taken for it."""
         self.arrivals: dict[str, list[Arrival]] = {}
         self.blocks: dict[str, list[Edge]] = {}
+        model = self.model
         leaving = {goal: [Arrival((goal,), frozenset([goal]))] for goal in model.goals}
         for level in self.levels:
             leaving |= {name: self._leaving(name) for name in level if name in self.arrivals}
@@ -58,8 +72,6 @@ class Sweep:
                 for name in names:
                     for edge in model.edges[name]:
                         self._announce(edge, leaving[name][names[name]])
-        self.final = self._find_final()
-        self.remembered = {name: tuple(self._initial(name)) for name in self.arrivals if self.meets(name)}
 
     def _announce(self, edge: Edge, arrival: Arrival) -> None:
         """Note what an edge brings to its source when it is pulled once."""
@@ -68,7 +80,7 @@ class Sweep:
         if not edge.rows:
             here.append(arrival)
             return
-        rows = [Arrival((*arrival.trace[:-1], label), arrival.goals) for label in edge.labels]
+        rows = [arrival._replace(trace=(*arrival.trace[:-1], label)) for label in edge.labels]
         start = self._joined(edge)
         if start is None:
             here.extend(rows)
@@ -92,9 +104,13 @@ class Sweep:
     def _leaving(self, name: str) -> list[Arrival]:
         here = self.arrivals[name]
         if not self.resolution.merges or len(here) == 1:
-            return [Arrival((*arrival.trace, name), arrival.goals) for arrival in here]
+            return [arrival._replace(trace=(*arrival.trace, name)) for arrival in here]
         goals = frozenset().union(*(arrival.goals for arrival in here))
-        return [Arrival(("+".join(goal for goal in self.model.goals if goal in goals), name), goals)]
+        joined = "+".join(goal for goal in self.model.goals if goal in goals)
+        if not self.resolution.inherits or self.final.get(name, True):
+            return [Arrival((joined, name), goals)]
+        ranks = self.resolution.ranks(len(here), self.model.quantities[name].size)
+        return [Arrival((joined, f"{name} (rank {rank})"), goals, (name, rank)) for rank in range(ranks)]
 
     def _find_final(self) -> dict[str, bool]:
         """For each quantity whether gradients meet nowhere else on the way from there to the actuators."""
@@ -142,7 +158,7 @@ class Sweep:
                 return self._apart(name, arrived[name])
             resolved, state = self._resolve(name, arrived[name], values, before, costs)
             memory.update(state)
-            return [resolved]
+            return resolved
 
         for level in self.levels:
             gradients = {name: leaving(name) for name in level}
@@ -191,24 +207,40 @@ class Sweep:
         values: Mapping[str, Tensor],
         before: Mapping[str, Tensor],
         costs: dict[str, Tensor],
-    ) -> tuple[Tensor, Memory]:
+    ) -> tuple[list[Tensor], Memory]:
         """Let the resolution decide what leaves a quantity."""
         shape = values[name].shape
         quantity = self.model.quantities[name]
         motion = values[name] if quantity.is_motion else values[name] - before[name]
+        gradients = self._stack(quantity, arrived)
         meeting = Meeting(
-            gradients=self._stack(quantity, arrived),
+            gradients=gradients,
             goals=tuple(arrival.goals for arrival in self.arrivals[name]),
             motion=quantity.flatten(motion),
             costs=costs,
             displaced=lambda goal, shift: self.model.displaced_cost(goal, name, shift.reshape(shape), values),
             dt=self.model.dt,
             final=self.final[name],
+            siblings=_beside(gradients, self.siblings[name]),
+            before=_beside(gradients, self.before[name]),
         )
         own = {key: before[f"{name}/{key}"] for key in self.remembered[name]}
         resolved, state = self.resolution(meeting, own)
         state = {**state, "gradients": meeting.gradients}
-        return resolved.reshape(shape), {f"{name}/{key}": value for key, value in state.items()}
+        one_by_one = resolved.unbind(-2) if self.resolution.inherits and not meeting.final else (resolved,)
+        leaving = [gradient.reshape(shape) for gradient in one_by_one]
+        return leaving, {f"{name}/{key}": value for key, value in state.items()}
+
+
+def _related(here: Sequence[Arrival], by: Callable[[int, int], bool]) -> Tensor | None:
+    """Which arrivals, i and j, left the same meeting and have ranks so related there; None where none do."""
+    origins = [arrival.order or (f"of its own {index}", 0) for index, arrival in enumerate(here)]
+    related = torch.tensor([[a == b and by(i, j) for b, j in origins] for a, i in origins])
+    return related if related.any() else None
+
+
+def _beside(gradients: Tensor, related: Tensor | None) -> Tensor | None:
+    return None if related is None else related.to(gradients.device)
 
 
 def _joined(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:

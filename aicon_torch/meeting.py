@@ -17,6 +17,8 @@ class Meeting(NamedTuple):
         displaced: Cost of a goal now had the quantity been displaced, ``(name, (*B, d)) -> (*B,)``.
         dt: Time step, s.
         final: Whether gradients meet nowhere else on the way from here to the actuators.
+        siblings: Which candidates left an earlier meeting together, ``(n, n)``; None if none did.
+        before: Which of them, j, came before candidate i there and keep their place, ``(n, n)``.
     """
 
     gradients: Tensor
@@ -26,6 +28,8 @@ class Meeting(NamedTuple):
     displaced: Callable[[str, Tensor], Tensor]
     dt: float
     final: bool = True
+    siblings: Tensor | None = None
+    before: Tensor | None = None
 
     @property
     def concerned(self) -> frozenset[str]:

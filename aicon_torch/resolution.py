@@ -23,10 +23,13 @@ class Resolution(Node):
         merges: Whether it acts wherever gradients meet, so that one gradient leaves each quantity. Otherwise every
             path is followed to its end and the rule acts there.
         by_row: Whether gradients that come from the same row of quantities with rows are summed before they meet.
+        inherits: Whether what is resolved at a quantity goes on as ranked gradients instead of as one, where it meets
+            others again.
     """
 
     merges = True
     by_row = False
+    inherits = False
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -37,8 +40,15 @@ class Resolution(Node):
         """What the rule remembers at a quantity with n candidates of d components, before the first step."""
         return {}
 
+    def ranks(self, candidates: int, size: int) -> int:
+        """How many of n candidates of d components are used."""
+        return candidates
+
     def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
-        """The gradient that goes on, ``(*B, d)``, and the new memory."""
+        """The gradient that goes on, ``(*B, d)``, and the new memory.
+
+        With `inherits` these are the ranked gradients, ``(*B, ranks, d)``, unless the meeting is final.
+        """
         raise NotImplementedError
 
 
@@ -85,6 +95,10 @@ class NullspaceProjection(Resolution):
             without a softmax it has no effect.
         by_row: Whether gradients through the same row of quantities whose rows go back to one quantity are summed
             before they meet. In the text each is a candidate of its own.
+        merge: What goes on from a meeting to the next one. ``"sum"``: the sum of the projected gradients, as in the
+            text. ``"order"``: each of them, to be projected again there, behind those that came before it here; so the
+            order is that of the first meeting, and a stronger gradient keeps its nullspace across a coupling that is
+            no isometry.
         exploration: What to do about conflicts, by default the paper's; None never explores.
     """
 
@@ -96,6 +110,7 @@ class NullspaceProjection(Resolution):
         restore_magnitude: bool = True,
         relative: bool = False,
         by_row: bool = False,
+        merge: Literal["sum", "order"] = "sum",
         exploration: Exploration | None = PAPER,
     ) -> None:
         super().__init__()
@@ -105,9 +120,11 @@ class NullspaceProjection(Resolution):
             raise OptionError(f"margin={margin!r}: expected a number >= 0.")
         if projector not in PROJECTORS:
             raise OptionError(f"projector={projector!r}: expected one of {choices(PROJECTORS)}.")
+        if merge not in ("sum", "order"):
+            raise OptionError(f"merge={merge!r}: expected 'sum' or 'order'.")
         self.temperature, self.margin = temperature, margin
         self.restore_magnitude = restore_magnitude
-        self.relative, self.by_row = relative, by_row
+        self.relative, self.by_row, self.inherits = relative, by_row, merge == "order"
         self.project = PROJECTORS[projector]
         self.exploration = exploration
 
@@ -118,9 +135,12 @@ class NullspaceProjection(Resolution):
 
     def initial(self, candidates: int, size: int) -> Memory:
         """No candidate holds a rank yet (−1)."""
-        ranks = candidates if self.project is keep else min(candidates, size)  # degrees of freedom to be had
-        memory = {"rank": torch.full((ranks,), -1)}
+        memory = {"rank": torch.full((self.ranks(candidates, size),), -1)}
         return memory | (self.exploration.initial(size) if self.exploration else {})
+
+    def ranks(self, candidates: int, size: int) -> int:
+        """The degrees of freedom to be had, min(n, d); without projection n."""
+        return candidates if self.project is keep else min(candidates, size)
 
     def forward(self, meeting: Meeting, memory: Memory) -> tuple[Tensor, Memory]:
         """The conflict-free sum, or the exploration that replaces it."""
@@ -128,17 +148,23 @@ class NullspaceProjection(Resolution):
         units = meeting.gradients / norms.clamp(min=torch.finfo(norms.dtype).tiny ** 0.5).unsqueeze(-1)
         weights = self.weigh(norms)
         scaled = units * weights.unsqueeze(-1)
-        resolved, rank = self.resolve(scaled, weights, memory["rank"])
+        taken, rank = self.resolve(scaled, weights, memory["rank"], meeting.before)
+        resolved = taken if self.inherits and not meeting.final else taken.sum(-2)
         state = {"rank": rank}
         ranked = Ranked(norms, units, weights, scaled, first=rank[..., :1].clamp(min=0))
         if self.restore_magnitude and not meeting.final:
             lead = norms.gather(-1, ranked.first)
-            resolved = resolved * lead / weights.gather(-1, ranked.first).clamp(min=torch.finfo(norms.dtype).tiny)
+            factor = lead / weights.gather(-1, ranked.first).clamp(min=torch.finfo(norms.dtype).tiny)
+            resolved = resolved * (factor.unsqueeze(-1) if self.inherits else factor)
         if self.exploration is not None:
             exploring, direction, explored = self.exploration(meeting, ranked, memory)
             if self.restore_magnitude and not meeting.final:
                 direction = direction * lead
-            resolved = torch.where(exploring.unsqueeze(-1), -direction, resolved)
+            if resolved.dim() > direction.dim():  # one gradient leads, and no other is left
+                alone = torch.nn.functional.pad(-direction.unsqueeze(-2), (0, 0, 0, resolved.shape[-2] - 1))
+                resolved = torch.where(exploring[..., None, None], alone, resolved)
+            else:
+                resolved = torch.where(exploring.unsqueeze(-1), -direction, resolved)
             state |= explored
         return resolved, state
 
@@ -150,33 +176,39 @@ class NullspaceProjection(Resolution):
             norms = norms / norms.amax(-1, keepdim=True).clamp(min=torch.finfo(norms.dtype).tiny ** 0.5)
         return torch.softmax(norms / self.temperature, dim=-1)
 
-    def resolve(self, gradients: Tensor, strengths: Tensor, held: Tensor) -> tuple[Tensor, Tensor]:
+    def resolve(
+        self, gradients: Tensor, strengths: Tensor, held: Tensor, before: Tensor | None = None
+    ) -> tuple[Tensor, Tensor]:
         """Greedy ordering by strength after projection (Eq. 7-8), with hysteresis.
 
         Args:
             gradients: ``(*B, n, d)``.
             strengths: Their norms, ``(*B, n)``.
             held: Which candidate held each rank in the last step, ``(*B, min(n, d))``.
+            before: Which candidates j come before candidate i, whatever their strengths, ``(n, n)``.
 
         Returns:
-            The sum of the selected, mutually orthogonal gradients ``(*B, d)``, and the candidate of each rank, −1 where
-            none was left.
+            The selected, mutually orthogonal gradients ``(*B, min(n, d), d)`` by rank, and the candidate of each, −1
+            where none was left.
         """
         ranks: list[Tensor] = []
-        total = gradients.new_zeros(())
+        taken: list[Tensor] = []
         depth = held.shape[-1]
         candidates = torch.arange(gradients.shape[-2], device=gradients.device)
         for rank in range(depth):
             favour = 1.0 + self.margin * (candidates == held[..., rank : rank + 1])
-            strength, index = (strengths * favour).max(-1, keepdim=True)
+            ready = strengths * favour
+            if before is not None:
+                ready = ready.masked_fill((before & (strengths > 0).unsqueeze(-2)).any(-1), -1.0)
+            strength, index = ready.max(-1, keepdim=True)
             top = select(gradients, index)
-            total = total + top
+            taken.append(top)
             if rank + 1 < depth:
                 chosen = candidates == index
                 gradients = self.project(top, gradients).masked_fill(chosen.unsqueeze(-1), 0.0)
                 strengths = torch.linalg.vector_norm(gradients, dim=-1)
             ranks.append(index.masked_fill(strength == 0, -1))  # nothing is left to hold this rank
-        return total, torch.cat(ranks, dim=-1)
+        return torch.stack(taken, dim=-2), torch.cat(ranks, dim=-1)
 
 
 def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
