@@ -47,7 +47,7 @@ def rises(count: int, pullback: str, draws: int, generator: torch.Generator) -> 
     gradients = lengths * torch.randn(draws, count, EE_SIZE, generator=generator, dtype=torch.float64)
     weights = rule.weigh(gradients.norm(dim=-1))
     scaled = torch.nn.functional.normalize(gradients, dim=-1) * weights.unsqueeze(-1)
-    merged, rank = rule.resolve(scaled, weights, torch.full((draws, count), -1))
+    taken, rank = rule.resolve(scaled, weights, torch.full((draws, count), -1))
     leader = gradients[torch.arange(draws), rank[:, 0]]
 
     def pull(gradient: Tensor) -> Tensor:
@@ -59,10 +59,9 @@ def rises(count: int, pullback: str, draws: int, generator: torch.Generator) -> 
         change = -(leader * (jacobian @ motion.unsqueeze(-1)).squeeze(-1)).sum(-1)
         return float((change > 1e-9).double().mean())
 
-    ordered = in_turn(scaled.gather(-2, rank.unsqueeze(-1).expand(-1, -1, EE_SIZE)))
-    pulled = torch.stack([pull(gradient) for gradient in ordered.unbind(-2)], dim=-2)
+    pulled = torch.stack([pull(gradient) for gradient in taken.unbind(-2)], dim=-2)
     again, _ = rule.resolve(pulled, pulled.norm(dim=-1), torch.full((draws, count), -1))
-    return share(pull(merged)), share(again), share(in_turn(pulled).sum(-2))
+    return share(pull(taken.sum(-2))), share(again.sum(-2)), share(in_turn(pulled).sum(-2))
 
 
 def in_turn(gradients: Tensor) -> Tensor:

@@ -12,6 +12,7 @@ from aicon_torch.models.panda.perception import Registration, View
 from aicon_torch.models.panda.robot import PANDA, Robot
 from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point
 from aicon_torch.models.pusht.dynamics import ContactDynamics
+from panda_merging import rises
 
 HOME = torch.tensor([0.1, 0.3, -0.2, -2.2, 0.1, 2.5, 0.6], dtype=torch.float64)
 
@@ -125,6 +126,14 @@ def test_near_a_limit_the_joint_turns_back():
         q = q + 0.01 * action
         assert q[6] < PANDA.high[6]
     assert q[6] < PANDA.high[6] - 0.04
+
+
+def test_what_was_settled_at_the_end_effector_stays_so_with_the_natural_pullback():
+    draw = torch.Generator().manual_seed
+    merged, _, inherited = rises(4, "natural", 500, draw(0))
+    assert merged == 0 and inherited > 0
+    merged, _, inherited = rises(4, "transpose", 500, draw(0))
+    assert merged > 0 and inherited == 0
 
 
 def test_with_stops_no_joint_arrives_early_and_where_none_is_near_nothing_changes(kinematics):

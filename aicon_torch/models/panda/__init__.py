@@ -101,6 +101,7 @@ class Options:
         by_row: Whether the two gradients of a contact are summed before they meet others.
         margin: Hysteresis of the order.
         projector: Form of the projection.
+        merge: What goes on from x_pusher and x_ee: the sum of what was resolved there, or all of it in its order.
         explore: Whether conflicts are explored.
         enter_cosine: Cosine below which a conflict begins.
         exit_cosine: Cosine above which it ends.
@@ -161,6 +162,7 @@ class Options:
     by_row: bool = True
     margin: float = 0.1
     projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
+    merge: Literal["sum", "order"] = "sum"
     explore: bool = True
     enter_cosine: float = -0.6
     exit_cosine: float = -0.4
@@ -199,6 +201,8 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
         "transpose": {"pullback": "transpose"},
+        "inherited": {"merge": "order"},
+        "inherited_transpose": {"merge": "order", "pullback": "transpose"},
         "steepest": {"resolution": "steepest"},
         "potential_field": {"resolution": "sum"},
         "no_exploration": {"explore": False},
@@ -444,6 +448,7 @@ def resolution(options: Options) -> Resolution:
         options.projector,
         relative=options.relative,
         by_row=options.by_row,
+        merge=options.merge,
         exploration=exploration if options.explore else None,
     )
 
