@@ -133,6 +133,15 @@ def test_a_stopped_training_ends_like_one_that_was_not(demos: Path, tmp_path: Pa
         train(Training(8, **SMALL | {"batch": 16}), demos, tmp_path / "parts")
 
 
+def test_observations_are_shifted_by_standard_deviations(demos: Path, policy: Path) -> None:
+    frames = read(demos, "keypoints")
+    names = ("observation.state", "observation.environment_state")
+    seen = load(policy).preprocess({name: torch.from_numpy(frames.columns[name]) for name in names})
+    for name in names:
+        assert torch.allclose(seen[name].mean(dim=0), torch.tensor(2.0), atol=1e-2)
+        assert torch.allclose(seen[name].std(dim=0), torch.tensor(1.0), atol=1e-2)
+
+
 def test_training_lowers_the_loss(demos: Path, tmp_path: Path) -> None:
     train(Training(200, **SMALL | {"batch": 32}, learning_rate=3e-3), demos, tmp_path)
     lines = [line.split(",") for line in (tmp_path / "loss.csv").read_text().splitlines()]
@@ -313,14 +322,14 @@ def test_half_precision_is_loaded_as_float32(
 ) -> None:
     from safetensors.torch import load_file
 
-    export(policy.parent, tmp_path / "half", sampler="DDIM", inference_steps=5, action_steps=4)
+    export(policy.parent, tmp_path / "half", sampler="DDIM", inference_steps=5)
     assert (tmp_path / "half" / "loss.png").stat().st_size < 100_000
     assert {value.dtype for value in load_file(tmp_path / "half" / "model.safetensors").values()} == {torch.float16}
     ours = load(tmp_path / "half").policy
     theirs = import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy.from_pretrained(tmp_path / "half")
     for one, other in zip(ours.parameters(), theirs.parameters(), strict=True):
         assert one.dtype == other.dtype == torch.float32 and torch.equal(one, other)
-    assert theirs.config.n_action_steps == 4 and theirs.diffusion.num_inference_steps == 5
+    assert theirs.diffusion.num_inference_steps == 5
     difference = run(Agent(tmp_path / "half"), observations[:4], {}) - run(
         Agent(policy, "DDIM", 5), observations[:4], {}
     )
