@@ -4,7 +4,8 @@ Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out
          python scripts/compare.py --task pusht --policies aicon diffusion --diffusion-path runs/diffusion/policy \
            --out runs/pusht
 
-The same command goes on where a stopped run was saved last. It needs LeRobot: make lerobot-env.
+The same command goes on where a stopped run was saved last, and one with other --steps to that number of them. It needs
+LeRobot: make lerobot-env.
 """
 
 import argparse

@@ -29,6 +29,7 @@ from aicon_baselines.diffusion.training import train
 from aicon_baselines.runs import read_rows
 from aicon_baselines.tasks import load as load_task
 
+STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
 SMALL: dict[str, Any] = {"down_dims": (8, 16), "batch": 8, "warmup": 2}
 QUICK: dict[str, Any] = {"max_speed": 800.0, "smoothing": 0.1}
 
@@ -131,6 +132,12 @@ def test_a_stopped_training_ends_like_one_that_was_not(demos: Path, tmp_path: Pa
         assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes()
     with pytest.raises(ComparisonError, match="another training: batch is 8 there and 16 here. Choose another folder"):
         train(Training(8, **SMALL | {"batch": 16}), demos, tmp_path / "parts")
+
+
+def test_a_training_goes_on_with_more_steps(demos: Path, tmp_path: Path) -> None:
+    train(Training(4, **SMALL), demos, tmp_path)
+    assert train(Training(6, **SMALL), demos, tmp_path) == 6
+    assert json.loads((tmp_path / "training.json").read_text())["steps"] == 6
 
 
 def test_observations_are_shifted_by_standard_deviations(demos: Path, policy: Path) -> None:
@@ -334,6 +341,16 @@ def test_half_precision_is_loaded_as_float32(
         Agent(policy, "DDIM", 5), observations[:4], {}
     )
     assert np.abs(difference).max() < 2.0  # px
+
+
+def test_the_student_that_comes_along_is_small_and_loads(observations: list[dict[str, np.ndarray]]) -> None:
+    assert sum(file.stat().st_size for file in STUDENT.iterdir()) < 20e6
+    agent, theirs = Agent(STUDENT), import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy
+    loaded = theirs.from_pretrained(STUDENT)
+    for one, other in zip(agent._checkpoint.policy.parameters(), loaded.parameters(), strict=True):
+        assert torch.equal(one, other)
+    actions = run(agent, observations, {})
+    assert actions.shape == (12, 4, 2) and (actions > 0.0).all() and (actions < 512.0).all()
 
 
 def test_pixel_policies_keep_their_options(demos: Path, tmp_path: Path) -> None:
