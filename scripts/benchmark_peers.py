@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import cycle
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 from unittest.mock import patch
 
@@ -20,6 +21,7 @@ from torch import Tensor
 
 import aicon_envs  # noqa: F401  # registers the environments
 from aicon_baselines import ComparisonError
+from aicon_baselines.policies import import_sb3
 from aicon_torch import NullspaceProjection, OptionError, make_policy
 from aicon_torch.meeting import Meeting
 from aicon_torch.models.pusht.contacts import norm
@@ -64,6 +66,7 @@ def pushing() -> Iterator[tuple[str, Callable[[], Step]]]:
     for sampler, denoising in (("DDIM", 10), ("DDPM", 100)):
         name = f"diffusion policy of LeRobot, {sampler} {denoising}"
         yield name, partial(_student, sampler, denoising, observations)
+    yield "PPO of stable-baselines3", lambda: _play(_agent(), _batched(observations))
     yield "MPPI, 256 samples of 16 steps", lambda: _play(Mppi(), observations)
 
 
@@ -202,11 +205,22 @@ def _play(policy: Any, observations: list[dict[str, Any]]) -> Step:
 
 
 def _student(sampler: str, steps: int, observations: list[dict[str, Any]]) -> Step:
-    """One action of the diffusion policy; it samples eight at a time, so a round takes a multiple of eight."""
+    """One action of the diffusion policy; it samples four at a time, so a round takes a multiple of four."""
     from aicon_baselines.diffusion.agent import Agent
 
-    batched = [{name: reading[None] for name, reading in observation.items()} for observation in observations]
-    return _play(Agent(STUDENT, sampler, steps), batched)
+    return _play(Agent(STUDENT, sampler, steps), _batched(observations))
+
+
+def _agent() -> Any:
+    """An agent of stable-baselines3 that has learned nothing yet, which takes it as long as what it will have."""
+    sb3 = import_sb3()
+    with TemporaryDirectory() as folder:
+        sb3.train(sb3.settings("pusht", "ppo", steps=8, envs=1, rollout=8, epochs=1), Path(folder))
+        return sb3.Agent(Path(folder), "pusht")
+
+
+def _batched(observations: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [{name: reading[None] for name, reading in observation.items()} for observation in observations]
 
 
 def _installed(name: str, make: Callable[[], Step]) -> Step | None:

@@ -4,7 +4,8 @@ Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out
          python scripts/compare.py --task pusht --policies aicon diffusion --diffusion-path runs/diffusion/policy \
            --out runs/pusht
 
-The same command goes on where a stopped run was saved last. It needs LeRobot: make lerobot-env.
+The same command goes on where a stopped run was saved last, and one with other --steps to that number of them. It needs
+LeRobot: make lerobot-env.
 """
 
 import argparse
@@ -32,9 +33,12 @@ def main() -> None:
             batch=arguments.batch,
             learning_rate=arguments.learning_rate,
             warmup=arguments.warmup,
+            horizon=arguments.horizon,
+            action_steps=arguments.action_steps,
             kernel=arguments.kernel,
             prediction=arguments.prediction,
             normalization=arguments.normalization,
+            shift=arguments.shift,
             seed=arguments.seed,
         )
         steps = train(
@@ -47,8 +51,7 @@ def main() -> None:
             report=lambda line: print(line, flush=True),
         )
         if arguments.export and steps == config.steps:
-            sampling = {name: getattr(arguments, name) for name in ("sampler", "inference_steps", "action_steps")}
-            export(arguments.out, arguments.export, **sampling)
+            export(arguments.out, arguments.export, arguments.sampler, arguments.inference_steps)
     except ComparisonError as error:
         parser.error(str(error))
     except KeyboardInterrupt:
@@ -70,9 +73,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--batch", type=int, default=64, help="windows in a step (default: 64)")
     parser.add_argument("--learning-rate", type=float, default=1e-3, help="its largest value (default: 1e-3)")
     parser.add_argument("--warmup", type=int, default=200, help="steps until it is reached (default: 200)")
+    parser.add_argument("--horizon", type=int, default=16, help="actions predicted at once (default: 16)")
+    parser.add_argument("--action-steps", type=int, default=8, help="executed before it looks again (default: 8)")
     parser.add_argument("--kernel", type=int, default=3, help="size of convolutions (default: 3)")
     parser.add_argument("--prediction", default="sample", help="sample or epsilon (default: sample)")
     parser.add_argument("--normalization", default="MEAN_STD", help="MEAN_STD or MIN_MAX (default: MEAN_STD)")
+    parser.add_argument("--shift", type=float, default=2.0, help="of observations with MEAN_STD, σ (default: 2)")
     parser.add_argument("--seed", type=int, default=100_000, help="of network, order and noise (default: 100000)")
     parser.add_argument("--device", default="cpu", help="cpu or cuda (default: cpu)")
     parser.add_argument("--checkpoint", type=int, default=1000, help="steps between saves (default: 1000)")
@@ -80,7 +86,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--export", type=Path, metavar="FOLDER", help="copy it there in half precision at the end")
     parser.add_argument("--sampler", choices=("DDPM", "DDIM"), help="of the copy (default: DDPM)")
     parser.add_argument("--inference-steps", type=int, help="of its sampler (default: 100)")
-    parser.add_argument("--action-steps", type=int, help="actions it executes between samples (default: 8)")
     return parser
 
 

@@ -137,6 +137,7 @@ def test_windows_stay_in_their_episode() -> None:
         ({"observation": "sound"}, "unknown observation 'sound'; valid: keypoints, pixels"),
         ({"action_steps": 16}, "action_steps must be at most 15, not 16"),
         ({"horizon": 12}, "horizon must be a multiple of 8, 2 for each of down_dims, not 12"),
+        ({"normalization": "MIN_MAX"}, "shift needs normalization MEAN_STD: take shift 0, not 2.0"),
         ({"prediction": "x"}, "unknown prediction 'x'; valid: sample, epsilon"),
     ],
 )

@@ -29,6 +29,7 @@ from aicon_baselines.diffusion.training import train
 from aicon_baselines.runs import read_rows
 from aicon_baselines.tasks import load as load_task
 
+STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
 SMALL: dict[str, Any] = {"down_dims": (8, 16), "batch": 8, "warmup": 2}
 QUICK: dict[str, Any] = {"max_speed": 800.0, "smoothing": 0.1}
 
@@ -131,6 +132,21 @@ def test_a_stopped_training_ends_like_one_that_was_not(demos: Path, tmp_path: Pa
         assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes()
     with pytest.raises(ComparisonError, match="another training: batch is 8 there and 16 here. Choose another folder"):
         train(Training(8, **SMALL | {"batch": 16}), demos, tmp_path / "parts")
+
+
+def test_a_training_goes_on_with_more_steps(demos: Path, tmp_path: Path) -> None:
+    train(Training(4, **SMALL), demos, tmp_path)
+    assert train(Training(6, **SMALL), demos, tmp_path) == 6
+    assert json.loads((tmp_path / "training.json").read_text())["steps"] == 6
+
+
+def test_observations_are_shifted_by_standard_deviations(demos: Path, policy: Path) -> None:
+    frames = read(demos, "keypoints")
+    names = ("observation.state", "observation.environment_state")
+    seen = load(policy).preprocess({name: torch.from_numpy(frames.columns[name]) for name in names})
+    for name in names:
+        assert torch.allclose(seen[name].mean(dim=0), torch.tensor(2.0), atol=1e-2)
+        assert torch.allclose(seen[name].std(dim=0), torch.tensor(1.0), atol=1e-2)
 
 
 def test_training_lowers_the_loss(demos: Path, tmp_path: Path) -> None:
@@ -313,18 +329,28 @@ def test_half_precision_is_loaded_as_float32(
 ) -> None:
     from safetensors.torch import load_file
 
-    export(policy.parent, tmp_path / "half", sampler="DDIM", inference_steps=5, action_steps=4)
+    export(policy.parent, tmp_path / "half", sampler="DDIM", inference_steps=5)
     assert (tmp_path / "half" / "loss.png").stat().st_size < 100_000
     assert {value.dtype for value in load_file(tmp_path / "half" / "model.safetensors").values()} == {torch.float16}
     ours = load(tmp_path / "half").policy
     theirs = import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy.from_pretrained(tmp_path / "half")
     for one, other in zip(ours.parameters(), theirs.parameters(), strict=True):
         assert one.dtype == other.dtype == torch.float32 and torch.equal(one, other)
-    assert theirs.config.n_action_steps == 4 and theirs.diffusion.num_inference_steps == 5
+    assert theirs.diffusion.num_inference_steps == 5
     difference = run(Agent(tmp_path / "half"), observations[:4], {}) - run(
         Agent(policy, "DDIM", 5), observations[:4], {}
     )
     assert np.abs(difference).max() < 2.0  # px
+
+
+def test_the_student_that_comes_along_is_small_and_loads(observations: list[dict[str, np.ndarray]]) -> None:
+    assert sum(file.stat().st_size for file in STUDENT.iterdir()) < 20e6
+    agent, theirs = Agent(STUDENT), import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy
+    loaded = theirs.from_pretrained(STUDENT)
+    for one, other in zip(agent._checkpoint.policy.parameters(), loaded.parameters(), strict=True):
+        assert torch.equal(one, other)
+    actions = run(agent, observations, {})
+    assert actions.shape == (12, 4, 2) and (actions > 0.0).all() and (actions < 512.0).all()
 
 
 def test_pixel_policies_keep_their_options(demos: Path, tmp_path: Path) -> None:

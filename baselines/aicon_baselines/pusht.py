@@ -26,6 +26,7 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "noise_4": {"action_noise": 4.0},
     "random_goal": {"goal_pose": "random", "observe_goal": True},
     "half_speed": {"velocity_limit": 0.5 * _SPEED},
+    "eighth_speed": {"velocity_limit": 0.125 * _SPEED},
     "double_speed": {"velocity_limit": 2.0 * _SPEED},
     **{f"object_{name}": {"object": name} for name in _OBJECTS},
     "kicks": {"kick_interval": 50},

@@ -4,14 +4,13 @@ import csv
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 from aicon_baselines.diffusion.checkpoint import CONFIG, WEIGHTS, load, read_weights
 
 _LOSS, _PICTURE = "loss.csv", "loss.png"
 
 
-def export(training: Path, folder: Path, **sampling: Any) -> None:
+def export(training: Path, folder: Path, sampler: str | None = None, inference_steps: int | None = None) -> None:
     """Copy the policy of a training with its weights in half precision, which LeRobot loads as float32.
 
     The loss comes along, as `loss.csv` and as a picture.
@@ -19,24 +18,19 @@ def export(training: Path, folder: Path, **sampling: Any) -> None:
     Args:
         training: Folder of the training.
         folder: Folder of the copy; other files in it are left alone.
-        **sampling: `sampler` and `inference_steps` of `load`, and `action_steps`, how many actions are executed before
-            the next are sampled; None for the training's.
+        sampler: "DDPM" or "DDIM"; by default the training's.
+        inference_steps: Number of denoising steps; by default the training's.
     """
     from safetensors.torch import save_file
 
     source = training / "policy"
-    action_steps = sampling.pop("action_steps", None)
-    load(source, **sampling)  # a policy that cannot be loaded is not passed on
+    load(source, sampler, inference_steps)  # a policy that cannot be loaded is not passed on
     folder.mkdir(parents=True, exist_ok=True)
     for file in source.iterdir():
         if file.name not in (CONFIG, WEIGHTS):
             shutil.copyfile(file, folder / file.name)
     content = json.loads((source / CONFIG).read_text())
-    changes = {
-        "noise_scheduler_type": sampling.get("sampler"),
-        "num_inference_steps": sampling.get("inference_steps"),
-        "n_action_steps": action_steps,
-    }
+    changes = {"noise_scheduler_type": sampler, "num_inference_steps": inference_steps}
     content |= {name: value for name, value in changes.items() if value is not None}
     (folder / CONFIG).write_text(json.dumps(content, indent=4) + "\n")
     weights = {name: value.half() for name, value in read_weights(source).items()}

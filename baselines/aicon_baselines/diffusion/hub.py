@@ -26,7 +26,10 @@ def locate(source: str) -> Path:
     if folder.is_dir():
         return folder.resolve()
     if not _NAME.fullmatch(source):
-        raise ComparisonError(f"there is no folder {source}, and it is no name OWNER/REPOSITORY of the hub either")
+        raise ComparisonError(
+            f"there is no folder {source}, and it is no name OWNER/REPOSITORY of the hub either; train a policy: "
+            "python scripts/train_diffusion.py --data DEMONSTRATIONS --out FOLDER"
+        )
     import_lerobot("policies.factory")  # says what to install, as the hub's client comes with LeRobot
     return _downloaded(source)
 

@@ -9,7 +9,7 @@ import torch
 
 from aicon_baselines.diffusion.checkpoint import save
 from aicon_baselines.diffusion.dataset import Frames
-from aicon_baselines.diffusion.features import PIXELS
+from aicon_baselines.diffusion.features import KEYPOINTS, PIXELS, STATE
 from aicon_baselines.diffusion.installed import import_lerobot
 from aicon_baselines.diffusion.network import make_config
 from aicon_baselines.diffusion.settings import Training
@@ -28,7 +28,7 @@ class Learner:
         self._policy: Any = import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy(self._policy_config)
         self._policy.to(device).train()
         self._preprocess, self._postprocess = import_lerobot("policies.factory").make_pre_post_processors(
-            self._policy_config, dataset_stats=frames.statistics
+            self._policy_config, dataset_stats=_shifted(frames.statistics, config.shift)
         )
         self._average = EMAModel(self._policy.parameters(), decay=0.9999, use_ema_warmup=True, power=0.75)
         self._average.to(device)
@@ -126,6 +126,16 @@ class Learner:
         self.step = state["step"]
         for _ in range(self.step):
             next(self._order)
+
+
+def _shifted(statistics: dict[str, Any], shift: float) -> dict[str, Any]:
+    """Return statistics with which observations come out higher by so many standard deviations."""
+    moved = {
+        name: statistics[name] | {"mean": statistics[name]["mean"] - shift * statistics[name]["std"]}
+        for name in (STATE, KEYPOINTS)
+        if name in statistics
+    }
+    return statistics | moved
 
 
 def _order(count: int, config: Training) -> Iterator[Any]:

@@ -25,6 +25,9 @@ class Training:
             observations; the published policies had 200,000 steps to do so.
         normalization: Of the observations, "MEAN_STD" or "MIN_MAX", as in the published policies. They reach the
             network through linear maps, which learn faster from values around 1.
+        shift: Standard deviations by which observations are raised, with "MEAN_STD" only. Each block of the U-Net
+            passes them through Mish first, which is flat below 0 and takes the same values above -1.2 as below: a
+            network would hardly tell apart what lies below the mean.
         crop: Side of the part of a picture that is seen; in training at a random place.
         seed: Seed of the network, the order of the data and the noise.
     """
@@ -40,6 +43,7 @@ class Training:
     kernel: int = 3
     prediction: str = "sample"
     normalization: str = "MEAN_STD"
+    shift: float = 2.0
     crop: int = 84
     seed: int = 100_000
 
@@ -51,6 +55,8 @@ class Training:
         for name, valid in (("prediction", ("sample", "epsilon")), ("normalization", ("MEAN_STD", "MIN_MAX"))):
             if getattr(self, name) not in valid:
                 raise ComparisonError(f"unknown {name} {getattr(self, name)!r}; valid: {', '.join(valid)}")
+        if self.shift and self.normalization != "MEAN_STD":
+            raise ComparisonError(f"shift needs normalization MEAN_STD: take shift 0, not {self.shift}")
         if self.observation not in OBSERVATIONS:
             raise ComparisonError(f"unknown observation {self.observation!r}; valid: {', '.join(OBSERVATIONS)}")
         if self.action_steps > self.horizon - 1:

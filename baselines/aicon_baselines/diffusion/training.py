@@ -44,7 +44,8 @@ def train(
     A training that was stopped gives the same policy as one that was not, on the same device.
 
     Args:
-        config: What to train. A policy in the folder must have been trained with the same settings.
+        config: What to train. A policy in the folder must have been trained with the same settings, except for the
+            steps: with another number of them, the learning rate goes on along the schedule for that number.
         data: Folder of the dataset.
         folder: Folder of the training.
         device: "cpu" or "cuda".
@@ -80,11 +81,9 @@ def train(
 
 def _check_settings(config: Training, file: Path) -> None:
     here = json.loads(json.dumps(asdict(config)))
-    if not file.exists():
-        file.write_text(json.dumps(here, indent=2) + "\n")
-        return
-    there = json.loads(file.read_text())
-    differing = [name for name in here if there.get(name) != here[name]]
+    there = json.loads(file.read_text()) if file.exists() else here
+    differing = [name for name in here if name != "steps" and there.get(name) != here[name]]
     if differing:
         details = "; ".join(f"{name} is {there.get(name)} there and {here[name]} here" for name in differing)
         raise ComparisonError(f"{file.parent} holds another training: {details}. Choose another folder.")
+    file.write_text(json.dumps(here, indent=2) + "\n")
