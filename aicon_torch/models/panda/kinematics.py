@@ -78,7 +78,7 @@ class Kinematics(nn.Module):
         """J⁺w = Jᵀ(JJᵀ + λ²I)⁻¹ w: the joint motion ``(*B, 7)`` that moves x_ee by w ``(*B, 6)``."""
         square = jacobian @ jacobian.mT
         square = square + self.damping**2 * torch.eye(EE_SIZE, dtype=square.dtype, device=square.device)
-        motion: Tensor = (jacobian.mT @ torch.linalg.solve(square, wish.unsqueeze(-1))).squeeze(-1)
+        motion: Tensor = (jacobian.mT @ torch.linalg.solve_ex(square, wish.unsqueeze(-1)).result).squeeze(-1)
         return motion
 
     def _parts(self, like: Tensor) -> tuple[Tensor, Tensor, Tensor]:
