@@ -1,7 +1,9 @@
 """The compiled policy: one control step as machine code, traced once for each size of batch."""
 
+import logging
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import torch
@@ -76,7 +78,7 @@ class CompiledPolicy(Policy):
 
     def _compiled(self, names: Sequence[str], inputs: Sequence[Tensor]) -> Run:
         """The step for inputs of these shapes."""
-        from torch._inductor import standalone_compile  # takes a second to load
+        from torch._inductor import config, standalone_compile  # takes a second to load
 
         def step(*values: Tensor) -> tuple[Tensor, ...]:
             readings = dict(zip(names, values, strict=False))
@@ -88,9 +90,28 @@ class CompiledPolicy(Policy):
         graph = make_fx(step, {torch.ops.aten.mm.default: _product, torch.ops.aten.bmm.default: _product})(*examples)
         graph.graph.eliminate_dead_code()
         graph.recompile()
-        with torch.no_grad():
-            run: Run = standalone_compile(graph, [*examples], dynamic_shapes="from_example_inputs")
-        return run
+
+        def compiled(cpp_wrapper: bool) -> Run:
+            with torch.no_grad(), config.patch(cpp_wrapper=cpp_wrapper), _quiet("torch._inductor.ir"):
+                run: Run = standalone_compile(graph, [*examples], dynamic_shapes="from_example_inputs")
+            return run
+
+        if inputs[0].device.type == "cpu":
+            with suppress(Exception):  # torch 2.10 cannot; there, calls from Python cost another third of a step
+                return compiled(cpp_wrapper=True)
+        return compiled(cpp_wrapper=False)
+
+
+@contextmanager
+def _quiet(name: str) -> Iterator[None]:
+    """Leave out the warnings of a logger: which operations it knows no shortcut for is not the user's business."""
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def _product(first: Tensor, second: Tensor) -> Tensor:
