@@ -18,22 +18,22 @@ from typing import Any, Literal, cast
 import torch
 from torch import Tensor
 
-from aicon_torch.actuation import ActionLaw
 from aicon_torch.errors import OptionError
 from aicon_torch.estimators import EKF, Function
-from aicon_torch.exploration import Escape, Exploration
+from aicon_torch.exploration import Escape
 from aicon_torch.filtering import Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.mechanism import Mechanism
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
-from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+from aicon_torch.resolution import Resolution
 
 
 @dataclass(frozen=True)
-class Options:
-    """Options of the navigation policy.
+class Options(Mechanism):
+    """Options of the navigation policy, besides those of the mechanism.
 
     Attributes:
         dt: Time step, s.
@@ -45,25 +45,10 @@ class Options:
         prior_range: Distance at which the target is believed before the first step, m.
         prior_range_noise: Its standard deviation, m.
         collision_length: ℓ of p_collision = exp(−d/ℓ), m.
-        resolution: Nullspace projection (the paper), the sum (a potential field) or the steepest path (Eq. 2).
-        temperature: τ of the softmax over magnitudes; None for no softmax.
-        margin: Hysteresis of the order: by how much a gradient must exceed the one that held its rank.
-        projector: Form of the projection, or ``"none"``; see :class:`NullspaceProjection`.
-        relative: Whether the softmax is over magnitudes relative to the largest.
-        explore: Whether conflicts are explored.
-        enter_cosine: Cosine of the two strongest below which a conflict begins.
-        exit_cosine: Cosine above which it ends.
-        ratio: λ, by which one gradient must exceed the other to end it.
-        partner: Which gradient is compared with the dominant one: see :class:`aicon_torch.Exploration`.
-        ratio_of: What λ compares.
-        average_time: Time constant of the motion average, s.
         exit_on_progress: A: exploration ends only once the target is nearer than when it began.
         hold_level: B: exploration holds the level of p_collision.
         along_obstacle: C: exploration moves in the nullspace of p₃ even where p₁ dominates.
         gain: k of the action law, m/s²: the velocity is −k·dt times the resolved gradient, whose length is at most 1.
-        accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
-        smoothing: Time constant of the low-pass on the velocity, s.
-        dtype: Precision of the estimates.
     """
 
     dt: float = 0.05
@@ -75,25 +60,10 @@ class Options:
     prior_range: float = 5.0
     prior_range_noise: float = 3.0
     collision_length: float = 0.04
-    resolution: Literal["nullspace", "sum", "steepest"] = "nullspace"
-    temperature: float | None = 0.8
-    margin: float = 0.1
-    projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
-    relative: bool = True
-    explore: bool = True
-    enter_cosine: float = -0.6
-    exit_cosine: float = -0.4
-    ratio: float = 3.0
-    partner: Literal["second", "opposing"] = "opposing"
-    ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
-    average_time: float = 0.4
     exit_on_progress: bool = True
     hold_level: bool = True
     along_obstacle: bool = True
     gain: float = 20.0
-    accumulate: bool = False
-    smoothing: float = 0.1
-    dtype: torch.dtype = torch.float64
 
     def __post_init__(self) -> None:
         """Check the quantities that must be positive; resolution and action law check theirs."""
@@ -277,37 +247,15 @@ def world_model(options: Options) -> WorldModel:
 
 
 def resolution(options: Options) -> Resolution:
-    """The rule that the options name."""
-    if options.resolution == "sum":
-        return Sum()
-    if options.resolution == "steepest":
-        return SteepestPath()
-    if options.resolution != "nullspace":
-        raise OptionError(f"resolution={options.resolution!r}: expected 'nullspace', 'sum' or 'steepest'.")
+    """The rule that the options name, with A, B and C."""
     escape = Escape(
         progress="reach" if options.exit_on_progress else None,
         hold="avoid" if options.hold_level else None,
         along="avoid" if options.along_obstacle else None,
     )
-    exploration = Exploration(
-        options.enter_cosine,
-        options.exit_cosine,
-        options.ratio,
-        options.average_time,
-        escape,
-        options.partner,
-        options.ratio_of,
-    )
-    return NullspaceProjection(
-        options.temperature,
-        options.margin,
-        options.projector,
-        relative=options.relative,
-        exploration=exploration if options.explore else None,
-    )
+    return options.rule(escape)
 
 
 def build(options: Options) -> Policy:
     """The navigation policy."""
-    law = ActionLaw(options.gain, options.accumulate, options.smoothing)
-    return Policy(world_model(options), resolution(options), law)
+    return Policy(world_model(options), resolution(options), options.law())

@@ -14,14 +14,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from aicon_torch.actuation import ActionLaw
 from aicon_torch.errors import OptionError
 from aicon_torch.estimators import EKF, Estimator, Function, Linear
-from aicon_torch.exploration import Exploration
 from aicon_torch.filtering import Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.mechanism import Mechanism
 from aicon_torch.models.panda.body import BodyFrames, JointLimits, SelfCollision
 from aicon_torch.models.panda.camera import LOOK, CameraFrame, Visibility, to_world
 from aicon_torch.models.panda.kinematics import LEVER, EndEffector, Kinematics
@@ -37,7 +36,6 @@ from aicon_torch.models.pusht.outline import Outline
 from aicon_torch.models.pusht.poses import PoseMotion, same
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
-from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 
 SCALE = 600.0
 """px per m: the T is 0.2 m wide, that of pushT 120 px."""
@@ -50,8 +48,10 @@ T_CORNERS = (
 
 
 @dataclass(frozen=True)
-class Options:
-    """Options of the arm's policy. Those that pushT has, too, mean the same; lengths of the contact model are in px.
+class Options(Mechanism):
+    """Options of the arm's policy, besides those of the mechanism, which are pushT's.
+
+    Those that pushT has, too, mean the same; lengths of the contact model are in px.
 
     Attributes:
         robot: The robot.
@@ -95,24 +95,6 @@ class Options:
         goals: Which goals there are besides pushing.
         pullback: How a gradient goes from the end effector to the joints: see :class:`EndEffector`.
         damping: λ of the pseudo-inverse, m/rad.
-        resolution: Nullspace projection (the paper), the sum (a potential field) or the steepest path (Eq. 2).
-        temperature: τ of the softmax over magnitudes.
-        relative: Whether the softmax is over magnitudes relative to the largest.
-        by_row: Whether the two gradients of a contact are summed before they meet others.
-        margin: Hysteresis of the order.
-        projector: Form of the projection.
-        merge: What goes on from x_pusher and x_ee: the sum of what was resolved there, or all of it in its order.
-        explore: Whether conflicts are explored.
-        enter_cosine: Cosine below which a conflict begins.
-        exit_cosine: Cosine above which it ends.
-        ratio: λ, by which one gradient must exceed the other to end it.
-        partner: Which gradient is compared with the dominant one.
-        ratio_of: What λ compares.
-        average_time: Time constant of the motion average, s.
-        gain: k of the action law.
-        accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
-        smoothing: Time constant of the low-pass on the velocity, s.
-        dtype: Precision of the estimates.
     """
 
     robot: Robot = PANDA
@@ -156,24 +138,6 @@ class Options:
     goals: Sequence[str] = ("heights", "upright", "limits", "collisions")
     pullback: Literal["natural", "transpose"] = "natural"
     damping: float = 0.02
-    resolution: Literal["nullspace", "sum", "steepest"] = "nullspace"
-    temperature: float | None = 0.8
-    relative: bool = True
-    by_row: bool = True
-    margin: float = 0.1
-    projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
-    merge: Literal["sum", "order"] = "sum"
-    explore: bool = True
-    enter_cosine: float = -0.6
-    exit_cosine: float = -0.4
-    ratio: float = 3.0
-    partner: Literal["second", "opposing"] = "opposing"
-    ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
-    average_time: float = 0.4
-    gain: float = 1e9
-    accumulate: bool = False
-    smoothing: float = 0.1
-    dtype: torch.dtype = torch.float64
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves."""
@@ -313,20 +277,31 @@ def _object(options: Options, outline: Outline, dynamics: ContactDynamics) -> li
     def prior(z_object: Tensor) -> tuple[Tensor, Tensor]:
         return outline.center_at(in_pixels(z_object)), torch.eye(3, dtype=z_object.dtype, device=z_object.device)
 
-    slip, noise = options.slip**2 * options.dt, options.pose_noise**2
+    noise = options.pose_noise**2
     reading = Interconnection(seen, None, x_pose=lambda z_object: same(z_object))
-    pose = EKF(
+    pose = _moving_pose(
+        options,
+        outline,
+        motion,
+        initial=prior,
+        size=3,
+        correct=[Measurement(reading, (noise, noise, noise / outline.gyration**2), size=3)],
+    )
+    return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
+
+
+def _moving_pose(options: Options, outline: Outline, motion: PoseMotion, **readings: Any) -> EKF:
+    """x_pose: predicted from what the tip has pushed; how it begins and is corrected is the caller's matter."""
+    slip = options.slip**2 * options.dt
+    return EKF(
         "x_pose",
         "P_pose",
         predict=Interconnection(
             motion, ["x_pose", "x_pusher", "v_pusher", "dt"], x_pose=lambda x_pusher: same(x_pusher)
         ),
         noise=(slip, slip, slip / outline.gyration**2),
-        initial=prior,
-        size=3,
-        correct=[Measurement(reading, (noise, noise, noise / outline.gyration**2), size=3)],
+        **readings,
     )
-    return [pose, Function("x_keypoints", Interconnection(outline.placed, inputs=["x_pose"]))]
 
 
 def _seen_object(options: Options, outline: Outline, motion: PoseMotion) -> list[Estimator]:
@@ -345,14 +320,11 @@ def _seen_object(options: Options, outline: Outline, motion: PoseMotion) -> list
     def position(z_blob: Tensor) -> Tensor:
         return torch.eye(3, dtype=z_blob.dtype, device=z_blob.device)[:2]
 
-    slip, touching = options.slip**2 * options.dt, Touching(outline, SCALE * options.robot.stick_radius)
-    pose = EKF(
-        "x_pose",
-        "P_pose",
-        predict=Interconnection(
-            motion, ["x_pose", "x_pusher", "v_pusher", "dt"], x_pose=lambda x_pusher: same(x_pusher)
-        ),
-        noise=(slip, slip, slip / outline.gyration**2),
+    touching = Touching(outline, SCALE * options.robot.stick_radius)
+    pose = _moving_pose(
+        options,
+        outline,
+        motion,
         initial=(middle, (60.0**2, 100.0**2, 4.0)),
         correct=[
             Measurement(Interconnection(seen, None, x_pose=lambda z_keypoints: same(z_keypoints)), visibility, size=3),
@@ -428,35 +400,9 @@ def _limits(options: Options, kinematics: Kinematics, dynamics: ContactDynamics)
     return ArmLimits(options.robot, kinematics, contact, SCALE, options.max_speed, *times)
 
 
-def resolution(options: Options) -> Resolution:
-    """The rule that the options name."""
-    if options.resolution == "sum":
-        return Sum()
-    if options.resolution == "steepest":
-        return SteepestPath()
-    exploration = Exploration(
-        options.enter_cosine,
-        options.exit_cosine,
-        options.ratio,
-        options.average_time,
-        partner=options.partner,
-        ratio_of=options.ratio_of,
-    )
-    return NullspaceProjection(
-        options.temperature,
-        options.margin,
-        options.projector,
-        relative=options.relative,
-        by_row=options.by_row,
-        merge=options.merge,
-        exploration=exploration if options.explore else None,
-    )
-
-
 def build(options: Options) -> Policy:
     """The arm's policy."""
-    law = ActionLaw(options.gain, options.accumulate, options.smoothing)
-    model, rule = world_model(options), resolution(options)
+    model, rule, law = world_model(options), options.rule(), options.law()
     if options.sensing == "pose":
         return Policy(model, rule, law)
     registration = Registration(np.array(options.corners, dtype=np.float64), options.robot.intrinsics)

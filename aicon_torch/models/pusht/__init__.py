@@ -18,14 +18,13 @@ from typing import Any, Literal
 import torch
 from torch import Tensor
 
-from aicon_torch.actuation import ActionLaw
 from aicon_torch.errors import OptionError
 from aicon_torch.estimators import EKF, Estimator, Function, Linear
-from aicon_torch.exploration import Exploration
 from aicon_torch.filtering import Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.mechanism import Mechanism
 from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point, held_point, norm
 from aicon_torch.models.pusht.delay import ActionHistory, LatePoseMotion, PoseNow, now, then
 from aicon_torch.models.pusht.dynamics import ContactDynamics
@@ -35,12 +34,11 @@ from aicon_torch.models.pusht.poses import PoseMotion, Registration, rest, same
 from aicon_torch.models.pusht.pusher import WORKSPACE, Servo
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
-from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 
 
 @dataclass(frozen=True)
-class Options:
-    """Options of the pushing policy.
+class Options(Mechanism):
+    """Options of the pushing policy, besides those of the mechanism.
 
     Attributes:
         keypoints: Corners of the object in its body frame, in the order of the sensor, px; None for the T.
@@ -72,23 +70,6 @@ class Options:
         substeps: Whether the limits hold within a step, too.
         push: Least and largest push at a contact that helps, px.
         harm: Largest push at one that harms, px.
-        resolution: Nullspace projection (the paper), the sum (a potential field) or the steepest path (Eq. 2).
-        temperature: τ of the softmax over magnitudes; None for no softmax.
-        relative: Whether the softmax is over magnitudes relative to the largest.
-        by_row: Whether the two gradients of a contact are summed before they meet others.
-        margin: Hysteresis of the order.
-        projector: Form of the projection, or ``"none"``.
-        explore: Whether conflicts are explored.
-        enter_cosine: Cosine below which a conflict begins.
-        exit_cosine: Cosine above which it ends.
-        ratio: λ, by which one gradient must exceed the other to end it.
-        partner: Which gradient is compared with the dominant one: see :class:`aicon_torch.Exploration`.
-        ratio_of: What λ compares.
-        average_time: Time constant of the motion average, s.
-        gain: k of the action law. The direction alone matters where the speed is at its limit.
-        accumulate: Whether the gradient changes the velocity (Eq. 2) or sets it.
-        smoothing: Time constant of the low-pass on the velocity, s.
-        dtype: Precision of the estimates.
     """
 
     keypoints: Sequence[Sequence[float]] | None = None
@@ -120,23 +101,6 @@ class Options:
     substeps: bool = True
     push: tuple[float, float] = (0.5, 40.0)
     harm: float = 2.0
-    resolution: Literal["nullspace", "sum", "steepest"] = "nullspace"
-    temperature: float | None = 0.8
-    relative: bool = True
-    by_row: bool = True
-    margin: float = 0.1
-    projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
-    explore: bool = True
-    enter_cosine: float = -0.6
-    exit_cosine: float = -0.4
-    ratio: float = 3.0
-    partner: Literal["second", "opposing"] = "opposing"
-    ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
-    average_time: float = 0.4
-    gain: float = 1e9
-    accumulate: bool = False
-    smoothing: float = 0.1
-    dtype: torch.dtype = torch.float64
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves."""
@@ -348,31 +312,6 @@ def _constraints(options: Options, dynamics: ContactDynamics, servo: Servo) -> l
     return [ContactLimits(dynamics, within, (options.push[0], options.push[1]), options.harm, options.slide_gap)]
 
 
-def resolution(options: Options) -> Resolution:
-    """The rule that the options name."""
-    if options.resolution == "sum":
-        return Sum()
-    if options.resolution == "steepest":
-        return SteepestPath()
-    exploration = Exploration(
-        options.enter_cosine,
-        options.exit_cosine,
-        options.ratio,
-        options.average_time,
-        partner=options.partner,
-        ratio_of=options.ratio_of,
-    )
-    return NullspaceProjection(
-        options.temperature,
-        options.margin,
-        options.projector,
-        relative=options.relative,
-        by_row=options.by_row,
-        exploration=exploration if options.explore else None,
-    )
-
-
 def build(options: Options) -> Policy:
     """The pushing policy."""
-    law = ActionLaw(options.gain, options.accumulate, options.smoothing)
-    return Policy(world_model(options), resolution(options), law)
+    return Policy(world_model(options), options.rule(), options.law())
