@@ -52,7 +52,7 @@ def rises(count: int, pullback: str, draws: int, generator: torch.Generator) -> 
 
     def pull(gradient: Tensor) -> Tensor:
         if pullback == "natural":
-            return kinematics.solve(jacobian, gradient)
+            return kinematics.natural(jacobian, gradient)
         return (jacobian.mT @ gradient.unsqueeze(-1)).squeeze(-1)
 
     def share(motion: Tensor) -> float:

@@ -30,7 +30,7 @@ from aicon_baselines.row import Row
 from aicon_baselines.runs import RunFolder, read_rows
 from aicon_baselines.summary import summarize
 from aicon_baselines.tables import list_failures, to_table
-from aicon_baselines.task import Episode, Task
+from aicon_baselines.task import Episode, Measure, Task
 from aicon_baselines.tasks import load
 from aicon_envs.navigation import MAP_NAMES, Nav2DVectorEnv, shortest_path_length
 
@@ -211,7 +211,7 @@ def test_rollout_masks_what_has_ended() -> None:
     ended = outcome.steps < TASK.horizon
     assert ended.any()
     longer = rollout(Walker(2.0), replace(TASK, horizon=80), "usual", episodes, range(8))
-    for short, long in zip(outcome, longer, strict=True):
+    for short, long in zip(outcome[:-1], longer[:-1], strict=True):
         np.testing.assert_array_equal(short[ended], long[ended])
 
 
@@ -279,6 +279,20 @@ def test_summary_by_steps_of_handmade_rows() -> None:
     assert table[0].endswith("| within 100 steps | within 300 steps | median steps | 95th percentile | longest |")
     assert table[2].endswith("| 50.0% (15.0% to 85.0%) | 75.0% (30.1% to 95.4%) | 100 | 280 | 300 |")
     assert table[3].endswith(" |  |  |  |")
+
+
+def test_what_a_task_measures_is_in_rows_and_table() -> None:
+    measures = Measure("angle", "angle", "{:.0f} deg", 10.0), Measure("gap", "least gap", "{:.2f} px", least=True)
+    task = replace(STEPS_TASK, measures=measures)
+    rows = [row._replace(measures={"angle": row.seed / 2, "gap": 3.0 - row.seed}) for row in handmade()]
+    assert [Row.from_fields(row.to_fields()) for row in rows] == rows
+    first, second = summarize(rows, task.milestones, measures)
+    assert first.measures == {"angle": 0.5, "gap": 0.0}  # the successes have seeds 0, 1 and 3
+    assert second.measures == {"angle": None, "gap": 3.0}
+    table = to_table([first, second], task).splitlines()
+    assert table[0].endswith("| median distance at the end | angle | least gap |")
+    assert table[2].endswith("| 0.1000 px | 5 deg | 0.00 px |")
+    assert table[3].endswith("|  |  | 3.00 px |")
 
 
 def test_failures_are_listed_where_there_are_few() -> None:

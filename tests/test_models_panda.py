@@ -4,10 +4,9 @@ import torch
 
 from aicon_torch import make_policy, presets
 from aicon_torch.models.panda import Options, world_model
-from aicon_torch.models.panda.body import segment_distance
+from aicon_torch.models.panda.body import BodyFrames, JointLimits, SelfCollision, segment_distance
 from aicon_torch.models.panda.camera import Visibility
 from aicon_torch.models.panda.kinematics import EndEffector, Kinematics, tool_frame
-from aicon_torch.models.panda.limits import ArmLimits
 from aicon_torch.models.panda.perception import Registration, View
 from aicon_torch.models.panda.robot import PANDA, Robot
 from aicon_torch.models.pusht.contacts import ContactLikelihood, closest_point
@@ -44,13 +43,25 @@ def test_the_jacobian_is_the_derivative_of_the_end_effector(kinematics):
     torch.testing.assert_close(given, expected)
 
 
-def test_the_natural_pullback_moves_the_end_effector_along_the_gradient():
+def test_the_natural_pullback_moves_the_end_effector_along_the_gradient_and_is_as_long_as_its_cost_falls():
     kinematics = Kinematics(PANDA, damping=1e-6)
     q = joints(4).requires_grad_()
     wish = torch.randn(4, 6, generator=torch.Generator().manual_seed(1), dtype=torch.float64)
     (step,) = torch.autograd.grad(EndEffector(kinematics)(q), q, wish)
-    jacobian = kinematics.jacobian(kinematics.frames(q.detach()))
-    torch.testing.assert_close((jacobian @ step.unsqueeze(-1)).squeeze(-1), wish, rtol=1e-4, atol=1e-6)
+    moved = (kinematics.jacobian(kinematics.frames(q.detach())) @ step.unsqueeze(-1)).squeeze(-1)
+    along = torch.nn.functional.normalize(moved, dim=-1)
+    torch.testing.assert_close(along, torch.nn.functional.normalize(wish, dim=-1), rtol=1e-4, atol=1e-6)
+    length = step.norm(dim=-1)
+    torch.testing.assert_close((wish * moved).sum(-1) / length, length)  # h·J u for the unit u of the step
+
+
+def test_near_a_singularity_the_end_effector_does_not_outgrow_what_it_meets(kinematics):
+    q = HOME.clone()
+    q[[0, 2, 4]], q[3], q[5] = 0.0, PANDA.straight, 1.66
+    jacobian = kinematics.jacobian(kinematics.frames(q))
+    assert torch.linalg.svdvals(jacobian)[-1] < 0.01
+    outward = torch.tensor([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], dtype=torch.float64)
+    assert kinematics.solve(jacobian, outward).norm() > 1 > kinematics.natural(jacobian, outward).norm()
 
 
 def test_the_end_effector_tells_where_the_tool_is(kinematics):
@@ -128,27 +139,32 @@ def test_near_a_limit_the_joint_turns_back():
     assert q[6] < PANDA.high[6] - 0.04
 
 
+@pytest.mark.parametrize(("elbow", "straightens"), [("straight", False), ("stop", True)])
+def test_a_straight_arm_is_a_limit(elbow, straightens):
+    cost = JointLimits(PANDA, 0.1, 300.0, elbow)
+    q = HOME.clone()
+    q[3] = PANDA.straight - 0.05
+    q.requires_grad_()
+    assert bool(cost(q) == 0) == straightens
+    if not straightens:
+        (gradient,) = torch.autograd.grad(cost(q), q)
+        assert gradient[3] > 0 and gradient.count_nonzero() == 1
+
+
+def test_the_arm_is_straight_where_the_wrist_is_farthest(kinematics):
+    q = HOME.repeat(3, 1)
+    q[:, 3] = PANDA.straight + torch.tensor([-0.02, 0.0, 0.02])
+    frames = kinematics.frames(q)
+    reach = (frames[:, 5, :3, 3] - frames[:, 1, :3, 3]).norm(dim=-1)
+    assert reach[1] > reach[0] and reach[1] > reach[2]
+
+
 def test_what_was_settled_at_the_end_effector_stays_so_with_the_natural_pullback():
     draw = torch.Generator().manual_seed
     merged, _, inherited = rises(4, "natural", 500, draw(0))
     assert merged == 0 and inherited > 0
     merged, _, inherited = rises(4, "transpose", 500, draw(0))
     assert merged > 0 and inherited == 0
-
-
-def test_with_stops_no_joint_arrives_early_and_where_none_is_near_nothing_changes(kinematics):
-    limits = ArmLimits(PANDA, kinematics, None, 600.0, 0.2, 0.1, 0.2, stop_time=0.4)
-    generator = torch.Generator().manual_seed(3)
-    low, high = torch.tensor(PANDA.low, dtype=torch.float64), torch.tensor(PANDA.high, dtype=torch.float64)
-    q = low + (high - low) * torch.rand(200, 7, generator=generator, dtype=torch.float64)
-    q[:100, 3] = high[3] - 0.02
-    a, wanted = (torch.randn(200, size, generator=generator, dtype=torch.float64) for size in (7, 6))
-    jacobian = kinematics.jacobian(kinematics.frames(q))
-    stopped = limits.before_stops(a, q, jacobian, wanted, 0.4)
-    assert (q + 0.4 * stopped <= high + 1e-12).all() and (q + 0.4 * stopped >= low - 1e-12).all()
-    far = ((q + 0.4 * a < high) & (q + 0.4 * a > low)).all(-1)
-    assert 0 < far.sum() < 200
-    torch.testing.assert_close(stopped[far], a[far], rtol=0, atol=0)
 
 
 def test_segments_are_as_far_apart_as_their_nearest_points():
@@ -207,6 +223,10 @@ def test_the_robot_is_that_of_the_physics(kinematics):
         mujoco.mj_kinematics(model, data)
         tip = kinematics.end_effector(kinematics.frames(q))[:3]
         np.testing.assert_allclose(tip, data.site("tip").xpos, atol=1e-9)
+        env._simulation.data.qpos[:7] = q.numpy()
+        mujoco.mj_kinematics(model, env._simulation.data)
+        gap = SelfCollision(robot, 0.05, 1.0).distances(BodyFrames(kinematics, robot)(q)).min()
+        np.testing.assert_allclose(gap, env._simulation.self_distance, atol=1e-8)
 
 
 def test_a_rendered_object_is_found_within_2_mm(kinematics):
@@ -234,3 +254,5 @@ def test_wrong_options_are_named():
         make_policy("panda_push", sensing="touch")
     with pytest.raises(ValueError, match="goals="):
         make_policy("panda_push", goals=("speed",))
+    with pytest.raises(ValueError, match="elbow="):
+        make_policy("panda_push", elbow="bent")

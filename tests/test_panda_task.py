@@ -63,6 +63,9 @@ def test_episodes_are_those_of_a_comparison():
     outcome = rollout(policy, task, "true_pose", episodes, [0, 1])
     numbers = watch(policy, "true_pose", episodes, horizon)
     np.testing.assert_allclose([row.distance for row in numbers], 1e3 * outcome.distance, rtol=1e-12)
+    np.testing.assert_allclose([row.angle for row in numbers], np.degrees(outcome.measures["angle"]), rtol=1e-12)
+    for name in ("limit_margin", "self_distance"):
+        np.testing.assert_allclose([getattr(row, name) for row in numbers], outcome.measures[name], atol=1e-6)
 
 
 def test_turns_are_counted_beyond_an_amplitude():

@@ -93,6 +93,7 @@ def _run(task: Task, build: Factory, job: _Job, progress: Path) -> list[Row]:
             path_length=float(outcome.path_length[i]),
             shortest_path_length=task.shortest_path_length(episode) if task.shortest_path_length else None,
             distance=float(outcome.distance[i]),
+            measures={name: float(values[i]) for name, values in outcome.measures.items()},
         )
         for i, episode in enumerate(episodes)
         if episode.seed in job.seeds

@@ -3,6 +3,7 @@
 The environment's seed is the episode's seed. Repeats have other noise, start and target: a seed of their own.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,10 +11,11 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 
-from aicon_baselines.task import Episode, Task
+from aicon_baselines.task import Episode, Measure, Task
 from aicon_envs.panda import PandaPushEnv
 
-# The arguments of the environment in each condition. Near the base the arm meets its joint limits and itself.
+# The arguments of the environment in each condition. Near the base the arm meets its joint limits and itself; far from
+# it the arm becomes straight.
 _ARGUMENTS: dict[str, dict[str, Any]] = {
     "camera": {},
     "true_pose": {"obs_type": "pose"},
@@ -24,8 +26,9 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "object_L": {"object": "L"},
     "image_delay": {"image_delay": 0.1},
     "kick": {"kick_time": 10.0},
-    "near": {"area": ((0.40, 0.46), (-0.1, 0.1))},
-    "near_true_pose": {"area": ((0.40, 0.46), (-0.1, 0.1)), "obs_type": "pose"},
+    "hard_kick": {"kick_time": 10.0, "kick_force": 6.0},
+    "near_true_pose": {"area": ((0.36, 0.44), (-0.1, 0.1)), "obs_type": "pose"},
+    "far_true_pose": {"area": ((0.62, 0.70), (-0.1, 0.1)), "obs_type": "pose"},
 }
 
 
@@ -96,4 +99,9 @@ TASK = Task(
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,
     milestones=(6_000, 12_000),
+    measures=(
+        Measure("angle", "median angle at the end", "{:.1f}°", math.degrees(1.0)),
+        Measure("limit_margin", "least distance to a joint's limit", "{:.3f} rad", least=True),
+        Measure("self_distance", "least distance of the robot to itself", "{:.0f} mm", 1e3, least=True),
+    ),
 )

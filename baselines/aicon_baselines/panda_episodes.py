@@ -19,7 +19,6 @@ from aicon_baselines.panda import TASK
 from aicon_baselines.task import Episode
 from aicon_torch import Policy
 from aicon_torch.models.panda import SCALE
-from aicon_torch.models.panda.body import SelfCollision
 from aicon_torch.models.panda.camera import Visibility
 from aicon_torch.models.panda.kinematics import Kinematics
 from aicon_torch.models.panda.robot import PANDA
@@ -186,8 +185,6 @@ def conflicts_of(numbers: Iterable[EpisodeNumbers]) -> Counter[str]:
 def _facts(policy: Policy, memory: dict[str, Any]) -> dict[str, NDArray[Any]]:
     """What the memory says of the step, for each row."""
     facts = {"estimate": memory["x_pose"].numpy()}
-    if "x_body" in memory:
-        facts["gap"] = _SHAPE.distances(memory["x_body"]).amin(-1).numpy()
     if "x_cam" in memory:
         facts["camera"] = memory["x_cam"].numpy()
     exploring = {place: memory[f"{place}/exploring"] for place in MEETINGS if f"{place}/exploring" in memory}
@@ -244,7 +241,6 @@ def count_turns(values: NDArray[np.float64], amplitude: float) -> int:
 
 
 _ARM = Kinematics(PANDA)
-_SHAPE = SelfCollision(PANDA, 0.05, 1.0)
 _VIEW = Visibility(PANDA, SCALE, (1.0, 1.0, 1.0), 0.0, 0.02)
 _BOUND = -0.4  # above this cosine a conflict ends
 
@@ -270,7 +266,7 @@ class _History:
         self.heights.append(1e3 * float(info["tip"][2]))
         self.errors.append(1e3 * float(np.hypot(*(facts["estimate"][:2] / SCALE - pose[:2]))))
         self.margin = min(self.margin, float(info["limit_margin"]))
-        self.gap = min(self.gap, float(facts.get("gap", math.inf)))
+        self.gap = min(self.gap, float(info["self_distance"]))
         self.collisions += int(info["collision"])
         if "camera" in facts:
             truth = torch.tensor([SCALE * pose[0], SCALE * pose[1], pose[2]], dtype=torch.float64)

@@ -14,7 +14,7 @@ def write_report(task: Task, folder: RunFolder) -> str:
     """Write `summary.json` and `success_curve.png` into the folder and return the table, in Markdown."""
     rows, config = folder.rows(), folder.config
     task = config.apply(task)
-    summaries = summarize(rows, task.milestones)
+    summaries = summarize(rows, task.milestones, task.measures)
     content = {"config": asdict(config), "summaries": [asdict(summary) for summary in summaries]}
     (folder.path / "summary.json").write_text(json.dumps(content, indent=2) + "\n")
     draw_success_curves(rows, task, folder.path / "success_curve.png")

@@ -8,7 +8,7 @@ from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
 from aicon_baselines.protocol import Predictor
-from aicon_baselines.task import Episode, Task
+from aicon_baselines.task import Episode, Measure, Task
 
 
 class Outcome(NamedTuple):
@@ -20,6 +20,7 @@ class Outcome(NamedTuple):
         collision: (B,) whether something was touched.
         path_length: (B,) length of the path taken, in the task's unit.
         distance: (B,) distance to the target at the end, in the task's unit.
+        measures: (B,) each; what else the task measures.
     """
 
     steps: NDArray[np.int64]
@@ -27,6 +28,7 @@ class Outcome(NamedTuple):
     collision: NDArray[np.bool_]
     path_length: NDArray[np.float64]
     distance: NDArray[np.float64]
+    measures: dict[str, NDArray[np.float64]]
 
 
 def rollout(
@@ -73,6 +75,7 @@ def _rollout(
         collision=np.zeros(count, np.bool_),
         path_length=np.zeros(count),
         distance=np.array(info["distance"], np.float64),
+        measures={measure.key: np.array(info[measure.key], np.float64) for measure in task.measures},
     )
     running = np.ones(count, np.bool_)
     forget, state = running, None
@@ -82,7 +85,7 @@ def _rollout(
             break
         action, state = policy.predict(observation, state=state, episode_start=forget, deterministic=True)
         observation, _, terminated, truncated, info = env.step(action)
-        _record(outcome, running, position, info)
+        _record(outcome, running, position, info, task.measures)
         position = np.array(info["position"], np.float64)
         ended = running & (terminated | truncated)
         running = running & ~ended
@@ -94,10 +97,19 @@ def _rollout(
     return outcome
 
 
-def _record(outcome: Outcome, running: NDArray[np.bool_], position: NDArray[np.float64], info: dict[str, Any]) -> None:
+def _record(
+    outcome: Outcome,
+    running: NDArray[np.bool_],
+    position: NDArray[np.float64],
+    info: dict[str, Any],
+    measures: tuple[Measure, ...],
+) -> None:
     """Add one step to the outcome of the episodes still running; `position` (B, 2) is that before the step."""
     outcome.steps[running] += 1
     outcome.success[running] = info["is_success"][running]
-    outcome.collision[running] = info["collision"][running]
+    outcome.collision[running] |= info["collision"][running]
     outcome.path_length[running] += np.linalg.norm(info["position"] - position, axis=-1)[running]
     outcome.distance[running] = info["distance"][running]
+    for measure in measures:
+        values, now = outcome.measures[measure.key], info[measure.key]
+        values[running] = (np.minimum(values, now) if measure.least else now)[running]

@@ -1,5 +1,7 @@
 """One row of `episodes.csv`: what became of one episode."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 
@@ -21,6 +23,8 @@ class Row(NamedTuple):
     """Length of the shortest collision-free path, in the task's unit; None if the task has no such path."""
     distance: float
     """Distance to the target at the end, in the task's unit."""
+    measures: Mapping[str, float] = MappingProxyType({})
+    """What else the task measures."""
 
     def to_fields(self) -> list[str]:
         """Write the row as text: truth values as 0 and 1, lengths to six decimals, nothing for None."""
@@ -36,12 +40,13 @@ class Row(NamedTuple):
             f"{self.path_length:.6f}",
             "" if self.shortest_path_length is None else f"{self.shortest_path_length:.6f}",
             f"{self.distance:.6f}",
+            " ".join(f"{name}={value:.6f}" for name, value in self.measures.items()),
         ]
 
     @classmethod
     def from_fields(cls, fields: list[str]) -> "Row":
         """Read a row back from its text; ValueError if it is not one."""
-        policy, condition, repeat, seed, name, success, steps, collision, path, shortest, distance = fields
+        policy, condition, repeat, seed, name, success, steps, collision, path, shortest, distance, measures = fields
         return cls(
             policy=policy,
             condition=condition,
@@ -54,6 +59,7 @@ class Row(NamedTuple):
             path_length=float(path),
             shortest_path_length=float(shortest) if shortest else None,
             distance=float(distance),
+            measures={name: float(value) for name, _, value in (text.partition("=") for text in measures.split())},
         )
 
 

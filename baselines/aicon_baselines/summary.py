@@ -9,6 +9,7 @@ import numpy as np
 
 from aicon_baselines.intervals import wilson_interval
 from aicon_baselines.row import Row
+from aicon_baselines.task import Measure
 
 _Name = TypeVar("_Name", bound=Hashable)
 
@@ -46,12 +47,14 @@ class Summary:
         interval: 95 % Wilson interval of the share.
         milestones: The same within fewer steps.
         failed_seeds: Seeds of the other episodes; a seed that failed in several repeats comes as often.
-        collisions: Number of episodes that ended in a collision.
+        collisions: Number of episodes with a collision.
         median_steps: Median steps of the successes; None without any.
         percentile_95_steps: Their 95th percentile.
         longest_steps: The most steps of a success.
         median_path_ratio: Median of path length by shortest path length of the successes; None without any, or if the
             task has no shortest path.
+        median_distance: Median distance to the target at the end of the successes; None without any.
+        measures: What else the task measures: the least of all episodes, or the median of the successes.
         maps: The same by class of maps.
     """
 
@@ -68,13 +71,17 @@ class Summary:
     percentile_95_steps: float | None
     longest_steps: int | None
     median_path_ratio: float | None
+    median_distance: float | None
+    measures: dict[str, float | None]
     maps: dict[str, MapSummary]
 
 
-def summarize(rows: Iterable[Row], milestones: Sequence[int] = ()) -> list[Summary]:
+def summarize(rows: Iterable[Row], milestones: Sequence[int] = (), measures: Sequence[Measure] = ()) -> list[Summary]:
     """Sum up the rows by condition and policy, the most successful policy first; `milestones` in steps."""
     groups = group_rows(rows, lambda row: (row.condition, row.policy))
-    summaries = [_summary(policy, condition, group, milestones) for (condition, policy), group in groups.items()]
+    summaries = [
+        _summary(policy, condition, group, milestones, measures) for (condition, policy), group in groups.items()
+    ]
     return sorted(summaries, key=lambda summary: (summary.condition, -summary.success_rate, summary.policy))
 
 
@@ -98,7 +105,9 @@ def median_of(values: Iterable[float]) -> float | None:
     return float(median(known)) if known else None
 
 
-def _summary(policy: str, condition: str, rows: list[Row], milestones: Sequence[int]) -> Summary:
+def _summary(
+    policy: str, condition: str, rows: list[Row], milestones: Sequence[int], measures: Sequence[Measure]
+) -> Summary:
     successes = [row for row in rows if row.success]
     steps = [row.steps for row in successes if row.steps is not None]
     return Summary(
@@ -117,8 +126,16 @@ def _summary(policy: str, condition: str, rows: list[Row], milestones: Sequence[
         median_path_ratio=median_of(
             r.path_length / r.shortest_path_length for r in successes if r.shortest_path_length
         ),
+        median_distance=median_of(row.distance for row in successes),
+        measures={measure.key: _measured(measure, rows) for measure in measures},
         maps={name: _map_summary(group) for name, group in sorted(group_rows(rows, lambda row: row.map).items())},
     )
+
+
+def _measured(measure: Measure, rows: list[Row]) -> float | None:
+    if measure.least:
+        return min(row.measures[measure.key] for row in rows)
+    return median_of(row.measures[measure.key] for row in rows if row.success)
 
 
 def _map_summary(rows: list[Row]) -> MapSummary:

@@ -5,7 +5,7 @@ from functools import partial
 
 from aicon_baselines.row import Row
 from aicon_baselines.summary import Summary, group_rows
-from aicon_baselines.task import Task
+from aicon_baselines.task import Measure, Task
 
 _FEW = 20  # failures of one policy that are still listed
 
@@ -53,7 +53,7 @@ def _columns(task: Task) -> dict[str, Callable[[Summary], str]]:
     }
     for index, steps in enumerate(task.milestones):
         columns[f"within {steps} steps"] = partial(_milestone, index)
-    if task.shortest_path_length:
+    if task.shortest_path_length or task.measures:
         columns["collisions"] = lambda summary: str(summary.collisions)
     if task.time_unit == "s":
         columns["median time"] = lambda summary: to_text(summary.median_steps, "{:.1f} s", task.time_step)
@@ -63,6 +63,11 @@ def _columns(task: Task) -> dict[str, Callable[[Summary], str]]:
         columns["longest"] = lambda summary: to_text(summary.longest_steps, "{:g}")
     if task.shortest_path_length:
         columns["median path / shortest"] = lambda summary: to_text(summary.median_path_ratio, "{:.2f}")
+    if task.measures:
+        form = f"{{:.4f}} {task.length_unit}"
+        columns["median distance at the end"] = lambda summary: to_text(summary.median_distance, form)
+    for measure in task.measures:
+        columns[measure.title] = partial(_measure, measure)
     return columns
 
 
@@ -74,6 +79,10 @@ def _success(summary: Summary) -> str:
 def _milestone(index: int, summary: Summary) -> str:
     milestone = summary.milestones[index]
     return to_percent(milestone.success_rate, milestone.interval)
+
+
+def _measure(measure: Measure, summary: Summary) -> str:
+    return to_text(summary.measures[measure.key], measure.form, measure.scale)
 
 
 def _reason(row: Row, unit: str) -> str:

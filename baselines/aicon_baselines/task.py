@@ -29,6 +29,26 @@ class Episode:
 
 
 @dataclass(frozen=True)
+class Measure:
+    """What else an environment of a task says of an episode.
+
+    Attributes:
+        key: Its name in `info` and in the rows.
+        title: Heading of its column.
+        form: How it is written, such as "{:.1f} mm".
+        scale: Factor from the unit of `info` to that of the form.
+        least: Whether the least value of the episode counts, and the least of all episodes; otherwise the last value,
+            and the median of the successes.
+    """
+
+    key: str
+    title: str
+    form: str
+    scale: float = 1.0
+    least: bool = False
+
+
+@dataclass(frozen=True)
 class Task:
     """An evaluation task.
 
@@ -41,13 +61,15 @@ class Task:
         conditions: Names of the variants of the environment, the usual one first.
         make_env: Builds the environment from (number of episodes, condition, horizon in steps), and from the
             `env_options` of a policy that has some. It must leave ended episodes alone (autoreset disabled) and report
-            `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,) and `collision` (B,) in `info`.
+            `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,), `collision` (B,) and what
+            `measures` names in `info`.
         reset_arguments: The arguments of the environment's `reset` that select these episodes.
         policy_options: What a policy is told about a condition: options of its model.
         noiseless: Conditions without noise, where the repeats of an episode would be copies of it.
         length_unit: Unit of the lengths in the rows.
         time_unit: Unit in which durations are told.
         milestones: Numbers of steps within which success is reported as well; curves mark the last.
+        measures: What else the rows hold; the environment must report it in `info`.
         shortest_path_length: Length of the shortest collision-free path of an episode, in `length_unit`; None where a
             path has no such bound and nothing to collide with.
     """
@@ -65,6 +87,7 @@ class Task:
     length_unit: Literal["m", "px"] = "m"
     time_unit: Literal["s", "steps"] = "s"
     milestones: tuple[int, ...] = ()
+    measures: tuple[Measure, ...] = ()
     shortest_path_length: Callable[[Episode], float] | None = None
 
     @property

@@ -87,9 +87,9 @@ class Options(Mechanism):
         height_tolerance: Deviation from it that g₂ leaves alone, m; 0 in the text.
         tilt_tolerance: Tilt of the stick that the goal "upright" leaves alone, rad.
         settle: Least time to arrive at a height, s.
-        stop_time: Least time to arrive at a joint's stop, s; None leaves the joints to g₃.
         limit_margin: m₀ of g₃, rad.
         limit_weight: w of g₃.
+        elbow: Where g₃ ends joint 4: where the arm is straight, or at its stop: see :class:`JointLimits`.
         collision_margin: d₀ of g₄, m.
         collision_weight: w of g₄.
         goals: Which goals there are besides pushing.
@@ -130,9 +130,9 @@ class Options(Mechanism):
     height_tolerance: float = 0.001
     tilt_tolerance: float = 0.02
     settle: float = 0.2
-    stop_time: float | None = None
     limit_margin: float = 0.1
     limit_weight: float = 300.0
+    elbow: Literal["straight", "stop"] = "straight"
     collision_margin: float = 0.05
     collision_weight: float = 30.0
     goals: Sequence[str] = ("heights", "upright", "limits", "collisions")
@@ -158,6 +158,7 @@ _CHOICES = {
     "speed_law": ("contact", "none"),
     "resolution": ("nullspace", "sum", "steepest"),
     "pullback": ("natural", "transpose"),
+    "elbow": ("straight", "stop"),
     "look": tuple(LOOK),
 }
 
@@ -172,13 +173,13 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_exploration": {"explore": False},
         "no_trace": {"trace_weight": 0.0},
         "no_touch": {"feel": False},
-        "stops": {"stop_time": 0.4},
+        "elbow_free": {"elbow": "stop"},
         "no_upright": {"goals": ("heights", "limits", "collisions")},
         "no_limits": {"goals": ("heights", "upright", "collisions")},
         "no_collisions": {"goals": ("heights", "upright", "limits")},
     }
 )
-"""Named options: ours, baselines, ours without one part each, and with stops (four times the lag of the servos)."""
+"""Named options: ours, baselines, and ours without one part each."""
 
 
 def world_model(options: Options) -> WorldModel:
@@ -384,7 +385,7 @@ def _goals(options: Options) -> list[Goal]:
     parts: dict[str, Callable[..., Tensor]] = {
         "heights": lambda x_heights: beyond(norm(x_heights), SCALE * options.height_tolerance),
         "upright": lambda x_ee: SCALE * beyond(norm(x_ee[..., 3:5]), LEVER * options.tilt_tolerance),
-        "limits": JointLimits(options.robot, options.limit_margin, options.limit_weight),
+        "limits": JointLimits(options.robot, options.limit_margin, options.limit_weight, options.elbow),
         "collisions": SelfCollision(options.robot, options.collision_margin, options.collision_weight),
     }
     return [Goal(name, parts[name]) for name in GOALS if name in options.goals]
@@ -396,8 +397,7 @@ def _limits(options: Options, kinematics: Kinematics, dynamics: ContactDynamics)
         least, largest = options.push
         radius = SCALE * options.robot.stick_radius
         contact = ContactLimits(dynamics, None, (least, largest), options.harm, options.slide_gap, radius=radius)
-    times = options.horizon, options.settle, options.stop_time
-    return ArmLimits(options.robot, kinematics, contact, SCALE, options.max_speed, *times)
+    return ArmLimits(options.robot, kinematics, contact, SCALE, options.max_speed, options.horizon, options.settle)
 
 
 def build(options: Options) -> Policy:

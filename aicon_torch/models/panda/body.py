@@ -12,17 +12,24 @@ from aicon_torch.models.panda.robot import Robot
 class JointLimits(nn.Module):
     """g₃ = p_limit = w Σ max(0, 1 − m/m₀)², where m is a joint's distance to its nearer limit.
 
+    A straight arm is a limit, too: the tip cannot go on, and comes back with the elbow bent the other way, toward the
+    stop of joint 4. So this joint ends there, 0.4 rad before its stop.
+
     Args:
         robot: The robot.
         margin: m₀, rad: farther from its limits a joint is free.
         weight: w.
+        elbow: Where joint 4 ends: where the arm is straight, or at its stop.
     """
 
-    def __init__(self, robot: Robot, margin: float, weight: float) -> None:
+    def __init__(self, robot: Robot, margin: float, weight: float, elbow: str = "straight") -> None:
         super().__init__()
         self.margin, self.weight = margin, weight
         self.register_buffer("low", torch.tensor(robot.low, dtype=torch.float64))
-        self.register_buffer("high", torch.tensor(robot.high, dtype=torch.float64))
+        high = torch.tensor(robot.high, dtype=torch.float64)
+        if elbow == "straight":
+            high[3] = min(robot.high[3], robot.straight)
+        self.register_buffer("high", high)
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """The cost ``(*B,)``."""

@@ -81,6 +81,17 @@ class Kinematics(nn.Module):
         motion: Tensor = (jacobian.mT @ torch.linalg.solve_ex(square, wish.unsqueeze(-1)).result).squeeze(-1)
         return motion
 
+    def natural(self, jacobian: Tensor, gradient: Tensor) -> Tensor:
+        """The joint gradient ``(*B, 7)`` along J⁺h for a gradient h of x_ee ``(*B, 6)``.
+
+        Its length is that of a gradient in that direction, the change of the cost per rad, hᵀJJ⁺h / ‖J⁺h‖. That of J⁺h
+        would say how far the joints must go, and near a singularity outgrow all gradients that it meets.
+        """
+        motion = self.solve(jacobian, gradient)
+        change = (gradient * (jacobian @ motion.unsqueeze(-1)).squeeze(-1)).sum(-1, keepdim=True)
+        square = (motion * motion).sum(-1, keepdim=True).clamp(min=torch.finfo(motion.dtype).tiny)
+        return motion * (change / square)
+
     def _parts(self, like: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         return tuple(cast(Tensor, getattr(self, name)).to(like) for name in ("constant", "by_cos", "by_sin"))  # type: ignore[return-value]
 
@@ -88,9 +99,9 @@ class Kinematics(nn.Module):
 class EndEffector(nn.Module):
     """x_ee, and which joint gradient stands for a gradient of x_ee.
 
-    A gradient h says where x_ee is to go. ``"natural"`` asks for the joints that take it there, J⁺h: the steepest
-    descent in the metric of the table. ``"transpose"`` is the chain rule to the letter, Jᵀh, the steepest descent in
-    that of the joints, whose motion of the tip points up to 40° away from h.
+    A gradient h says where x_ee is to go. ``"natural"`` asks for the joints that take it there, along J⁺h: the steepest
+    descent in the metric of the table, see :meth:`Kinematics.natural`. ``"transpose"`` is the chain rule to the letter,
+    Jᵀh, the steepest descent in that of the joints, whose motion of the tip points up to 40° away from h.
 
     Args:
         kinematics: The chain.
@@ -119,7 +130,7 @@ class _Natural(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None]:
         (frames,) = ctx.saved_tensors
-        return ctx.kinematics.solve(ctx.kinematics.jacobian(frames), gradients[0]), None
+        return ctx.kinematics.natural(ctx.kinematics.jacobian(frames), gradients[0]), None
 
 
 def tool_frame(x_ee: Tensor, length: float) -> tuple[Tensor, Tensor]:

@@ -21,9 +21,7 @@ class ArmLimits(nn.Module):
        half of it in heading (all in m/s, see x_ee).
     2. In the plane the tip keeps pushT's limits over the next `horizon`, if there are any.
     3. The tip moves toward its height no faster than it would arrive within `settle`.
-    4. If there is a `stop_time`, a joint moves toward its stop no faster than it would arrive within that; the others
-       make up for it as far as they can.
-    5. No joint is faster than its limit, the direction kept.
+    4. No joint is faster than its limit, the direction kept.
 
     Args:
         robot: The robot.
@@ -33,7 +31,6 @@ class ArmLimits(nn.Module):
         max_speed: Largest speed of the tip in the plane, m/s.
         horizon: Time over which pushT's limits hold, s.
         settle: Least time to arrive at a height, s.
-        stop_time: Least time to arrive at a joint's stop, s; None leaves the joint to g₃.
     """
 
     def __init__(
@@ -45,14 +42,12 @@ class ArmLimits(nn.Module):
         max_speed: float,
         horizon: float,
         settle: float,
-        stop_time: float | None = None,
     ) -> None:
         super().__init__()
         self.kinematics, self.contact, self.scale = kinematics, contact, scale
-        self.horizon, self.settle, self.stop_time = horizon, settle, stop_time
+        self.horizon, self.settle = horizon, settle
         self.limits = (max_speed, max_speed / 4, max_speed / 4, max_speed / 2)
         self.register_buffer("speed", torch.tensor(robot.speed, dtype=torch.float64))
-        self.register_buffer("stops", torch.tensor((robot.low, robot.high), dtype=torch.float64))
 
     def forward(
         self,
@@ -84,19 +79,5 @@ class ArmLimits(nn.Module):
         settled = torch.where(needed * rise > 0, torch.minimum(rise.abs(), needed.abs()) * rise.sign(), rise)
         wanted[..., 2:3] = settled
         a = a - self.kinematics.solve(jacobian, motion - wanted)
-        if self.stop_time is not None:
-            a = self.before_stops(a, x_joints, jacobian, wanted, self.stop_time)
         fastest = (a.abs() / cast(Tensor, self.speed).to(a)).amax(-1, keepdim=True)
         return a / fastest.clamp(min=1.0)
-
-    def before_stops(self, a: Tensor, x_joints: Tensor, jacobian: Tensor, wanted: Tensor, time: float) -> Tensor:
-        """The velocity ``(*B, 7)`` with which no joint arrives at its stop earlier than in this time.
-
-        What the joints that are held back leave of the wanted motion of the end effector ``(*B, 6)`` the others do.
-        """
-        low, high = ((stop - x_joints) / time for stop in cast(Tensor, self.stops).to(a))
-        held = torch.clamp(a, low, high)
-        free = held == a
-        left = wanted - (jacobian @ held.unsqueeze(-1)).squeeze(-1)
-        shared = held + self.kinematics.solve(jacobian * free.unsqueeze(-2), left)
-        return torch.where(free.all(-1, keepdim=True), a, torch.clamp(shared, low, high))

@@ -70,7 +70,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
     ## Info
     `object_pose`, `target_pose` (3,); `position` (2,): the tip; `tip` (3,); `distance`, m; `angle`, rad; `is_success`;
     `collision`: whether the robot touched itself or the table; `fallen`; `limit_margin`, rad, the joint nearest to its
-    limits.
+    limits; `self_distance`, m, the smallest gap between capsules of the robot that can meet.
 
     ## Arguments
     `obs_type`; `render_mode`: None or "rgb_array"; `render_camera`: "outside" or "hand"; `object`: a name, see
@@ -104,7 +104,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         joint_noise: float = 1e-4,
         area: tuple[tuple[float, float], tuple[float, float]] = AREA,
         kick_time: float | None = None,
-        kick_force: float = 6.0,
+        kick_force: float = 3.0,
         width: int = 160,
         height: int = 120,
         render_width: int = 640,
@@ -266,6 +266,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
             "collision": simulation.collides,
             "fallen": simulation.fallen,
             "limit_margin": simulation.limit_margin,
+            "self_distance": simulation.self_distance,
         }
 
     def _observation_space(self) -> spaces.Space[Observation]:

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_envs.panda.clearance import Clearance
 from aicon_envs.panda.objects import THICKNESS
 from aicon_envs.panda.scene import TARGET_HEIGHT
 
@@ -35,6 +36,7 @@ class Simulation:
         ]  # everything of the robot that touches
         self._parts = {geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == self._object}
         self._range = model.jnt_range[:7].copy()
+        self._clearance = Clearance(model)
 
     def start(self, tip: ArrayLike, yaw: float, pose: ArrayLike) -> None:
         """Put the stick upright with its tip at a position, the camera to a side, and the object at rest."""
@@ -125,6 +127,11 @@ class Simulation:
         """Smallest distance of a joint to its limits, rad."""
         angles = self.joints
         return float(np.minimum(angles - self._range[:, 0], self._range[:, 1] - angles).min())
+
+    @property
+    def self_distance(self) -> float:
+        """Smallest gap between parts of the robot that can meet, m."""
+        return self._clearance(self.data)
 
     def _wrench(self) -> FloatArray:
         wrench: FloatArray = self.data.sensordata[:6].copy()
