@@ -177,6 +177,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_upright": {"goals": ("heights", "limits", "collisions")},
         "no_limits": {"goals": ("heights", "upright", "collisions")},
         "no_collisions": {"goals": ("heights", "upright", "limits")},
+        "no_limits_or_collisions": {"goals": ("heights", "upright")},
     }
 )
 """Named options: ours, baselines, and ours without one part each."""
