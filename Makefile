@@ -3,11 +3,13 @@ PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 EPISODES ?= 100
+PANDA_EPISODES ?= 50
 OUT ?= runs
 LEROBOT_VENV ?= .venv-lerobot
 STUDENT ?= baselines/checkpoints/diffusion_pusht_keypoints
 
 INSTALLED := $(VENV)/.installed
+PANDA_INSTALLED := $(VENV)/.installed-panda
 LEROBOT_INSTALLED := $(LEROBOT_VENV)/.installed
 # The policies are small: more threads than one only wait for each other.
 RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
@@ -15,12 +17,12 @@ LEROBOT_RUN := OMP_NUM_THREADS=1 $(LEROBOT_VENV)/bin/python
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install lerobot-env test test-all test-lerobot compare panda figures benchmark lint format clean
+.PHONY: help install lerobot-env test test-all test-lerobot test-panda compare panda figures benchmark lint format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-12s %s\n", $$1, $$2 }'
-	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) LEROBOT_VENV=$(LEROBOT_VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) OUT=$(OUT)"
+	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) LEROBOT_VENV=$(LEROBOT_VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) PANDA_EPISODES=$(PANDA_EPISODES) OUT=$(OUT)"
 
 install: $(INSTALLED) ## Create the virtual environment (the other targets do it if need be)
 
@@ -50,6 +52,13 @@ test: $(INSTALLED) ## Run the tests, but for the slow ones
 test-all: $(INSTALLED) ## Run all tests
 	$(RUN) -m pytest -n $(JOBS) -m ""
 
+$(PANDA_INSTALLED): $(INSTALLED)
+	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all,panda]"
+	@touch $@
+
+test-panda: $(PANDA_INSTALLED) ## Run the arm's tests; without OpenGL those that render are skipped
+	$(RUN) -m pytest -n $(JOBS) tests/test_*panda*.py
+
 # Warnings are no errors here: most are those of LeRobot about its own dependencies.
 test-lerobot: $(LEROBOT_INSTALLED) ## Run the tests that need LeRobot
 	$(LEROBOT_RUN) -m pytest -W default -n $(JOBS) tests/test_diffusion*.py tests/test_lerobot*.py
@@ -67,12 +76,11 @@ compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and p
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
 
-panda: $(INSTALLED) ## Install what the arm needs and compare its policies; rendering needs system packages
-	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all,panda]"
+panda: $(PANDA_INSTALLED) ## Install what the arm needs and compare its policies; rendering needs system packages
 	@$(RUN) -c 'import aicon_envs.panda as p; p.PandaPushEnv().reset(seed=0)' || { \
 	  echo "The arm cannot be rendered here. On Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"; exit 1; } >&2
 	$(RUN) scripts/compare.py --task panda_push --policies aicon steepest --compile --conditions camera true_pose \
-	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda
+	  --episodes $(PANDA_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda
 	$(RUN) scripts/figures.py panda --out $(OUT)/panda
 
 figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task

@@ -1,10 +1,12 @@
+import math
+
 import numpy as np
 import pytest
 import torch
 
 from aicon_torch import make_policy, presets
 from aicon_torch.models.panda import Options, world_model
-from aicon_torch.models.panda.body import BodyFrames, JointLimits, SelfCollision, segment_distance
+from aicon_torch.models.panda.body import BodyFrames, SelfCollision, Workspace, segment_distance
 from aicon_torch.models.panda.camera import Visibility
 from aicon_torch.models.panda.kinematics import EndEffector, Kinematics, tool_frame
 from aicon_torch.models.panda.perception import Registration, View
@@ -57,7 +59,7 @@ def test_the_natural_pullback_moves_the_end_effector_along_the_gradient_and_is_a
 
 def test_near_a_singularity_the_end_effector_does_not_outgrow_what_it_meets(kinematics):
     q = HOME.clone()
-    q[[0, 2, 4]], q[3], q[5] = 0.0, PANDA.straight, 1.66
+    q[[0, 2, 4]], q[3], q[5] = 0.0, -0.467, 1.66
     jacobian = kinematics.jacobian(kinematics.frames(q))
     assert torch.linalg.svdvals(jacobian)[-1] < 0.01
     outward = torch.tensor([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], dtype=torch.float64)
@@ -139,24 +141,33 @@ def test_near_a_limit_the_joint_turns_back():
     assert q[6] < PANDA.high[6] - 0.04
 
 
-@pytest.mark.parametrize(("elbow", "straightens"), [("straight", False), ("stop", True)])
-def test_a_straight_arm_is_a_limit(elbow, straightens):
-    cost = JointLimits(PANDA, 0.1, 300.0, elbow)
-    q = HOME.clone()
-    q[3] = PANDA.straight - 0.05
-    q.requires_grad_()
-    assert bool(cost(q) == 0) == straightens
-    if not straightens:
-        (gradient,) = torch.autograd.grad(cost(q), q)
-        assert gradient[3] > 0 and gradient.count_nonzero() == 1
+def test_the_workspace_ends_where_the_arm_is_straight(kinematics):
+    straight = -math.atan(0.0825 / 0.316) - math.atan(0.0825 / 0.384)
+    q = torch.tensor([0.0, 1.2, 0.0, straight, 0.0, 1.7, 0.0], dtype=torch.float64)
+    goal = torch.tensor([0.02, 0.0], dtype=torch.float64)  # height of the tip, and no tilt
+    for _ in range(20):
+        frames = kinematics.frames(q)
+        here = kinematics.end_effector(frames)[2:4]
+        jacobian = kinematics.jacobian(frames)[2:4][:, [1, 5]]
+        q[[1, 5]] += torch.linalg.solve(jacobian, goal - here)
+    x_ee = kinematics.end_effector(kinematics.frames(q))
+    torch.testing.assert_close(x_ee[2:4], goal)
+    assert x_ee[:2].norm() == pytest.approx(PANDA.reach, abs=1e-3)
+    assert torch.linalg.svdvals(kinematics.jacobian(kinematics.frames(q)))[-1] < 1e-3
+    cost = Workspace(PANDA, 0.02, 15.0)
+    assert cost(x_ee) > 14 and cost(0.97 * x_ee) == 0
 
 
-def test_the_arm_is_straight_where_the_wrist_is_farthest(kinematics):
-    q = HOME.repeat(3, 1)
-    q[:, 3] = PANDA.straight + torch.tensor([-0.02, 0.0, 0.02])
-    frames = kinematics.frames(q)
-    reach = (frames[:, 5, :3, 3] - frames[:, 1, :3, 3]).norm(dim=-1)
-    assert reach[1] > reach[0] and reach[1] > reach[2]
+@pytest.mark.parametrize(("preset", "crosses"), [("aicon", False), ("no_workspace", True)])
+def test_the_elbow_does_not_bend_the_other_way_where_the_object_is_out_of_reach(preset, crosses, kinematics):
+    policy = make_policy("panda_push", preset=preset, sensing="pose")
+    far = {"object_pose": torch.tensor([0.76, 0.05, 1.0]), "target": torch.tensor([0.5, 0.05, 1.0])}
+    q, memory, elbow = HOME.clone(), None, []
+    for _ in range(400):
+        action, memory = policy.predict(observation(q=q, **far), memory)
+        q = q + 0.01 * action
+        elbow.append(float(q[3]))
+    assert (max(elbow) > -0.467) == crosses
 
 
 def test_what_was_settled_at_the_end_effector_stays_so_with_the_natural_pullback():
@@ -254,5 +265,3 @@ def test_wrong_options_are_named():
         make_policy("panda_push", sensing="touch")
     with pytest.raises(ValueError, match="goals="):
         make_policy("panda_push", goals=("speed",))
-    with pytest.raises(ValueError, match="elbow="):
-        make_policy("panda_push", elbow="bent")

@@ -21,7 +21,7 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.mechanism import Mechanism
-from aicon_torch.models.panda.body import BodyFrames, JointLimits, SelfCollision
+from aicon_torch.models.panda.body import BodyFrames, JointLimits, SelfCollision, Workspace
 from aicon_torch.models.panda.camera import LOOK, CameraFrame, Visibility, to_world
 from aicon_torch.models.panda.kinematics import LEVER, EndEffector, Kinematics
 from aicon_torch.models.panda.limits import ArmLimits
@@ -89,9 +89,10 @@ class Options(Mechanism):
         settle: Least time to arrive at a height, s.
         limit_margin: m₀ of g₃, rad.
         limit_weight: w of g₃.
-        elbow: Where g₃ ends joint 4: where the arm is straight, or at its stop: see :class:`JointLimits`.
         collision_margin: d₀ of g₄, m.
         collision_weight: w of g₄.
+        workspace_margin: m₀ of the goal "workspace", m.
+        workspace_weight: w of it, px.
         goals: Which goals there are besides pushing.
         pullback: How a gradient goes from the end effector to the joints: see :class:`EndEffector`.
         damping: λ of the pseudo-inverse, m/rad.
@@ -132,10 +133,11 @@ class Options(Mechanism):
     settle: float = 0.2
     limit_margin: float = 0.1
     limit_weight: float = 300.0
-    elbow: Literal["straight", "stop"] = "straight"
     collision_margin: float = 0.05
     collision_weight: float = 30.0
-    goals: Sequence[str] = ("heights", "upright", "limits", "collisions")
+    workspace_margin: float = 0.01
+    workspace_weight: float = 60.0
+    goals: Sequence[str] = ("heights", "upright", "workspace", "limits", "collisions")
     pullback: Literal["natural", "transpose"] = "natural"
     damping: float = 0.02
 
@@ -149,8 +151,8 @@ class Options(Mechanism):
                 raise OptionError(f"goals={tuple(self.goals)!r}: expected some of {', '.join(map(repr, GOALS))}.")
 
 
-GOALS = ("heights", "upright", "limits", "collisions")
-"""g₂, one of ours, g₃ and g₄."""
+GOALS = ("heights", "upright", "workspace", "limits", "collisions")
+"""g₂, two of ours, g₃ and g₄."""
 
 _CHOICES = {
     "sensing": ("camera", "pose"),
@@ -158,7 +160,6 @@ _CHOICES = {
     "speed_law": ("contact", "none"),
     "resolution": ("nullspace", "sum", "steepest"),
     "pullback": ("natural", "transpose"),
-    "elbow": ("straight", "stop"),
     "look": tuple(LOOK),
 }
 
@@ -173,11 +174,11 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_exploration": {"explore": False},
         "no_trace": {"trace_weight": 0.0},
         "no_touch": {"feel": False},
-        "elbow_free": {"elbow": "stop"},
-        "no_upright": {"goals": ("heights", "limits", "collisions")},
-        "no_limits": {"goals": ("heights", "upright", "collisions")},
-        "no_collisions": {"goals": ("heights", "upright", "limits")},
-        "no_limits_or_collisions": {"goals": ("heights", "upright")},
+        "no_upright": {"goals": ("heights", "workspace", "limits", "collisions")},
+        "no_workspace": {"goals": ("heights", "upright", "limits", "collisions")},
+        "no_limits": {"goals": ("heights", "upright", "workspace", "collisions")},
+        "no_collisions": {"goals": ("heights", "upright", "workspace", "limits")},
+        "no_workspace_limits_collisions": {"goals": ("heights", "upright")},
     }
 )
 """Named options: ours, baselines, and ours without one part each."""
@@ -386,8 +387,9 @@ def _goals(options: Options) -> list[Goal]:
     parts: dict[str, Callable[..., Tensor]] = {
         "heights": lambda x_heights: beyond(norm(x_heights), SCALE * options.height_tolerance),
         "upright": lambda x_ee: SCALE * beyond(norm(x_ee[..., 3:5]), LEVER * options.tilt_tolerance),
-        "limits": JointLimits(options.robot, options.limit_margin, options.limit_weight, options.elbow),
+        "limits": JointLimits(options.robot, options.limit_margin, options.limit_weight),
         "collisions": SelfCollision(options.robot, options.collision_margin, options.collision_weight),
+        "workspace": Workspace(options.robot, options.workspace_margin, options.workspace_weight),
     }
     return [Goal(name, parts[name]) for name in GOALS if name in options.goals]
 

@@ -12,30 +12,45 @@ from aicon_torch.models.panda.robot import Robot
 class JointLimits(nn.Module):
     """g₃ = p_limit = w Σ max(0, 1 − m/m₀)², where m is a joint's distance to its nearer limit.
 
-    A straight arm is a limit, too: the tip cannot go on, and comes back with the elbow bent the other way, toward the
-    stop of joint 4. So this joint ends there, 0.4 rad before its stop.
-
     Args:
         robot: The robot.
         margin: m₀, rad: farther from its limits a joint is free.
         weight: w.
-        elbow: Where joint 4 ends: where the arm is straight, or at its stop.
     """
 
-    def __init__(self, robot: Robot, margin: float, weight: float, elbow: str = "straight") -> None:
+    def __init__(self, robot: Robot, margin: float, weight: float) -> None:
         super().__init__()
         self.margin, self.weight = margin, weight
         self.register_buffer("low", torch.tensor(robot.low, dtype=torch.float64))
-        high = torch.tensor(robot.high, dtype=torch.float64)
-        if elbow == "straight":
-            high[3] = min(robot.high[3], robot.straight)
-        self.register_buffer("high", high)
+        self.register_buffer("high", torch.tensor(robot.high, dtype=torch.float64))
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """The cost ``(*B,)``."""
         low, high = cast(Tensor, self.low).to(x_joints), cast(Tensor, self.high).to(x_joints)
         near = (1 - torch.minimum(x_joints - low, high - x_joints) / self.margin).clamp(min=0.0)
         return self.weight * (near * near).sum(-1)
+
+
+class Workspace(nn.Module):
+    """w max(0, 1 − m/m₀)², where m is the distance of the tip to the edge of the workspace, a circle about the base.
+
+    There the arm is straight: it cannot go on, and comes back with the elbow bent the other way, toward a stop.
+
+    Args:
+        robot: The robot.
+        margin: m₀, m.
+        weight: w.
+    """
+
+    def __init__(self, robot: Robot, margin: float, weight: float) -> None:
+        super().__init__()
+        self.radius, self.margin, self.weight = robot.reach, margin, weight
+
+    def forward(self, x_ee: Tensor) -> Tensor:
+        """The cost ``(*B,)``."""
+        radius = torch.sqrt((x_ee[..., :2] * x_ee[..., :2]).sum(-1) + 1e-18)
+        near = (1 - (self.radius - radius) / self.margin).clamp(min=0.0)
+        return self.weight * near * near
 
 
 class BodyFrames(nn.Module):

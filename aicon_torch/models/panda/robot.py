@@ -60,7 +60,7 @@ class Robot:
         stick_length: Length of the stick, m.
         stick_radius: Radius of the stick, m.
         tool_mass: Mass of stick, camera and mount, kg.
-        straight: Angle of joint 4 at which the arm is straight, rad; beyond it the elbow bends the other way.
+        reach: Distance of the tip from the axis of the base where the arm is straight and the stick upright, m.
     """
 
     frames: tuple[tuple[Row, ...], ...] = _FRAMES
@@ -74,7 +74,7 @@ class Robot:
     stick_length: float = 0.30
     stick_radius: float = 0.015
     tool_mass: float = 0.25
-    straight: float = -0.467
+    reach: float = 0.801
 
     @classmethod
     def of(cls, description: Mapping[str, Any]) -> "Robot":
