@@ -113,7 +113,7 @@ class Options(Mechanism):
     feel: bool = True
     place: tuple[float, float] = (0.54, 0.0)
     look: Literal["heading", "orientation", "all"] = "heading"
-    trace_weight: float = 1.0
+    trace_weight: float = 0.1
     trace_tolerance: float = 4.0
     slip: float = 5.0
     rotation: float = 1.55
@@ -173,6 +173,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "potential_field": {"resolution": "sum"},
         "no_exploration": {"explore": False},
         "no_trace": {"trace_weight": 0.0},
+        "more_trace": {"trace_weight": 1.0},
         "no_touch": {"feel": False},
         "no_upright": {"goals": ("heights", "workspace", "limits", "collisions")},
         "no_workspace": {"goals": ("heights", "upright", "limits", "collisions")},
@@ -181,7 +182,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "no_workspace_limits_collisions": {"goals": ("heights", "upright")},
     }
 )
-"""Named options: ours, baselines, and ours without one part each."""
+"""Named options: ours, baselines, and ours without one part each, or with more of one."""
 
 
 def world_model(options: Options) -> WorldModel:
