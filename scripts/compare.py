@@ -19,6 +19,7 @@ from aicon_baselines.policies import Factory, compiled, diffusion_policy, factor
 from aicon_baselines.report import write_report
 from aicon_baselines.runs import RunFolder
 from aicon_baselines.tables import list_failures
+from aicon_baselines.task import Task
 from aicon_baselines.tasks import load
 
 
@@ -40,7 +41,11 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--task", required=True, help="name of the task: nav2d, pusht or panda_push")
     parser.add_argument("--policies", nargs="+", required=True, metavar="NAME", help="policies to compare")
-    parser.add_argument("--compile", action="store_true", help="compile them: the rows of NAME are NAME_compiled")
+    parser.add_argument(
+        "--compile",
+        action="store_true",
+        help="compile them: the rows of NAME are NAME_compiled (panda_push: always, as NAME)",
+    )
     parser.add_argument(
         "--sb3-path", nargs="+", default=[], type=Path, metavar="FOLDER", help="agents that 'sb3' in --policies means"
     )
@@ -70,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
 def _run(arguments: argparse.Namespace) -> str:
     """Run what is missing in the folder and return the table of results, and which episodes failed."""
     task = load(arguments.task)
-    policies = _policies(task.name, arguments)
+    policies = _policies(task, arguments)
     config = configure(
         task,
         seed=arguments.seed,
@@ -86,21 +91,23 @@ def _run(arguments: argparse.Namespace) -> str:
     return f"{table}\n\n{failures}" if failures else table
 
 
-def _policies(task: str, arguments: argparse.Namespace) -> dict[str, Factory]:
+def _policies(task: Task, arguments: argparse.Namespace) -> dict[str, Factory]:
     """Return what builds each policy, by the name it gets in the rows."""
     policies: dict[str, Factory] = {}
     for name in arguments.policies:
         if name == "sb3":
-            policies |= [saved_agent(task, folder, arguments.sampled) for folder in arguments.sb3_path]
+            policies |= [saved_agent(task.name, folder, arguments.sampled) for folder in arguments.sb3_path]
         elif name == "diffusion":
             options = arguments.sampler, arguments.inference_steps
-            policies |= [diffusion_policy(task, source, *options) for source in arguments.diffusion_path]
+            policies |= [diffusion_policy(task.name, source, *options) for source in arguments.diffusion_path]
+        elif task.compiles:
+            policies[name] = compiled(factory(task.name, name))
         elif arguments.compile:
-            policies[f"{name}_compiled"] = compiled(factory(task, name))
+            policies[f"{name}_compiled"] = compiled(factory(task.name, name))
         else:
-            policies[name] = factory(task, name)
+            policies[name] = factory(task.name, name)
     for name, paths, script in (
-        ("sb3", arguments.sb3_path, f"train_sb3.py --task {task} --out FOLDER"),
+        ("sb3", arguments.sb3_path, f"train_sb3.py --task {task.name} --out FOLDER"),
         ("diffusion", arguments.diffusion_path, "train_diffusion.py --data DEMONSTRATIONS --out FOLDER"),
     ):
         if (name in arguments.policies) != bool(paths):
