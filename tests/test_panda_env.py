@@ -68,7 +68,8 @@ def test_the_observation_has_what_sensors_give_and_the_truth_is_in_info():
     observation, info = PandaPushEnv(obs_type="pose").reset(seed=1)
     assert set(observation) == {"q", "dq", "ft", "target", "object_pose"}
     assert set(PandaPushEnv().observation_space) == {"q", "dq", "ft", "target", "rgb", "depth", "image_age"}
-    assert {"object_pose", "target_pose", "distance", "angle", "is_success", "collision", "limit_margin"} <= set(info)
+    assert {"object_pose", "target_pose", "distance", "angle", "is_success", "collision"} <= set(info)
+    assert info["limit_margin"] > 0 and info["self_distance"] > 0
 
 
 @pytest.mark.parametrize("seed", range(8))

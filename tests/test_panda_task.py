@@ -3,9 +3,10 @@ import pytest
 
 pytest.importorskip("aicon_envs.panda")
 
+import compare
 from aicon_baselines.panda import TASK
 from aicon_baselines.panda_episodes import EpisodeNumbers, count_turns, in_words, load, save, watch
-from aicon_baselines.policies import factory, names
+from aicon_baselines.policies import compiled, factory, names
 from aicon_baselines.rollout import rollout
 from aicon_baselines.tasks import load as load_task
 from aicon_torch import make_policy
@@ -14,6 +15,12 @@ from aicon_torch import make_policy
 def test_the_task_is_found_by_name_and_has_the_presets_of_its_model():
     assert load_task("panda_push") is TASK
     assert names("panda_push")[0] == "aicon" and "steepest" in names("panda_push")
+
+
+def test_comparisons_compile_its_policies():
+    arguments = compare._parser().parse_args(["--task", "panda_push", "--policies", "steepest", "--out", "runs"])
+    (policy,) = compare._policies(TASK, arguments).items()
+    assert policy[0] == "steepest" and policy[1].func is compiled(factory("panda_push", "steepest")).func
 
 
 def test_a_chunk_runs_as_one_batch_with_the_true_pose():
