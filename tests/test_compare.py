@@ -289,6 +289,7 @@ def test_what_a_task_measures_is_in_rows_and_table() -> None:
     first, second = summarize(rows, task.milestones, measures)
     assert first.measures == {"angle": 0.5, "gap": 0.0}  # the successes have seeds 0, 1 and 3
     assert second.measures == {"angle": None, "gap": 3.0}
+    assert "| within 10 s |" in to_table([first], replace(task, time_unit="s"))
     table = to_table([first, second], task).splitlines()
     assert table[0].endswith("| median distance at the end | angle | least gap |")
     assert table[2].endswith("| 0.1000 px | 5 deg | 0.00 px |")

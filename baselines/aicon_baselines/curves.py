@@ -83,7 +83,7 @@ def _prepare(axes: Axes, task: Task, start: float) -> None:
     )
     for steps in task.milestones[-1:]:
         axes.axvline(steps * task.time_scale, color="0.5", linewidth=0.8)
-        axes.text(steps * task.time_scale, 0.01, f" {steps} steps", color="0.5", fontsize="small")
+        axes.text(steps * task.time_scale, 0.01, f" {task.duration(steps)}", color="0.5", fontsize="small")
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())

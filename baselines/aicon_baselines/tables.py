@@ -52,7 +52,7 @@ def _columns(task: Task) -> dict[str, Callable[[Summary], str]]:
         "success (95 % interval)": _success,
     }
     for index, steps in enumerate(task.milestones):
-        columns[f"within {steps} steps"] = partial(_milestone, index)
+        columns[f"within {task.duration(steps)}"] = partial(_milestone, index)
     if task.shortest_path_length or task.measures:
         columns["collisions"] = lambda summary: str(summary.collisions)
     if task.time_unit == "s":

@@ -97,6 +97,10 @@ class Task:
         """Duration of one control step in `time_unit`."""
         return self.time_step if self.time_unit == "s" else 1.0
 
+    def duration(self, steps: int) -> str:
+        """Tell a number of steps in `time_unit`."""
+        return f"{steps * self.time_scale:g} {self.time_unit}"
+
     def chunk(self, index: int, repeat: int) -> list[Episode]:
         """List the episodes of seeds [index * chunk_size, (index + 1) * chunk_size), which are stepped together.
 
