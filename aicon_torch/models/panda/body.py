@@ -9,6 +9,11 @@ from aicon_torch.models.panda.kinematics import Kinematics
 from aicon_torch.models.panda.robot import Robot
 
 
+def nearness(distance: Tensor, margin: float) -> Tensor:
+    """max(0, 1 − m/m₀): 0 where the distance m is beyond the margin m₀, 1 where there is none left, more beyond."""
+    return (1 - distance / margin).clamp(min=0.0)
+
+
 class JointLimits(nn.Module):
     """g₃ = p_limit = w Σ max(0, 1 − m/m₀)², where m is a joint's distance to its nearer limit.
 
@@ -27,7 +32,7 @@ class JointLimits(nn.Module):
     def forward(self, x_joints: Tensor) -> Tensor:
         """The cost ``(*B,)``."""
         low, high = cast(Tensor, self.low).to(x_joints), cast(Tensor, self.high).to(x_joints)
-        near = (1 - torch.minimum(x_joints - low, high - x_joints) / self.margin).clamp(min=0.0)
+        near = nearness(torch.minimum(x_joints - low, high - x_joints), self.margin)
         return self.weight * (near * near).sum(-1)
 
 
@@ -49,7 +54,7 @@ class Workspace(nn.Module):
     def forward(self, x_ee: Tensor) -> Tensor:
         """The cost ``(*B,)``."""
         radius = torch.sqrt((x_ee[..., :2] * x_ee[..., :2]).sum(-1) + 1e-18)
-        near = (1 - (self.radius - radius) / self.margin).clamp(min=0.0)
+        near = nearness(self.radius - radius, self.margin)
         return self.weight * near * near
 
 
@@ -97,7 +102,7 @@ class SelfCollision(nn.Module):
 
     def forward(self, x_body: Tensor) -> Tensor:
         """The cost ``(*B,)``."""
-        near = (1 - self.distances(x_body) / self.margin).clamp(min=0.0)
+        near = nearness(self.distances(x_body), self.margin)
         return self.weight * (near * near).sum(-1)
 
     def distances(self, x_body: Tensor) -> Tensor:

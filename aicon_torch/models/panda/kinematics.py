@@ -43,7 +43,9 @@ class Kinematics(nn.Module):
 
     def frames(self, x_joints: Tensor) -> Tensor:
         """Transforms of the seven links and the tool, ``(*B, 8, 4, 4)``, m."""
-        constant, by_cos, by_sin = self._parts(x_joints)
+        constant, by_cos, by_sin = (
+            cast(Tensor, part).to(x_joints) for part in (self.constant, self.by_cos, self.by_sin)
+        )
         cos, sin = torch.cos(x_joints)[..., None, None], torch.sin(x_joints)[..., None, None]
         local = constant + cos * by_cos + sin * by_sin
         frame = local[..., 0, :, :]
@@ -92,9 +94,6 @@ class Kinematics(nn.Module):
         square = (motion * motion).sum(-1, keepdim=True).clamp(min=torch.finfo(motion.dtype).tiny)
         return motion * (change / square)
 
-    def _parts(self, like: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        return tuple(cast(Tensor, getattr(self, name)).to(like) for name in ("constant", "by_cos", "by_sin"))  # type: ignore[return-value]
-
 
 class EndEffector(nn.Module):
     """x_ee, and which joint gradient stands for a gradient of x_ee.
@@ -116,7 +115,7 @@ class EndEffector(nn.Module):
         """x_ee ``(*B, 6)``: position of the tip, and tilt and heading as lengths, m."""
         if self.pullback == "transpose" or not x_joints.requires_grad:
             return self.kinematics.end_effector(self.kinematics.frames(x_joints))
-        return cast(Tensor, _Natural.apply(x_joints, self.kinematics))  # type: ignore[no-untyped-call]
+        return cast(Tensor, _Natural.apply(x_joints, self.kinematics))  # type: ignore[no-untyped-call]  # torch leaves apply untyped
 
 
 class _Natural(torch.autograd.Function):

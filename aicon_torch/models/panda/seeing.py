@@ -78,18 +78,18 @@ class SeeingPolicy(Policy):
         batch = joints.shape[:-1]
         count = len(self.registration.corners)
         keypoints, blob = np.full((*batch, count * 3), np.nan), np.full((*batch, 3), np.nan)
-        starts = np.broadcast_to(False if episode_start is None else np.asarray(episode_start, dtype=bool), batch)
-        before = None if state is None else state["z_age"].numpy(force=True)
-        belief = None if state is None else state["x_pose"].numpy(force=True)
+        forget = state is None if episode_start is None else np.asarray(episode_start, dtype=bool) | (state is None)
+        fresh = np.broadcast_to(forget, batch)
+        before, belief = (
+            np.zeros((*batch, size)) if state is None else state[name].numpy(force=True)
+            for name, size in (("z_age", 1), ("x_pose", 3))
+        )
         for row in np.ndindex(batch):
-            fresh = before is None or starts[row]
-            if not fresh and age[row][0] > 0 and age[row][0] >= before[row][0]:  # type: ignore[index]
+            if not fresh[row] and age[row][0] > 0 and age[row][0] >= before[row][0]:
                 continue  # the image is that of the last step
             taken = self.camera(joints[row] - speeds[row] * age[row][0])
             view = View(rgb[row], depth[row], taken[:3, :3], taken[:3, 3])
-            prior = None
-            if not fresh:
-                prior = belief[row] / (self.scale, self.scale, 1.0)  # type: ignore[index]
+            prior = None if fresh[row] else belief[row] / (self.scale, self.scale, 1.0)
             points, middle = self.look(view, prior)
             here = self.camera(joints[row])
             if points is not None:

@@ -40,24 +40,13 @@ class Clearance:
 
 
 def _between(start: FloatArray, along: FloatArray, other: FloatArray, beside: FloatArray) -> FloatArray:
-    """Distance of segments from a start along a vector ``(N, 3)``, ``(N,)``.
-
-    Two segments that do not cross are nearest at an end of one of them; that of the lines counts where it lies in both.
-    """
-    points = np.concatenate((start, start + along, other, other + beside))
-    origins = np.concatenate((other, other, start, start))
-    axes = np.concatenate((beside, beside, along, along))
-    share = ((points - origins) * axes).sum(-1) / np.maximum((axes * axes).sum(-1), 1e-12)
-    gaps = points - origins - np.clip(share, 0.0, 1.0)[:, None] * axes
-    ends = np.sqrt((gaps * gaps).sum(-1)).reshape(4, -1).min(0)
+    """Distance of segments from a start along a vector ``(N, 3)``, ``(N,)``: each shares s and t of its way."""
     offset = start - other
     a, b, c = (along * along).sum(-1), (along * beside).sum(-1), (beside * beside).sum(-1)
     d, e = (along * offset).sum(-1), (beside * offset).sum(-1)
-    square = a * c - b * b
-    crossing = square > 1e-9 * a * c
-    s, t = (np.where(crossing, each, -1.0) / np.where(crossing, square, 1.0) for each in (b * e - c * d, a * e - b * d))
-    inside = (s > 0) & (s < 1) & (t > 0) & (t < 1)
+    s = np.clip((b * e - c * d) / np.maximum(a * c - b * b, 1e-12), 0.0, 1.0)
+    t = np.clip((b * s + e) / np.maximum(c, 1e-12), 0.0, 1.0)
+    s = np.clip((b * t - d) / np.maximum(a, 1e-12), 0.0, 1.0)
     gap = offset + s[:, None] * along - t[:, None] * beside
-    lines = np.sqrt((gap * gap).sum(-1))
-    nearest: FloatArray = np.where(inside, lines, ends)
-    return nearest
+    distance: FloatArray = np.sqrt((gap * gap).sum(-1))
+    return distance

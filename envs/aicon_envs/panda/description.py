@@ -68,11 +68,16 @@ def capsules() -> list[Capsule]:
             turn = _numbers(None if origin is None else origin.get("rpy"))
             middle = _numbers(None if origin is None else origin.get("xyz"))
             axis = _euler(*turn)[:, 2] * float(str(cylinder.get("length"))) / 2
-            ends = [tuple((middle + sign * axis).tolist()) for sign in (-1.0, 1.0)]
-            found.append((int(name[-1]), *ends, float(str(cylinder.get("radius")))))  # type: ignore[arg-type]
+            radius = float(str(cylinder.get("radius")))
+            found.append((int(name[-1]), _point(middle - axis), _point(middle + axis), radius))
     found.append((8, (0.0, 0.0, 0.0), (0.0, 0.0, scene.STICK_LENGTH - scene.STICK_RADIUS), scene.STICK_RADIUS))
     found.append((8, (scene.CAMERA[0], -0.015, 0.01), (scene.CAMERA[0], 0.015, 0.01), 0.025))
     return found
+
+
+def _point(values: NDArray[np.float64]) -> tuple[float, float, float]:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def _transform(model: mujoco.MjModel, body: str) -> NDArray[np.float64]:
