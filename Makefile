@@ -77,7 +77,7 @@ compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and p
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
 
 panda: $(PANDA_INSTALLED) ## Install what the arm needs and compare its policies; rendering needs system packages
-	@$(RUN) -c 'import aicon_envs.panda as p; p.PandaPushEnv().reset(seed=0)' || { \
+	@$(RUN) -c 'import aicon_envs.panda_push as p; p.PandaPushEnv().reset(seed=0)' || { \
 	  echo "The arm cannot be rendered here. On Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"; exit 1; } >&2
 	$(RUN) scripts/compare.py --task panda_push --policies aicon steepest --conditions camera true_pose \
 	  --episodes $(PANDA_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda

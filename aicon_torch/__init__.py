@@ -1,15 +1,15 @@
 """Reactive control by adaptive nullspace projection on a graph of recursive estimators (AICON)."""
 
-from aicon_torch.actuation import ActionLaw
+from aicon_torch.control import ActionLaw
 from aicon_torch.errors import AiconError, GraphError, ObservationError, OptionError
-from aicon_torch.estimators import EKF, Estimator, Function, Linear
-from aicon_torch.exploration import Escape, Exploration
-from aicon_torch.filtering import Measurement
+from aicon_torch.estimation import EKF, Estimator, Deterministic, KalmanFilter
+from aicon_torch.resolution import Escape, Exploration
+from aicon_torch.estimation import Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models import make_policy, presets
-from aicon_torch.policy import Policy
+from aicon_torch.control import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
@@ -23,11 +23,11 @@ __all__ = [
     "Escape",
     "Estimator",
     "Exploration",
-    "Function",
+    "Deterministic",
     "Goal",
     "GraphError",
     "Interconnection",
-    "Linear",
+    "KalmanFilter",
     "Measurement",
     "NullspaceProjection",
     "ObservationError",

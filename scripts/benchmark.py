@@ -26,7 +26,7 @@ import plain_navigation
 from aicon_torch import (
     ActionLaw,
     Actuator,
-    Function,
+    Deterministic,
     Goal,
     Interconnection,
     Policy,
@@ -189,10 +189,10 @@ def _by_hand(batch: int, closed_form: bool) -> Step:
 
 
 def _ladder(rungs: int) -> Policy:
-    estimators = [Function("u0", Interconnection(torch.sin, ["a"])), Function("v0", Interconnection(torch.cos, ["a"]))]
+    estimators = [Deterministic("u0", Interconnection(torch.sin, ["a"])), Deterministic("v0", Interconnection(torch.cos, ["a"]))]
     for rung in range(1, rungs):
         below = (f"u{rung - 1}", f"v{rung - 1}")
-        estimators += [Function(f"{side}{rung}", Interconnection(_blend, below)) for side in "uv"]
+        estimators += [Deterministic(f"{side}{rung}", Interconnection(_blend, below)) for side in "uv"]
     goal = Goal("rest", Interconnection(_distance, [f"u{rungs - 1}", f"v{rungs - 1}"]))
     actuators, sensors = {"a": Actuator(2, "m/s", limit=1.0)}, {"z": Sensor(1, "m")}
     model = WorldModel(sensors=sensors, actuators=actuators, estimators=estimators, goals=[goal])

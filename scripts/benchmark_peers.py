@@ -20,16 +20,16 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 import aicon_envs  # noqa: F401  # registers the environments
-from aicon_baselines import ComparisonError
-from aicon_baselines.policies import import_sb3
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.agents.registry import import_sb3
 from aicon_torch import NullspaceProjection, OptionError, make_policy
-from aicon_torch.meeting import Meeting
-from aicon_torch.models.pusht.contacts import norm
-from aicon_torch.models.pusht.dynamics import ContactDynamics
-from aicon_torch.models.pusht.limits import pose_error
-from aicon_torch.models.pusht.outline import Outline
-from aicon_torch.models.pusht.poses import PoseMotion
-from aicon_torch.models.pusht.pusher import Servo
+from aicon_torch.resolution import GradientStack
+from aicon_torch.parts.contact import norm
+from aicon_torch.parts.contact_dynamics import ContactDynamics
+from aicon_torch.parts.contact_limits import pose_error
+from aicon_torch.parts.rigid_object import Outline
+from aicon_torch.parts.pose import PoseMotion
+from aicon_torch.parts.servo import Servo
 from timing import Step, spread, take_turns
 
 STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
@@ -181,14 +181,14 @@ def _record(name: str, task: str, obs_type: str, **options: Any) -> list[dict[st
     return observations
 
 
-def _meetings() -> list[Meeting]:
+def _meetings() -> list[GradientStack]:
     """The meetings at the pusher in this episode."""
     policy = make_policy("pusht")
     step = _play(policy, _record(*PUSHT))
     with patch.object(policy.resolution, "forward", wraps=policy.resolution.forward) as forward:
         for _ in range(RECORDED):
             step()
-    seen: list[Meeting] = [call.args[0] for call in forward.call_args_list]
+    seen: list[GradientStack] = [call.args[0] for call in forward.call_args_list]
     largest = max(meeting.gradients.shape[-2] for meeting in seen)
     return [meeting for meeting in seen if meeting.gradients.shape[-2] == largest]
 
@@ -206,7 +206,7 @@ def _play(policy: Any, observations: list[dict[str, Any]]) -> Step:
 
 def _student(sampler: str, steps: int, observations: list[dict[str, Any]]) -> Step:
     """One action of the diffusion policy; it samples four at a time, so a round takes a multiple of four."""
-    from aicon_baselines.diffusion.agent import Agent
+    from aicon_baselines.agents.diffusion.agent import Agent
 
     return _play(Agent(STUDENT, sampler, steps), _batched(observations))
 

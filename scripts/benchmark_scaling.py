@@ -26,10 +26,10 @@ from aicon_torch import (
     ActionLaw,
     Actuator,
     Affine,
-    Function,
+    Deterministic,
     Goal,
     Interconnection,
-    Linear,
+    KalmanFilter,
     Measurement,
     NullspaceProjection,
     Policy,
@@ -91,7 +91,7 @@ def landmarks(goals: int) -> tuple[Policy, dict[str, torch.Tensor]]:
     """A point that is to be near each of several landmarks."""
     names = [f"p{index}" for index in range(goals)]
     estimators = [
-        Linear(
+        KalmanFilter(
             name,
             f"P_{name}",
             predict=Affine(**{name: 1.0, "x": -1.0}),
@@ -104,7 +104,7 @@ def landmarks(goals: int) -> tuple[Policy, dict[str, torch.Tensor]]:
     model = WorldModel(
         sensors={f"z_{name}": Sensor(2, "m") for name in names},
         actuators={"a": Actuator(2, "m/s", limit=1.0)},
-        estimators=[Function("x", _displacement, is_motion=True), *estimators],
+        estimators=[Deterministic("x", _displacement, is_motion=True), *estimators],
         goals=[_near(name) for name in names],
         dt=0.1,
         dtype=torch.float64,

@@ -12,10 +12,10 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded: the policy is small
 
-from aicon_baselines import ComparisonError
-from aicon_baselines.diffusion.collection import collect
-from aicon_baselines.diffusion.demonstrations import OBSERVATIONS, Recording
-from aicon_baselines.progress import ProgressBar
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.agents.diffusion.collection import collect
+from aicon_baselines.agents.diffusion.demonstrations import OBSERVATIONS, Recording
+from aicon_baselines.evaluation.progress import ProgressBar
 
 
 def main() -> None:

@@ -11,15 +11,15 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded, here and in the workers
 
-from aicon_baselines import ComparisonError
-from aicon_baselines.backends import BACKENDS
-from aicon_baselines.compare import compare
-from aicon_baselines.config import configure
-from aicon_baselines.policies import Factory, compiled, diffusion_policy, factory, saved_agent
-from aicon_baselines.report import write_report
-from aicon_baselines.runs import RunFolder
-from aicon_baselines.tables import list_failures
-from aicon_baselines.task import Task
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.evaluation.backends import BACKENDS
+from aicon_baselines.evaluation.comparison import compare
+from aicon_baselines.evaluation.config import configure
+from aicon_baselines.agents.registry import Factory, compiled, diffusion_policy, factory, saved_agent
+from aicon_baselines.evaluation.report import write_report
+from aicon_baselines.evaluation.run_folder import RunFolder
+from aicon_baselines.evaluation.tables import list_failures
+from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
 
 

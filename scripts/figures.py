@@ -16,8 +16,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded
 
 from gymnasium.error import DependencyNotInstalled
 
-from aicon_baselines import ComparisonError, navigation_figure
-from aicon_baselines.pictures import VIDEOS
+from aicon_baselines.evaluation import ComparisonError, figures.nav2d
+from aicon_baselines.figures.pictures import VIDEOS
 
 
 def main() -> None:
@@ -26,19 +26,19 @@ def main() -> None:
     arguments = parser.parse_args()
     try:
         if arguments.figure == "nav2d":
-            numbers = navigation_figure.make_figure(arguments.map, arguments.seed, arguments.out, arguments.video)
+            numbers = figures.nav2d.make_figure(arguments.map, arguments.seed, arguments.out, arguments.video)
             way = f"{numbers['path_length_m']} m"
         elif arguments.figure == "panda":
-            from aicon_baselines.panda_film import make_film  # the arm needs MuJoCo
+            from aicon_baselines.figures.panda_push import make_film  # the arm needs MuJoCo
 
             film = make_film(arguments.seed, arguments.out, arguments.video)
             ending = "success" if film.success else "no success"
             print(f"{ending} after {film.times[-1]:.1f} s; saved in {arguments.out}")
             return
         else:
-            from aicon_baselines import pushing_figure  # pushing needs pymunk, an extra that navigation does without
+            from aicon_baselines import figures.pusht  # pushing needs pymunk, an extra that navigation does without
 
-            numbers = pushing_figure.make_figure(arguments.seed, arguments.out, arguments.video)
+            numbers = figures.pusht.make_figure(arguments.seed, arguments.out, arguments.video)
             way = f"{numbers['path_length_px']} px"
     except (ComparisonError, DependencyNotInstalled, ModuleNotFoundError) as error:
         parser.error(str(error))

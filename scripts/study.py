@@ -12,13 +12,13 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded, here and in the workers
 
-from aicon_baselines import ComparisonError
-from aicon_baselines.compare import compare
-from aicon_baselines.config import configure
-from aicon_baselines.runs import RunFolder
-from aicon_baselines.study import write_study
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.evaluation.comparison import compare
+from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.run_folder import RunFolder
+from aicon_baselines.evaluation.study import write_study
 from aicon_baselines.tasks import load
-from aicon_baselines.variants import make_variants
+from aicon_baselines.evaluation.variants import make_variants
 
 
 def main() -> None:

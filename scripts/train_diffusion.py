@@ -14,11 +14,11 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded: small networks gain nothing from more
 
-from aicon_baselines import ComparisonError
-from aicon_baselines.diffusion.demonstrations import OBSERVATIONS
-from aicon_baselines.diffusion.export import export
-from aicon_baselines.diffusion.settings import Training
-from aicon_baselines.diffusion.training import POLICY, train
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.agents.diffusion.demonstrations import OBSERVATIONS
+from aicon_baselines.agents.diffusion.export import export
+from aicon_baselines.agents.diffusion.settings import Training
+from aicon_baselines.agents.diffusion.training import POLICY, train
 
 
 def main() -> None:

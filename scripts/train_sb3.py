@@ -13,8 +13,8 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded: the networks are small
 
-from aicon_baselines import ComparisonError
-from aicon_baselines.policies import import_sb3
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.agents.registry import import_sb3
 
 
 def main() -> None:

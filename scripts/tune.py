@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded, here and in the workers
 
-from aicon_baselines import ComparisonError
-from aicon_baselines.compare import compare
-from aicon_baselines.config import configure
-from aicon_baselines.policies import factory
-from aicon_baselines.report import write_report
-from aicon_baselines.runs import RunFolder
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.evaluation.comparison import compare
+from aicon_baselines.evaluation.config import configure
+from aicon_baselines.agents.registry import factory
+from aicon_baselines.evaluation.report import write_report
+from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.tasks import load
 
 

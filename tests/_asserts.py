@@ -8,8 +8,8 @@ import torch
 from torch import Tensor
 
 from aicon_torch import Policy, WorldModel
-from aicon_torch.graph import Tapes
-from aicon_torch.paths import Path
+from aicon_torch.graph import LocalGraphs
+from aicon_torch.graph import Path
 
 # --- resolutions
 
@@ -51,7 +51,7 @@ def named(label: str) -> tuple[str, int | None]:
     return name, int(row) if row else None
 
 
-def factors(path: Path, model: WorldModel, tapes: Tapes) -> Iterator[tuple[Tensor, Tensor, int | None]]:
+def factors(path: Path, model: WorldModel, tapes: LocalGraphs) -> Iterator[tuple[Tensor, Tensor, int | None]]:
     """For each edge of a path the output of its tape, the leaf, and the row of the leaf's copies that it stands for."""
     for label, further in pairwise((path.goal, *path.quantities, path.actuator)):
         (target, row), (source, _) = named(label), named(further)
@@ -59,7 +59,7 @@ def factors(path: Path, model: WorldModel, tapes: Tapes) -> Iterator[tuple[Tenso
         yield tapes[target].output, tapes[target].leaves[sources.index(source)], row
 
 
-def along(path: Path, model: WorldModel, tapes: Tapes) -> Tensor:
+def along(path: Path, model: WorldModel, tapes: LocalGraphs) -> Tensor:
     """The gradient along one complete path (Eq. 1): one factor after the other, each a product with a Jacobian."""
     gradient = torch.ones_like(tapes[path.goal].output)
     for output, leaf, row in factors(path, model, tapes):
@@ -68,7 +68,7 @@ def along(path: Path, model: WorldModel, tapes: Tapes) -> Tensor:
     return gradient
 
 
-def through_jacobians(path: Path, model: WorldModel, tapes: Tapes) -> Tensor:
+def through_jacobians(path: Path, model: WorldModel, tapes: LocalGraphs) -> Tensor:
     """The same without batch dimensions, with every factor of the chain rule as a full matrix."""
     gradient = torch.ones(1, 1, dtype=torch.float64)
     for output, leaf, row in factors(path, model, tapes):
@@ -81,7 +81,7 @@ def through_jacobians(path: Path, model: WorldModel, tapes: Tapes) -> Tensor:
     return gradient.squeeze(0)
 
 
-def sums_over_paths(model: WorldModel, tapes: Tapes) -> dict[str, Tensor]:
+def sums_over_paths(model: WorldModel, tapes: LocalGraphs) -> dict[str, Tensor]:
     """For each actuator the sum of the gradients along all paths that end there."""
     totals: dict[str, Tensor] = {}
     for path in model.paths():

@@ -16,9 +16,9 @@ from aicon_torch import (
     Actuator,
     Affine,
     Estimator,
-    Function,
+    Deterministic,
     Goal,
-    Linear,
+    KalmanFilter,
     Measurement,
     Policy,
     Resolution,
@@ -26,8 +26,8 @@ from aicon_torch import (
     WorldModel,
     make_policy,
 )
-from aicon_torch.meeting import Meeting
-from aicon_torch.models import navigation
+from aicon_torch.resolution import GradientStack
+from aicon_torch.models import nav2d as navigation
 
 Memory = dict[str, Tensor]
 
@@ -82,13 +82,13 @@ def meeting(
     displaced: Callable[[str, Tensor], Tensor] | None = None,
     dt: float = 0.05,
     final: bool = True,
-) -> Meeting:
+) -> GradientStack:
     """A meeting of gradients ``(*B, n, d)`` of goals ``g0``, ``g1``, … at a quantity at rest; ``g0+g1`` is merged."""
     count = gradients.shape[-2]
     names = goals or [f"g{i}" for i in range(count)]
     at_rest = gradients.new_zeros(gradients.shape[:-2] + gradients.shape[-1:])
     zero = gradients.new_zeros(gradients.shape[:-2])
-    return Meeting(
+    return GradientStack(
         gradients=gradients,
         goals=tuple(frozenset(name.split("+")) for name in names),
         motion=at_rest if motion is None else motion,
@@ -206,21 +206,21 @@ class Blueprint:
         reads = {name: self.shapes[name] for name in (*part.reads, *part.feedback)}
         own = {part.name: (part.size,)}
         if part.kind == "function":
-            return Function(part.name, Smooth(reads, part.size, part.seed))
+            return Deterministic(part.name, Smooth(reads, part.size, part.seed))
         if part.kind == "anchors":
-            return Function(part.name, Anchors(part.rows, part.size, part.seed))
+            return Deterministic(part.name, Anchors(part.rows, part.size, part.seed))
         if part.kind == "rowed":  # written for one row
             each_row = {name: shape[-1:] if name in part.each else shape for name, shape in reads.items()}
-            return Function(part.name, Smooth(each_row, part.size, part.seed), each=part.each)
+            return Deterministic(part.name, Smooth(each_row, part.size, part.seed), each=part.each)
         matrices = {
             name: 0.5 * normal(part.size, *shape, seed=part.seed + i) for i, (name, shape) in enumerate(reads.items())
         }
         if part.kind == "affine":
-            return Function(part.name, Affine(**matrices))
+            return Deterministic(part.name, Affine(**matrices))
         prior: Any = (normal(part.size, seed=part.seed).tolist(), 0.5)
         if part.kind == "linear":
             reading = Affine(**{part.name: normal(2, part.size, seed=part.seed), "z": -1.0})
-            return Linear(
+            return KalmanFilter(
                 part.name,
                 f"P_{part.name}",
                 predict=Affine(**{part.name: 0.9}, **matrices),

@@ -5,12 +5,12 @@ import importlib
 from typing import Any
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.policy import Policy
+from aicon_torch.control import Policy
 
 MODELS = {
-    "nav2d": "aicon_torch.models.navigation",
+    "nav2d": "aicon_torch.models.nav2d",
     "pusht": "aicon_torch.models.pusht",
-    "panda_push": "aicon_torch.models.panda",
+    "panda_push": "aicon_torch.models.panda_push",
 }
 """The module of each model: its ``Options``, its ``PRESETS`` and ``build(options) -> Policy``."""
 

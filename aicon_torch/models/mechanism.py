@@ -5,9 +5,9 @@ from typing import Literal
 
 import torch
 
-from aicon_torch.actuation import ActionLaw
+from aicon_torch.control import ActionLaw
 from aicon_torch.errors import OptionError
-from aicon_torch.exploration import Escape, Exploration
+from aicon_torch.resolution import Escape, Exploration
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 
 

@@ -10,8 +10,8 @@ from gymnasium.envs.registration import register
 
 register(
     id="aicon/Nav2D-v0",
-    entry_point="aicon_envs.navigation.environment:Nav2DEnv",
-    vector_entry_point="aicon_envs.navigation.vector:Nav2DVectorEnv",
+    entry_point="aicon_envs.nav2d.environment:Nav2DEnv",
+    vector_entry_point="aicon_envs.nav2d.vector:Nav2DVectorEnv",
     max_episode_steps=12_000,
 )
 
@@ -24,6 +24,6 @@ register(
 
 register(
     id="aicon/PandaPush-v0",
-    entry_point="aicon_envs.panda.environment:PandaPushEnv",
+    entry_point="aicon_envs.panda_push.environment:PandaPushEnv",
     max_episode_steps=18_000,
 )

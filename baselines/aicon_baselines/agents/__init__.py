@@ -1,0 +1,1 @@
+"""The policies that can be compared, by task and name."""

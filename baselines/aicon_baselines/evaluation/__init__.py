@@ -1,0 +1,6 @@
+"""Evaluation: the same episodes for every policy, one row per episode, statistics and reports."""
+
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.protocol import Predictor
+
+__all__ = ["ComparisonError", "Predictor"]

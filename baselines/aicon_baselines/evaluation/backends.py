@@ -1,0 +1,47 @@
+"""Where the jobs of a comparison run: processes on this machine, or a dask cluster."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from importlib import import_module
+
+from joblib import parallel_config
+
+from aicon_baselines.evaluation.errors import ComparisonError
+
+BACKENDS = ("loky", "dask")
+
+
+@contextmanager
+def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None]:
+    """Make joblib use a backend while the context lasts.
+
+    Args:
+        name: "loky" for processes on this machine, "dask" for joblib's own dask backend.
+        jobs: Number of processes.
+        scheduler: Address of a running dask scheduler, which then decides about processes; without one, "dask" starts
+            a cluster on this machine.
+    """
+    if name not in BACKENDS:
+        raise ComparisonError(f"unknown backend {name!r}; valid backends: {', '.join(BACKENDS)}")
+    if scheduler is not None and name != "dask":
+        raise ComparisonError(f"a scheduler belongs to the dask backend, not to {name!r}")
+    with ExitStack() as stack:
+        if name == "dask":
+            _connect(stack, jobs, scheduler)
+        stack.enter_context(parallel_config(name, n_jobs=jobs))
+        yield
+
+
+def _connect(stack: ExitStack, jobs: int, scheduler: str | None) -> None:
+    try:
+        distributed = import_module("distributed")
+    except ModuleNotFoundError as error:
+        raise ComparisonError("the dask backend needs: pip install 'aicon-torch[cluster]'") from error
+    if scheduler is None:
+        scheduler = stack.enter_context(
+            distributed.LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
+        )
+    try:
+        stack.enter_context(distributed.Client(scheduler))
+    except (OSError, ValueError) as error:
+        raise ComparisonError(f"no dask scheduler answers at {scheduler}: {error}") from error

@@ -1,0 +1,110 @@
+"""What a run folder was made for, so that rows of different episodes never meet in one file."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.task import Task
+
+
+@dataclass(frozen=True)
+class Config:
+    """The episodes of a comparison; policies, jobs and backend are free, since no row depends on them.
+
+    Attributes:
+        task: Name of the task.
+        seed: First seed.
+        episodes: Number of seeds, per condition and repeat.
+        repeats: Number of runs of each seed, with different noise.
+        conditions: Variants of the environment.
+        maps: Slots of map classes; seed s plays `maps[s % len(maps)]`.
+        horizon: Steps after which an episode ends without success.
+        time_step: Duration of one step, s.
+    """
+
+    task: str
+    seed: int
+    episodes: int
+    repeats: int
+    conditions: tuple[str, ...]
+    maps: tuple[str, ...]
+    horizon: int
+    time_step: float
+
+    def __post_init__(self) -> None:
+        """Reject what cannot be run."""
+        if self.seed < 0:
+            raise ComparisonError(f"the first seed must be 0 or more, not {self.seed}")
+        for name in ("episodes", "repeats", "horizon"):
+            if getattr(self, name) < 1:
+                raise ComparisonError(f"{name} must be 1 or more, not {getattr(self, name)}")
+
+    @property
+    def seeds(self) -> range:
+        """The seeds of the comparison."""
+        return range(self.seed, self.seed + self.episodes)
+
+    def apply(self, task: Task) -> Task:
+        """Return the task with the maps, the horizon and the milestones that this comparison leaves it."""
+        milestones = tuple(steps for steps in task.milestones if steps <= self.horizon)
+        return replace(task, maps=self.maps, horizon=self.horizon, milestones=milestones)
+
+    def save(self, path: Path) -> None:
+        """Write the configuration as JSON, or check that the file already there holds the same one."""
+        text = json.dumps(asdict(self), indent=2) + "\n"
+        if not path.exists():
+            path.write_text(text)
+            return
+        there, here = json.loads(path.read_text()), json.loads(text)
+        differing = [name for name in sorted(there.keys() | here.keys()) if there.get(name) != here.get(name)]
+        if differing:
+            details = "; ".join(f"{name} is {there.get(name)} there and {here.get(name)} here" for name in differing)
+            raise ComparisonError(f"{path.parent} holds another comparison: {details}. Choose another folder.")
+
+
+def configure(
+    task: Task,
+    seed: int = 0,
+    episodes: int = 100,
+    repeats: int = 1,
+    conditions: Sequence[str] | None = None,
+    maps: Sequence[str] | None = None,
+    horizon: int | None = None,
+) -> Config:
+    """Describe a comparison on a task.
+
+    Args:
+        task: The task.
+        seed: First seed.
+        episodes: Number of seeds, per condition and repeat.
+        repeats: Number of runs of each seed, with different noise.
+        conditions: Some of the task's conditions; by default its first.
+        maps: Some of the task's classes of maps, which seeds then take turns on; by default the task's slots.
+        horizon: Limit of an episode, steps; by default the task's.
+
+    Returns:
+        The configuration; an unknown condition or map is an error that lists the valid ones.
+    """
+    conditions = _known("condition", conditions or task.conditions[:1], task.conditions)
+    copies = [name for name in conditions if name in task.noiseless]
+    if repeats > 1 and copies:
+        raise ComparisonError(f"repeats must be 1, not {repeats}, without noise, as in {', '.join(copies)}")
+    return Config(
+        task=task.name,
+        seed=seed,
+        episodes=episodes,
+        repeats=repeats,
+        conditions=conditions,
+        maps=_known("map", maps, task.maps) if maps else task.maps,
+        horizon=task.horizon if horizon is None else horizon,
+        time_step=task.time_step,
+    )
+
+
+def _known(kind: str, names: Sequence[str], valid: Sequence[str]) -> tuple[str, ...]:
+    for name in names:
+        if name not in valid:
+            raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {', '.join(dict.fromkeys(valid))}")
+    return tuple(dict.fromkeys(names))

@@ -1,0 +1,70 @@
+"""The evaluation task "nav2d": 15 classes of traps and, twice as often, mazes."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+
+from aicon_baselines.evaluation.task import Episode, Task
+from aicon_envs.nav2d import Physics, make_map, shortest_path_length
+
+_SLOTS = (
+    "u_trap_05",
+    "ring_outside",
+    "zigzag",
+    "clutter",
+    "u_trap_1",
+    "spiral_in",
+    "long_wall",
+    "corridors",
+    "maze",
+    "u_trap_2",
+    "ring_inside",
+    "l_shape",
+    "random_unions",
+    "u_trap_4",
+    "bug_trap",
+    "spiral_out",
+    "maze",
+)
+
+
+def _make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, Any]:
+    return gymnasium.make_vec(
+        "aicon/Nav2D-v0",
+        num_envs=count,
+        vectorization_mode="vector_entry_point",
+        autoreset_mode=AutoresetMode.DISABLED,
+        max_episode_steps=horizon,
+        sensing=condition,
+    )
+
+
+def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
+    return {
+        "seed": [episode.noise_seed for episode in episodes],
+        "options": {"map": [episode.map for episode in episodes], "map_seed": [episode.seed for episode in episodes]},
+    }
+
+
+@lru_cache(maxsize=1024)
+def _shortest_path_length(name: str, seed: int) -> float:
+    _, obstacles, start, target = make_map(name, np.random.default_rng(seed))
+    return shortest_path_length(obstacles, start, target, Physics().radius)
+
+
+TASK = Task(
+    name="nav2d",
+    time_step=Physics().dt,
+    horizon=12_000,
+    chunk_size=128,
+    maps=_SLOTS,
+    conditions=("range", "range_bearing"),
+    make_env=_make_env,
+    reset_arguments=_reset_arguments,
+    policy_options=lambda condition: {"sensing": condition},
+    shortest_path_length=lambda episode: _shortest_path_length(episode.map, episode.seed),
+)

@@ -1,0 +1,91 @@
+"""The evaluation task "pusht": an object pushed to a pose, as in gym-pusht, and variants of it.
+
+The environment's seed is the episode's seed, so that starts are those of gym-pusht with the same seed. Repeats differ
+in their noise only.
+"""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+from gymnasium.vector import AutoresetMode, VectorEnv
+
+from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.tasks.upstream import UpstreamPushT
+from aicon_envs.pusht import OBJECTS, PushTVectorEnv
+from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
+
+_UPSTREAM = "upstream"
+_SPEED = 800.0  # the speed limit of the policy, px/s; the benchmark has none
+_OBJECTS = ("L", "U", "Z", "H", "plus", "quadrilateral")
+
+# The arguments of the environment in each condition.
+_ARGUMENTS: dict[str, dict[str, Any]] = {
+    "deterministic": {},
+    "noise_2": {"action_noise": 2.0},
+    "noise_4": {"action_noise": 4.0},
+    "random_goal": {"goal_pose": "random", "observe_goal": True},
+    "half_speed": {"velocity_limit": 0.5 * _SPEED},
+    "eighth_speed": {"velocity_limit": 0.125 * _SPEED},
+    "double_speed": {"velocity_limit": 2.0 * _SPEED},
+    **{f"object_{name}": {"object": name} for name in _OBJECTS},
+    "kicks": {"kick_interval": 50},
+    "dropout": {"wrappers": [partial(Dropout, probability=0.5)]},
+    "delay": {"wrappers": [partial(Delay, steps=3)]},
+    "keypoint_noise": {"wrappers": [partial(SensorNoise, sigma=2.0)]},
+    "goal_jumps": {"goal_jumps": 2, "observe_goal": True},
+    _UPSTREAM: {},
+}
+# What a policy knows of the sensors in a condition.
+_SENSORS: dict[str, dict[str, Any]] = {"delay": {"delay": 3}, "keypoint_noise": {"keypoint_noise": 2.0}}
+_NOISY = ("noise_2", "noise_4", "kicks", "dropout", "keypoint_noise")
+
+
+def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
+    if condition == _UPSTREAM:
+        return UpstreamPushT(count, horizon, **options)
+    # Built by name, because `gymnasium.make_vec` keeps the argument `wrappers` to itself.
+    return PushTVectorEnv(
+        num_envs=count,
+        max_episode_steps=horizon,
+        autoreset_mode=AutoresetMode.DISABLED,
+        **_ARGUMENTS[condition] | options,
+    )
+
+
+def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
+    noises = [{"noise_seed": episode.noise_seed} if episode.repeat else {} for episode in episodes]
+    return {"seed": [episode.seed for episode in episodes], "options": {"per_env": noises}}
+
+
+def _policy_options(condition: str) -> dict[str, Any]:
+    """Tell the policy the object's outline, the speed limit and whether the goal is observed, where not the usual."""
+    arguments = _ARGUMENTS[condition]
+    options: dict[str, Any] = {}
+    if "object" in arguments:
+        outline = OBJECTS[arguments["object"]]
+        options["keypoints"] = tuple((float(x), float(y)) for x, y in outline.keypoints)
+        options["border"] = tuple(int(index) for index in outline.border)
+    if "observe_goal" in arguments:
+        options["observe_goal"] = True
+    options |= _SENSORS.get(condition, {})
+    if "velocity_limit" in arguments:
+        options["max_speed"] = arguments["velocity_limit"]
+    return options
+
+
+TASK = Task(
+    name="pusht",
+    time_step=0.1,
+    horizon=1000,
+    chunk_size=100,
+    maps=("uniform",),
+    conditions=tuple(_ARGUMENTS),
+    make_env=_make_env,
+    reset_arguments=_reset_arguments,
+    policy_options=_policy_options,
+    noiseless=tuple(name for name in _ARGUMENTS if name not in _NOISY),
+    length_unit="px",
+    time_unit="steps",
+    milestones=(200, 250, 300),
+)

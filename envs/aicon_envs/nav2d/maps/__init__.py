@@ -1,0 +1,76 @@
+"""Random maps by class, each checked to have a way from start to target.
+
+`MAP_NAMES` lists the classes; "mixed" draws one of them, "u_trap" is another name for "u_trap_2".
+"""
+
+import numpy as np
+
+from aicon_envs.nav2d.maps.checks import is_valid
+from aicon_envs.nav2d.maps.enclosures import bug_trap, ring_inside, ring_outside, spiral_in, spiral_out
+from aicon_envs.nav2d.maps.fields import clutter, corridors, random_unions
+from aicon_envs.nav2d.maps.maze import maze
+from aicon_envs.nav2d.maps.sketch import Generator, place
+from aicon_envs.nav2d.maps.walls import l_shape, long_wall, u_trap, zigzag
+from aicon_envs.nav2d.world import NavigationMap, to_vertices
+
+_GENERATORS: dict[str, Generator] = {
+    "u_trap_05": u_trap(0.5),
+    "u_trap_1": u_trap(1.0),
+    "u_trap_2": u_trap(2.0),
+    "u_trap_4": u_trap(4.0),
+    "l_shape": l_shape,
+    "zigzag": zigzag,
+    "long_wall": long_wall,
+    "ring_outside": ring_outside,
+    "ring_inside": ring_inside,
+    "clutter": clutter,
+    "random_unions": random_unions,
+    "corridors": corridors,
+    "bug_trap": bug_trap,
+    "spiral_in": spiral_in,
+    "spiral_out": spiral_out,
+    "maze": maze,
+}
+_ALIASES = {"u_trap": "u_trap_2"}
+_MIXED = "mixed"
+_MAX_ATTEMPTS = 200
+
+MAP_NAMES: tuple[str, ...] = tuple(_GENERATORS)
+"""Names of the classes of maps."""
+
+
+def check_map_name(name: str) -> str:
+    """Return the name.
+
+    Raises:
+        ValueError: If no class of maps has this name; the message lists the valid ones.
+    """
+    valid = (*MAP_NAMES, *_ALIASES, _MIXED)
+    if name not in valid:
+        raise ValueError(f"map must be one of {', '.join(valid)}; got {name!r}")
+    return name
+
+
+def make_map(name: str, rng: np.random.Generator) -> NavigationMap:
+    """Generate a map.
+
+    Start and target are at least 0.4 m from every obstacle and connected by a way at least 0.5 m wide; the straight way
+    between them is blocked. A map of the class "mixed" is the one that its class, drawn from a child of `rng`,
+    generates from `rng` itself.
+
+    Args:
+        name: One of `MAP_NAMES`, "u_trap" or "mixed".
+        rng: Source of all randomness; the same state gives the same map.
+
+    Raises:
+        ValueError: If the name is unknown.
+        RuntimeError: If no valid map was found in 200 attempts.
+    """
+    name = _ALIASES.get(check_map_name(name), name)
+    if name == _MIXED:
+        name = MAP_NAMES[int(rng.spawn(1)[0].integers(len(MAP_NAMES)))]
+    for _ in range(_MAX_ATTEMPTS):
+        sketch = place(_GENERATORS[name](rng), rng)
+        if is_valid(name, sketch):
+            return NavigationMap(name, to_vertices(sketch.solid), sketch.start, sketch.target)
+    raise RuntimeError(f"no valid map of class {name} in {_MAX_ATTEMPTS} attempts")

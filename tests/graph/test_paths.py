@@ -1,0 +1,103 @@
+"""Paths: enumerated as they are asked for, counted without being enumerated."""
+
+from itertools import islice
+
+from aicon_torch.graph import Edge, Path, PathTable
+
+
+def ladder(rungs: int) -> PathTable:
+    """Two rails with crossings: the number of paths doubles with every rung."""
+    edges = {"g": (Edge("g", f"l{rungs}"), Edge("g", f"r{rungs}"))}
+    for i in range(rungs, 0, -1):
+        for name in (f"l{i}", f"r{i}"):
+            edges[name] = (Edge(name, f"l{i - 1}"), Edge(name, f"r{i - 1}"))
+    for name in ("l0", "r0"):
+        edges[name] = (Edge(name, "a"),)
+    return PathTable(edges, ("g",), ("a",))
+
+
+def test_a_path_reads_from_the_goal_to_the_actuator() -> None:
+    assert str(Path("reach", ("p_tar", "x_rob"), "a")) == "reach → p_tar → x_rob → a"
+    assert str(Path("rest", (), "a")) == "rest → a"
+
+
+def test_paths_are_listed_goal_by_goal() -> None:
+    edges = {
+        "g": (Edge("g", "x"), Edge("g", "a")),
+        "h": (Edge("h", "x"),),
+        "x": (Edge("x", "b"), Edge("x", "a")),
+    }
+    table = PathTable(edges, ("g", "h"), ("a", "b"))
+    assert str(table).splitlines() == ["g → x → b", "g → x → a", "g → a", "h → x → b", "h → x → a"]
+    assert len(table) == 5
+    assert list(table) == list(table)  # a table can be walked again
+
+
+ROWED = {
+    "g": (Edge("g", "y"), Edge("g", "x")),
+    "y": (Edge("y", "w"), Edge("y", "x", 2)),
+    "w": (Edge("w", "x", 2), Edge("w", "a", 3)),
+    "x": (Edge("x", "a"),),
+}
+"""Rows that are read as a whole by the next rows, with other numbers of rows on different edges."""
+
+
+def test_every_row_is_a_path_in_the_order_of_the_rows() -> None:
+    table = PathTable(ROWED, ("g",), ("a",))
+    assert str(table).splitlines() == [
+        "g → y → w[0] → x → a",
+        "g → y → w[1] → x → a",
+        "g → y → w[0] → a",
+        "g → y → w[1] → a",
+        "g → y → w[2] → a",
+        "g → y[0] → x → a",
+        "g → y[1] → x → a",
+        "g → x → a",
+    ]
+    assert len(table) == len(set(table)) == 8
+
+
+def test_rows_multiply_the_count() -> None:
+    """Two edges with three rows each between all layers, one row, and a number that nobody could walk."""
+    layers = 40
+    edges = {f"x{i}": (Edge(f"x{i}", f"x{i - 1}", 3), Edge(f"x{i}", f"x{i - 1}", 3)) for i in range(1, layers + 1)}
+    table = PathTable({**edges, "g": (Edge("g", f"x{layers}"),), "x0": (Edge("x0", "a", 1),)}, ("g",), ("a",))
+    assert table.count() == 6**layers
+    assert str(next(iter(table))).endswith("x2[0] → x1[0] → x0[0] → a")
+
+
+def test_a_row_counts_as_its_quantity_in_the_length_of_a_path() -> None:
+    for bound, expected in ((1, 0), (2, 1), (3, 6), (4, 8)):
+        table = PathTable(ROWED, ("g",), ("a",), max_length=bound)
+        assert len(table) == len(list(table)) == expected
+
+
+def test_the_labels_of_an_edge_name_its_rows() -> None:
+    assert Edge("y", "x").labels == ("y",)
+    assert Edge("y", "x", 1).labels == ("y[0]",)
+    assert Edge("y", "x", 3).labels == ("y[0]", "y[1]", "y[2]")
+
+
+def test_counting_follows_the_edges() -> None:
+    for rungs in (1, 2, 5):
+        assert len(ladder(rungs)) == len(list(ladder(rungs))) == 2 ** (rungs + 1)
+    assert len(ladder(60)) == 2**61
+
+
+def test_enumeration_is_lazy() -> None:
+    first = list(islice(ladder(60), 3))
+    assert len(set(first)) == 3
+    assert all(len(path.quantities) == 61 for path in first)
+
+
+def test_the_length_can_be_bounded() -> None:
+    edges = {
+        "g": (Edge("g", "x"), Edge("g", "a")),
+        "x": (Edge("x", "y"), Edge("x", "a")),
+        "y": (Edge("y", "a"),),
+    }
+    for bound, expected in ((1, ["g → a"]), (2, ["g → x → a", "g → a"]), (3, ["g → x → y → a", "g → x → a", "g → a"])):
+        table = PathTable(edges, ("g",), ("a",), max_length=bound)
+        assert [str(path) for path in table] == expected
+        assert len(table) == len(expected)
+    assert len(PathTable(edges, ("g",), ("a",))) == 3
