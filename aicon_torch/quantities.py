@@ -49,6 +49,8 @@ class Sensor:
         optional: Whether a reading may be absent. NaN, or a missing key, then means "no reading": the estimators
             predict and correct again when the next one comes.
         range: Lowest and highest value that the instrument can report; readings saturate there.
+        scale: Factor from the observation's unit to the graph's, one for all components or one each: a sensor that
+            reports px in a graph of metres has the size of a px here.
     """
 
     size: int
@@ -56,13 +58,16 @@ class Sensor:
     key: str | None = None
     optional: bool = False
     range: tuple[float, float] | None = None
+    scale: float | tuple[float, ...] = 1.0
 
     def __post_init__(self) -> None:
-        """Check size and range."""
+        """Check size, range and scale."""
         if self.size < 1:
             raise GraphError(f"Sensor size {self.size!r}: expected 1 or more components.")
         if self.range is not None and not self.range[0] < self.range[1]:
             raise GraphError(f"Sensor range {self.range!r}: expected (lowest, highest).")
+        if not isinstance(self.scale, int | float) and len(self.scale) != self.size:
+            raise GraphError(f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a component.")
 
 
 @dataclass(frozen=True)

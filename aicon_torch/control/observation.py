@@ -91,7 +91,7 @@ def _reading(name: str, sensor: Sensor, value: Any, batch: tuple[int, ...] | Non
                 "Sensor(..., optional=True) declares that NaN means no reading."
             )
         reading = reading.to(like.device)
-    return reading
+    return reading if sensor.scale == 1 else reading * reading.new_tensor(sensor.scale)
 
 
 def _array(name: str, sensor: Sensor, value: ArrayLike) -> NDArray[Any]:
