@@ -22,7 +22,12 @@ class Clearance:
     def __init__(self, model: mujoco.MjModel) -> None:
         found = capsules()
         bodies = [model.body(f"panda_link{link}" if link < 8 else "tool").id for link, *_ in found]
-        pairs = [(i, j) for i in range(len(found)) for j in range(i) if abs(found[i][0] - found[j][0]) > APART]
+        pairs = [
+            (i, j)
+            for i in range(len(found))
+            for j in range(i)
+            if abs(found[i][0] - found[j][0]) > APART
+        ]
         first, second = np.array(pairs).T
         radii = np.array([radius for *_, radius in found])
         self._bodies, self._first, self._second = np.array(bodies), first, second
@@ -35,11 +40,15 @@ class Clearance:
         turns = data.xmat[self._bodies].reshape(-1, 3, 3)
         starts = data.xpos[self._bodies] + np.einsum("nij,nj->ni", turns, self._starts)
         along = np.einsum("nij,nj->ni", turns, self._along)
-        distances = _between(starts[self._first], along[self._first], starts[self._second], along[self._second])
+        distances = _between(
+            starts[self._first], along[self._first], starts[self._second], along[self._second]
+        )
         return float((distances - self._radii).min())
 
 
-def _between(start: FloatArray, along: FloatArray, other: FloatArray, beside: FloatArray) -> FloatArray:
+def _between(
+    start: FloatArray, along: FloatArray, other: FloatArray, beside: FloatArray
+) -> FloatArray:
     """Distance of segments from a start along a vector ``(N, 3)``, ``(N,)``: each shares s and t of its way."""
     offset = start - other
     a, b, c = (along * along).sum(-1), (along * beside).sum(-1), (beside * beside).sum(-1)

@@ -54,7 +54,9 @@ def describe(model: mujoco.MjModel, width: int, height: int) -> dict[str, Any]:
 
 def capsules() -> list[Capsule]:
     """The capsules of the arm's collision description, and those of the tool."""
-    root = ElementTree.fromstring((scene._description_folder() / "urdf" / "panda_collision.urdf").read_text())
+    root = ElementTree.fromstring(
+        (scene._description_folder() / "urdf" / "panda_collision.urdf").read_text()
+    )
     found: list[Capsule] = []
     for link in root.findall("link"):
         name = str(link.get("name"))
@@ -70,7 +72,14 @@ def capsules() -> list[Capsule]:
             axis = _euler(*turn)[:, 2] * float(str(cylinder.get("length"))) / 2
             radius = float(str(cylinder.get("radius")))
             found.append((int(name[-1]), _point(middle - axis), _point(middle + axis), radius))
-    found.append((8, (0.0, 0.0, 0.0), (0.0, 0.0, scene.STICK_LENGTH - scene.STICK_RADIUS), scene.STICK_RADIUS))
+    found.append(
+        (
+            8,
+            (0.0, 0.0, 0.0),
+            (0.0, 0.0, scene.STICK_LENGTH - scene.STICK_RADIUS),
+            scene.STICK_RADIUS,
+        )
+    )
     found.append((8, (scene.CAMERA[0], -0.015, 0.01), (scene.CAMERA[0], 0.015, 0.01), 0.025))
     return found
 
@@ -95,7 +104,9 @@ def _matrix(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _euler(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
     quaternion = np.zeros(4)
-    mujoco.mju_euler2Quat(quaternion, np.array([roll, pitch, yaw]), "XYZ")  # about the fixed axes, as URDF has it
+    mujoco.mju_euler2Quat(
+        quaternion, np.array([roll, pitch, yaw]), "XYZ"
+    )  # about the fixed axes, as URDF has it
     return _matrix(quaternion)
 
 

@@ -116,7 +116,9 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
             ValueError: If a value is not valid; the message names it and says what is.
         """
         if obs_type not in get_args(ObsType):
-            raise ValueError(f"obs_type must be one of {', '.join(get_args(ObsType))}, got {obs_type!r}")
+            raise ValueError(
+                f"obs_type must be one of {', '.join(get_args(ObsType))}, got {obs_type!r}"
+            )
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f'render_mode must be None or "rgb_array", got {render_mode!r}')
         if render_camera not in ("outside", "hand"):
@@ -137,7 +139,9 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         self._target: FloatArray | None = None
         self.observation_space = self._observation_space()
         speed = np.array(scene.SPEED_LIMIT, dtype=np.float32)
-        self.action_space = cast("spaces.Space[NDArray[np.float32]]", spaces.Box(-speed, speed, dtype=np.float32))
+        self.action_space = cast(
+            "spaces.Space[NDArray[np.float32]]", spaces.Box(-speed, speed, dtype=np.float32)
+        )
 
     def description(self) -> dict[str, Any]:
         """The robot as plain data, see :func:`aicon_envs.panda_push.description.describe`."""
@@ -151,12 +155,18 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         options = {key: value for key, value in (options or {}).items() if value is not None}
         unknown = sorted(map(str, set(options) - set(_OPTIONS)))
         if unknown:
-            raise ValueError(f"unknown option {', '.join(unknown)}; valid options are {', '.join(_OPTIONS)}")
+            raise ValueError(
+                f"unknown option {', '.join(unknown)}; valid options are {', '.join(_OPTIONS)}"
+            )
         pose, target = self._draw_pose(), self._draw_pose()
         pose = np.asarray(options.get("object_pose", pose), dtype=np.float64)
         self._target = np.asarray(options.get("target_pose", target), dtype=np.float64)
         yaw = self.np_random.uniform(-0.6, 0.6)
-        tip = np.asarray(options["tip"], dtype=np.float64) if "tip" in options else self._draw_tip(pose)
+        tip = (
+            np.asarray(options["tip"], dtype=np.float64)
+            if "tip" in options
+            else self._draw_tip(pose)
+        )
         self._simulation.start((*tip, CONTACT_HEIGHT), float(options.get("yaw", yaw)), pose)
         self._simulation.show_target(self._target)
         self._kick = self.np_random.uniform(-math.pi, math.pi)
@@ -212,12 +222,18 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
     def _draw_tip(self, pose: FloatArray) -> FloatArray:
         """A place for the tip beside the object, 4 to 12 cm from it."""
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
-        outline = shapely.Polygon(self.object.corners @ np.array([[cos, sin], [-sin, cos]]) + pose[:2])
+        outline = shapely.Polygon(
+            self.object.corners @ np.array([[cos, sin], [-sin, cos]]) + pose[:2]
+        )
         for _ in range(1000):
-            tip = np.array([self.np_random.uniform(0.42, 0.66), self.np_random.uniform(-0.22, 0.22)])
+            tip = np.array(
+                [self.np_random.uniform(0.42, 0.66), self.np_random.uniform(-0.22, 0.22)]
+            )
             if 0.04 < outline.distance(shapely.Point(tip)) - scene.STICK_RADIUS < 0.12:
                 return tip
-        raise ValueError(f"object_pose={pose.tolist()}: no place for the tip beside it; name one as the option tip")
+        raise ValueError(
+            f"object_pose={pose.tolist()}: no place for the tip beside it; name one as the option tip"
+        )
 
     def _push(self) -> FloatArray | None:
         """The force from outside in this step, if there is one."""
@@ -282,7 +298,9 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
             "target": box(2 * math.pi, 3),
         }
         if self.obs_type == "pose":
-            return cast("spaces.Space[Observation]", spaces.Dict(parts | {"object_pose": box(_LARGE, 3)}))
+            return cast(
+                "spaces.Space[Observation]", spaces.Dict(parts | {"object_pose": box(_LARGE, 3)})
+            )
         parts["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
         parts["depth"] = spaces.Box(0.0, 10.0, (height, width), np.float32)
         parts["image_age"] = spaces.Box(0.0, _LARGE, (1,), np.float64)

@@ -49,11 +49,15 @@ def resolve_object(object: str | Prism | ArrayLike) -> Prism:
         return object
     if isinstance(object, str):
         if object not in OBJECTS:
-            raise ValueError(f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y) in m")
+            raise ValueError(
+                f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y) in m"
+            )
         return _prism(make_object(OBJECTS[object].outline, object))
     return _prism(make_object(PIXELS_PER_METRE * np.asarray(object, dtype=np.float64)))
 
 
 def _prism(planar: PushObject) -> Prism:
     parts = tuple(part / PIXELS_PER_METRE for part in planar.parts)
-    return Prism(planar.name, planar.outline / PIXELS_PER_METRE, parts, planar.radius / PIXELS_PER_METRE)
+    return Prism(
+        planar.name, planar.outline / PIXELS_PER_METRE, parts, planar.radius / PIXELS_PER_METRE
+    )

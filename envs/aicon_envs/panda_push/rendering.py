@@ -26,34 +26,55 @@ class Camera:
         RuntimeError: If nothing can render; it names the packages that are missing.
     """
 
-    def __init__(self, model: mujoco.MjModel, name: str, width: int, height: int, shows: tuple[int, ...] = ()) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, name: str, width: int, height: int, shows: tuple[int, ...] = ()
+    ) -> None:
         self.name = name
         self._option, self._camera = mujoco.MjvOption(), mujoco.MjvCamera()
         self._option.geomgroup[list(shows)] = 1
-        self._camera.type, self._camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(name).id
+        self._camera.type, self._camera.fixedcamid = (
+            mujoco.mjtCamera.mjCAMERA_FIXED,
+            model.camera(name).id,
+        )
         self._model, self._rectangle = model, mujoco.MjrRect(0, 0, width, height)
         self._scene = mujoco.MjvScene(model, maxgeom=200)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
-        self._color, self._depth = np.zeros((height, width, 3), np.uint8), np.zeros((height, width), np.float32)
+        self._color, self._depth = (
+            np.zeros((height, width, 3), np.uint8),
+            np.zeros((height, width), np.float32),
+        )
         try:
             self._gl = mujoco.GLContext(width, height)
             self._gl.make_current()
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        except (ImportError, AttributeError, RuntimeError, mujoco.FatalError) as error:  # whatever a driver lacks
+        except (
+            ImportError,
+            AttributeError,
+            RuntimeError,
+            mujoco.FatalError,
+        ) as error:  # whatever a driver lacks
             raise RuntimeError(
                 f"MuJoCo cannot render (MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}). {HELP}"
             ) from error
         self._free = weakref.finalize(self, _free, self._context, self._gl)
         self._free.atexit = False
-        atexit.register(self._free)  # registered after MuJoCo's own, so it is called while OpenGL is still there
+        atexit.register(
+            self._free
+        )  # registered after MuJoCo's own, so it is called while OpenGL is still there
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
     def __call__(self, data: mujoco.MjData) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
         """The picture ``(height, width, 3)`` and the distance along the optical axis ``(height, width)``, m."""
         self._gl.make_current()
         mujoco.mjv_updateScene(
-            self._model, data, self._option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
+            self._model,
+            data,
+            self._option,
+            None,
+            self._camera,
+            mujoco.mjtCatBit.mjCAT_ALL.value,
+            self._scene,
         )
         mujoco.mjr_render(self._rectangle, self._scene, self._context)
         mujoco.mjr_readPixels(self._color, self._depth, self._rectangle, self._context)

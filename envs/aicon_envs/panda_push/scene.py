@@ -48,7 +48,9 @@ _GAINS = ((4500.0, 450.0),) * 4 + ((2000.0, 200.0),) * 3
 _FREE, _ROBOT, _OBJECT, _TABLE = 0, 1, 2, 4  # collision groups
 
 
-def build(object: Prism, mass: float = 0.5, friction: float = 0.35, timestep: float = 0.001) -> mujoco.MjModel:
+def build(
+    object: Prism, mass: float = 0.5, friction: float = 0.35, timestep: float = 0.001
+) -> mujoco.MjModel:
     """Compile the scene.
 
     Args:
@@ -61,7 +63,9 @@ def build(object: Prism, mass: float = 0.5, friction: float = 0.35, timestep: fl
     spec.modelname = "panda_push"
     spec.option.timestep = timestep
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC  # a pyramidal cone lets the object slip sideways
+    spec.option.cone = (
+        mujoco.mjtCone.mjCONE_ELLIPTIC
+    )  # a pyramidal cone lets the object slip sideways
     spec.option.impratio = 10.0
     spec.visual.quality.shadowsize = 0
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 640, 480
@@ -122,7 +126,9 @@ def _add_robot(spec: mujoco.MjSpec) -> None:
     for joint, limit, (stiffness, damping) in zip(JOINTS, SPEED_LIMIT, _GAINS, strict=True):
         low, high = spec.joint(joint).range
         actuator = spec.add_actuator(name=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint)
-        actuator.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR  # the command is a velocity, its integral a position servo's
+        actuator.dyntype = (
+            mujoco.mjtDyn.mjDYN_INTEGRATOR
+        )  # the command is a velocity, its integral a position servo's
         actuator.gaintype, actuator.gainprm[0] = mujoco.mjtGain.mjGAIN_FIXED, stiffness
         actuator.biastype, actuator.biasprm[1], actuator.biasprm[2] = (
             mujoco.mjtBias.mjBIAS_AFFINE,
@@ -162,12 +168,17 @@ def _add_robot(spec: mujoco.MjSpec) -> None:
     # MuJoCo's cameras look along -z with y up: half a turn about x looks along the tool.
     half = np.array([np.cos(CAMERA_TILT / 2), 0.0, np.sin(CAMERA_TILT / 2), 0.0])
     turned = np.zeros(4)
-    mujoco.mju_mulQuat(turned, half * [1, 1, -1, 1], np.array([0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0]))
+    mujoco.mju_mulQuat(
+        turned, half * [1, 1, -1, 1], np.array([0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0])
+    )
     tool.add_camera(name="hand", pos=list(CAMERA), quat=turned, fovy=FIELD_OF_VIEW)
     for link in ("panda_link6", "panda_link7"):
         spec.add_exclude(bodyname1="tool", bodyname2=link)  # the stick begins inside the flange
     spec.add_exclude(bodyname1="panda_link5", bodyname2="panda_link7")  # whose meshes touch
-    for name, kind in (("force", mujoco.mjtSensor.mjSENS_FORCE), ("torque", mujoco.mjtSensor.mjSENS_TORQUE)):
+    for name, kind in (
+        ("force", mujoco.mjtSensor.mjSENS_FORCE),
+        ("torque", mujoco.mjtSensor.mjSENS_TORQUE),
+    ):
         spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="wrench")
 
 
@@ -192,8 +203,19 @@ def _add_world(spec: mujoco.MjSpec) -> None:
         contype=_TABLE,
         conaffinity=_ROBOT | _OBJECT,
     )
-    world.add_light(pos=[0.4, -0.6, 1.8], dir=[0.1, 0.3, -1.0], castshadow=False, diffuse=[0.35] * 3, specular=[0] * 3)
-    world.add_camera(name="outside", pos=[1.45, -0.85, 0.80], xyaxes=[0.62, 0.785, 0.0, -0.38, 0.30, 0.875], fovy=42.0)
+    world.add_light(
+        pos=[0.4, -0.6, 1.8],
+        dir=[0.1, 0.3, -1.0],
+        castshadow=False,
+        diffuse=[0.35] * 3,
+        specular=[0] * 3,
+    )
+    world.add_camera(
+        name="outside",
+        pos=[1.45, -0.85, 0.80],
+        xyaxes=[0.62, 0.785, 0.0, -0.38, 0.30, 0.875],
+        fovy=42.0,
+    )
 
 
 def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float) -> None:
@@ -203,7 +225,10 @@ def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float
     area = sum(_area(part) for part in object.parts)
     for index, part in enumerate(object.parts):
         vertices = np.concatenate(
-            [np.column_stack((part, np.full(len(part), z))) for z in (-THICKNESS / 2, THICKNESS / 2)]
+            [
+                np.column_stack((part, np.full(len(part), z)))
+                for z in (-THICKNESS / 2, THICKNESS / 2)
+            ]
         )
         mesh = spec.add_mesh(name=f"part{index}")
         mesh.uservert = vertices.ravel().tolist()

@@ -34,7 +34,9 @@ class Simulation:
         self._robot = [
             geom for geom in range(model.ngeom) if model.geom_contype[geom] == 1
         ]  # everything of the robot that touches
-        self._parts = {geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == self._object}
+        self._parts = {
+            geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == self._object
+        }
         self._range = model.jnt_range[:7].copy()
         self._clearance = Clearance(model)
 
@@ -52,7 +54,15 @@ class Simulation:
     def place(self, pose: ArrayLike) -> None:
         """Put the object on the table at (x, y, θ), at rest."""
         x, y, angle = np.asarray(pose, dtype=np.float64).tolist()
-        self.data.qpos[7:14] = (x, y, THICKNESS / 2, math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2))
+        self.data.qpos[7:14] = (
+            x,
+            y,
+            THICKNESS / 2,
+            math.cos(angle / 2),
+            0.0,
+            0.0,
+            math.sin(angle / 2),
+        )
         self.data.qvel[7:13] = 0.0
         mujoco.mj_forward(self.model, self.data)
 
@@ -106,7 +116,9 @@ class Simulation:
     @property
     def fallen(self) -> bool:
         """Whether the object has left the table, or lies on its side."""
-        return bool(self.data.xpos[self._object, 2] < -0.02 or self.data.xmat[self._object, 8] < 0.5)
+        return bool(
+            self.data.xpos[self._object, 2] < -0.02 or self.data.xmat[self._object, 8] < 0.5
+        )
 
     @property
     def collides(self) -> bool:
@@ -145,7 +157,13 @@ class Simulation:
         """
         data = mujoco.MjData(self.model)
         data.qpos[:7] = HOME
-        goal = np.array([[math.cos(yaw), math.sin(yaw), 0.0], [math.sin(yaw), -math.cos(yaw), 0.0], [0.0, 0.0, -1.0]])
+        goal = np.array(
+            [
+                [math.cos(yaw), math.sin(yaw), 0.0],
+                [math.sin(yaw), -math.cos(yaw), 0.0],
+                [0.0, 0.0, -1.0],
+            ]
+        )
         position, rotation = np.zeros((3, self.model.nv)), np.zeros((3, self.model.nv))
         for _ in range(200):
             mujoco.mj_kinematics(self.model, data)
@@ -163,6 +181,10 @@ class Simulation:
             step += 0.1 * null @ (np.array(HOME) - data.qpos[:7])
             data.qpos[:7] += np.clip(step, -0.2, 0.2)
         angles: FloatArray = data.qpos[:7].copy()
-        if np.abs(error).max() > 1e-3 or (angles < self._range[:, 0]).any() or (angles > self._range[:, 1]).any():
+        if (
+            np.abs(error).max() > 1e-3
+            or (angles < self._range[:, 0]).any()
+            or (angles > self._range[:, 1]).any()
+        ):
             raise ValueError(f"no joint angles reach the tip {tip.tolist()} with yaw {yaw:.2f}")
         return angles
