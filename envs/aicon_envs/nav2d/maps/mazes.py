@@ -123,7 +123,7 @@ def _unvisited_neighbours(cell: Cell, size: int, visited: set[Cell]) -> list[Cel
 
 def _draw_distant_cells(size: int, rng: np.random.Generator) -> tuple[Cell, Cell]:
     """Draw one of the pairs of cells that are at least `size` cells apart."""
-    cells = list(product(range(size), repeat=2))
+    cells = [(column, row) for column in range(size) for row in range(size)]
 
     pairs = []
     for first, second in product(cells, repeat=2):
