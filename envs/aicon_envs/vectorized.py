@@ -96,6 +96,7 @@ def split_options(
         entries = _one_entry_each("per_env", options["per_env"], num_envs)
         return [dict(entry) for entry in entries]
 
+    # Deal the value of each option out to the sub-environments.
     split: list[dict[str, Any]] = [{} for _ in range(num_envs)]
     for name, value in options.items():
         values = [value] * num_envs

@@ -42,6 +42,7 @@ class Boundaries:
         else:
             self._segments = _padding(len(self._worlds), max(most, 1))
 
+        # What the last map leaves over becomes padding.
         for index, segments in zip(indices, loaded, strict=True):
             count = segments.shape[2]
             self._segments[:, :, index] = _padding(1, self._segments.shape[3])[:, :, 0]

@@ -126,6 +126,7 @@ class Nav2DEnv(gym.Env[Observation, Action]):
         """Start an episode; see the class for the options."""
         super().reset(seed=seed)
 
+        # The world and its noise come from two numbers of the environment's stream.
         radius = self.physics.radius
         episode = draw_episode(self.np_random, options, self._default_map, radius)
         self._map = episode.map
@@ -138,6 +139,7 @@ class Nav2DEnv(gym.Env[Observation, Action]):
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one step; see the class for the action."""
+        # The kernel works on batches: this is one of a single world.
         velocity = check_action(action, (2,))
         self._simulation.step(velocity[np.newaxis])
 

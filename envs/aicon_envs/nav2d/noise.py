@@ -63,6 +63,7 @@ class NoiseStream:
         for index, generator in zip(indices, generators, strict=True):
             self._generators[index] = generator
             self._current[:, index] = self._draw(generator, 1)[0]
+            # Only what is left of the block: the other worlds are in the middle of it.
             self._block[self._next :, :, index] = self._draw(generator, _BLOCK - self._next)
 
     def advance(self) -> StepNoise:

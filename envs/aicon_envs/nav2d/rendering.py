@@ -42,6 +42,7 @@ class Scene:
         """Fit the view to the world."""
         low, high = _extent(world)
         self._size = size
+        # Pixels of the enlarged picture per metre: the longer side of the extent fills it.
         self._scale = size * _OVERSAMPLING / float((high - low).max())
         self._center = (low + high) / 2.0
         self._radius = radius

@@ -78,6 +78,7 @@ def resolve_map(
     if any(key in options for key in USER_MAP_KEYS):
         return _resolve_user_map(options, radius), {"map": "user"}
 
+    # A seed of its own for the map: it can be generated again without the rest of the episode.
     seed = check_integer("map_seed", options.get("map_seed", default_seed), 0)
     world = make_map(options.get("map", default_map), np.random.default_rng(seed))
     return world, {"map": world.name, "map_seed": seed}

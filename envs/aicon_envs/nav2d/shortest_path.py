@@ -43,6 +43,7 @@ def shortest_path_length(
     Returns:
         The length in metres, or infinity if there is no path.
     """
+    # For the centre of the disc, the obstacles are larger by the radius.
     grown = union(obstacles).buffer(radius, quad_segs=quad_segs)
     solid = grown.buffer(-_SLACK)
     shapely.prepare(solid)
@@ -93,6 +94,7 @@ def _convex_corners(geometry: BaseGeometry) -> _Corners:
 
     for polygon in shapely.get_parts(geometry):
         for ring in shapely.get_rings(shapely.orient_polygons(polygon)):
+            # Oriented such that solid lies to the left: at a convex corner the ring turns left.
             vertices = shapely.get_coordinates(ring)[:-1]
             before = np.roll(vertices, 1, axis=0)
             after = np.roll(vertices, -1, axis=0)

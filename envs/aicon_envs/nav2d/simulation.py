@@ -128,6 +128,7 @@ class Simulation:
         clearance = _norm(self._to_obstacle) - self.physics.radius
         self.clearance = np.minimum(clearance, self.physics.max_range)
 
+        # A collision is no success, even at the target.
         arrived = self.distance < ARRIVAL_DISTANCE
         self.collision = self.clearance <= 0.0
         self.success = arrived & ~self.collision
@@ -143,6 +144,7 @@ def _norm(vector: FloatArray) -> FloatArray:
 
 def _direction(vector: FloatArray, noise: FloatArray) -> SensorArray:
     """Return the noisy directions of vectors (2, N), (N,), rad, in [-π, π)."""
+    # The noise may carry the angle beyond ±π: wrap it.
     angle: FloatArray = np.arctan2(vector[1], vector[0])
     angle += noise + np.pi
     angle %= 2.0 * np.pi

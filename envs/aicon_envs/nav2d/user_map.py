@@ -43,6 +43,7 @@ def make_user_map(
         "user", polygons, _check_point("start", start), _check_point("target", target)
     )
 
+    # An agent that touches an obstacle at the start would collide at once.
     solid = union(polygons)
     if not solid.is_empty and solid.distance(shapely.Point(world.start)) <= radius:
         raise ValueError(

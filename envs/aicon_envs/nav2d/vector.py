@@ -104,6 +104,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         self._default_map = check_map_name(map)
         self._with_obstacle_bearing = sensing == "range_bearing"
 
+        # A generator for each sub-environment, as a single environment has one.
         self._simulation = Simulation(num_envs, self.physics)
         self._generators = [seeding.np_random()[0] for _ in range(num_envs)]
         self._maps: dict[int, NavigationMap] = {}
@@ -128,6 +129,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         options_of_each = split_options(options, self.num_envs, listable=GENERATED_MAP_KEYS)
         seeds = split_seed(seed, self.num_envs)
 
+        # Without a seed, a sub-environment goes on with its stream.
         indices: list[int] = np.flatnonzero(mask).tolist()
         for index in indices:
             if seeds[index] is not None:
@@ -187,6 +189,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
                 self._generators[index], options_of_each[index], self._default_map, radius
             )
 
+        # One call for all of them: loading changes the arrays of all worlds.
         maps = [episode.map for episode in episodes.values()]
         noises = [episode.noise for episode in episodes.values()]
         self._simulation.load(indices, maps, noises)

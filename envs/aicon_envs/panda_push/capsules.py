@@ -25,6 +25,7 @@ def robot_capsules() -> list[Capsule]:
     found: list[Capsule] = []
 
     for link in root.findall("link"):
+        # The flange (link 8) has the tool's number, and other links, of the hand, no number.
         number = str(link.get("name")).removeprefix("panda_link")
         if not number.isdigit() or int(number) >= TOOL_LINK:
             continue
@@ -41,6 +42,7 @@ def _tool_capsules() -> list[Capsule]:
     stick_end = (0.0, 0.0, robot.STICK_LENGTH - robot.STICK_RADIUS)
     stick = (TOOL_LINK, (0.0, 0.0, 0.0), stick_end, robot.STICK_RADIUS)
 
+    # A short capsule across, around the camera's body.
     camera_x = robot.CAMERA[0]
     camera = (TOOL_LINK, (camera_x, -0.015, 0.01), (camera_x, 0.015, 0.01), 0.025)
     return [stick, camera]

@@ -155,12 +155,14 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         self.observation_space = observation_space(obs_type, width, height)
         self.action_space = action_space()
 
+        # What disturbs: noise, and pushes from outside.
         self._area = area
         self._force_noise = force_noise
         self._joint_noise = joint_noise
         self._kick_step = None if kick_time is None else round(kick_time / CONTROL_STEP)
         self._kick_force = kick_force
 
+        # Contexts to render in are opened when they are first used.
         self._image_size = (width, height)
         self._render_size = (render_width, render_height)
         self._render_camera = render_camera
@@ -185,6 +187,7 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         self._simulation.start((*episode.tip, CONTACT_HEIGHT), episode.yaw, episode.object_pose)
         self._simulation.show_target(episode.target_pose)
 
+        # Drawn in any case, such that a kick changes nothing else.
         self._kick_heading = self.np_random.uniform(-math.pi, math.pi)
         self._hand_camera.restart()
         self._steps = 0
@@ -253,9 +256,11 @@ class PandaPushEnv(gym.Env[Observation, Action]):
     def _sense_robot(self) -> Observation:
         """Read encoders and wrist, with noise."""
         simulation, generator = self._simulation, self.np_random
+        # Encoders: the velocities are noisier than the angles.
         joint_noise = generator.normal(0.0, self._joint_noise, 7)
         speed_noise = generator.normal(0.0, _SPEED_NOISE * self._joint_noise, 7)
 
+        # Wrist: force, then torque.
         deviations = self._force_noise * np.repeat([1.0, _TORQUE_NOISE], 3)
         wrench_noise = generator.normal(0.0, 1.0, 6) * deviations
 
@@ -288,6 +293,7 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         pose, tip = simulation.pose, simulation.tip
         target = self._target_pose()
 
+        # The shorter way around.
         distance = float(np.linalg.norm(pose[:2] - target[:2]))
         angle = abs(math.remainder(pose[2] - target[2], math.tau))
 

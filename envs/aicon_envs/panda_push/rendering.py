@@ -50,6 +50,7 @@ class Camera:
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
 
+        # Where MuJoCo writes what it reads back.
         self._rectangle = mujoco.MjrRect(0, 0, width, height)
         self._color = np.zeros((height, width, 3), np.uint8)
         self._depth = np.zeros((height, width), np.float32)

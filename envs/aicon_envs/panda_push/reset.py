@@ -99,6 +99,7 @@ def _draw_tip(object: Prism, pose: FloatArray, generator: np.random.Generator) -
         x = generator.uniform(*_TIP_AREA[0])
         y = generator.uniform(*_TIP_AREA[1])
 
+        # Between the stick's surface and the object's side.
         gap = outline.distance(shapely.Point(x, y)) - STICK_RADIUS
         if smallest < gap < largest:
             return np.array([x, y])

@@ -94,6 +94,7 @@ def _add_tool(spec: mujoco.MjSpec) -> mujoco.MjsBody:
     tool.ipos = [0.015, 0.0, 0.09]
     tool.inertia = [2e-3, 2e-3, 2e-4]
 
+    # Where the sensor measures, and where the policy's end effector is.
     tool.add_site(name="wrench", size=[0.005, 0.0, 0.0], rgba=_INVISIBLE)
     tool.add_site(name="tip", pos=[0, 0, STICK_LENGTH], size=[0.004, 0.0, 0.0], rgba=_INVISIBLE)
 
@@ -110,6 +111,7 @@ def _add_tool(spec: mujoco.MjSpec) -> mujoco.MjsBody:
         condim=4,
     )
 
+    # Seen only; for distances it has a capsule.
     tool.add_geom(
         name="camera_body",
         type=mujoco.mjtGeom.mjGEOM_BOX,

@@ -123,7 +123,8 @@ def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float
     body = spec.worldbody.add_body(name="object", pos=[0.54, 0.0, THICKNESS / 2])
     body.add_freejoint(name="object")
 
-    # The mass is spread over the parts by their areas.
+    # The mass is spread over the parts by their areas. With a higher priority than the table's,
+    # the friction between them is the object's.
     total_area = sum(_area(part) for part in object.parts)
     for index, part in enumerate(object.parts):
         body.add_geom(
@@ -139,6 +140,7 @@ def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float
             condim=4,
         )
 
+    # The reference marker, a dot on top.
     x, y = _marker_position(object)
     body.add_geom(
         name="marker",

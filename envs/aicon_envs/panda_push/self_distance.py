@@ -37,6 +37,7 @@ class SelfDistance:
 
     def __call__(self, data: mujoco.MjData) -> float:
         """Return the gap in a state, m; below 0 where they overlap."""
+        # The capsules' axes in the world.
         rotations = data.xmat[self._bodies].reshape(-1, 3, 3)
         starts = data.xpos[self._bodies] + np.einsum("nij,nj->ni", rotations, self._starts)
         along = np.einsum("nij,nj->ni", rotations, self._along)
@@ -79,6 +80,7 @@ def _segment_distances(
     d = (along * offset).sum(-1)
     e = (other_along * offset).sum(-1)
 
+    # Alternately the best share of one segment for that of the other.
     s = np.clip((b * e - c * d) / np.maximum(a * c - b * b, _EPSILON), 0.0, 1.0)
     t = np.clip((b * s + e) / np.maximum(c, _EPSILON), 0.0, 1.0)
     s = np.clip((b * t - d) / np.maximum(a, _EPSILON), 0.0, 1.0)

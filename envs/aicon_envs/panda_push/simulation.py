@@ -103,6 +103,7 @@ class Simulation:
         external_force[:] = 0.0 if force is None else force
         self.data.ctrl[:7] = velocity
 
+        # The sensor's mean over the control step.
         total_wrench = np.zeros(6)
         for _ in range(self._substeps):
             mujoco.mj_step(self.model, self.data)

@@ -42,6 +42,7 @@ def _find_folder() -> Path:
             "it comes with: pip install 'aicon-torch[panda]'"
         ) from error
 
+    # Its files lie around panda.urdf, wherever the package is installed.
     for file in files:
         if file.name == "panda.urdf":
             return Path(str(file.locate())).resolve().parents[1]

@@ -34,6 +34,7 @@ def draw_kicked_pose(
         size: Largest shift, px, and turn, rad.
         generator: Gives three numbers.
     """
+    # Uniform in the disc: the density of the radius grows with the radius.
     max_shift, max_turn = size
     length = max_shift * math.sqrt(generator.uniform())
     heading = generator.uniform(-math.pi, math.pi)

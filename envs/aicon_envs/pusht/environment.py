@@ -156,6 +156,7 @@ class PushTEnv(gym.Env[Observation, Action]):
         self._observed_size = check_size("observation", observation_width, observation_height)
         self._shown_size = check_size("visualization", visualization_width, visualization_height)
 
+        # The spaces depend on the object and on the mode.
         num_keypoints = len(self._object.keypoints)
         self.observation_space = observation_space(
             obs_type, num_keypoints, observe_goal, self._observed_size
@@ -193,6 +194,8 @@ class PushTEnv(gym.Env[Observation, Action]):
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step; see the class for the action."""
         x, y = check_action(action)
+
+        # A kick or a jump of the goal that is due comes before the move.
         self._disturb()
 
         if self.settings.action_mode == "position":
@@ -278,6 +281,7 @@ class PushTEnv(gym.Env[Observation, Action]):
         if self._obs_type == "pixels":
             return self._draw_pixels(simulation)
 
+        # The others are dictionaries.
         observation: dict[str, NDArray[Any]] = {}
         if self._obs_type == "pixels_agent_pos":
             observation[PIXELS] = self._draw_pixels(simulation)

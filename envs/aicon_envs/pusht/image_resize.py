@@ -19,6 +19,7 @@ def resize(picture: Picture, width: int, height: int) -> Picture:
     columns = _interpolate(picture.shape[1], width)
     rows = _interpolate(picture.shape[0], height)
 
+    # Along the rows, then between them.
     upper = _blend_columns(picture[rows.low], columns) >> 4
     lower = _blend_columns(picture[rows.high], columns) >> 4
 
@@ -40,6 +41,7 @@ class _Interpolation(NamedTuple):
 
 def _interpolate(source: int, count: int) -> _Interpolation:
     """Spread `count` pixels over `source` ones along an axis, the middles of both aligned."""
+    # In float32, as OpenCV has it.
     position = ((np.arange(count) + 0.5) * (source / count) - 0.5).astype(np.float32)
     position = np.clip(position, 0.0, source - 1.0)
 

@@ -88,6 +88,7 @@ def make_object(polygon: ArrayLike, name: str = "custom") -> PushObject:
         ValueError: If the polygon is not simple, its area is below `MIN_AREA` or a vertex is
             farther than `MAX_RADIUS` from the centroid.
     """
+    # Vertices in the body's frame.
     shape = _check_polygon(polygon)
     centroid = np.array([shape.centroid.x, shape.centroid.y])
     vertices = shapely.get_coordinates(shape.exterior)[:-1] - centroid

@@ -82,6 +82,7 @@ def convex_parts(outline: FloatArray) -> list[FloatArray]:
     The triangles of a constrained Delaunay triangulation are merged while a pair that shares a side
     is convex together.
     """
+    # Merging two at a time ends when no union is convex.
     triangles = shapely.constrained_delaunay_triangles(Polygon(outline))
     parts = list(shapely.get_parts(triangles))
 

@@ -69,6 +69,7 @@ def draw_episode(
     options = {key: value for key, value in (options or {}).items() if value is not None}
     check_option_names(options, _OPTION_KEYS)
 
+    # This order is part of the contract: settings that draw more leave the start as it is.
     simulation = _start_simulation(object, settings, options, seed, generator)
     goal = _resolve_goal(object, options.get("goal_pose", settings.goal_pose), generator)
     jumps = draw_jumps(object, settings.goal_jumps, settings.goal_jump_interval, generator)
@@ -98,6 +99,7 @@ def draw_start(
         angle = float(generator.uniform(-math.pi, math.pi))
         return pusher_x, pusher_y, object_x, object_y, angle
 
+    # Version 0.1.5, with numpy's legacy generator as upstream.
     if seed is None:
         seed = int(generator.integers(2**32))
     legacy = np.random.RandomState(seed)

@@ -77,6 +77,7 @@ class TaskSettings:
         self._set("action_noise", check_number("action_noise", self.action_noise))
         self._set("goal_jumps", check_integer("goal_jumps", self.goal_jumps, 0))
 
+        # These may also be left open.
         if not is_random(self.goal_pose):
             self._set("goal_pose", check_pose("goal_pose", self.goal_pose))
         if self.velocity_limit is not None:

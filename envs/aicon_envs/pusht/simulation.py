@@ -75,6 +75,7 @@ class Simulation:
         self.space = pymunk.Space()
         self.space.damping = 0.0
 
+        # In gym-pusht's order.
         self.space.add(*_make_walls(self.space.static_body))
         self._pusher = _add_pusher(self.space)
         self._body = _add_object(self.space, object)
@@ -199,6 +200,7 @@ def _add_object(space: pymunk.Space, object: PushObject) -> pymunk.Body:
         shape.collision_type = _OBJECT
         shapes.append(shape)
 
+    # Before the pose, which pymunk turns about it.
     body.center_of_gravity = object.center_of_gravity
     body.angle = 0.0
     body.position = 256, 300

@@ -43,11 +43,13 @@ def observation_space(
     width, height = size
     pixels = spaces.Box(0, 255, (height, width, 3), np.uint8)
 
+    # Plain arrays.
     if obs_type == "pixels":
         return pixels
     if obs_type == "state":
         return _box([0.0] * 5, [SIZE] * 4 + [_FULL_TURN])
 
+    # Dictionaries: what is seen of the object, the pusher, and perhaps the goal.
     boxes: dict[str, spaces.Space[Any]] = {}
     if obs_type == "pixels_agent_pos":
         boxes[PIXELS] = pixels

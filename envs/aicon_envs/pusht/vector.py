@@ -192,6 +192,7 @@ class PushTVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         return float(reward)
 
     def _batch_observations(self) -> Observation:
+        # A new array each time: what was returned before stays as it is.
         empty: Any = create_empty_array(self.single_observation_space, self.num_envs)
         return concatenate(self.single_observation_space, self._observations, empty)
 

@@ -38,6 +38,7 @@ class _ImperfectSensor(gym.Wrapper[Observation, Action, Observation, Action]):
         """Start an episode; see the environment for the options."""
         observation, info = self.env.reset(seed=seed, options=options)
 
+        # A child of the episode's noise: the environment's own numbers stay the same.
         environment = cast("PushTEnv", self.unwrapped)
         (self._generator,) = environment.noise.spawn(1)
 

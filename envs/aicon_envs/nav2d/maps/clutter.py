@@ -39,6 +39,7 @@ def _scatter(
     width: float,
 ) -> Layout:
     """Put `count` shapes at random into a field of length × width, start and target at its ends."""
+    # Around start and target, discs stay clear.
     start: Point = (0.0, 0.0)
     target: Point = (length, 0.0)
     reserved = shapely.union(
@@ -52,6 +53,7 @@ def _scatter(
         x = rng.uniform(0.0, length)
         y = rng.uniform(-width / 2.0, width / 2.0)
 
+        # Dropped only after its draws: what follows does not depend on whether it fits.
         obstacle = affinity.translate(shape, x, y)
         if not obstacle.intersects(reserved):
             obstacles.append(obstacle)
@@ -64,6 +66,7 @@ def _draw_pebble(rng: np.random.Generator) -> BaseGeometry:
     count = int(rng.integers(3, 8))
     radius = rng.uniform(0.2, 0.5)
 
+    # Corners of a regular polygon, each moved along the circle.
     angles = rng.uniform(-math.pi, math.pi) + np.arange(count) * 2.0 * math.pi / count
     angles += rng.uniform(-0.3, 0.3, size=count)
 
@@ -80,6 +83,7 @@ def _draw_crossing_bars(rng: np.random.Generator) -> BaseGeometry:
         width = rng.uniform(0.2, 0.5)
         share = rng.uniform(0.1, 0.5)  # of the length, on one side of the origin
 
+        # Lengthwise along x, then turned about the origin.
         bar = box(-share * length, -width / 2.0, (1.0 - share) * length, width / 2.0)
         bars.append(affinity.rotate(bar, rng.uniform(0.0, 360.0), origin=(0.0, 0.0)))
 

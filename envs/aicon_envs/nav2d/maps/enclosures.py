@@ -41,6 +41,7 @@ def bug_trap(rng: np.random.Generator) -> Layout:
     throat = rng.uniform(0.4, 0.5) + thickness / 2.0
     funnel = rng.uniform(0.7, 1.2)
 
+    # The upper half of the wall, from the throat around to the end opposite; the lower mirrors it.
     upper = [
         (-length + funnel, throat),
         (-length, mouth),
@@ -64,6 +65,7 @@ def spiral_in(rng: np.random.Generator) -> Layout:
     first_angle = rng.uniform(-math.pi, math.pi)
     inner_radius = rng.uniform(0.6, 0.8)
 
+    # Thirty corners a turn.
     points = []
     for angle in np.linspace(0.0, 2.0 * math.pi * turns, round(30 * turns)):
         radius = inner_radius + pitch * angle / (2.0 * math.pi)

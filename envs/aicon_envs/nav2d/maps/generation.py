@@ -74,6 +74,7 @@ def make_map(name: str, rng: np.random.Generator) -> NavigationMap:
     if name == _MIXED:
         name = _draw_class(rng)
 
+    # Rejection sampling: the next attempt goes on with the same stream.
     for _ in range(_MAX_ATTEMPTS):
         layout = _GENERATORS[name](rng)
         layout = draw_orientation(layout, rng)

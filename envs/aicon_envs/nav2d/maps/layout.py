@@ -50,6 +50,7 @@ def draw_orientation(layout: Layout, rng: np.random.Generator) -> Layout:
     angle = rng.uniform(-math.pi, math.pi)
     mirror = rng.choice((-1.0, 1.0))
 
+    # Rotation times diag(1, mirror).
     cosine, sine = math.cos(angle), math.sin(angle)
     matrix = np.array([[cosine, -sine * mirror], [sine, cosine * mirror]])
 

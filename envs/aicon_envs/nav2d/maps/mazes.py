@@ -30,6 +30,7 @@ def corridors(rng: np.random.Generator) -> Layout:
     widths = rng.uniform(1.2, 1.7, size=rooms)
     borders = np.concatenate([[0.0], np.cumsum(widths)])
 
+    # Each wall across leaves a door at a random height.
     walls = [_hall(borders[-1], height, thickness)]
     for x in borders[1:-1]:
         door = rng.uniform(0.8, 1.2)
@@ -50,6 +51,7 @@ def maze(rng: np.random.Generator) -> Layout:
     cell_side = rng.uniform(1.15, 1.25)
     thickness = rng.uniform(0.1, 0.15)
 
+    # A wall between two cells unless a passage joins them.
     passages = _draw_spanning_tree(size, rng)
     lines = shapely.union_all(_wall_lines(size, passages))
 
@@ -79,6 +81,7 @@ def _wall_lines(size: int, passages: Passages) -> list[LineString]:
         right, above = (x + 1, y), (x, y + 1)
         corner = (x + 1, y + 1)
 
+        # The border is there already, so the last column and row add nothing outside.
         if x + 1 < size and frozenset({(x, y), right}) not in passages:
             lines.append(LineString([right, corner]))
         if y + 1 < size and frozenset({(x, y), above}) not in passages:
@@ -125,6 +128,7 @@ def _draw_distant_cells(size: int, rng: np.random.Generator) -> tuple[Cell, Cell
     """Draw one of the pairs of cells that are at least `size` cells apart."""
     cells = [(column, row) for column in range(size) for row in range(size)]
 
+    # Both orders of each pair: a maze has no preferred direction.
     pairs = []
     for first, second in product(cells, repeat=2):
         if math.dist(first, second) >= size:

@@ -10,12 +10,14 @@ def u_trap(depth: float) -> LayoutGenerator:
     """Return the generator of U traps: arms of `depth` metres from the back wall to the start."""
 
     def generate(rng: np.random.Generator) -> Layout:
+        # The back wall lies on the y axis, the arms point to negative x.
         low = -rng.uniform(0.8, 1.3)
         high = rng.uniform(0.8, 1.3)
         lower_arm, upper_arm = depth * rng.uniform(0.97, 1.03, size=2)
         corners = [(-lower_arm, low), (0.0, low), (0.0, high), (-upper_arm, high)]
         trap = wall(corners, draw_thickness(rng))
 
+        # At least 4.2 m from start to target.
         start = (-depth - rng.uniform(1.0, 2.0), rng.uniform(-0.3, 0.3))
         target_x = max(rng.uniform(1.5, 3.0), 4.2 + start[0])
         target_y = rng.uniform(-0.3, 0.3)
@@ -40,9 +42,11 @@ def zigzag(rng: np.random.Generator) -> Layout:
     """A folded wall across the way."""
     folds = int(rng.integers(4, 8))
 
+    # Corners evenly up the y axis, a little off...
     y = np.linspace(-0.5, 0.5, folds) * rng.uniform(3.5, 6.0)
     y += rng.uniform(-0.15, 0.15, size=folds)
 
+    # ... and in turn left and right of it.
     alternating = rng.choice((-1.0, 1.0)) * (-1.0) ** np.arange(folds)
     x = alternating * rng.uniform(0.35, 0.7, size=folds)
     solid = wall(np.column_stack([x, y]), draw_thickness(rng))
