@@ -5,7 +5,7 @@ What an agent observes, each `stack` times, the oldest first:
 | task | readings |
 |---|---|
 | nav2d | `bearing` and `range`, noisy, in the world frame; `last_action` |
-| pusht | `environment_state`, 8 keypoints, and `agent_pos`, px; `offsets` between them; `last_action` |
+| pusht | `environment_state` (keypoints), `agent_pos`, `offsets` between them, px; `last_action` |
 
 AICON observes the same, but for the last action, which its memory holds. None sees a position or a
 map in navigation. In pushT the goal is not observed but always the same: an agent learns it from
