@@ -99,7 +99,7 @@ class Agent:
         episode_start: NDArray[np.bool_] | None = None,
         deterministic: bool = True,
     ) -> tuple[NDArray[np.float32], Any]:
-        """Choose the next actions (B, 2), px; see `aicon_baselines.Predictor`.
+        """Choose the next actions (B, 2), px; see `aicon_baselines.evaluation.Predictor`.
 
         Args:
             observation: One array (B, ...) per reading.

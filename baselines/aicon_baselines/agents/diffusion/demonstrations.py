@@ -11,6 +11,8 @@ from aicon_baselines.agents.diffusion.keypoint_observation import KeypointObserv
 from aicon_baselines.agents.diffusion.recording_config import CHUNK_SIZE, RecordingConfig
 from aicon_baselines.agents.diffusion.start_states import reset_options
 from aicon_envs.pusht import PushTVectorEnv
+from aicon_torch import make_policy
+from aicon_torch.models.pusht import PIXEL
 
 Demonstration = dict[str, NDArray[Any]]
 """One episode of T steps, by the names of LeRobot: `observation.state` (T, 2), `action` (T, 2), and
@@ -36,7 +38,8 @@ def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
     observation, info = env.reset(seed=first_seed, options={"per_env": starts})
 
     # 2. Note what the teacher sees and does, until all have ended.
-    memory, ended = None, np.zeros(CHUNK_SIZE, np.bool_)
+    memory: Any = None
+    ended = np.zeros(CHUNK_SIZE, np.bool_)
     while not ended.all():
         action, memory = teacher.predict(observation, memory, ended)
         action = np.asarray(action, np.float32)
@@ -66,9 +69,9 @@ def _make_env(config: RecordingConfig, index: int) -> PushTVectorEnv:
 
 
 def _make_teacher(config: RecordingConfig) -> Any:
-    from aicon_torch import make_policy
-
-    return make_policy("pusht", max_speed=config.max_speed, smoothing=config.smoothing)
+    """Build the policy, whose lengths are in m."""
+    options = {"max_speed": PIXEL * config.max_speed, "law.smoothing": config.smoothing}
+    return make_policy("pusht", **options)
 
 
 def _make_frame(

@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.pusht import OBJECTS
+from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS
 from aicon_envs.pusht.geometry import place
-from aicon_envs.pusht.variant import DEFAULT_GOAL
 
 _GOAL_SPREAD = (40.0, 40.0, 0.5)  # standard deviations of a pose near the goal: px, px, rad
 _PUSHER_RANGE = (50.0, 450.0)  # px

@@ -73,7 +73,7 @@ class Agent:
         episode_start: NDArray[np.bool_] | None = None,
         deterministic: bool = True,
     ) -> tuple[NDArray[np.float32], Any]:
-        """Choose the next actions (B, m); see `aicon_baselines.Predictor`."""
+        """Choose the next actions (B, m); see `aicon_baselines.evaluation.Predictor`."""
         readings = self._select(observation)
         count = len(next(iter(readings.values())))
 
