@@ -1,7 +1,7 @@
-"""Train LeRobot's diffusion policy on demonstrations of pushT, to be compared by `aicon compare`.
+r"""Train LeRobot's diffusion policy on demonstrations of pushT, to be compared by `aicon compare`.
 
 Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out runs/diffusion
-         aicon compare --task pusht --policies aicon diffusion \\
+         aicon compare --task pusht --policies aicon diffusion \
            --diffusion-path runs/diffusion/policy --out runs/pusht
 
 The same command goes on where a stopped run was saved last, and one with other --steps to that
