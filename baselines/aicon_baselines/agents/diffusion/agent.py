@@ -84,6 +84,7 @@ class Agent:
         if PIXELS not in self._config.input_features:
             return {}
 
+        # Pictures of the size that it was trained with.
         _, height, width = self._config.input_features[PIXELS].shape
         return {
             "obs_type": "pixels_agent_pos",
@@ -142,6 +143,8 @@ class Agent:
         readings = {}
         for feature_name, feature in self._config.input_features.items():
             name = _READINGS[feature_name]
+
+            # A policy takes pictures with channels first, an environment gives them last.
             expected = tuple(feature.shape)
             if feature_name == PIXELS:
                 channels, height, width = feature.shape
@@ -238,7 +241,8 @@ class Agent:
         # 3. They begin with the oldest observation; take those from the newest one on.
         first = config.n_obs_steps - 1
         next_actions = actions[:, first : first + config.n_action_steps]
-        return self._checkpoint.postprocess(next_actions)
+        targets: Tensor = self._checkpoint.postprocess(next_actions)
+        return targets
 
 
 def _append(history: Tensor, newest: Tensor, starts: Tensor) -> Tensor:

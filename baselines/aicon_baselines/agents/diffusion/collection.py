@@ -76,12 +76,15 @@ def _record_missing_chunks(
     while recorded < config.episodes:
         index = len(files)
         tried = index * CHUNK_SIZE
+
+        # A teacher that hardly ever succeeds would go on for ever.
         if tried > 10 * config.episodes:
             raise ComparisonError(
                 f"{recorded} of {tried} demonstrations were successful: "
                 "lower the noise or raise the horizon"
             )
 
+        # What a stopped run has recorded is there already.
         file = chunks / f"{index:06d}.npz"
         if not file.exists():
             _save_chunk(record_chunk(config, index), file)
@@ -118,9 +121,17 @@ def _load_chunks(files: list[Path]) -> Iterator[Demonstration]:
     for file in files:
         with np.load(file) as arrays:
             for i in range(int(arrays["episodes"])):
-                start = f"{i}/"
-                names = [name for name in arrays.files if name.startswith(start)]
-                yield {name.removeprefix(start): arrays[name] for name in names}
+                yield _select_episode(arrays, i)
+
+
+def _select_episode(arrays: Any, i: int) -> Demonstration:
+    episode = {}
+    for key in arrays.files:
+        number, _, name = key.partition("/")
+        if number == str(i):
+            episode[name] = arrays[key]
+
+    return episode
 
 
 def _describe(config: RecordingConfig) -> str:

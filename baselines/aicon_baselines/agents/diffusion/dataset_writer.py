@@ -41,6 +41,7 @@ def write_dataset(
         use_videos=False,
     )
 
+    # Frames belong to an episode by being added before it is saved.
     for episode in islice(episodes, config.episodes):
         for t in range(len(episode[ACTION])):
             frame = {feature: episode[feature][t] for feature in names}

@@ -44,7 +44,7 @@ def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
         action, memory = teacher.predict(observation, memory, ended)
         action = np.asarray(action, np.float32)
 
-        for row in np.flatnonzero(~ended):
+        for row in np.flatnonzero(~ended).tolist():
             frames[row].append(_make_frame(config, observation, action, row))
 
         observation, _, terminated, truncated, info = env.step(action)
@@ -70,7 +70,10 @@ def _make_env(config: RecordingConfig, index: int) -> PushTVectorEnv:
 
 def _make_teacher(config: RecordingConfig) -> Any:
     """Build the policy, whose lengths are in m."""
-    options = {"max_speed": PIXEL * config.max_speed, "law.smoothing": config.smoothing}
+    options: dict[str, Any] = {
+        "max_speed": PIXEL * config.max_speed,
+        "law.smoothing": config.smoothing,
+    }
     return make_policy("pusht", **options)
 
 
@@ -94,4 +97,9 @@ def _make_frame(
 
 
 def _stack_frames(frames: list[Demonstration]) -> Demonstration:
-    return {name: np.stack([frame[name] for frame in frames]) for name in frames[0]}
+    """Return the frames of an episode as arrays (T, ...)."""
+    episode = {}
+    for name in frames[0]:
+        episode[name] = np.stack([frame[name] for frame in frames])
+
+    return episode

@@ -69,6 +69,7 @@ def train(
     if checkpoint < 1:
         raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
 
+    # 1. What is learned from, and what has been learned before.
     frames = read_frames(data, config.observation)
     folder.mkdir(parents=True, exist_ok=True)
     _save_config(config, folder)
@@ -77,6 +78,7 @@ def train(
     if (folder / _STATE).exists():
         learner.load(folder / _STATE)
 
+    # 2. What is missing.
     deadline = None if stop_after is None else time.monotonic() + 60.0 * stop_after
     _learn(learner, config.steps, folder, checkpoint, deadline, report)
     return learner.step
@@ -100,6 +102,7 @@ def _learn(
             logger.add(learner.step, loss, learner.learning_rate)
             bar.update()
 
+            # Saved now and then, and before every end.
             stopped = deadline is not None and time.monotonic() > deadline
             if learner.step % checkpoint == 0 or learner.step == steps or stopped:
                 learner.save(folder / _STATE, folder / POLICY)

@@ -107,6 +107,7 @@ class Agent:
         """Take the readings that the agent knows; others, such as the goal, it does not see."""
         expected = {name: shape for name, shape in self._shapes.items() if name not in _DERIVED}
 
+        # Other objects have other numbers of keypoints.
         for name, shape in expected.items():
             if name not in observation or observation[name].shape[1:] != shape:
                 offered = {key: value.shape[1:] for key, value in observation.items()}

@@ -97,6 +97,7 @@ def load_algorithm(folder: Path, config: TrainingConfig) -> BaseAlgorithm:
 
     try:
         return algorithm.load(str(folder / AGENT), device="cpu")
+    # What unpacking, unpickling and rebuilding raise where the file holds something else.
     except (
         ValueError,
         TypeError,
@@ -139,6 +140,7 @@ def _parse_config(path: Path) -> tuple[TrainingConfig, Shapes]:
 def _unpickle_statistics(path: Path) -> VecNormalize:
     try:
         statistics = pickle.loads(path.read_bytes())
+    # What unpickling raises where the file holds something else.
     except (
         pickle.UnpicklingError,
         EOFError,

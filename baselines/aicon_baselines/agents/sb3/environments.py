@@ -69,6 +69,7 @@ def _make_env(config: TrainingConfig) -> Monitor[Any, Any]:
         disable_env_checker=True,
     )
 
+    # The reward is that of the task's own readings, whatever the agent sees.
     if config.task == "pusht":
         env = ShapedReward(env, config.approach)
     if config.reach is not None:

@@ -52,9 +52,11 @@ def train(
     if checkpoint < 1:
         raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
 
+    # 1. What is trained, and the environments that it is trained in.
     resumes = (folder / CONFIG).exists()
     model, statistics = _resume(config, folder) if resumes else _begin(config)
 
+    # 2. What is missing.
     missing_steps = config.steps - model.num_timesteps
     if missing_steps > 0:
         _learn(model, missing_steps, statistics, config, folder, checkpoint, report)
