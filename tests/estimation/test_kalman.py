@@ -77,7 +77,9 @@ def test_on_a_linear_system_it_is_the_textbook_s_kalman_filter(
 ) -> None:
     rng = np.random.default_rng(0)
     steps, rows = 30, math.prod(batch)
-    recorded = {name: rng.normal(size=(steps, rows, n)) for name, n in (("a", 1), ("z1", 1), ("z2", 2))}
+    recorded = {
+        name: rng.normal(size=(steps, rows, n)) for name, n in (("a", 1), ("z1", 1), ("z2", 2))
+    }
 
     node: EKF = make()
     prior = node.initial({})
