@@ -36,9 +36,9 @@ def module_of(package: str, file: Path) -> str:
 
 
 def imports(tree: ast.AST) -> Iterator[tuple[str, ast.stmt]]:
-    """Each imported module, with its statement, wherever it stands.
+    """What is imported, with its statement, wherever it stands: in functions and branches, too.
 
-    In functions and branches, too.
+    ``from a.b import c`` imports ``a.b.c``, a module or something that ``a.b`` holds.
     """
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -46,9 +46,7 @@ def imports(tree: ast.AST) -> Iterator[tuple[str, ast.stmt]]:
                 yield alias.name, node
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"line {node.lineno}: a relative import"
-            assert node.module is not None
-            yield node.module, node
-            for alias in node.names:  # each name may be a module
+            for alias in node.names:
                 yield f"{node.module}.{alias.name}", node
 
 
@@ -86,9 +84,9 @@ def test_only_the_compiler_is_imported_lazily() -> None:
 
     for module, tree in trees("aicon_torch").items():
         for imported, node in imports(tree):
-            is_statement = isinstance(node, ast.Import) or imported == node.module
-            if is_statement and node not in tree.body:
-                found.add((module, imported))
+            if node not in tree.body:
+                source = node.module if isinstance(node, ast.ImportFrom) else imported
+                found.add((module, str(source)))
 
     assert found == LAZY
 
@@ -99,8 +97,10 @@ def dependencies() -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
 
     for module, tree in library.items():
-        imported = {name for name, _ in imports(tree)}
-        found[module] = imported & library.keys()
+        found[module] = set()
+        for imported, _ in imports(tree):
+            package, _, _ = imported.rpartition(".")
+            found[module] |= {imported} & library.keys() or {package} & library.keys()
 
     return found
 

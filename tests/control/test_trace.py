@@ -114,6 +114,22 @@ def test_the_cosine_is_that_of_leader_and_opponent() -> None:
     assert explored
 
 
+@pytest.mark.parametrize(("preset", "quantity"), [("potential_field", "x_rob"), ("steepest", "a")])
+def test_without_exploration_the_opponent_is_the_second_strongest(
+    preset: str, quantity: str
+) -> None:
+    policy = navigation(preset)
+    memory = rollout(policy, drifting(10, (3,)))[-1]
+    there = policy.trace(memory).quantities[quantity]
+
+    first, second, _ = there.strengths.argsort(descending=True).unbind(-1)
+    assert torch.equal(there.leader, first)
+    assert torch.equal(there.opponent, second)
+
+    pair = there.gradients.take_along_dim(torch.stack((first, second), dim=-1)[..., None], dim=-2)
+    torch.testing.assert_close(there.cosine, torch.cosine_similarity(*pair.unbind(-2), dim=-1))
+
+
 @every_rule
 @given(blueprint=graphs())
 def test_there_is_a_trace_wherever_gradients_met_and_for_every_actuator(
