@@ -22,8 +22,9 @@ class ContactDynamics:
     A push along the inward normal n with the lever λ = (x_contact − c) × n moves an object with
     radius of gyration r by (n, λ/r²)/(1 + (λ/r)²) for each metre, if it slides without friction at
     the contact and stops at once. As the effect Δ of a contact this direction counts at unit
-    length, (n, λ/r²)/√(1 + (Lλ/r²)²), and moves the object by Σᵢ pᵢ s Δᵢ. In the text Δ is (n, α/L),
-    with the angle α between the normal and the line to the centre; ``"sine"`` has sin α for α.
+    length, (n, λ/r²)/√(1 + (Lλ/r²)²), and all contacts move the object by s Σᵢ pᵢ Δᵢ. In the text Δ
+    is (n, α/L), with the angle α between the normal and the line to the centre; ``"sine"`` has
+    sin α for α.
 
     Attributes:
         body: The object.
