@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, NamedTuple, cast
+from typing import Literal, NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -22,6 +22,13 @@ STEERED_COMPONENTS: Mapping[Steering, tuple[bool, ...]] = MappingProxyType(
     }
 )
 """Components of x_ee that move in order to see better: height and heading, the tilt too, or all."""
+
+
+LARGEST_GROWTH = 1e5
+"""Of a variance toward the edge of the image, so that it stays a number far outside."""
+
+NEAREST = 0.05
+"""Least depth that an object is taken to have, m: one behind the camera is then far outside the image."""
 
 
 class Intrinsics(NamedTuple):
@@ -55,6 +62,9 @@ class CameraFrame(nn.Module):
         OptionError: If there is no such steering.
     """
 
+    steered: Tensor
+    mount: Tensor
+
     def __init__(self, pose: ToolPose, mount: Transform, steering: Steering = "all") -> None:
         super().__init__()
         if steering not in STEERED_COMPONENTS:
@@ -67,12 +77,12 @@ class CameraFrame(nn.Module):
     def forward(self, x_ee: Tensor) -> Tensor:
         """x_cam ``(*B, 12)`` where the end effector is, ``(*B, 6)``, m."""
         # No gradient reaches the other components: they do not move in order to see better.
-        x_ee = torch.where(cast(Tensor, self.steered), x_ee, x_ee.detach())
-        mount = cast(Tensor, self.mount).to(x_ee)
+        x_ee = torch.where(self.steered, x_ee, x_ee.detach())
         rotation, origin = self.pose.to_frame(x_ee)
 
-        position = origin + (rotation @ mount[:, 3:]).squeeze(-1)
-        return torch.cat(((rotation @ mount[:, :3]).flatten(-2), position), dim=-1)
+        mount_rotation, mount_position = self.mount.to(x_ee).split([3, 1], dim=-1)
+        position = origin + (rotation @ mount_position).squeeze(-1)
+        return torch.cat(((rotation @ mount_rotation).flatten(-2), position), dim=-1)
 
 
 def split_frame(x_cam: Tensor) -> tuple[Tensor, Tensor]:
@@ -109,16 +119,19 @@ class Visibility:
         """The variances ``(*B, 3)`` of an object at (x, y, θ) ``(*B, 3)``, seen from ``(*B, 12)``."""
         u, v = self.image_point(x_pose, x_cam)
         factor = 1 + self.edge_growth * (u**4 + v**4)
-        return x_cam.new_tensor(self.variances) * factor.clamp(max=1e5).unsqueeze(-1)
+        variances = x_cam.new_tensor(self.variances)
+        return variances * factor.clamp(max=LARGEST_GROWTH).unsqueeze(-1)
 
     def image_point(self, x_pose: Tensor, x_cam: Tensor) -> tuple[Tensor, Tensor]:
-        """Where the object's centre is in the image, ``(*B,)`` each, in halves of its size from the middle."""
-        rotation, position = split_frame(x_cam)
+        """The image of the object's centre, ``(*B,)`` each, in halves of its size from the middle."""
+        # The object does not follow the camera, so only the camera's part of the derivative counts.
         height = torch.full_like(x_pose[..., :1], self.height)
-        center = torch.cat((x_pose[..., :2].detach(), height), dim=-1)  # it does not follow the camera
+        center = torch.cat((x_pose[..., :2].detach(), height), dim=-1)
 
-        x, y, z = ((center - position).unsqueeze(-2) @ rotation).squeeze(-2).unbind(-1)
-        z = z.clamp(min=0.05)  # m, an object behind the camera is far outside the image
+        rotation, position = split_frame(x_cam)
+        seen = ((center - position).unsqueeze(-2) @ rotation).squeeze(-2)
+        x, y, z = seen.unbind(-1)
+        z = z.clamp(min=NEAREST)
 
-        focal, _, _, width, height_px = self.intrinsics
-        return 2 * focal * x / (z * width), 2 * focal * y / (z * height_px)
+        focal, width = self.intrinsics.focal, self.intrinsics.width
+        return 2 * focal * x / (z * width), 2 * focal * y / (z * self.intrinsics.height)

@@ -6,13 +6,12 @@ packages. docs/arm.md has the figures.
 """
 
 from collections.abc import Sequence
-from typing import cast
 
 import torch
 from torch import Tensor, nn
 
 Transform = Sequence[Sequence[float]]
-"""The first three rows of a homogeneous transform, m."""
+"""The first three rows of a homogeneous transform, with its position in m."""
 
 
 class Chain(nn.Module):
@@ -30,6 +29,11 @@ class Chain(nn.Module):
         >>> chain = Chain(PANDA.frames, PANDA.tool)
         >>> tool = chain.frames(q)[..., -1, :, :]
     """
+
+    constant: Tensor
+    by_cos: Tensor
+    by_sin: Tensor
+    tool: Tensor
 
     def __init__(self, fixed: Sequence[Transform], tool: Transform) -> None:
         super().__init__()
@@ -52,22 +56,24 @@ class Chain(nn.Module):
         Returns:
             ``(*B, n + 1, 4, 4)`` in the frame of the base, m.
         """
-        constant = cast(Tensor, self.constant).to(x_joints)
-        by_cos, by_sin = cast(Tensor, self.by_cos).to(x_joints), cast(Tensor, self.by_sin).to(x_joints)
-        cos, sin = torch.cos(x_joints)[..., None, None], torch.sin(x_joints)[..., None, None]
-        local = constant + cos * by_cos + sin * by_sin
+        # Each link in the frame of the one before it.
+        q = x_joints[..., None, None]
+        turning = torch.cos(q) * self.by_cos.to(q) + torch.sin(q) * self.by_sin.to(q)
+        local = self.constant.to(q) + turning
 
-        first, *others = local.unbind(-3)
-        frames = [first]
+        # Each link in the frame of the base.
+        frame, *others = local.unbind(-3)
+        frames = [frame]
         for step in others:
-            frames.append(frames[-1] @ step)
+            frame = frame @ step
+            frames.append(frame)
 
-        tool = frames[-1] @ cast(Tensor, self.tool).to(x_joints)
-        return torch.stack((*frames, tool), dim=-3)
+        frames.append(frame @ self.tool.to(q))
+        return torch.stack(frames, dim=-3)
 
 
 def _homogeneous(rows: Transform) -> Tensor:
     """The transform ``(4, 4)`` whose first rows these are."""
     transform = torch.eye(4, dtype=torch.float64)
-    transform[:3] = torch.tensor([list(row) for row in rows[:3]], dtype=torch.float64)
+    transform[:3] = torch.tensor(rows[:3], dtype=torch.float64)
     return transform

@@ -1,7 +1,7 @@
 """The end effector: its pose as six lengths, and how a gradient goes from there to the joints."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal, get_args
 
 import torch
 from torch import Tensor, nn
@@ -17,9 +17,9 @@ Pullback = Literal["natural", "transpose"]
 class ToolPose:
     """x_ee: the pose of a long tool that points down, as six lengths ``(*B, 6)``, m.
 
-    They are the position (x, y, z) of the tip, the tilt L·(x, y) of the tool's z axis, and the heading
-    L·ψ of its x axis in the plane, where ψ = atan2 of that axis. With one unit for all six, gradients
-    of positions and of angles can be compared.
+    They are the position (x, y, z) of the tip, the tilt L·(x, y) of the tool's z axis, and the
+    heading L·ψ of its x axis, ψ being the angle of that axis in the plane. As all six have one unit,
+    gradients of positions and of angles can be compared.
 
     Attributes:
         length: Distance of the tip from the origin of the tool along its z axis, m.
@@ -56,10 +56,10 @@ class ToolPose:
 class EndEffector(nn.Module):
     """x_ee of a chain, and which joint gradient stands for a gradient of x_ee.
 
-    A gradient h says where x_ee is to go. ``"natural"`` asks for the joints that take it there, along
-    J⁺h, the steepest descent in the metric of the table: see :meth:`natural_gradient`. ``"transpose"``
-    is the chain rule to the letter, Jᵀh, the steepest descent in the metric of the joints, whose motion
-    of the tip points up to 40° away from h.
+    A gradient h says where x_ee is to go. ``"natural"`` asks for the joints that take it there,
+    along J⁺h, the steepest descent in the metric of the table: see :meth:`natural_gradient`.
+    ``"transpose"`` is the chain rule to the letter, Jᵀh, the steepest descent in the metric of the
+    joints, whose motion of the tip points up to 40° away from h.
 
     Args:
         chain: From the joints to the tool.
@@ -89,8 +89,8 @@ class EndEffector(nn.Module):
         """x_ee ``(*B, 6)``, m, at the joint angles ``(*B, n)``, rad."""
         if self.pullback == "transpose" or not x_joints.requires_grad:
             return self.at(self.chain.frames(x_joints))
-        x_ee = _NaturalPullback.apply(x_joints, self)  # type: ignore[no-untyped-call]  # torch leaves apply untyped
-        return cast(Tensor, x_ee)
+        x_ee: Tensor = _NaturalPullback.apply(x_joints, self)  # type: ignore[no-untyped-call]
+        return x_ee
 
     def jacobian(self, x_joints: Tensor) -> Tensor:
         """J = ∂x_ee/∂q, ``(*B, 6, n)``, m/rad, at the joint angles ``(*B, n)``."""

@@ -1,7 +1,6 @@
 """Joint limits as a goal."""
 
 from collections.abc import Sequence
-from typing import cast
 
 import torch
 from torch import Tensor, nn
@@ -24,6 +23,9 @@ class JointLimits(nn.Module):
         >>> Goal("joint_limits", JointLimits(low=(-2.9, -1.8), high=(2.9, 1.8), cost=cost))
     """
 
+    low: Tensor
+    high: Tensor
+
     def __init__(self, low: Sequence[float], high: Sequence[float], cost: SquaredHinge) -> None:
         super().__init__()
         self.cost = cost
@@ -32,5 +34,5 @@ class JointLimits(nn.Module):
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """The cost ``(*B,)`` of the joint angles ``(*B, n)``, rad."""
-        low, high = cast(Tensor, self.low).to(x_joints), cast(Tensor, self.high).to(x_joints)
-        return self.cost(torch.minimum(x_joints - low, high - x_joints))
+        to_low, to_high = x_joints - self.low.to(x_joints), self.high.to(x_joints) - x_joints
+        return self.cost(torch.minimum(to_low, to_high))

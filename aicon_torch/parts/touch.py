@@ -4,7 +4,6 @@ Both measurements are implicit: they say nothing unless a force is felt, then th
 """
 
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor, nn
@@ -13,7 +12,6 @@ from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.rigid_object import RigidObject
-from aicon_torch.vectors import select
 
 GRAVITY = 9.81
 """m/s²"""
@@ -30,16 +28,20 @@ class ContactForce(nn.Module):
         mass: Mass of all that the sensor carries, kg.
     """
 
+    weight: Tensor
+
     def __init__(self, pose: ToolPose, mass: float) -> None:
         super().__init__()
         self.pose = pose
-        self.register_buffer("weight", torch.tensor((0.0, 0.0, GRAVITY * mass), dtype=torch.float64))
+        weight = (0.0, 0.0, GRAVITY * mass)
+        self.register_buffer("weight", torch.tensor(weight, dtype=torch.float64))
 
     def forward(self, z_ft: Tensor, x_ee: Tensor) -> Tensor:
         """The force, from the reading ``(*B, 6)`` in the frame of the tool, N and Nm."""
-        rotation, _ = self.pose.to_frame(x_ee.detach())  # the arm does not turn for the sake of a reading
-        force = z_ft[..., :3, None]
-        return cast(Tensor, self.weight).to(z_ft) - (rotation @ force).squeeze(-1)
+        # The arm does not turn for the sake of a reading.
+        rotation, _ = self.pose.to_frame(x_ee.detach())
+        force = (rotation @ z_ft[..., :3, None]).squeeze(-1)
+        return self.weight.to(z_ft) - force
 
 
 @dataclass(frozen=True)
@@ -77,18 +79,18 @@ class TouchedSide:
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor) -> Tensor:
         """The gap ``(*B, 1)``, m, between an object at ``(*B, 3)`` and a tool at ``(*B, 2)``."""
-        # The pose of the object is to follow from the touch, not the tool.
-        pusher = x_pusher.detach().unsqueeze(-2)
+        pusher = x_pusher.detach()  # the pose of the object is to follow from the touch, not the tool
         sides = self.body.sides(self.body.keypoints_at(x_pose))
-        points = closest_point(pusher, sides)
+        points = closest_point(pusher.unsqueeze(-2), sides)
 
-        nearest = norm(points - pusher).argmin(-1, keepdim=True)
-        distance = norm(select(points, nearest) - pusher.squeeze(-2))
-        return distance.unsqueeze(-1) - self.radius
+        distances = norm(points - pusher.unsqueeze(-2))
+        nearest = distances.argmin(-1, keepdim=True)
+        return distances.gather(-1, nearest) - self.radius
 
     def variance(self, x_force: Tensor) -> Tensor:
-        """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²: beyond use where there is none."""
-        likelihood = self.push(norm(x_force.detach()[..., :2]))  # nothing is pushed in order to feel
+        """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²: of no use where there is none."""
+        force = x_force[..., :2].detach()  # nothing is pushed in order to feel
+        likelihood = self.push(norm(force))
         return (self.deviation / likelihood).square().unsqueeze(-1)
 
 
@@ -110,5 +112,5 @@ class TouchedTop:
 
     def variance(self, x_force: Tensor) -> Tensor:
         """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²."""
-        likelihood = self.push(x_force[..., 2:3].detach())  # nothing is pushed in order to feel
-        return (self.deviation / likelihood).square()
+        force = x_force[..., 2:3].detach()  # nothing is pushed in order to feel
+        return (self.deviation / self.push(force)).square()

@@ -12,8 +12,8 @@ from aicon_torch.parts.hinge import SquaredHinge
 class Workspace:
     """g = w max(0, 1 − m/m₀)², where m is the distance of the tip to a circle about the base.
 
-    At the edge the arm is straight: it cannot go on, and comes back with the elbow bent the other way,
-    toward a stop.
+    At the edge the arm is straight: it cannot go on, and comes back with the elbow bent the other
+    way, toward a stop.
 
     Attributes:
         radius: Radius of the circle, m.

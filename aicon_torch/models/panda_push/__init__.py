@@ -1,6 +1,6 @@
 """The model "panda_push": an arm that pushes an object to a pose, by a camera in its hand."""
 
-from aicon_torch.models.panda_push.graph import build, end_effector, world_model
+from aicon_torch.models.panda_push.graph import build, camera_perception, world_model
 from aicon_torch.models.panda_push.options import (
     CameraOptions,
     MotionLimitOptions,
@@ -10,6 +10,7 @@ from aicon_torch.models.panda_push.options import (
 from aicon_torch.models.panda_push.perception import CameraPerception
 from aicon_torch.models.panda_push.presets import PRESETS
 from aicon_torch.models.panda_push.robot import PANDA, Robot
+from aicon_torch.models.panda_push.scene import end_effector
 
 __all__ = [
     "PANDA",
@@ -21,6 +22,7 @@ __all__ = [
     "Robot",
     "TouchOptions",
     "build",
+    "camera_perception",
     "end_effector",
     "world_model",
 ]
