@@ -28,7 +28,7 @@ LARGEST_GROWTH = 1e5
 """Of a variance toward the edge of the image, so that it stays a number far outside."""
 
 NEAREST = 0.05
-"""Least depth that an object is taken to have, m: one behind the camera is then far outside the image."""
+"""Least depth that an object is taken to have, m: behind the camera it is far off the image."""
 
 
 class Intrinsics(NamedTuple):
@@ -50,13 +50,13 @@ class Intrinsics(NamedTuple):
 
 
 class CameraFrame(nn.Module):
-    """x_cam: rotation (row by row) and position of a camera that is fixed to the tool, ``(*B, 12)``.
+    """x_cam: rotation (row by row) and position of a camera fixed to the tool, ``(*B, 12)``, m.
 
     Args:
         pose: From x_ee to the frame of the tool.
         mount: The camera in the tool: z into the image, x to its right, y down.
-        steering: What moves in order to see better: see :data:`STEERED_COMPONENTS`. The paper's text
-            leaves it to all components.
+        steering: What moves in order to see better: see :data:`STEERED_COMPONENTS`. The paper's
+            text leaves it to all components.
 
     Raises:
         OptionError: If there is no such steering.
@@ -80,7 +80,7 @@ class CameraFrame(nn.Module):
         x_ee = torch.where(self.steered, x_ee, x_ee.detach())
         rotation, origin = self.pose.to_frame(x_ee)
 
-        mount_rotation, mount_position = self.mount.to(x_ee).split([3, 1], dim=-1)
+        mount_rotation, mount_position = torch.split(self.mount.to(x_ee), [3, 1], dim=-1)
         position = origin + (rotation @ mount_position).squeeze(-1)
         return torch.cat(((rotation @ mount_rotation).flatten(-2), position), dim=-1)
 
@@ -100,8 +100,8 @@ def to_world(x_cam: Tensor, points: Tensor) -> Tensor:
 class Visibility:
     """The variance of what is seen, which grows toward the edge of the image and beyond it.
 
-    At (u, v), the image of the object's centre in half widths and half heights from the middle, it is
-    σ² (1 + k (u⁴ + v⁴)).
+    Where the image of the object's centre is at (u, v), in half widths and half heights from the
+    middle, it is σ² (1 + k (u⁴ + v⁴)).
 
     Attributes:
         intrinsics: Of the camera.
@@ -116,14 +116,14 @@ class Visibility:
     height: float
 
     def __call__(self, x_pose: Tensor, x_cam: Tensor) -> Tensor:
-        """The variances ``(*B, 3)`` of an object at (x, y, θ) ``(*B, 3)``, seen from ``(*B, 12)``."""
+        """The variances ``(*B, 3)`` of a pose ``(*B, 3)``, seen by a camera ``(*B, 12)``."""
         u, v = self.image_point(x_pose, x_cam)
         factor = 1 + self.edge_growth * (u**4 + v**4)
         variances = x_cam.new_tensor(self.variances)
         return variances * factor.clamp(max=LARGEST_GROWTH).unsqueeze(-1)
 
     def image_point(self, x_pose: Tensor, x_cam: Tensor) -> tuple[Tensor, Tensor]:
-        """The image of the object's centre, ``(*B,)`` each, in halves of its size from the middle."""
+        """(u, v): where the image of the object's centre is, ``(*B,)`` each."""
         # The object does not follow the camera, so only the camera's part of the derivative counts.
         height = torch.full_like(x_pose[..., :1], self.height)
         center = torch.cat((x_pose[..., :2].detach(), height), dim=-1)

@@ -17,9 +17,9 @@ Transform = Sequence[Sequence[float]]
 class Chain(nn.Module):
     """A serial chain: after a fixed transform Fᵢ, link i turns about its own z axis by qᵢ.
 
-    Link i is at Tᵢ = Tᵢ₋₁ Fᵢ R_z(qᵢ) in the frame of the base (T₀ = I), and the tool, which is fixed
-    to the last link, at Tₙ F_tool. Each Fᵢ R_z(qᵢ) is affine in (cos qᵢ, sin qᵢ), so those of all
-    joints are built at once.
+    Link i is at Tᵢ = Tᵢ₋₁ Fᵢ R_z(qᵢ) in the frame of the base (T₀ = I), and the tool, which is
+    fixed to the last link, at Tₙ F_tool. Each Fᵢ R_z(qᵢ) is affine in (cos qᵢ, sin qᵢ), so those of
+    all joints are built at once.
 
     Args:
         fixed: Fᵢ for each of the n joints.
@@ -38,7 +38,7 @@ class Chain(nn.Module):
     def __init__(self, fixed: Sequence[Transform], tool: Transform) -> None:
         super().__init__()
         transforms = torch.stack([_homogeneous(transform) for transform in fixed])
-        x, y, z, position = transforms.split(1, dim=-1)
+        x, y, z, position = torch.split(transforms, 1, dim=-1)
         zero = torch.zeros_like(x)
 
         # F R_z(q) = [z and position] + cos q [x, y] + sin q [y, −x], column by column.

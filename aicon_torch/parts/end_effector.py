@@ -18,8 +18,8 @@ class ToolPose:
     """x_ee: the pose of a long tool that points down, as six lengths ``(*B, 6)``, m.
 
     They are the position (x, y, z) of the tip, the tilt L·(x, y) of the tool's z axis, and the
-    heading L·ψ of its x axis, ψ being the angle of that axis in the plane. As all six have one unit,
-    gradients of positions and of angles can be compared.
+    heading L·ψ of its x axis, ψ being the angle of that axis in the plane. All six have one unit,
+    so gradients of positions and of angles can be compared.
 
     Attributes:
         length: Distance of the tip from the origin of the tool along its z axis, m.

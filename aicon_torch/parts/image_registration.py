@@ -31,9 +31,11 @@ SAMPLE_INSET = 0.008
 SEARCH_EDGE_POINTS = 60
 """About how many edge points a search uses."""
 
-FAR_EDGE, NEAR_EDGE = 0.04, 0.01
-"""Distance of an edge point, m, beyond which it counts less: at first, and later, when what is far off
-belongs to something else."""
+FIRST_SCALE = 0.04
+"""Distance of an edge point beyond which it hardly counts in the first half of a fit, m."""
+
+LAST_SCALE = 0.01
+"""That distance in the second half, m: what is far off then belongs to something else."""
 
 
 class Detection(NamedTuple):
@@ -108,7 +110,7 @@ class ImageRegistration:
         """Gauss-Newton on the distance of edge points to the nearest side of the outline."""
         pose = np.array(start, dtype=np.float64)
         for iteration in range(self.rounds):
-            scale = FAR_EDGE if iteration < self.rounds // 2 else NEAR_EDGE
+            scale = FIRST_SCALE if iteration < self.rounds // 2 else LAST_SCALE
             step = self._gauss_newton_step(pose, face.edges, scale)
             pose += step
             if np.abs(step).max() < 1e-5:
@@ -129,12 +131,13 @@ class ImageRegistration:
         weighted = (jacobian * weight[:, None]).T
 
         damping = np.diag([1e-3, 1e-3, 1e-5])
-        step: Array = np.linalg.solve(weighted @ jacobian + damping, weighted @ distance)
+        step = np.linalg.solve(weighted @ jacobian + damping, weighted @ distance)
         largest = np.array([0.03, 0.03, 0.3])  # m, m, rad
-        return np.clip(step, -largest, largest)
+        bounded: Array = np.clip(step, -largest, largest)
+        return bounded
 
     def score(self, pose: Array, image: RGBDImage, face: TopFace) -> float:
-        """The least of three shares: edges on the outline, surface inside it, and its inside seen."""
+        """The least of three shares: edges on the outline, surface inside it, its inside seen."""
         corners = self.placed(pose)
         distance, _ = signed_distance(face.edges, corners)
         on_outline = float((np.abs(distance) < FIT_TOLERANCE).mean())

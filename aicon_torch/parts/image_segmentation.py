@@ -59,7 +59,7 @@ class TopFaceSegmentation:
 
     Attributes:
         intrinsics: Of the camera.
-        fewest: Least number of edge points, and half of that of surface points.
+        fewest: Least number of points on the edges; on the surface there must be twice as many.
     """
 
     intrinsics: Intrinsics
@@ -71,7 +71,7 @@ class TopFaceSegmentation:
         if colored.sum() < self.fewest:
             return None
 
-        # The top is where the depth says that most of it is, and where it is as bright as most of it.
+        # The top is where most of the object is, by its depth and its brightness.
         height, face = self._face(image, colored)
         rows, columns = np.nonzero(face)
         if len(rows) < self.fewest:
@@ -121,9 +121,7 @@ class TopFaceSegmentation:
         edges = np.concatenate(points)
         return thin(edges, MOST_EDGE_POINTS)
 
-    def _on_plane(
-        self, u: NDArray[Any], v: NDArray[Any], image: RGBDImage, height: float
-    ) -> Array:
+    def _on_plane(self, u: NDArray[Any], v: NDArray[Any], image: RGBDImage, height: float) -> Array:
         """Where the rays through pixels meet the plane of a height, ``(n, 2)``, m."""
         rays = image.rotation @ self._rays(u, v)
         drop = height - image.position[2]

@@ -1,4 +1,4 @@
-"""Polygons in numpy: corners ``(N, 2)`` in order, clockwise or not, and points ``(n, 2)`` about them."""
+"""Polygons in numpy: corners ``(N, 2)`` in order, clockwise or not, and points about them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,9 @@ def signed_distance(points: Array, corners: Array) -> tuple[Array, Array]:
     """Distance of points to the nearest side, with a sign, and along what it is measured.
 
     Returns:
-        The distance along the normal of the side, ``(n,)``; beyond the end of a side this is less than
-        the distance to that end. And the unit normal, ``(n, 2)``: on the right of the side from its
-        start to its end.
+        The distance along the normal of the side, ``(n,)``, which beyond the end of the side is
+        less than the distance to that end; and the unit normal, ``(n, 2)``, on the right of the
+        side from its start to its end.
     """
     along, gaps = _gaps(points, corners)
     nearest = (gaps * gaps).sum(-1).argmin(1)
@@ -66,7 +66,7 @@ def _crossings(points: Array, corners: Array) -> NDArray[np.int_]:
 
 
 def _gaps(points: Array, corners: Array) -> tuple[Array, Array]:
-    """The sides as vectors ``(N, 2)``, and from the nearest point of each to each point, ``(n, N, 2)``."""
+    """The sides ``(N, 2)``, and from the nearest point of each to each point, ``(n, N, 2)``."""
     start, along = corners, np.roll(corners, -1, axis=0) - corners
     relative = points[:, None] - start
     share = ((relative * along).sum(-1) / (along * along).sum(-1)).clip(0.0, 1.0)

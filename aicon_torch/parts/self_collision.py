@@ -13,7 +13,7 @@ from aicon_torch.parts.planar import norm
 Point = tuple[float, float, float]
 
 FREE_LINKS = 2
-"""Links that are at most so far apart in the chain are not compared: neighbours always overlap."""
+"""Links at most so far apart in the chain are not compared: neighbours always overlap."""
 
 
 class Capsule(NamedTuple):
@@ -97,7 +97,7 @@ class SelfCollision(nn.Module):
         return self.cost(self.distances(x_body))
 
     def distances(self, x_body: Tensor) -> Tensor:
-        """The distance of each pair of capsules, ``(*B, pairs)``, m; negative where they overlap."""
+        """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
         return segment_distance(first, second) - self.radii.to(x_body)
 
@@ -105,12 +105,12 @@ class SelfCollision(nn.Module):
 def segment_distance(first: Tensor, second: Tensor) -> Tensor:
     """The distance ``(*B,)`` of segments (start, end) ``(*B, 6)``.
 
-    With the points p₁ + s d₁ and p₂ + t d₂: first the s that is nearest on the two lines, then t for
-    this s, then s for this t, each clamped to its segment (Ericson 2005, Real-Time Collision
+    With the points p₁ + s d₁ and p₂ + t d₂: first the s that is nearest on the two lines, then t
+    for this s, then s for this t, each clamped to its segment (Ericson 2005, Real-Time Collision
     Detection, Sect. 5.1.9).
     """
-    start_1, end_1 = first.split(3, dim=-1)
-    start_2, end_2 = second.split(3, dim=-1)
+    start_1, end_1 = torch.split(first, 3, dim=-1)
+    start_2, end_2 = torch.split(second, 3, dim=-1)
     direction_1, direction_2 = end_1 - start_1, end_2 - start_2
 
     # No derivative of s and t: there the distance is stationary, or they are clamped.
@@ -124,7 +124,7 @@ def segment_distance(first: Tensor, second: Tensor) -> Tensor:
 def _nearest_parameters(
     direction_1: Tensor, direction_2: Tensor, offset: Tensor
 ) -> tuple[Tensor, Tensor]:
-    """s and t ``(*B,)`` in [0, 1] of the nearest points, for directions and offset ``(*B, 3)``."""
+    """Where the nearest points are: s and t ``(*B,)`` in [0, 1], for vectors ``(*B, 3)``."""
     square_1, square_2 = _dot(direction_1, direction_1), _dot(direction_2, direction_2)
     product = _dot(direction_1, direction_2)
     along_1, along_2 = _dot(direction_1, offset), _dot(direction_2, offset)

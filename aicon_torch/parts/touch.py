@@ -1,6 +1,7 @@
 """A force-torque sensor at the wrist: what pushes against the tool, and what follows from it.
 
-Both measurements are implicit: they say nothing unless a force is felt, then that a distance is zero.
+Both measurements are implicit: where a force is felt they say that a distance is zero, and
+elsewhere nothing.
 """
 
 from dataclasses import dataclass
@@ -20,8 +21,9 @@ GRAVITY = 9.81
 class ContactForce(nn.Module):
     """x_force: what pushes against the tool, in the frame of the base, ``(*B, 3)``, N.
 
-    The sensor reads what the arm holds the tool with, its weight included. The forces on the tool at
-    rest add up to zero, so F = m g − R f with its mass m, its rotation R and the reading f.
+    The sensor reads what the arm holds the tool with, its weight included. The forces on a tool at
+    rest add up to zero, so F = m g − R f with its mass m, its rotation R and the reading f, where g
+    points up.
 
     Args:
         pose: From x_ee to the frame of the tool.
@@ -49,7 +51,7 @@ class ForceThreshold:
     """How likely a force is a push: p = σ((F − F₀)/w).
 
     Attributes:
-        force: F₀, the force at which it is as likely as not, N; a tool that is accelerated feels less.
+        force: F₀, at which a push is as likely as not, N; a tool that is accelerated feels less.
         width: w, N.
     """
 
@@ -63,7 +65,7 @@ class ForceThreshold:
 
 @dataclass(frozen=True)
 class TouchedSide:
-    """An implicit measurement: where a round tool feels a push, its gap to the nearest side is zero.
+    """An implicit measurement: where a tool feels a push, its gap to the nearest side is zero.
 
     Attributes:
         body: The object.
@@ -79,7 +81,9 @@ class TouchedSide:
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor) -> Tensor:
         """The gap ``(*B, 1)``, m, between an object at ``(*B, 3)`` and a tool at ``(*B, 2)``."""
-        pusher = x_pusher.detach()  # the pose of the object is to follow from the touch, not the tool
+        pusher = (
+            x_pusher.detach()
+        )  # the pose of the object is to follow from the touch, not the tool
         sides = self.body.sides(self.body.keypoints_at(x_pose))
         points = closest_point(pusher.unsqueeze(-2), sides)
 

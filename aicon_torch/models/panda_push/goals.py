@@ -27,7 +27,13 @@ class CertainPush:
     tolerance: float
 
     def __call__(self, x_obj: Tensor, x_target: Tensor, P_pose: Tensor) -> Tensor:
-        """The cost ``(*B,)``, m, of two poses ``(*B, 3)`` and a covariance ``(*B, 3, 3)``, m and rad."""
+        """The cost ``(*B,)``, m.
+
+        Args:
+            x_obj: The object's pose, ``(*B, 3)``, m and rad.
+            x_target: Its target, likewise.
+            P_pose: Covariance of the pose, ``(*B, 3, 3)``.
+        """
         x, y, angle = P_pose.diagonal(dim1=-2, dim2=-1).unbind(-1)
         trace = x + y + self.rotation_length**2 * angle
 

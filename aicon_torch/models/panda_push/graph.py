@@ -1,7 +1,7 @@
 """Pushing with an arm (Sect. "Real-World Transfer: Handling Additional Goal Conflicts").
 
-The contact-based dynamics model is that of pushT. Added to it are the joints, the kinematics and the
-goals of height, joint limits and self-collision. All gradients reach the joints through the
+The contact-based dynamics model is that of pushT. Added to it are the joints, the kinematics and
+the goals of height, joint limits and self-collision. All gradients reach the joints through the
 kinematics.
 """
 

@@ -1,8 +1,8 @@
 """Limits of the arm's motion. They are ours: the text has none.
 
-The tip keeps the limits of a pusher near contact. Like them these are bounds on the next displacement
-that follow from where things are now, and they act on the joints by the least motion that takes away
-what goes beyond.
+The tip keeps the limits of a pusher near contact. Like them these are bounds on the next
+displacement that follow from where things are now, and they act on the joints by the least motion
+that takes away what goes beyond.
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ from aicon_torch.parts.end_effector import EndEffector
 class ArmLimits(nn.Module):
     """The joint velocities within the limits of the tip and of the joints.
 
-    1. In the plane the tip moves at most at its speed, up and down and in tilt at most at a quarter of it,
-       in heading at half of it (all in m/s, see :class:`aicon_torch.parts.end_effector.ToolPose`).
+    1. In the plane the tip moves at most at its speed, up and down and in tilt at most at a quarter
+       of it, in heading at half of it (in m/s: :class:`aicon_torch.parts.end_effector.ToolPose`).
     2. In the plane the tip keeps the limits near contact over the next `horizon`, if there are any.
     3. The tip moves toward its height no faster than it would arrive within `settling_time`.
     4. No joint is faster than its limit, the direction kept.
@@ -75,7 +75,7 @@ class ArmLimits(nn.Module):
         wish = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
 
         # The motion of the end effector within its limits, by component.
-        planar, rise, tilt, turn = wish.split([2, 1, 2, 1], dim=-1)
+        planar, rise, tilt, turn = torch.split(wish, [2, 1, 2, 1], dim=-1)
         planar = shorten(planar, self.tip_speed)
         rise = shorten(rise, self.tip_speed / 4)
         tilt = shorten(tilt, self.tip_speed / 4)
@@ -94,7 +94,7 @@ class ArmLimits(nn.Module):
         return a / excess.clamp(min=1.0)
 
     def _settle(self, rise: Tensor, x_heights: Tensor) -> Tensor:
-        """A vertical speed ``(*B, 1)``, m/s, that arrives at the height no sooner than it should."""
+        """A vertical speed ``(*B, 1)``, m/s, that arrives at the height not too soon."""
         arrival = -x_heights / self.settling_time
         slower = torch.minimum(rise.abs(), arrival.abs()) * rise.sign()
         return torch.where(arrival * rise > 0, slower, rise)
@@ -103,4 +103,5 @@ class ArmLimits(nn.Module):
 def shorten(vectors: Tensor, longest: float) -> Tensor:
     """The vectors ``(*B, d)``, those that are longer than a length brought to it."""
     length = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
-    return vectors * (longest / length.clamp(min=longest))
+    shortened: Tensor = vectors * (longest / length.clamp(min=longest))
+    return shortened

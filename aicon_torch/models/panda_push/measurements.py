@@ -1,4 +1,4 @@
-"""What the readings of the camera and of a tracker say of the object: residuals, zero if they agree."""
+"""What readings say of the object: residuals, which are zero where the two agree."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,16 @@ from aicon_torch.parts.rigid_object import RigidObject
 
 
 def keypoints_in_world(z_keypoints: Tensor, x_cam: Tensor) -> Tensor:
-    """Keypoints ``(*B, 3K)`` in the frame of a camera ``(*B, 12)``, in that of the base, ``(*B, K, 3)``, m.
+    """Keypoints from the frame of the camera into that of the base.
 
     The camera is held fixed: a reading leads no gradient anywhere.
+
+    Args:
+        z_keypoints: In the frame of the camera, ``(*B, 3K)``, m.
+        x_cam: The camera, ``(*B, 12)``.
+
+    Returns:
+        ``(*B, K, 3)``, m.
     """
     points = z_keypoints.reshape(*z_keypoints.shape[:-1], -1, 3)
     return to_world(x_cam.detach(), points)
@@ -59,7 +66,7 @@ class SeenKeypoints:
 
 
 def seen_middle(x_pose: Tensor, z_blob: Tensor, x_cam: Tensor) -> Tensor:
-    """The residual of the object's position and of the middle of what is seen of it, ``(*B, 2)``, m."""
+    """The residual of the object's position and the middle of what is seen, ``(*B, 2)``, m."""
     middle = keypoints_in_world(z_blob, x_cam)[..., 0, :2]
     return x_pose[..., :2] - middle
 

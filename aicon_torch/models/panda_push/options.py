@@ -1,7 +1,7 @@
 """Options of the arm's policy."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import torch
@@ -31,6 +31,20 @@ T_CORNERS: tuple[tuple[float, float], ...] = (
 )
 """Corners of the T about its centroid, m."""
 
+SIDE_FORCE = ForceThreshold(force=1.2, width=0.1)
+TOP_FORCE = ForceThreshold(force=2.0, width=0.15)
+
+CONTACT = ContactOptions(size=0.2)
+"""The contact model, as in pushT; only the T is larger, 0.2 m wide."""
+
+CONTACT_LIMITS = ContactLimitOptions(push=(1 / 240, 1 / 24), harm=1 / 120)
+"""Within the horizon the tip pushes less far than pushT's pusher, which is faster, in a step."""
+
+JOINT_LIMITS = SquaredHinge(margin=0.1, weight=0.5)
+SELF_COLLISION = SquaredHinge(margin=0.05, weight=0.05)
+WORKSPACE = SquaredHinge(margin=0.01, weight=0.1)
+"""Margins (rad, m, m) and weights (m) of the goals that keep the arm from its limits."""
+
 
 @dataclass(frozen=True)
 class CameraOptions:
@@ -41,9 +55,10 @@ class CameraOptions:
         edge_growth: By how much its variance grows toward the edge of the image: see
             :class:`aicon_torch.parts.camera.Visibility`.
         trust: Score below which a registration is no reading.
-        blob_noise: Standard deviation of the object's centre about the middle of what is seen of it, which
-            is the reading then, m.
-        steering: What moves in order to see better: see :class:`aicon_torch.parts.camera.CameraFrame`.
+        blob_noise: Standard deviation of the object's centre about the middle of what is seen of
+            it, which is the reading then, m.
+        steering: What moves in order to see better: see
+            :class:`aicon_torch.parts.camera.CameraFrame`.
         trace_weight: Weight of tr Σ in the goal "push", 1/m; 0 leaves it out.
         trace_tolerance: tr Σ that this goal leaves alone, m²; 0 in the text.
     """
@@ -78,9 +93,9 @@ class TouchOptions:
         top_deviation: Standard deviation of the height of its top, m.
     """
 
-    side: ForceThreshold = ForceThreshold(force=1.2, width=0.1)
+    side: ForceThreshold = SIDE_FORCE
     side_deviation: float = 1 / 60
-    top: ForceThreshold = ForceThreshold(force=2.0, width=0.15)
+    top: ForceThreshold = TOP_FORCE
     top_deviation: float = 1e-5**0.5
 
     def __post_init__(self) -> None:
@@ -140,10 +155,10 @@ class Options:
         expected_place: Where the object is expected before it is seen, (x, y), m.
         height: Height of the tip above the table, half the thickness of the object, m.
         height_tolerance: Deviation from it that the goal "height" leaves alone, m; 0 in the text.
-        upright_tolerance: Tilt of the stick that the goal "upright" leaves alone, rad; None leaves the
-            goal out, as the text does.
-        workspace: The goal that keeps the tip from the edge of the workspace (m); None leaves it out, as
-            the text does.
+        upright_tolerance: Tilt of the stick that the goal "upright" leaves alone, rad; None leaves
+            the goal out, as the text does.
+        workspace: The goal that keeps the tip from the edge of the workspace, margin in m; None
+            leaves it out, as the text does.
         joint_limits: The goal g₃, margin in rad; None leaves it out.
         self_collision: The goal g₄, margin in m; None leaves it out.
         lever: A rotation of the end effector by one rad counts as much as a motion by this, m.
@@ -152,8 +167,8 @@ class Options:
         damping: λ of the pseudo-inverse there, m/rad.
     """
 
-    resolution: Resolution = NullspaceProjection()
-    law: ActionLaw = ActionLaw()
+    resolution: Resolution = field(default_factory=NullspaceProjection)
+    law: ActionLaw = field(default_factory=ActionLaw)
     dtype: torch.dtype = torch.float64
     dt: float = 0.01
 
@@ -168,18 +183,16 @@ class Options:
     drift: float = 1 / 120
     expected_place: tuple[float, float] = (0.54, 0.0)
 
-    contact: ContactOptions = ContactOptions(size=0.2)
-    contact_limits: ContactLimitOptions | None = ContactLimitOptions(
-        push=(1 / 240, 1 / 24), harm=1 / 120
-    )
+    contact: ContactOptions = CONTACT
+    contact_limits: ContactLimitOptions | None = CONTACT_LIMITS
     limits: MotionLimitOptions = MotionLimitOptions()
 
     height: float = 0.02
     height_tolerance: float = 0.001
     upright_tolerance: float | None = 0.02
-    workspace: SquaredHinge | None = SquaredHinge(margin=0.01, weight=0.1)
-    joint_limits: SquaredHinge | None = SquaredHinge(margin=0.1, weight=0.5)
-    self_collision: SquaredHinge | None = SquaredHinge(margin=0.05, weight=0.05)
+    workspace: SquaredHinge | None = WORKSPACE
+    joint_limits: SquaredHinge | None = JOINT_LIMITS
+    self_collision: SquaredHinge | None = SELF_COLLISION
 
     lever: float = 0.2
     pullback: Pullback = "natural"
@@ -193,5 +206,7 @@ class Options:
         """
         check_choice(self, "sensing", get_args(Sensing))
         check_choice(self, "pullback", get_args(Pullback))
-        check_positive(self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping"))
+        check_positive(
+            self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping")
+        )
         check_not_negative(self, ("height_tolerance",))

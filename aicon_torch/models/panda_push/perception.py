@@ -24,8 +24,8 @@ STATE = ("image_age", "q", "dq")
 class CameraPerception:
     """Turns the images of a camera in the hand into keypoints in the camera's frame.
 
-    A new image is registered from the pose that the last step believes in. Without a registration that
-    fits, the middle of what is seen of the object is the reading. NaN says that there is none.
+    A new image is registered from the pose that the last step believes in. Without a registration
+    that fits, the middle of what is seen of the object is the reading. NaN says that there is none.
 
     Args:
         registration: Finds the object in an image.
@@ -49,9 +49,9 @@ class CameraPerception:
         """The observation with readings instead of images.
 
         Args:
-            observation: Images ``rgb`` ``(*B, H, W, 3)`` and ``depth`` ``(*B, H, W)`` (m), their age
-                ``image_age`` ``(*B, 1)`` (s), joint angles ``q`` ``(*B, n)`` (rad) and velocities ``dq``
-                (rad/s), and whatever else there is.
+            observation: Images ``rgb`` ``(*B, H, W, 3)`` and ``depth`` ``(*B, H, W)`` (m), their
+                age ``image_age`` ``(*B, 1)`` (s), joint angles ``q`` ``(*B, n)`` (rad) and
+                velocities ``dq`` (rad/s), and whatever else there is.
             values: The quantities of the last step; None at the first.
             starts: Rows ``(*B,)`` that begin anew; None if none does.
 
@@ -102,8 +102,8 @@ class CameraPerception:
             prior: The pose that is expected, (x, y, θ), ``(3,)``, m and rad; None if none is.
 
         Returns:
-            The corners of the object's top face ``(K, 3)``, or else the middle of what is seen of it
-            ``(3,)``, or neither, m.
+            The corners of the object's top face ``(K, 3)``, or else the middle of what is seen of
+            it ``(3,)``, or neither, m.
         """
         found = self.registration(image, prior)
         if found is None:
@@ -124,10 +124,8 @@ class CameraPerception:
         return camera
 
     @staticmethod
-    def _is_new(
-        age: NDArray[Any], values: Mapping[str, Tensor] | None, forgotten: Mask
-    ) -> Mask:
-        """Whether an image ``(*B,)`` was not yet read: else it is as much older as time has passed."""
+    def _is_new(age: NDArray[Any], values: Mapping[str, Tensor] | None, forgotten: Mask) -> Mask:
+        """Which images ``(*B,)`` are new: one that was read before is older than it was then."""
         age = age[..., 0]
         new: Mask = forgotten | (age <= 0)
         if values is not None:

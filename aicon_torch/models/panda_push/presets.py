@@ -13,4 +13,4 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "potential_field": {"resolution": Sum()},
     }
 )
-"""Options by the name of the preset: ours, the path of steepest descent (Eq. 2), plain backpropagation."""
+"""Options by preset: ours, the steepest path (Eq. 2), and plain backpropagation."""

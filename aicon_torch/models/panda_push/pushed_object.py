@@ -1,4 +1,4 @@
-"""The object's estimators: its pose and the height of its top, as they are seen and felt, or observed."""
+"""The object's estimators: its pose and the height of its top, seen and felt, or observed."""
 
 from typing import Any
 
@@ -95,8 +95,8 @@ def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]
 
     Args:
         scene: Whose object it is.
-        deviation: Standard deviation of the position, and of a point at the radius of gyration by the
-            rotation, m.
+        deviation: Standard deviation of the position, and of a point at the radius of gyration by
+            the rotation, m.
     """
     position = deviation**2
     return position, position, position / scene.body.radius_of_gyration**2

@@ -57,7 +57,7 @@ class Robot:
     """An arm with a stick and a camera in its hand.
 
     Attributes:
-        frames: For each joint the transform from the previous link; then the link turns about its z.
+        frames: For each joint the transform from the previous link; then the link turns about z.
         tool: That of the tool in the last link; z points along the stick.
         camera: That of the camera in the tool: z into the image, x to its right, y down.
         intrinsics: Of the camera.

@@ -1,4 +1,4 @@
-"""What the estimators of one graph share: the options, the object, the arm, and what a push does."""
+"""What the estimators of one graph share: options, object, arm, and what a push does."""
 
 from dataclasses import dataclass
 
