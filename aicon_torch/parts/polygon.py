@@ -48,11 +48,14 @@ def contains(points: Array, corners: Array, margin: float) -> Mask:
     """
     _, gaps = _gaps(points, corners)
     distance = np.sqrt((gaps**2).sum(-1)).min(1)
-    inside: Mask = _crossings(points, corners) % 2 == 1
+    inside = _crossings(points, corners) % 2 == 1
 
+    kept: Mask
     if margin < 0:
-        return inside & (distance > -margin)
-    return inside | (distance < margin)
+        kept = inside & (distance > -margin)
+    else:
+        kept = inside | (distance < margin)
+    return kept
 
 
 def _crossings(points: Array, corners: Array) -> NDArray[np.int_]:
