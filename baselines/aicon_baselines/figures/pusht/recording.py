@@ -13,7 +13,7 @@ from aicon_baselines.figures.recording import BoolArray, FloatArray, Recording, 
 from aicon_envs.pusht.geometry import Pose, place
 from aicon_torch.control import Policy
 from aicon_torch.models.pusht import PIXEL
-from aicon_torch.parts.servo import Servo
+from aicon_torch.parts import Servo
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,15 +54,15 @@ class PushRecording(Recording):
         The environment tells where it was at the moments; between them it follows its controller.
         """
         servo = Servo.of()
-        follow = np.array([0.0, *servo.follow])[:, np.newaxis]
-        drift = np.array([0.0, *servo.drift])[:, np.newaxis]
+        by_offset = np.array([0.0, *servo.displacement_by_offset])[:, np.newaxis]
+        by_velocity = np.array([0.0, *servo.displacement_by_velocity])[:, np.newaxis]
 
         # Without an offset of the target the pusher only drifts.
         start, end = self.pushers[:-1, np.newaxis], self.pushers[1:, np.newaxis]
-        drifted = drift * self.velocities[:-1, np.newaxis]
+        drifted = by_velocity * self.velocities[:-1, np.newaxis]
         followed = end - start - drifted[:, -1:]
 
-        trajectory: FloatArray = start + drifted + follow / follow[-1] * followed
+        trajectory: FloatArray = start + drifted + by_offset / by_offset[-1] * followed
         return trajectory
 
     @cached_property
@@ -72,7 +72,7 @@ class PushRecording(Recording):
 
     @cached_property
     def gains(self) -> FloatArray:
-        """By how much g would change for each unit of likelihood of each contact, (n + 1, N), px.
+        """By how much g would change for each unit length that each contact pushes, (n + 1, N).
 
         A contact with a gain below zero is useful; the policy seeks it. The others are detrimental.
         """
@@ -86,7 +86,7 @@ class PushRecording(Recording):
         (gains,) = torch.autograd.grad(cost, likelihood)
 
         # Of the two likelihoods of a contact one counts: the other's derivative is zero.
-        return _in_pixels(gains.sum(-1))
+        return to_array(gains.sum(-1))
 
     @cached_property
     def useful(self) -> BoolArray:
@@ -111,16 +111,19 @@ class PushRecording(Recording):
 
     @cached_property
     def descents(self) -> FloatArray:
-        """−∇ of each contact at the pusher, (n + 1, N, 2), change of g by displacement."""
-        return -to_array(self.resolution.gradients)
+        """−∇ of each contact at the pusher, (n + 1, N, 2), 1/px.
+
+        A gradient is a gain, which has no unit, times the slope of a likelihood.
+        """
+        return -_per_pixel(self.resolution.gradients)
 
     @cached_property
     def strengths(self) -> FloatArray:
-        """Norms of the gradients, (n + 1, N)."""
-        return to_array(self.resolution.strengths)
+        """Norms of the gradients, (n + 1, N), 1/px."""
+        return _per_pixel(self.resolution.strengths)
 
     def strongest(self, useful: bool) -> FloatArray:
-        """Strength of the strongest gradient of the useful or the detrimental contacts, (n + 1,).
+        """Strength of the strongest gradient of useful or detrimental contacts, (n + 1,), 1/px.
 
         It is 0 where there is no such contact.
         """
@@ -141,6 +144,11 @@ class PushRecording(Recording):
 def _in_pixels(lengths: Tensor) -> FloatArray:
     """Lengths of the model, m, in the environment's pixels."""
     return to_array(lengths) / PIXEL
+
+
+def _per_pixel(slopes: Tensor) -> FloatArray:
+    """Slopes of the model, 1/m, by the environment's pixels."""
+    return to_array(slopes) * PIXEL
 
 
 def record(policy: Policy, seed: int, limit: int | None = None) -> PushRecording:
