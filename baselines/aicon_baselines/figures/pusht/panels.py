@@ -83,7 +83,7 @@ def phase(recording: PushRecording, moment: int) -> str:
 def at_corners(recording: PushRecording) -> BoolArray:
     """Whether the pusher is near the object and its nearest contact is at a corner, (n + 1,)."""
     distances = np.linalg.norm(recording.contacts - recording.pushers[:, np.newaxis], axis=-1)
-    moments = np.arange(len(distances))
+    moments = range(len(distances))
     nearest = recording.contacts[moments, distances.argmin(axis=1)]
 
     corners = np.stack([recording.corners(moment) for moment in moments])

@@ -51,8 +51,9 @@ class PushView(WorldView):
         goal = place(recording.outline, recording.goal)
         area_color = blend(style.GOAL, style.GOAL_TINT)
         axes.add_patch(Polygon(goal, facecolor=area_color, edgecolor="none", zorder=1))
-        edge_looks = {"edgecolor": style.GOAL, "linewidth": 2.2, "joinstyle": "round"}
-        axes.add_patch(Polygon(goal, fill=False, zorder=4, **edge_looks))
+        edge = Polygon(goal, fill=False, edgecolor=style.GOAL, linewidth=2.2, joinstyle="round")
+        edge.set_zorder(4)
+        axes.add_patch(edge)
 
     def show(self, step: int) -> None:
         """Bring the picture, and the time above it, to a moment."""
@@ -64,7 +65,7 @@ class PushView(WorldView):
         ended = step == recording.steps
         exploring = bool(recording.exploring[step]) and not ended
         ground = blend(style.EXPLORING, style.GROUND_TINT) if exploring else "white"
-        self._floor.set_facecolor(ground)
+        self._floor.set(facecolor=ground)
         self.set_time(recording.times[step], size=11)
 
         self._add_object(step)
