@@ -15,12 +15,12 @@ class Measurement(nn.Module):
     """A residual of an estimate and a reading that is zero when the two agree.
 
     Args:
-        function: Residual ``(*B, m)`` of the estimate and of whatever else it names (readings, other
-            estimates).
+        function: Residual ``(*B, m)`` of the estimate and of whatever else it names (readings,
+            other estimates).
         noise: Variance of the residual: a number, one a component, or a function of quantities; for
             a reading that comes late, a function of its age.
-        uncertain: Estimates of *other* estimators that the residual reads, each with the name of its
-            covariance, whose uncertainty adds to the noise: ``{"x_hand": "P_hand"}``.
+        uncertain: Estimates of *other* estimators that the residual reads, each with the name of
+            its covariance, whose uncertainty adds to the noise: ``{"x_hand": "P_hand"}``.
         gate: Largest squared Mahalanobis distance νᵀS⁻¹ν of a reading that is believed; None
             believes all.
         gate_keeps_gradient: Whether a reading that was refused still shapes the gradient of the
