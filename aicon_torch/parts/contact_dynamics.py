@@ -21,20 +21,23 @@ class ContactDynamics:
 
     A push along the inward normal n with the lever λ = (x_contact − c) × n moves an object with
     radius of gyration r by (n, λ/r²)/(1 + (λ/r)²) for each metre, if it slides without friction at
-    the contact and stops at once. As the effect of a contact this direction counts at unit length,
-    (n, λ/r²)/√(1 + (Lλ/r²)²). In the text it is (n, α/L), with the angle α between the normal and
-    the line to the centre; ``"sine"`` has sin α for α.
+    the contact and stops at once. As the effect Δ of a contact this direction counts at unit
+    length, (n, λ/r²)/√(1 + (Lλ/r²)²), and all contacts move the object by s Σᵢ pᵢ Δᵢ. In the text Δ
+    is (n, α/L), with the angle α between the normal and the line to the centre; ``"sine"`` has
+    sin α for α.
 
     Attributes:
         body: The object.
         rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
+        step: s, m: how far a contact that is certain moves the object.
         effect: Which of the three effects.
-        intent: T, by which the gain b of a contact decides softly, by σ(−b/T), whether it is
-            sought; 0 decides by sign.
+        intent: T, by which the gain b of a contact (that of Δ) decides softly, by σ(−b/T), whether
+            it is sought; 0 decides by sign.
     """
 
     body: RigidObject
     rotation_length: float
+    step: float
     effect: ContactEffect = "quasi_static"
     intent: float = 0.0
 
@@ -56,7 +59,7 @@ class ContactDynamics:
         effects = self.effects(pose, x_contact, inward_normal(x_side))
 
         sought, happening = p_contact.unbind(-1)
-        motion = by_gain(effects, sought, happening, self.intent)
+        motion = self.step * by_gain(effects, sought, happening, self.step * self.intent)
         return straight_through(
             pose, motion
         )  # the contacts give the gradient; the pose is where it is

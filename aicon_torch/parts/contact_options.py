@@ -37,6 +37,7 @@ class ContactOptions:
         reaction: ℓ' of the likelihood of contacts that harm, in sizes.
         aim: How far outside its side a contact that helps is aimed at, in sizes.
         facing: Whether harm at a corner counts as far as the side faces the pusher.
+        step: How far a contact that is certain moves the object, in sizes.
     """
 
     size: float
@@ -47,6 +48,7 @@ class ContactOptions:
     reaction: float = 1 / 12
     aim: float = 1 / 15
     facing: bool = True
+    step: float = 1 / 120
 
     def __post_init__(self) -> None:
         """Check the numbers.
@@ -54,7 +56,7 @@ class ContactOptions:
         Raises:
             OptionError: If one is not what it may be.
         """
-        check_positive(self, ("size", "rotation", "reach", "reaction"))
+        check_positive(self, ("size", "rotation", "reach", "reaction", "step"))
         check_not_negative(self, ("aim", "intent"))
         check_choice(self, "effect", get_args(ContactEffect))
 
@@ -64,7 +66,13 @@ class ContactOptions:
 
     def dynamics(self, body: RigidObject) -> ContactDynamics:
         """What a contact does to an object."""
-        return ContactDynamics(body, self.rotation_length(body), self.effect, self.intent)
+        return ContactDynamics(
+            body,
+            rotation_length=self.rotation_length(body),
+            step=self.step * self.size,
+            effect=self.effect,
+            intent=self.intent,
+        )
 
     def likelihood(self, radius: float) -> ContactLikelihood:
         """How likely a contact of a pusher with a radius (m) is."""
