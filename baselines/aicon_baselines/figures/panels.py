@@ -59,6 +59,7 @@ def draw_panels(
         title_size: Size of the titles, pt.
         progress: Whether to show a progress bar, on a terminal only.
     """
+    # One view a panel, at its own moment.
     cells = figure.add_gridspec(ROWS, COLUMNS, **area)
 
     for index, panel in enumerate(track(panels, "picture", progress)):
@@ -80,6 +81,7 @@ def mark_panels(timelines: Sequence[Axes], panels: Sequence[Panel], dt: float) -
         for axes in timelines:
             axes.axvline(time, **_MARK)
 
+        # Just above the axes, whatever their limits are.
         timelines[0].annotate(
             panel.label,
             (time, 1.0),

@@ -66,6 +66,7 @@ def _save_gif(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArra
     colors = Image.new("P", (1, 1))
     colors.putpalette((255 * palette).round().astype(np.uint8).tobytes())
 
+    # Every frame is mapped to the same colours, without dither, so that nothing flickers.
     images = []
     for frame in frames:
         image = Image.fromarray(frame)

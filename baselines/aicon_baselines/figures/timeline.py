@@ -41,6 +41,7 @@ def add_curve_legend(axes: Axes, *, shade: Mapping[str, Any] | None = SHADE, **l
         shade: How explorations are shaded; with None there is no entry for them.
         **looks: Arguments of matplotlib's legend.
     """
+    # Curves that show nothing come last, but are named.
     lines, _ = axes.get_legend_handles_labels()
     handles: list[Any] = sorted(lines, key=_median_height, reverse=True)
     if shade is not None:

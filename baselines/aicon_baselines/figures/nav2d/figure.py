@@ -39,14 +39,17 @@ def make_figure(
     out.mkdir(parents=True, exist_ok=True)
     picture, numbers_file = out / "nav2d_rollout.png", out / "nav2d_rollout.json"
 
+    # The episode, and what the figure is to show of it.
     recording = record(make_policy("nav2d"), map_name, seed, progress=progress)
     panels = choose_panels(recording)
     numbers = summarize(recording, panels)
 
+    # The picture and its numbers.
     save_numbers(numbers, numbers_file)
     draw_rollout(recording, panels, picture, spacing, progress=progress)
     files = [picture, numbers_file]
 
+    # The film, of the whole episode.
     if video != "none":
         film = picture.with_suffix(f".{video}")
         draw_film(recording, film, 1.5 * spacing, progress=progress)

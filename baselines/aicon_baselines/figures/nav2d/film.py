@@ -33,10 +33,13 @@ class NavigationFilm(Film):
     def __init__(self, recording: NavigationRecording, grid: Grid, dpi: float) -> None:
         self.figure = Figure(figsize=(8, 5.28), dpi=dpi)
         self._recording = recording
+
+        # The world.
         self._view = NavigationView(
             self.figure.add_axes((0.015, 0.225, 0.97, 0.715)), recording, grid
         )
 
+        # Time passes in the picture above: the axis needs no numbers.
         timeline = self.figure.add_axes((0.04, 0.035, 0.92, 0.12))
         draw_strengths(timeline, recording)
         timeline.set(yticks=[], xticks=[], xlabel="", ylabel="")
@@ -104,9 +107,11 @@ def _phase(recording: NavigationRecording, step: int) -> str:
 
 def _palette() -> FloatArray:
     """The colours of a gif: the heights, tinted ones where it would explore, and the marks."""
+    # The ground: heights, and the same where it would explore.
     heights = style.HEIGHT(np.linspace(0, 1, 40))[:, :3]
     tinted = blend(style.EXPLORING, style.TINT, heights)
 
+    # The timeline.
     white = np.ones(3)
     colors = [white, blend(style.EXPLORING, TIMELINE_TINT)]
 

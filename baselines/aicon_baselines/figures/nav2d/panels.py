@@ -34,12 +34,14 @@ def choose_panels(recording: NavigationRecording) -> list[Panel]:
     if last < len(LABELS):
         raise ComparisonError(f"the rollout has {recording.steps} steps; six panels need 7 or more")
 
+    # (b)-(e): how it gets past what is in the way.
     if recording.explorations:
         middle, middle_titles = _explorations(recording)
     else:
         middle = _steps_along(recording, 0, last, (0.2, 0.4, 0.6, 0.8))
         middle_titles = ["On the way"] * len(middle)
 
+    # (a) comes before them, and (f) after.
     first = _end_of_triangulation(recording, middle[0])
     steps = increasing([first, *middle, last], last)
     titles = ["Triangulating: sideways first", *middle_titles, _ENDINGS[recording.ending]]
@@ -90,11 +92,13 @@ def _sharpest_turn(recording: NavigationRecording, begin: int, end: int) -> int:
     if not len(steps):
         return (begin + end) // 2
 
+    # Where it comes from, and where it goes to, as seen from each step.
     before = np.searchsorted(travelled, travelled[steps] - _REACH)
     after = np.searchsorted(travelled, travelled[steps] + _REACH)
     behind = positions[steps] - positions[before]
     ahead = positions[np.minimum(after, len(travelled) - 1)] - positions[steps]
 
+    # The sharper the turn, the smaller the cosine.
     lengths = np.linalg.norm(behind, axis=1) * np.linalg.norm(ahead, axis=1)
     cosines = (behind * ahead).sum(axis=1) / lengths
     return int(steps[cosines.argmin()])

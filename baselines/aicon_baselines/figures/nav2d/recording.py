@@ -97,11 +97,13 @@ def record(
     except ValueError as error:
         raise ComparisonError(str(error)) from error
 
+    # The map and the noise have the same seed.
     observation, info = env.reset(seed=seed, options={"map_seed": seed})
     memory: Memory | None = None
     memories: list[Memory] = []
     positions = [info["position"]]
 
+    # The number of steps is not known before the end.
     for _ in track(itertools.count(), "rollout", progress):
         action, memory = policy.predict(observation, memory)
         observation, _, terminated, truncated, info = env.step(action)
@@ -111,6 +113,7 @@ def record(
         if terminated or truncated:
             break
 
+    # The environment knows what the policy does not: the map and the agent's size.
     unwrapped: Any = env.unwrapped
     env.close()
     return NavigationRecording(

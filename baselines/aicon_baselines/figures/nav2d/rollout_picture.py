@@ -59,6 +59,7 @@ def draw_rollout(
         spacing: Distance of the sampled positions, m.
         progress: Whether to show a progress bar, on a terminal only.
     """
+    # The world, with one grid for all panels: they show the same section of it.
     figure = Figure(figsize=(14, 8), dpi=150)
     grid = grid_around(recording, spacing)
 
@@ -67,6 +68,7 @@ def draw_rollout(
 
     draw_panels(figure, panels, make_view, _PANELS, title_size=11, progress=progress)
 
+    # Over time, with the panels' labels above.
     timeline = figure.add_axes(_TIMELINE)
     draw_strengths(timeline, recording)
     mark_panels([timeline], panels, recording.time_step)
@@ -79,6 +81,7 @@ def draw_rollout(
         columnspacing=1.8,
     )
 
+    # How to read it: marks above the panels, words below the timeline.
     add_legend(figure, _legend_entries(), size=10)
     add_caption(figure, _CAPTION, height=0.012, size=8.5)
     save_picture(figure, path)

@@ -29,6 +29,7 @@ def draw_strengths(axes: Axes, recording: NavigationRecording) -> None:
         axes.plot(recording.times, strengths, **_PATH_LOOKS[name])
     axes.plot(recording.times, recording.uncertainty, **_UNCERTAINTY_LOOK)
 
+    # Both units differ and both fall by decades: one logarithmic axis, with plain numbers.
     axes.set(yscale="log", ylim=(2e-3, 60), xlabel="time (s)")
     axes.set_ylabel("path strength,\nuncertainty (m²)")
     axes.yaxis.set_major_locator(LogLocator(numticks=6))

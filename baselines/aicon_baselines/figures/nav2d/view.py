@@ -46,11 +46,13 @@ class NavigationView(WorldView):
         )
         self._outline: ContourSet | None = None
 
+        # Arrows on a coarser grid.
         spacing = (right - left) / _ARROWS_PER_ROW
         self._arrow_length = 0.72 * spacing
         self._arrow_points = _arrow_points(recording, grid, spacing)
         self._arrows = self._add_arrows()
 
+        # What is in the world, above both.
         self._add_world()
         self._add_agent()
 
@@ -104,6 +106,7 @@ class NavigationView(WorldView):
         )
         self._trajectory = (edge, trail)
 
+        # Mean and ellipse of the belief.
         fill = to_rgba(style.BELIEF, 0.13)
         self._ellipse = Ellipse(
             (0, 0), 1, 1, facecolor=fill, edgecolor=style.BELIEF, linewidth=1.8, zorder=6
@@ -111,6 +114,7 @@ class NavigationView(WorldView):
         axes.add_patch(self._ellipse)
         (self._mean,) = axes.plot([], [], **style.MEAN_MARK, zorder=8)
 
+        # The agent is as large as it is.
         self._agent = Circle(
             (0, 0),
             self._recording.radius,
@@ -126,12 +130,14 @@ class NavigationView(WorldView):
         recording = self._recording
         self.set_time(recording.times[step], size=10)
 
+        # One sample of the field for both, the grid and the arrows.
         points = np.concatenate([self._grid.points, self._arrow_points])
         field = sample(recording, step, points)
         on_grid = len(self._grid.points)
         self._show_potential(Field(field.descent[:on_grid], field.exploring[:on_grid]))
         self._show_arrows(field.descent[on_grid:])
 
+        # The agent, where it has been, and what it believes.
         for line in self._trajectory:
             line.set_data(*recording.positions[: step + 1].T)
         self._agent.set_center(recording.positions[step])
@@ -140,6 +146,7 @@ class NavigationView(WorldView):
     def _show_potential(self, field: Field) -> None:
         """Show the potential that fits a field on the grid, and where the agent would explore."""
         grid = self._grid
+        # Within obstacles it goes on as at their edge, so that no light seam shows.
         heights = grid.potential(field.descent)
         self._heights.set_data(heights[grid.nearest_free])
         self._heights.set_clim(*np.nanpercentile(heights, (0.5, 99.5)))

@@ -35,11 +35,13 @@ def make_figure(
     out.mkdir(parents=True, exist_ok=True)
     picture = out / "panda_push_film.png"
 
+    # The episode, and the picture from its middle.
     policy = make_policy("panda_push", **TASK.policy_options("camera"))
     recording = record(policy, seed, horizon, progress=progress)
     draw_still(recording, picture)
     files = [picture]
 
+    # The film.
     if video != "none":
         film = picture.with_suffix(f".{video}")
         draw_film(recording, film, progress=progress)

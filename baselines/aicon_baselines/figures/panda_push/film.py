@@ -26,6 +26,7 @@ class ArmFilm(Film):
         self.figure = Figure(figsize=(9.6, 6.4), dpi=100)
         self._recording = recording
 
+        # Side by side, as large as their pictures allow.
         left = self.figure.add_axes((0.01, 0.44, 0.54, 0.51))
         right = self.figure.add_axes((0.56, 0.44, 0.43, 0.51))
         self._views = (

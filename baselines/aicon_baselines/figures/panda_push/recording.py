@@ -81,6 +81,7 @@ def record(policy: Policy, seed: int, horizon: int, *, progress: bool = False) -
     outside: list[Frame] = []
     hand: list[Frame] = []
 
+    # A picture of the scene is slow to render: every tenth step has one.
     for step in track(range(horizon), "episode", progress):
         action, memory = policy.predict(observation, memory)
         if step % STRIDE == 0:
@@ -89,6 +90,7 @@ def record(policy: Policy, seed: int, horizon: int, *, progress: bool = False) -
             outside.append(env.picture("outside"))
             hand.append(observation["rgb"])
 
+        # The episode ends by success; the horizon is the film's own limit.
         observation, _, terminated, _, info = env.step(action)
         if terminated:
             break

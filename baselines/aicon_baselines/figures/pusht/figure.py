@@ -33,14 +33,17 @@ def make_figure(
     out.mkdir(parents=True, exist_ok=True)
     picture, numbers_file = out / "pusht_rollout.png", out / "pusht_rollout.json"
 
+    # The episode, and what the figure is to show of it.
     recording = record(make_policy("pusht"), seed)
     panels = choose_panels(recording)
     numbers = summarize(recording, panels)
 
+    # The picture and its numbers.
     save_numbers(numbers, numbers_file)
     draw_rollout(recording, panels, picture, progress=progress)
     files = [picture, numbers_file]
 
+    # The film, of the whole episode.
     if video != "none":
         film = picture.with_suffix(f".{video}")
         draw_film(recording, film, progress=progress)

@@ -30,8 +30,11 @@ class PushFilm(Film):
     def __init__(self, recording: PushRecording, dpi: float) -> None:
         self.figure = Figure(figsize=(8, 7.04), dpi=dpi)
         self._recording = recording
+
+        # The world.
         self._view = PushView(self.figure.add_axes((0.015, 0.225, 0.97, 0.735)), recording)
 
+        # Time passes in the picture above: the axes need no numbers.
         timelines = add_timelines(self.figure, recording, _COST, _STRENGTHS)
         for axes, label in zip(timelines, ("pose error", "gradients"), strict=True):
             axes.set(xticks=[], yticks=[], xlabel="")
@@ -84,11 +87,13 @@ def _palette() -> FloatArray:
         style.INK,
         style.MOTION,
     )
+    # From opaque to almost white, as the edges of the marks are.
     colors = []
     for opacity in (1.0, 0.8, 0.6, 0.4, 0.2):
         for mark in marks:
             colors.append(blend(mark, opacity))
 
+    # Large areas need their very colour.
     areas = [
         blend(style.EXPLORING, TIMELINE_TINT),
         blend(style.EXPLORING, style.GROUND_TINT),

@@ -34,15 +34,18 @@ def choose_panels(recording: PushRecording) -> list[Panel]:
     if last < len(LABELS):
         raise ComparisonError(f"the episode has {last} steps; six panels need 6 or more")
 
+    # (a) to (d): from the first contact to the far side of the object.
     contact = _first(recording.touched, 0, last, otherwise=last // 6)
     begin, end = _detour(recording, contact)
     conflict = _strongest_conflict(recording, begin, end)
     withdrawal = _last_withdrawal(recording, contact, conflict)
     around = _halfway_around(recording, conflict, end)
 
+    # (e): at a corner of the object.
     conflicts_at_corners = recording.exploring & at_corners(recording)
     corner = _first(conflicts_at_corners, end, last, otherwise=(end + last) // 2)
 
+    # Each in its order, with what is true of it.
     moments = increasing([contact, withdrawal, conflict, around, corner, last], last)
     panels = []
     for label, moment in zip(LABELS, moments, strict=True):
@@ -89,6 +92,7 @@ def at_corners(recording: PushRecording) -> BoolArray:
     corners = np.stack([recording.corners(moment) for moment in moments])
     to_corners = np.linalg.norm(corners - nearest[:, np.newaxis], axis=-1)
 
+    # Far from the object no contact is at stake.
     near_corner = to_corners.min(axis=1) < _CORNER
     near_object = distances.min(axis=1) < PUSHER_RADIUS + _NEAR
     at_corner: BoolArray = near_corner & near_object
@@ -133,6 +137,7 @@ def _detour(recording: PushRecording, contact: int) -> tuple[int, int]:
         if not (between_contacts and recording.exploring[before:end].any()):
             continue
 
+        # The first of the widest.
         angle = abs(float(bearings[end] - bearings[before]))
         if angle > widest:
             detour, widest = (before, end), angle

@@ -72,7 +72,7 @@ class PushRecording(Recording):
 
     @cached_property
     def gains(self) -> FloatArray:
-        """By how much g would change for each unit length that each contact pushes, (n + 1, N).
+        """By how much g would change for each unit of likelihood of each contact, (n + 1, N), px.
 
         A contact with a gain below zero is useful; the policy seeks it. The others are detrimental.
         """
@@ -80,13 +80,14 @@ class PushRecording(Recording):
         likelihood = self.trace.values["p_contact"].detach().requires_grad_()
         values: dict[str, Any] = {**self.trace.values, "p_contact": likelihood}
 
+        # The two edges from the likelihood to the goal, in one graph.
         with torch.enable_grad():
             values["x_obj"] = model.owners["x_obj"](values, "x_obj")
             cost = model.goals["push"](values).sum()
         (gains,) = torch.autograd.grad(cost, likelihood)
 
         # Of the two likelihoods of a contact one counts: the other's derivative is zero.
-        return to_array(gains.sum(-1))
+        return _in_pixels(gains.sum(-1))
 
     @cached_property
     def useful(self) -> BoolArray:
@@ -111,19 +112,16 @@ class PushRecording(Recording):
 
     @cached_property
     def descents(self) -> FloatArray:
-        """−∇ of each contact at the pusher, (n + 1, N, 2), 1/px.
-
-        A gradient is a gain, which has no unit, times the slope of a likelihood.
-        """
-        return -_per_pixel(self.resolution.gradients)
+        """−∇ of each contact at the pusher, (n + 1, N, 2), px of g by px of the pusher."""
+        return -to_array(self.resolution.gradients)
 
     @cached_property
     def strengths(self) -> FloatArray:
-        """Norms of the gradients, (n + 1, N), 1/px."""
-        return _per_pixel(self.resolution.strengths)
+        """Norms of the gradients, (n + 1, N)."""
+        return to_array(self.resolution.strengths)
 
     def strongest(self, useful: bool) -> FloatArray:
-        """Strength of the strongest gradient of useful or detrimental contacts, (n + 1,), 1/px.
+        """Strength of the strongest gradient of useful or detrimental contacts, (n + 1,).
 
         It is 0 where there is no such contact.
         """
@@ -146,11 +144,6 @@ def _in_pixels(lengths: Tensor) -> FloatArray:
     return to_array(lengths) / PIXEL
 
 
-def _per_pixel(slopes: Tensor) -> FloatArray:
-    """Slopes of the model, 1/m, by the environment's pixels."""
-    return to_array(slopes) * PIXEL
-
-
 def record(policy: Policy, seed: int, limit: int | None = None) -> PushRecording:
     """Run an episode of aicon/PushT-v0 and keep the memory of every moment.
 
@@ -160,17 +153,20 @@ def record(policy: Policy, seed: int, limit: int | None = None) -> PushRecording
         limit: Limit of the episode, steps; by default the environment's.
     """
     env = gymnasium.make("aicon/PushT-v0", max_episode_steps=limit)
+    # The first moment is before the first step.
     observation, info = env.reset(seed=seed)
     action, memory = policy.predict(observation)
     memories, infos = [memory], [info]
     terminated = truncated = False
 
+    # Each step leads to the next moment; the last one decides an action that nobody follows.
     while not (terminated or truncated):
         observation, _, terminated, truncated, info = env.step(action)
         action, memory = policy.predict(observation, memory)
         memories.append(memory)
         infos.append(info)
 
+    # What only the environment knows, and what it told at each moment.
     unwrapped: Any = env.unwrapped
     env.close()
     return PushRecording(

@@ -52,6 +52,7 @@ def draw_rollout(
         path: Where to save the picture.
         progress: Whether to show a progress bar, on a terminal only.
     """
+    # The world.
     figure = Figure(figsize=(14, 10.2), dpi=130)
 
     def make_view(axes: Axes) -> PushView:
@@ -59,6 +60,8 @@ def draw_rollout(
 
     draw_panels(figure, panels, make_view, _PANELS, title_size=12, progress=progress)
 
+    # Two curves over the same time: the panels' labels are above the upper one, the axis' below the
+    # lower one.
     timelines = add_timelines(figure, recording, _COST, _STRENGTHS)
     for axes in timelines:
         axes.yaxis.set_label_coords(-0.04, 0.5)
@@ -74,6 +77,7 @@ def draw_rollout(
         columnspacing=1.8,
     )
 
+    # How to read it: marks above the panels, words below the timeline.
     add_legend(figure, _legend_entries(), size=11)
     add_caption(figure, _CAPTION, height=0.01, size=9)
     save_picture(figure, path)

@@ -50,6 +50,7 @@ def _draw_strengths(axes: Axes, recording: PushRecording) -> None:
     label = "strongest gradient of a detrimental contact"
     axes.plot(times, detrimental, color=DETRIMENTAL, linewidth=1.6, label=label)
 
+    # The likelihood of a far contact is tiny: what is below the limit acts on nothing.
     axes.set(yscale="log", ylim=(3e-5, 1.6 * recording.strengths.max()), xlabel="time (s)")
     axes.set_ylabel("gradient\nstrength")
     axes.yaxis.set_major_locator(LogLocator(numticks=5))

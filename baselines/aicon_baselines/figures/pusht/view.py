@@ -37,6 +37,7 @@ class PushView(WorldView):
         self._recording = recording
         self._artists: list[Artist] = []  # of the moment that is shown
 
+        # The walls are what is left of the axes; y points down.
         (left, top), (right, bottom) = _limits(recording)
         axes.set(xlim=(left, right), ylim=(bottom, top), facecolor=style.WALL)
         floor = [
@@ -48,6 +49,7 @@ class PushView(WorldView):
         self._floor = Polygon(floor, edgecolor="none", zorder=0)
         axes.add_patch(self._floor)
 
+        # The goal: its area below the object, its edge above.
         goal = place(recording.outline, recording.goal)
         area_color = blend(style.GOAL, style.GOAL_TINT)
         axes.add_patch(Polygon(goal, facecolor=area_color, edgecolor="none", zorder=1))
@@ -61,6 +63,7 @@ class PushView(WorldView):
             artist.remove()
         self._artists = []
 
+        # Where it explores, the floor says so.
         recording = self._recording
         ended = step == recording.steps
         exploring = bool(recording.exploring[step]) and not ended
@@ -68,12 +71,14 @@ class PushView(WorldView):
         self._floor.set(facecolor=ground)
         self.set_time(recording.times[step], size=11)
 
+        # What is there.
         self._add_object(step)
         self._add_trajectory(step)
         self._add_pusher(step)
         cost = f"g = {recording.costs[step]:.0f} px"
         self._add_text((0.02, 0.04), cost, color="0.35", va="bottom")
 
+        # What the policy is about to do.
         if not ended:
             self._add_motion(step)
             self._add_gradients(step)
@@ -141,6 +146,7 @@ class PushView(WorldView):
         useful = recording.useful[moment, side]
         color = style.USEFUL if useful else style.DETRIMENTAL
 
+        # Length and width grow with the strength.
         direction = recording.descents[moment, side] / recording.strengths[moment, side]
         arrow = (18.0 + 38.0 * np.sqrt(share)) * direction
         looks = {"facecolor": color, "edgecolor": "white", "linewidth": 0.8}
