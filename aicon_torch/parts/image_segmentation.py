@@ -89,7 +89,8 @@ class TopFaceSegmentation:
         rows, columns = np.nonzero(colored)
         rays = self._rays(columns, rows) * image.depth[rows, columns]
         heights = image.rotation[2] @ rays + image.position[2]
-        top = float(np.median(heights[heights > np.quantile(heights, 0.3)]))
+        upper = heights[heights > np.quantile(heights, 0.3)]
+        top = float(np.median(upper if len(upper) else heights))
 
         # The sides of the object are lower, or in the shade.
         brightness = _brightness(image.rgb)[rows, columns]
