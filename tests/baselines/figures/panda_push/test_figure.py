@@ -40,7 +40,11 @@ def test_every_tenth_step_is_recorded(episode: ArmRecording) -> None:
 def test_gradients_come_by_the_end_effector_or_straight_to_the_joints(
     episode: ArmRecording,
 ) -> None:
-    assert {"limits", "collisions → x_body", "push → x_pusher"} <= episode.strengths.keys()
+    assert {
+        "joint_limits",
+        "self_collision → x_body",
+        "push → x_pusher",
+    } <= episode.strengths.keys()
     assert not any("x_ee" in label for label in episode.strengths)
     for strengths in episode.strengths.values():
         assert strengths.shape == (3,)
