@@ -27,9 +27,18 @@ from aicon_torch import make_policy
 
 def main() -> None:
     """Parse the arguments, measure, print and save."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--steps", type=int, default=3000, help="control steps, of one episode or more (default: 3000)")
-    parser.add_argument("--seed", type=int, default=1000, help="seed of the first episode (default: 1000)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--steps",
+        type=int,
+        default=3000,
+        help="control steps, of one episode or more (default: 3000)",
+    )
+    parser.add_argument(
+        "--seed", type=int, default=1000, help="seed of the first episode (default: 1000)"
+    )
     parser.add_argument("--uncompiled", action="store_true", help="do not compile the policy")
     parser.add_argument("--out", type=Path, required=True, help="folder for panda.json")
     arguments = parser.parse_args()
@@ -39,7 +48,9 @@ def main() -> None:
     for name, row in results["parts"].items():
         print(f"{name:30} {row['median']:6.3f} ms, 99th percentile {row['percentile_99']:6.3f} ms")
     factors = results["real_time_factor"]
-    print(f"real-time factor: {factors['processor']:.2f} by processor time, {factors['clock']:.2f} by the clock")
+    print(
+        f"real-time factor: {factors['processor']:.2f} by processor time, {factors['clock']:.2f} by the clock"
+    )
     arguments.out.mkdir(parents=True, exist_ok=True)
     (arguments.out / "panda.json").write_text(json.dumps(results, indent=2) + "\n")
 
@@ -47,7 +58,14 @@ def main() -> None:
 def measure(steps: int, seed: int, compiled: bool) -> dict[str, list[float]]:
     """Seconds of each part in each step, the first step, which compiles, left out."""
     seeing: Any = make_policy("panda_push", **TASK.policy_options("camera"))
-    times: dict[str, list[float]] = {"environment": [], "image": [], "control": [], "clock": [], "again": [], "age": []}
+    times: dict[str, list[float]] = {
+        "environment": [],
+        "image": [],
+        "control": [],
+        "clock": [],
+        "again": [],
+        "age": [],
+    }
     seen: list[Any] = []
     before: list[Any] = []
     seeing.read = _timed(seeing.read, times["image"], seen)
@@ -87,7 +105,9 @@ def summary(times: dict[str, list[float]]) -> dict[str, Any]:
     parts = {
         "control step": times["control"],
         "control step on recorded data": times["again"],
-        "reading a new image": image[image > 10 * np.median(image)],  # between images there is nothing to read
+        "reading a new image": image[
+            image > 10 * np.median(image)
+        ],  # between images there is nothing to read
         "environment, without an image": environment[~rendered],
         "environment, with an image": environment[rendered],
     }
@@ -95,14 +115,25 @@ def summary(times: dict[str, list[float]]) -> dict[str, Any]:
     simulated = len(times["clock"]) * TASK.time_step
     return {
         "parts": {
-            name: dict(zip(("median", "percentile_99"), (1e3 * np.percentile(part, (50, 99))).tolist(), strict=True))
+            name: dict(
+                zip(
+                    ("median", "percentile_99"),
+                    (1e3 * np.percentile(part, (50, 99))).tolist(),
+                    strict=True,
+                )
+            )
             for name, part in parts.items()
         },
-        "real_time_factor": {"processor": simulated / spent, "clock": simulated / sum(times["clock"])},
+        "real_time_factor": {
+            "processor": simulated / spent,
+            "clock": simulated / sum(times["clock"]),
+        },
     }
 
 
-def _timed(function: Callable[..., Any], times: list[float], results: list[Any]) -> Callable[..., Any]:
+def _timed(
+    function: Callable[..., Any], times: list[float], results: list[Any]
+) -> Callable[..., Any]:
     def call(*arguments: Any) -> Any:
         start = time.process_time()
         results.append(function(*arguments))

@@ -20,16 +20,16 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 import aicon_envs  # noqa: F401  # registers the environments
-from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.agents.registry import import_sb3
+from aicon_baselines.evaluation import ComparisonError
 from aicon_torch import NullspaceProjection, OptionError, make_policy
-from aicon_torch.resolution import GradientStack
 from aicon_torch.parts.contact import norm
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_limits import pose_error
-from aicon_torch.parts.rigid_object import Outline
 from aicon_torch.parts.pose import PoseMotion
+from aicon_torch.parts.rigid_object import Outline
 from aicon_torch.parts.servo import Servo
+from aicon_torch.resolution import GradientStack
 from timing import Step, spread, take_turns
 
 STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
@@ -46,7 +46,9 @@ def compare(rounds: int, steps: int, out: Path | None) -> None:
         if not programs:
             continue
         results[title] = take_turns(programs, rounds, steps, title)
-        print(f"\n{title}, one thread, ms: median (5 % to 95 %), and how many times as long as the first")
+        print(
+            f"\n{title}, one thread, ms: median (5 % to 95 %), and how many times as long as the first"
+        )
         first = next(iter(results[title].values()))
         for name, times in results[title].items():
             ratios = [a / b for a, b in zip(times, first, strict=True)]
@@ -88,7 +90,10 @@ def gradients() -> Iterator[tuple[str, Callable[[], Step]]]:
     def torchjd(name: str) -> Step:
         from torchjd import aggregation
 
-        aggregator, turns = getattr(aggregation, name)(), cycle([meeting.gradients for meeting in meetings])
+        aggregator, turns = (
+            getattr(aggregation, name)(),
+            cycle([meeting.gradients for meeting in meetings]),
+        )
         return lambda: aggregator(next(turns))
 
     yield f"nullspace projection of {count} gradients", projection
@@ -113,7 +118,10 @@ def arm() -> Iterator[tuple[str, Callable[[], Step]]]:
         task = mink.FrameTask("tool", "body", position_cost=1.0, orientation_cost=1.0)
         task.set_target(configuration.get_transform_frame_to_world("tool", "body"))
         joints = {f"panda_joint{index}": 2.0 for index in range(1, 8)}
-        limits = [mink.ConfigurationLimit(configuration.model), mink.VelocityLimit(configuration.model, joints)]
+        limits = [
+            mink.ConfigurationLimit(configuration.model),
+            mink.VelocityLimit(configuration.model, joints),
+        ]
 
         def step() -> None:
             configuration.update(configuration.q)
@@ -138,7 +146,9 @@ class Mppi:
         torch.manual_seed(seed)
         self._outline, self._servo = Outline.of(), Servo.of()
         self._motion = PoseMotion(ContactDynamics(self._outline, self._outline.gyration))
-        self._goal = self._outline.center_at(torch.tensor([256.0, 256.0, np.pi / 4], dtype=torch.float64))
+        self._goal = self._outline.center_at(
+            torch.tensor([256.0, 256.0, np.pi / 4], dtype=torch.float64)
+        )
         speed = torch.full((2,), 400.0, dtype=torch.float64)
         self._mppi = MPPI(
             self._dynamics,
@@ -152,9 +162,13 @@ class Mppi:
             u_max=speed,
         )
 
-    def predict(self, observation: dict[str, Any], last: Tensor | None = None) -> tuple[NDArray[np.float64], Tensor]:
+    def predict(
+        self, observation: dict[str, Any], last: Tensor | None = None
+    ) -> tuple[NDArray[np.float64], Tensor]:
         """The next position target (2,), px, and where the pusher is."""
-        keypoints = torch.as_tensor(observation["environment_state"], dtype=torch.float64).reshape(-1, 2)
+        keypoints = torch.as_tensor(observation["environment_state"], dtype=torch.float64).reshape(
+            -1, 2
+        )
         pusher = torch.as_tensor(observation["agent_pos"], dtype=torch.float64)
         velocity = (pusher - last) / DT if last is not None else torch.zeros_like(pusher)
         action = self._mppi.command(torch.cat((self._outline.pose(keypoints), pusher)))
@@ -220,7 +234,10 @@ def _agent() -> Any:
 
 
 def _batched(observations: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    return [{name: reading[None] for name, reading in observation.items()} for observation in observations]
+    return [
+        {name: reading[None] for name, reading in observation.items()}
+        for observation in observations
+    ]
 
 
 def _installed(name: str, make: Callable[[], Step]) -> Step | None:

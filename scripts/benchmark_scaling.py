@@ -44,16 +44,24 @@ GOALS = (1, 4, 16, 64)
 
 def main() -> None:
     """Parse the arguments, measure, print and save."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=30, help="rounds in which the graphs take turns (default: 30)")
-    parser.add_argument("--steps", type=int, default=1_000_000, help="steps whose memory is watched (default: 10^6)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--rounds", type=int, default=30, help="rounds in which the graphs take turns (default: 30)"
+    )
+    parser.add_argument(
+        "--steps", type=int, default=1_000_000, help="steps whose memory is watched (default: 10^6)"
+    )
     parser.add_argument("--out", type=Path, required=True, help="folder for scaling.json")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
     arguments.out.mkdir(parents=True, exist_ok=True)
     results: dict[str, Any] = {}
     for name, numbers, make in (("sides", SIDES, pushing), ("goals", GOALS, landmarks)):
-        results[name] = measure({number: make(number) for number in numbers}, arguments.rounds, name)
+        results[name] = measure(
+            {number: make(number) for number in numbers}, arguments.rounds, name
+        )
         for number, milliseconds in results[name].items():
             print(f"{number:6} {name}: {milliseconds:.2f} ms a step")
         _save(arguments.out, results)
@@ -63,7 +71,9 @@ def main() -> None:
         print(f"{steps:10,} steps: {size:.1f} MiB at most")
 
 
-def measure(cases: dict[int, tuple[Policy, dict[str, torch.Tensor]]], rounds: int, name: str) -> dict[int, float]:
+def measure(
+    cases: dict[int, tuple[Policy, dict[str, torch.Tensor]]], rounds: int, name: str
+) -> dict[int, float]:
     """Median processor time of a step, ms; the cases take turns."""
     memories = {number: policy.predict(readings)[1] for number, (policy, readings) in cases.items()}
     times: dict[int, list[float]] = {number: [] for number in cases}

@@ -62,7 +62,10 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     # target: predict, measure the bearing
     p = state.target - x
     noise = torch.eye(2, dtype=p.dtype) * (0.02 * DT) ** 2
-    residual = torch.remainder(torch.atan2(p[..., 1:], p[..., :1]) - bearing + math.pi, 2 * math.pi) - math.pi
+    residual = (
+        torch.remainder(torch.atan2(p[..., 1:], p[..., :1]) - bearing + math.pi, 2 * math.pi)
+        - math.pi
+    )
     gain, cov = shrink(state.target_cov + noise, sight_slope(p), 0.03**2)
     p = p - gain * residual
     # obstacle: predict, measure the clearance, then the slope's length
@@ -70,11 +73,15 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     o = torch.cat((d + (g * x).sum(-1, keepdim=True), g), -1)
     f = torch.eye(3, dtype=x.dtype).repeat(*x.shape[:-1], 1, 1)
     f[..., 0, 1:] = x
-    ocov = f @ state.obstacle_cov @ f.mT + torch.diag(x.new_tensor(((0.02 * DT) ** 2, 2 * DT, 2 * DT)))
+    ocov = f @ state.obstacle_cov @ f.mT + torch.diag(
+        x.new_tensor(((0.02 * DT) ** 2, 2 * DT, 2 * DT))
+    )
     gain, ocov = shrink(ocov, x.new_tensor((1.0, 0.0, 0.0)).expand_as(o), 0.01**2)
     o = o - gain * (o[..., :1] - clearance)
     length = o[..., 1:].norm(dim=-1, keepdim=True)
-    gain, ocov = shrink(ocov, torch.cat((torch.zeros_like(length), o[..., 1:] / length.clamp(min=1e-9)), -1), 0.05)
+    gain, ocov = shrink(
+        ocov, torch.cat((torch.zeros_like(length), o[..., 1:] / length.clamp(min=1e-9)), -1), 0.05
+    )
     o = o - gain * (length - 1.0)
     # the three gradients
     slopes = gradients_in_closed_form if closed_form else gradients_by_autograd
@@ -91,7 +98,9 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     v = (units * is_first.unsqueeze(-1)).sum(-2)
     rest = (scaled - (scaled @ v.unsqueeze(-1)) * v.unsqueeze(-2)) * ~is_first.unsqueeze(-1)
     strengths = rest.norm(dim=-1)
-    strength, second = (strengths * (1 + 0.1 * (index == state.rank[..., 1:]))).max(-1, keepdim=True)
+    strength, second = (strengths * (1 + 0.1 * (index == state.rank[..., 1:]))).max(
+        -1, keepdim=True
+    )
     pursuit = top + (rest * (index == second).unsqueeze(-1)).sum(-2)
     # conflict of the strongest with the strongest that opposes it
     cosines = (units * v.unsqueeze(-2)).sum(-1)
@@ -133,7 +142,8 @@ def gradients_by_autograd(p: Tensor, prior: Tensor, o: Tensor, x: Tensor) -> tup
             torch.exp(-(o[..., 0] + (o[..., 1:] * (leaves[2] - x)).sum(-1)) / LENGTH),
         )
         return tuple(
-            torch.autograd.grad(cost, leaf, torch.ones_like(cost))[0] for cost, leaf in zip(costs, leaves, strict=True)
+            torch.autograd.grad(cost, leaf, torch.ones_like(cost))[0]
+            for cost, leaf in zip(costs, leaves, strict=True)
         )
 
 
@@ -152,7 +162,9 @@ def uncertainty_slope(p: Tensor, prior: Tensor) -> Tensor:
     h = sight_slope(p)
     c = (prior @ h.unsqueeze(-1)).squeeze(-1)
     s = (h * c).sum(-1, keepdim=True) + 0.03**2
-    by_h = -2 * ((prior @ c.unsqueeze(-1)).squeeze(-1) / s - c * (c * c).sum(-1, keepdim=True) / s**2)
+    by_h = -2 * (
+        (prior @ c.unsqueeze(-1)).squeeze(-1) / s - c * (c * c).sum(-1, keepdim=True) / s**2
+    )
     square = (p * p).sum(-1, keepdim=True)
     r2 = square.clamp(min=1e-4)  # a constant nearer than 1 cm
     turned = torch.stack((by_h[..., 1], -by_h[..., 0]), -1)

@@ -31,14 +31,20 @@ def test_the_plain_step_is_the_library_s(closed_form: bool, batch: tuple[int, ..
     Each step starts from the library's memory: a difference in the last digit would grow along a chaotic run.
     """
     policy, recorded = make_policy("nav2d"), drifting(300, batch, seed=3)
-    order = torch.tensor([[str(a) for a in policy.backward_pass.arrivals["x_rob"]].index(path) for path in PATHS])
+    order = torch.tensor(
+        [[str(a) for a in policy.backward_pass.arrivals["x_rob"]].index(path) for path in PATHS]
+    )
     state = plain.begin(recorded[0]["bearing"], recorded[0]["range"])
     memories = rollout(policy, recorded)
     for reading, memory in zip(recorded, memories, strict=True):
         state = plain.step(state, reading["bearing"], reading["range"], closed_form)
         for field, name in FIELDS.items():
             torch.testing.assert_close(
-                getattr(state, field), memory[name], rtol=1e-9, atol=1e-9, msg=lambda text, name=name: f"{name}: {text}"
+                getattr(state, field),
+                memory[name],
+                rtol=1e-9,
+                atol=1e-9,
+                msg=lambda text, name=name: f"{name}: {text}",
             )
         rank = memory["x_rob/rank"]
         assert torch.equal(torch.where(state.rank >= 0, order[state.rank], -1), rank)

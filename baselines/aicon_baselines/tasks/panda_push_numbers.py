@@ -15,13 +15,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_baselines.tasks.panda_push import TASK
 from aicon_baselines.evaluation.task import Episode
+from aicon_baselines.tasks.panda_push import TASK
 from aicon_torch import Policy
 from aicon_torch.models.panda_push import SCALE
+from aicon_torch.models.panda_push.robot import PANDA
 from aicon_torch.parts.camera import Visibility
 from aicon_torch.parts.chain import Kinematics
-from aicon_torch.models.panda_push.robot import PANDA
 
 MEETINGS = ("x_pusher", "x_ee", "x_joints")
 """Where gradients meet: the sides of the object, the goals of the end effector, all goals."""
@@ -78,16 +78,26 @@ class EpisodeNumbers(NamedTuple):
     def to_fields(self) -> list[str]:
         """The row as text."""
         return [
-            value if isinstance(value, str) else f"{value:.4g}" if isinstance(value, float) else str(int(value))
+            value
+            if isinstance(value, str)
+            else f"{value:.4g}"
+            if isinstance(value, float)
+            else str(int(value))
             for value in self
         ]
 
     @classmethod
     def from_fields(cls, fields: Iterable[str]) -> "EpisodeNumbers":
         """The row of such a text."""
-        kinds: dict[str, Callable[[str], Any]] = {"bool": lambda text: text == "1", "str": str, "int": int}
+        kinds: dict[str, Callable[[str], Any]] = {
+            "bool": lambda text: text == "1",
+            "str": str,
+            "int": int,
+        }
         values = zip(fields, cls.__annotations__.values(), strict=True)
-        return cls(*(kinds.get(getattr(kind, "__name__", str(kind)), float)(text) for text, kind in values))
+        return cls(
+            *(kinds.get(getattr(kind, "__name__", str(kind)), float)(text) for text, kind in values)
+        )
 
 
 def watch(
@@ -156,7 +166,9 @@ def in_words(numbers: list[EpisodeNumbers]) -> str:
     def middle(name: str, rows: list[EpisodeNumbers] = numbers) -> float:
         return float(np.median([getattr(row, name) for row in rows])) if rows else math.nan
 
-    failures = ", ".join(f"{row.seed}{' (fallen)' if row.fallen else ''}" for row in numbers if not row.success)
+    failures = ", ".join(
+        f"{row.seed}{' (fallen)' if row.fallen else ''}" for row in numbers if not row.success
+    )
     conflicts = ", ".join(f"{name} {count}" for name, count in conflicts_of(numbers).most_common())
     return (
         f"{len(solved)}/{len(numbers)} solved, median {middle('time', solved):.1f} s, longest "
@@ -187,7 +199,9 @@ def _facts(policy: Policy, memory: dict[str, Any]) -> dict[str, NDArray[Any]]:
     facts = {"estimate": memory["x_pose"].numpy()}
     if "x_cam" in memory:
         facts["camera"] = memory["x_cam"].numpy()
-    exploring = {place: memory[f"{place}/exploring"] for place in MEETINGS if f"{place}/exploring" in memory}
+    exploring = {
+        place: memory[f"{place}/exploring"] for place in MEETINGS if f"{place}/exploring" in memory
+    }
     for place, flags in exploring.items():
         facts[f"{place}/exploring"] = flags.numpy()
         if flags.any():
@@ -206,7 +220,9 @@ def _opponents(policy: Policy, memory: dict[str, Any], place: str) -> NDArray[An
     leaders = rank[..., 0].clamp(min=0)
     cosines = (units * units[torch.arange(len(leaders)), leaders].unsqueeze(-2)).sum(-1)
     others = norms.masked_fill(cosines > _BOUND, -1.0).argmax(-1)
-    return np.array([f"{names[one]}/{names[other]}" for one, other in zip(leaders, others, strict=True)])
+    return np.array(
+        [f"{names[one]}/{names[other]}" for one, other in zip(leaders, others, strict=True)]
+    )
 
 
 def _change_of_leader(policy: Policy, memory: dict[str, Any]) -> Tensor:
@@ -221,8 +237,12 @@ def _change_of_leader(policy: Policy, memory: dict[str, Any]) -> Tensor:
     if "x_ee/rank" in memory:
         jacobian = _ARM.jacobian(_ARM.frames(memory["x_joints"]))
         motion = (jacobian @ action.unsqueeze(-1)).squeeze(-1)
-        there = (memory["x_ee/gradients"][rows, memory["x_ee/rank"][..., 0].clamp(min=0)] * motion).sum(-1)
-        merged = [arrival.trace[-1] == "x_ee" for arrival in policy.backward_pass.arrivals["x_joints"]]
+        there = (
+            memory["x_ee/gradients"][rows, memory["x_ee/rank"][..., 0].clamp(min=0)] * motion
+        ).sum(-1)
+        merged = [
+            arrival.trace[-1] == "x_ee" for arrival in policy.backward_pass.arrivals["x_joints"]
+        ]
         change = torch.where(torch.tensor(merged)[rank], there, change)
     return change
 
@@ -273,7 +293,9 @@ class _History:
             u, v = _VIEW.image(truth, torch.as_tensor(facts["camera"]))
             self.seen.append(bool(max(abs(u), abs(v)) < 1))
         exploring = {place for place in MEETINGS if facts.get(f"{place}/exploring", False)}
-        self.conflicts.update(f"{place}:{facts[f'{place}/between']}" for place in exploring - self.exploring)
+        self.conflicts.update(
+            f"{place}:{facts[f'{place}/between']}" for place in exploring - self.exploring
+        )
         self.exploring = exploring
         self.explored.append(bool(exploring))
         if not exploring:

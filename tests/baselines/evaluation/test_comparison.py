@@ -17,12 +17,12 @@ import pytest
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
+from aicon_baselines.agents.registry import Factory, factory, make
 from aicon_baselines.evaluation import ComparisonError, names, tasks
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import Config, configure
 from aicon_baselines.evaluation.curves import success_curve
 from aicon_baselines.evaluation.intervals import wilson_interval
-from aicon_baselines.agents.registry import Factory, factory, make
 from aicon_baselines.evaluation.progress import ProgressBar, report
 from aicon_baselines.evaluation.report import write_report
 from aicon_baselines.evaluation.rollout import rollout
@@ -36,7 +36,9 @@ from aicon_envs.nav2d import MAP_NAMES, Nav2DVectorEnv, shortest_path_length
 
 TASKS = [
     "nav2d",
-    pytest.param("pusht", marks=pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")),
+    pytest.param(
+        "pusht", marks=pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
+    ),
 ]
 SCRIPT = Path(__file__).parent.parent / "scripts" / "compare.py"
 TARGET = np.array([3.0, 0.0])  # m
@@ -51,18 +53,30 @@ class PointEnv(VectorEnv[Any, Any, Any]):
     def __init__(self, num_envs: int) -> None:
         self.num_envs = num_envs
 
-    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(
+        self, *, seed: Any = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
         self.generators = [np.random.default_rng(s) for s in seed]
-        self.scale = np.array([2.0 if name == "windy" else 1.0 for name in (options or {})["map"]])[:, None]
+        self.scale = np.array([2.0 if name == "windy" else 1.0 for name in (options or {})["map"]])[
+            :, None
+        ]
         self.position = np.zeros((self.num_envs, 2))
         return self._observe()
 
     def step(self, actions: NDArray[np.float64]) -> Any:
         noise = np.stack([generator.normal(0.0, 0.1, 2) for generator in self.generators])
         ended = self.success | self.collision
-        self.position = np.where(ended[:, None], self.position, self.position + 0.1 * actions + self.scale * noise)
+        self.position = np.where(
+            ended[:, None], self.position, self.position + 0.1 * actions + self.scale * noise
+        )
         observation, info = self._observe()
-        return observation, np.zeros(self.num_envs), self.success | self.collision, np.zeros(self.num_envs, bool), info
+        return (
+            observation,
+            np.zeros(self.num_envs),
+            self.success | self.collision,
+            np.zeros(self.num_envs, bool),
+            info,
+        )
 
     def _observe(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
         distance = np.linalg.norm(TARGET - self.position, axis=-1)
@@ -90,7 +104,9 @@ class Walker:
         target = observation["target"]
         direction = target / np.linalg.norm(target, axis=-1, keepdims=True)
         # The mean over the batch stands for what batched arithmetic does to the last bits, only larger.
-        return self.speed * (1 + 0.01 * age[:, None]) * direction + 0.01 * target.mean(axis=0), age + 1
+        return self.speed * (1 + 0.01 * age[:, None]) * direction + 0.01 * target.mean(
+            axis=0
+        ), age + 1
 
 
 def make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, Any]:
@@ -135,7 +151,12 @@ def fast(condition: str) -> Walker:
 POLICIES: dict[str, Factory] = {"slow": slow, "fast": fast}
 
 
-def run(path: Path, config: Config | None = None, policies: Sequence[str] = ("slow", "fast"), **options: Any) -> bytes:
+def run(
+    path: Path,
+    config: Config | None = None,
+    policies: Sequence[str] = ("slow", "fast"),
+    **options: Any,
+) -> bytes:
     """Run a comparison and return its file of episodes."""
     folder = RunFolder(path, config or configure(TASK, seed=3, episodes=16, repeats=2))
     compare(TASK, {name: POLICIES[name] for name in policies}, folder, **options)
@@ -151,7 +172,9 @@ def reference(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def test_rows_are_all_episodes_in_order(reference: bytes, tmp_path: Path) -> None:
     (tmp_path / "episodes.csv").write_bytes(reference)
     rows = read_rows(tmp_path / "episodes.csv")
-    expected = [(p, "usual", r, s) for p in ("fast", "slow") for r in range(2) for s in range(3, 19)]
+    expected = [
+        (p, "usual", r, s) for p in ("fast", "slow") for r in range(2) for s in range(3, 19)
+    ]
     assert [row[:4] for row in rows] == expected
     assert [row.map for row in rows[:4]] == ["calm", "windy", "calm", "calm"]
     assert {row.success for row in rows} == {True, False}
@@ -169,13 +192,17 @@ def test_dask_gives_the_same_file(reference: bytes, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.3, 0.7, 0.999])
-def test_a_killed_run_goes_on_to_the_same_file(reference: bytes, tmp_path: Path, share: float) -> None:
+def test_a_killed_run_goes_on_to_the_same_file(
+    reference: bytes, tmp_path: Path, share: float
+) -> None:
     run(tmp_path)
     (tmp_path / "episodes.csv").write_bytes(reference[: int(share * len(reference))])
     assert run(tmp_path) == reference
 
 
-def test_a_finished_run_is_not_run_again(reference: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finished_run_is_not_run_again(
+    reference: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     run(tmp_path)
     monkeypatch.setitem(POLICIES, "slow", lambda condition: pytest.fail("ran again"))
     assert run(tmp_path) == reference
@@ -193,7 +220,9 @@ def test_a_row_does_not_depend_on_the_range_of_seeds(reference: bytes, tmp_path:
 
 
 def test_conditions_repeats_and_maps_are_as_configured(tmp_path: Path) -> None:
-    config = configure(TASK, episodes=2, repeats=2, conditions=["other", "usual"], maps=["windy"], horizon=5)
+    config = configure(
+        TASK, episodes=2, repeats=2, conditions=["other", "usual"], maps=["windy"], horizon=5
+    )
     run(tmp_path, config, policies=["slow"])
     rows = read_rows(tmp_path / "episodes.csv")
     assert [row[1:5] for row in rows] == [
@@ -225,7 +254,11 @@ def test_progress_counts_ended_episodes() -> None:
 
 def test_wilson_interval_against_published_numbers() -> None:
     # Newcombe, Statistics in Medicine 17 (1998), table I, method 3.
-    for successes, trials, low, high in [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0, 0.1611)]:
+    for successes, trials, low, high in [
+        (81, 263, 0.2553, 0.3662),
+        (15, 148, 0.0624, 0.1605),
+        (0, 20, 0, 0.1611),
+    ]:
         assert wilson_interval(successes, trials) == pytest.approx((low, high), abs=5e-5)
     assert wilson_interval(29, 29) == pytest.approx((0.8830, 1.0), abs=5e-5)
     with pytest.raises(ValueError, match="3 of 2"):
@@ -233,8 +266,12 @@ def test_wilson_interval_against_published_numbers() -> None:
 
 
 def handmade() -> list[Row]:
-    def row(policy: str, seed: int, name: str, steps: int | None, path: float, collision: bool = False) -> Row:
-        return Row(policy, "usual", 0, seed, name, steps is not None, steps, collision, path, 2.0, 0.1)
+    def row(
+        policy: str, seed: int, name: str, steps: int | None, path: float, collision: bool = False
+    ) -> Row:
+        return Row(
+            policy, "usual", 0, seed, name, steps is not None, steps, collision, path, 2.0, 0.1
+        )
 
     return [
         row("a", 0, "u", 100, 2.0),
@@ -250,15 +287,29 @@ def test_summary_of_handmade_rows() -> None:
     assert (first.policy, first.episodes, first.successes, first.collisions) == ("a", 4, 3, 1)
     assert (first.success_rate, first.median_steps, first.median_path_ratio) == (0.75, 100, 1.5)
     assert first.interval == wilson_interval(3, 4)
-    assert (first.maps["u"].episodes, first.maps["u"].collisions, first.maps["u"].success_rate) == (2, 1, 0.5)
-    assert (second.policy, second.success_rate, second.median_steps, second.median_path_ratio) == ("b", 0, None, None)
+    assert (first.maps["u"].episodes, first.maps["u"].collisions, first.maps["u"].success_rate) == (
+        2,
+        1,
+        0.5,
+    )
+    assert (second.policy, second.success_rate, second.median_steps, second.median_path_ratio) == (
+        "b",
+        0,
+        None,
+        None,
+    )
     table = to_table([first, second], TASK).splitlines()
     assert len(table) == 4
     assert table[2].startswith("| usual | a | 3/4 = 75.0% (30.1% to 95.4%) | 1 | 10.0 s | 1.50 |")
 
 
 STEPS_TASK = replace(
-    TASK, horizon=400, time_unit="steps", length_unit="px", milestones=(99, 100, 300), shortest_path_length=None
+    TASK,
+    horizon=400,
+    time_unit="steps",
+    length_unit="px",
+    milestones=(99, 100, 300),
+    shortest_path_length=None,
 )
 
 
@@ -273,18 +324,31 @@ def test_summary_by_steps_of_handmade_rows() -> None:
     ]
     assert first.milestones[1].interval == wilson_interval(2, 4)
     assert (first.median_steps, first.percentile_95_steps, first.longest_steps) == (100, 280, 300)
-    assert (second.median_steps, second.percentile_95_steps, second.longest_steps) == (None, None, None)
+    assert (second.median_steps, second.percentile_95_steps, second.longest_steps) == (
+        None,
+        None,
+        None,
+    )
     assert (first.failed_seeds, second.failed_seeds, first.median_path_ratio) == ([2], [0], None)
     table = to_table([first, second], STEPS_TASK).splitlines()
-    assert table[0].endswith("| within 100 steps | within 300 steps | median steps | 95th percentile | longest |")
-    assert table[2].endswith("| 50.0% (15.0% to 85.0%) | 75.0% (30.1% to 95.4%) | 100 | 280 | 300 |")
+    assert table[0].endswith(
+        "| within 100 steps | within 300 steps | median steps | 95th percentile | longest |"
+    )
+    assert table[2].endswith(
+        "| 50.0% (15.0% to 85.0%) | 75.0% (30.1% to 95.4%) | 100 | 280 | 300 |"
+    )
     assert table[3].endswith(" |  |  |  |")
 
 
 def test_what_a_task_measures_is_in_rows_and_table() -> None:
-    measures = Measure("angle", "angle", "{:.0f} deg", 10.0), Measure("gap", "least gap", "{:.2f} px", least=True)
+    measures = (
+        Measure("angle", "angle", "{:.0f} deg", 10.0),
+        Measure("gap", "least gap", "{:.2f} px", least=True),
+    )
     task = replace(STEPS_TASK, measures=measures)
-    rows = [row._replace(measures={"angle": row.seed / 2, "gap": 3.0 - row.seed}) for row in handmade()]
+    rows = [
+        row._replace(measures={"angle": row.seed / 2, "gap": 3.0 - row.seed}) for row in handmade()
+    ]
     assert [Row.from_fields(row.to_fields()) for row in rows] == rows
     first, second = summarize(rows, task.milestones, measures)
     assert first.measures == {"angle": 0.5, "gap": 0.0}  # the successes have seeds 0, 1 and 3
@@ -314,16 +378,24 @@ def test_a_comparison_keeps_the_milestones_below_its_horizon() -> None:
 def test_success_curve_of_handmade_rows() -> None:
     times, shares = success_curve(handmade()[:4], time_step=0.1)
     np.testing.assert_allclose(times, [10.0, 30.0])
-    np.testing.assert_allclose(shares, [[0.5, *wilson_interval(2, 4)], [0.75, *wilson_interval(3, 4)]])
+    np.testing.assert_allclose(
+        shares, [[0.5, *wilson_interval(2, 4)], [0.75, *wilson_interval(3, 4)]]
+    )
 
 
 @pytest.mark.parametrize("task", [TASK, STEPS_TASK], ids=["seconds", "steps"])
-@pytest.mark.parametrize("rows", [handmade(), handmade()[4:]], ids=["some succeed", "none succeeds"])
+@pytest.mark.parametrize(
+    "rows", [handmade(), handmade()[4:]], ids=["some succeed", "none succeeds"]
+)
 def test_report_files(tmp_path: Path, rows: list[Row], task: Task) -> None:
     folder = RunFolder(tmp_path, configure(task, episodes=4))
-    conditions = [rows[0]._replace(condition=name) for name in ("w", "x", "y")]  # more than one line of panels
+    conditions = [
+        rows[0]._replace(condition=name) for name in ("w", "x", "y")
+    ]  # more than one line of panels
     folder.append([*rows, *conditions])
-    assert write_report(task, folder) == to_table(summarize([*rows, *conditions], task.milestones), task)
+    assert write_report(task, folder) == to_table(
+        summarize([*rows, *conditions], task.milestones), task
+    )
     content = json.loads((tmp_path / "summary.json").read_text())
     assert content["config"]["episodes"] == 4
     assert content["summaries"][0]["maps"]["u"]["episodes"] == sum(
@@ -337,7 +409,8 @@ def test_another_configuration_is_refused(tmp_path: Path) -> None:
     RunFolder(tmp_path, config)
     RunFolder(tmp_path, config)
     with pytest.raises(
-        ComparisonError, match="another comparison: episodes is 4 there and 5 here; seed is 0 there and 1"
+        ComparisonError,
+        match="another comparison: episodes is 4 there and 5 here; seed is 0 there and 1",
     ):
         RunFolder(tmp_path, replace(config, episodes=5, seed=1))
 
@@ -363,7 +436,10 @@ def test_broken_files_are_refused(tmp_path: Path) -> None:
         ({"seed": -1}, "seed must be 0 or more, not -1"),
         ({"maps": ["stormy"]}, "unknown map 'stormy'; valid maps: calm, windy$"),
         ({"conditions": ["odd"]}, "unknown condition 'odd'; valid conditions: usual, other"),
-        ({"conditions": ["usual", "other"], "repeats": 2}, "repeats must be 1, not 2, without noise, as in other"),
+        (
+            {"conditions": ["usual", "other"], "repeats": 2},
+            "repeats must be 1, not 2, without noise, as in other",
+        ),
     ],
 )
 def test_bad_configurations_say_what_would_be_right(options: dict[str, Any], message: str) -> None:
@@ -374,7 +450,8 @@ def test_bad_configurations_say_what_would_be_right(options: dict[str, Any], mes
 def test_unknown_names_list_the_valid_ones() -> None:
     for build in (make, factory):
         with pytest.raises(
-            ComparisonError, match="unknown policy 'oracle' for task 'nav2d'; valid policies: aicon, paper"
+            ComparisonError,
+            match="unknown policy 'oracle' for task 'nav2d'; valid policies: aicon, paper",
         ):
             build("nav2d", "oracle")
     with pytest.raises(ComparisonError, match="valid tasks: nav2d, pusht"):
@@ -398,7 +475,9 @@ def test_bad_ways_to_run_are_refused(tmp_path: Path, options: dict[str, Any], me
 
 def test_a_task_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(tasks._MODULES, "pusht", "no_such_module")
-    with pytest.raises(ComparisonError, match="'no_such_module'; the task 'pusht' needs: pip install .*pusht"):
+    with pytest.raises(
+        ComparisonError, match="'no_such_module'; the task 'pusht' needs: pip install .*pusht"
+    ):
         load("pusht")
 
 
@@ -409,7 +488,9 @@ def test_every_policy_can_be_built_and_steps(name: str) -> None:
         env = task.make_env(2, condition, 5)
         observation, _ = env.reset(**task.reset_arguments(task.chunk(0, repeat=0)[:2]))
         for policy in names(name):
-            action, state = make(name, policy, condition).predict(observation, episode_start=np.ones(2, np.bool_))
+            action, state = make(name, policy, condition).predict(
+                observation, episode_start=np.ones(2, np.bool_)
+            )
             assert action.shape == (2, 2) and np.isfinite(action).all() and state is not None
         env.close()
 
@@ -421,7 +502,9 @@ def test_every_condition_can_be_run(name: str) -> None:
         if condition == "upstream":
             pytest.importorskip("gym_pusht")
         policy = factory(name, "aicon")(condition)
-        first, again = (rollout(policy, task, condition, task.chunk(0, repeat=0), range(2)) for _ in range(2))
+        first, again = (
+            rollout(policy, task, condition, task.chunk(0, repeat=0), range(2)) for _ in range(2)
+        )
         assert (first.steps == 4).all() and (first.path_length > 0).all(), condition
         np.testing.assert_array_equal(first.path_length, again.path_length)
     assert set(task.noiseless) <= set(task.conditions)
@@ -477,7 +560,9 @@ def test_nav2d_shortest_paths_are_those_of_the_environment() -> None:
     env.reset(**task.reset_arguments(episodes))
     for episode, (name, obstacles, start, target) in zip(episodes, env.maps, strict=True):
         assert name == episode.map
-        assert task.shortest_path_length(episode) == shortest_path_length(obstacles, start, target, env.physics.radius)
+        assert task.shortest_path_length(episode) == shortest_path_length(
+            obstacles, start, target, env.physics.radius
+        )
 
 
 class TowardBearing:
@@ -496,7 +581,9 @@ class TowardBearing:
 
 def test_nav2d_walking_straight_at_the_target(tmp_path: Path) -> None:
     task = replace(load("nav2d"), chunk_size=16)
-    folder = RunFolder(tmp_path, configure(task, episodes=8, maps=["ring_outside", "clutter"], horizon=800))
+    folder = RunFolder(
+        tmp_path, configure(task, episodes=8, maps=["ring_outside", "clutter"], horizon=800)
+    )
     compare(task, {"straight": lambda condition: TowardBearing()}, folder)
     rows = folder.rows()
     assert all(row.success or row.collision for row in rows)
@@ -526,7 +613,17 @@ def script(*arguments: str, task: str = "nav2d") -> subprocess.CompletedProcess[
 
 @pytest.mark.parametrize("task", TASKS)
 def test_script_saves_and_prints_the_results(tmp_path: Path, task: str) -> None:
-    options = ("--policies", "aicon", "steepest", "--episodes", "2", "--horizon", "10", "--out", str(tmp_path))
+    options = (
+        "--policies",
+        "aicon",
+        "steepest",
+        "--episodes",
+        "2",
+        "--horizon",
+        "10",
+        "--out",
+        str(tmp_path),
+    )
     result = script(*options, task=task)
     assert result.returncode == 0, result.stderr
     assert f"| {load(task).conditions[0]} | aicon | 0/2 = 0.0% (0.0% to 65.8%) |" in result.stdout
@@ -552,8 +649,21 @@ def test_the_script_gives_the_same_rows_on_every_backend(backend: str, tmp_path:
     if backend == "dask":
         pytest.importorskip("distributed")
     script = Path(__file__).parent.parent / "scripts" / "compare.py"
-    command = [sys.executable, str(script), "--task", "nav2d", "--policies", "aicon", "--episodes", "2"]
+    command = [
+        sys.executable,
+        str(script),
+        "--task",
+        "nav2d",
+        "--policies",
+        "aicon",
+        "--episodes",
+        "2",
+    ]
     command += ["--seed", "1024", "--horizon", "30", "--jobs", "2"]
     for name, more in (("one", ["--jobs", "1"]), ("other", ["--backend", backend])):
-        subprocess.run([*command, *more, "--out", str(tmp_path / name)], check=True, capture_output=True)
-    assert (tmp_path / "one" / "episodes.csv").read_bytes() == (tmp_path / "other" / "episodes.csv").read_bytes()
+        subprocess.run(
+            [*command, *more, "--out", str(tmp_path / name)], check=True, capture_output=True
+        )
+    assert (tmp_path / "one" / "episodes.csv").read_bytes() == (
+        tmp_path / "other" / "episodes.csv"
+    ).read_bytes()

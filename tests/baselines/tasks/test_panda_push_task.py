@@ -4,11 +4,18 @@ import pytest
 pytest.importorskip("aicon_envs.panda_push")
 
 import compare
-from aicon_baselines.tasks.panda_push import TASK
-from aicon_baselines.tasks.panda_push_numbers import EpisodeNumbers, count_turns, in_words, load, save, watch
 from aicon_baselines.agents.registry import compiled, factory, names
 from aicon_baselines.evaluation.rollout import rollout
 from aicon_baselines.tasks import load as load_task
+from aicon_baselines.tasks.panda_push import TASK
+from aicon_baselines.tasks.panda_push_numbers import (
+    EpisodeNumbers,
+    count_turns,
+    in_words,
+    load,
+    save,
+    watch,
+)
 from aicon_torch import make_policy
 
 
@@ -18,9 +25,14 @@ def test_the_task_is_found_by_name_and_has_the_presets_of_its_model():
 
 
 def test_comparisons_compile_its_policies():
-    arguments = compare._parser().parse_args(["--task", "panda_push", "--policies", "steepest", "--out", "runs"])
+    arguments = compare._parser().parse_args(
+        ["--task", "panda_push", "--policies", "steepest", "--out", "runs"]
+    )
     (policy,) = compare._policies(TASK, arguments).items()
-    assert policy[0] == "steepest" and policy[1].func is compiled(factory("panda_push", "steepest")).func
+    assert (
+        policy[0] == "steepest"
+        and policy[1].func is compiled(factory("panda_push", "steepest")).func
+    )
 
 
 def test_a_chunk_runs_as_one_batch_with_the_true_pose():
@@ -53,7 +65,9 @@ def test_the_numbers_of_episodes_are_a_row_each(tmp_path):
     episodes = TASK.chunk(0, 0)[4:7]
     numbers = watch(policy, "true_pose", episodes, 30, seen.append, [4, 5])
     assert [row.seed for row in numbers] == [4, 5] and sorted(seen) == numbers
-    assert all(row.collisions == 0 and row.limit_margin > 0 and row.self_distance > 0 for row in numbers)
+    assert all(
+        row.collisions == 0 and row.limit_margin > 0 and row.self_distance > 0 for row in numbers
+    )
     save(numbers, tmp_path / "numbers.csv")
     header, *rows = (tmp_path / "numbers.csv").read_text().splitlines()
     assert header.split(",") == list(EpisodeNumbers._fields) and len(rows) == 2
@@ -69,10 +83,16 @@ def test_episodes_are_those_of_a_comparison():
     task = TASK.__class__(**{**TASK.__dict__, "horizon": horizon})
     outcome = rollout(policy, task, "true_pose", episodes, [0, 1])
     numbers = watch(policy, "true_pose", episodes, horizon)
-    np.testing.assert_allclose([row.distance for row in numbers], 1e3 * outcome.distance, rtol=1e-12)
-    np.testing.assert_allclose([row.angle for row in numbers], np.degrees(outcome.measures["angle"]), rtol=1e-12)
+    np.testing.assert_allclose(
+        [row.distance for row in numbers], 1e3 * outcome.distance, rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        [row.angle for row in numbers], np.degrees(outcome.measures["angle"]), rtol=1e-12
+    )
     for name in ("limit_margin", "self_distance"):
-        np.testing.assert_allclose([getattr(row, name) for row in numbers], outcome.measures[name], atol=1e-6)
+        np.testing.assert_allclose(
+            [getattr(row, name) for row in numbers], outcome.measures[name], atol=1e-6
+        )
 
 
 def test_turns_are_counted_beyond_an_amplitude():
