@@ -1,17 +1,21 @@
 """Reactive control by adaptive nullspace projection on a graph of recursive estimators (AICON)."""
 
-from aicon_torch.control import ActionLaw
+from aicon_torch.control import ActionLaw, Explanation, Perception, Policy, StepTrace
 from aicon_torch.errors import AiconError, GraphError, ObservationError, OptionError
-from aicon_torch.estimation import EKF, Estimator, Deterministic, KalmanFilter
-from aicon_torch.resolution import Escape, Exploration
-from aicon_torch.estimation import Measurement
+from aicon_torch.estimation import EKF, Deterministic, Estimator, KalmanFilter, Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models import make_policy, presets
-from aicon_torch.control import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
-from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+from aicon_torch.resolution import (
+    Escape,
+    Exploration,
+    NullspaceProjection,
+    Resolution,
+    SteepestPath,
+    Sum,
+)
 from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
 
 __all__ = [
@@ -20,10 +24,11 @@ __all__ = [
     "Actuator",
     "Affine",
     "AiconError",
+    "Deterministic",
     "Escape",
     "Estimator",
     "Exploration",
-    "Deterministic",
+    "Explanation",
     "Goal",
     "GraphError",
     "Interconnection",
@@ -32,11 +37,13 @@ __all__ = [
     "NullspaceProjection",
     "ObservationError",
     "OptionError",
+    "Perception",
     "Policy",
     "Quantity",
     "Resolution",
     "Sensor",
     "SteepestPath",
+    "StepTrace",
     "Sum",
     "WorldModel",
     "by_gain",

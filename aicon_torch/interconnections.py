@@ -14,20 +14,25 @@ Values = Mapping[str, Tensor | float]
 
 
 def wiring(function: Callable[..., object]) -> tuple[str, ...]:
-    """The names of the quantities that a function (or a module's ``forward``) reads: its parameter names.
+    """The names of the quantities that a function (or a module's ``forward``) reads: its parameters.
 
     Raises:
         GraphError: If a parameter is variadic, so that it names no quantity.
     """
-    parameters = inspect.signature(function.forward if isinstance(function, nn.Module) else function).parameters
-    for parameter in parameters.values():
+    called = function.forward if isinstance(function, nn.Module) else function
+    names: list[str] = []
+    for name, parameter in inspect.signature(called).parameters.items():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
-            raise GraphError(f"{function!r}: '*{parameter.name}' names no quantity; name each parameter after one.")
-    return tuple(name for name, p in parameters.items() if p.default is p.empty)
+            raise GraphError(
+                f"{function!r}: '*{name}' names no quantity; name each parameter after one."
+            )
+        if parameter.default is parameter.empty:
+            names.append(name)
+    return tuple(names)
 
 
 class Node(nn.Module):
-    """A module that is called without the hooks of :class:`torch.nn.Module`: one control step makes dozens of calls."""
+    """A module called without the hooks of :class:`torch.nn.Module`: a step makes dozens of calls."""
 
     def __call__(self, *inputs: Any) -> Any:
         """What ``forward`` returns."""
@@ -35,29 +40,37 @@ class Node(nn.Module):
 
 
 class Interconnection(Node):
-    """A relation between quantities, called with all values of a step and reading those it is wired to.
+    """A relation between quantities, called with all values of a step and reading those it names.
 
-    It is *explicit* where it returns a quantity (``def move(a, dt): return a * dt``) and *implicit* where it returns
-    a residual that is zero when the quantities agree (``def bearing(p, z): return wrap(angle(p) - z)``).
+    It is *explicit* where it returns a quantity (``def move(a, dt): return a * dt``) and *implicit*
+    where it returns a residual that is zero when the quantities agree
+    (``def bearing(p, z): return wrap(angle(p) - z)``).
 
     Args:
         function: A function or module over tensors ``(*B, …)``; leading dimensions must be free.
         inputs: Names of what it reads, one a parameter, where they differ from the parameters' names.
-        **jacobians: For a quantity that the function reads, a function that returns ∂function/∂quantity
-            ``(*B, m, n)``. Without one, autograd differentiates; with one, a step is faster. A world model checks them
-            against autograd when it is built.
+        **jacobians: For a quantity that the function reads, a function that returns
+            ∂function/∂quantity ``(*B, m, n)``. Without one, autograd differentiates; with one, a step
+            is faster. A world model checks them against autograd when it is built.
     """
 
     def __init__(
-        self, function: Callable[..., Tensor], inputs: Sequence[str] | None = None, **jacobians: Callable[..., Tensor]
+        self,
+        function: Callable[..., Tensor],
+        inputs: Sequence[str] | None = None,
+        **jacobians: Callable[..., Tensor],
     ) -> None:
         super().__init__()
         self.function = function
         self.inputs = wiring(function) if inputs is None else tuple(inputs)
-        for name in jacobians:
+
+        self.jacobians = nn.ModuleDict()
+        for name, jacobian in jacobians.items():
             if name not in self.inputs:
-                raise GraphError(f"Jacobian by {name!r}: the function reads {choices(self.inputs)}.")
-        self.jacobians = nn.ModuleDict({name: Interconnection(jacobian) for name, jacobian in jacobians.items()})
+                raise GraphError(
+                    f"Jacobian by {name!r}: the function reads {choices(self.inputs)}."
+                )
+            self.jacobians[name] = Interconnection(jacobian)
 
     @classmethod
     def of(cls, function: "Callable[..., Tensor] | Interconnection") -> "Interconnection":
@@ -68,7 +81,9 @@ class Interconnection(Node):
         """Evaluate the relation on the values that it reads."""
         return self.function(*[values[name] for name in self.inputs])
 
-    def linearize(self, values: Values, name: str, rows: int, differentiable: bool = False) -> tuple[Tensor, Tensor]:
+    def linearize(
+        self, values: Values, name: str, rows: int, differentiable: bool = False
+    ) -> tuple[Tensor, Tensor]:
         """Value and Jacobian with respect to one quantity.
 
         Args:
@@ -81,13 +96,16 @@ class Interconnection(Node):
             The value ``(*B, m)`` and the Jacobian ``(*B, m, n)``.
         """
         if name in self.jacobians:
-            return self(values), self.slope(values, name, rows, differentiable)
+            return self(values), self.jacobian(values, name, rows, differentiable)
         if name not in self.inputs:
             value = self(values)
-            return value, value.new_zeros(*value.shape, cast(Tensor, values[name]).shape[-1])
+            columns = cast(Tensor, values[name]).shape[-1]
+            return value, value.new_zeros(*value.shape, columns)
         return self.differentiate(values, name, rows, differentiable)
 
-    def slope(self, values: Values, name: str, rows: int, differentiable: bool = False) -> Tensor:
+    def jacobian(
+        self, values: Values, name: str, rows: int, differentiable: bool = False
+    ) -> Tensor:
         """The Jacobian of :meth:`linearize` alone, ``(*B, m, n)``, where the value is of no use."""
         if name in self.jacobians:
             return cast(Tensor, self.jacobians[name](values))
@@ -106,81 +124,132 @@ class Interconnection(Node):
         for name, jacobian in self.jacobians.items():
             given = jacobian(values)
             _, expected = self.differentiate(values, name, rows, differentiable=False)
-            tolerance = 100 * torch.finfo(expected.dtype).eps ** 0.5
-            same_shape = given.shape[-2:] == expected.shape[-2:]
-            if not (same_shape and torch.allclose(given.expand_as(expected), expected, rtol=tolerance, atol=tolerance)):
-                first = [matrix.reshape(-1, *matrix.shape[-2:])[0].tolist() for matrix in (given, expected)]
+            if not _agree(given, expected):
                 raise GraphError(
-                    f"The Jacobian of {self.function!r} by {name!r} is not its derivative: at the probe it gives "
-                    f"{first[0]}, autograd {first[1]}."
+                    f"The Jacobian of {self.function!r} by {name!r} is not its derivative: at the "
+                    f"probe it gives {_first_matrix(given)}, autograd {_first_matrix(expected)}."
                 )
 
-    def differentiate(self, values: Values, name: str, rows: int, differentiable: bool) -> tuple[Tensor, Tensor]:
-        """:meth:`linearize` by autograd, all rows in one backward pass.
-
-        The inputs are repeated along a new leading dimension, and copy i is differentiated for component i.
-        """
+    def differentiate(
+        self, values: Values, name: str, rows: int, differentiable: bool
+    ) -> tuple[Tensor, Tensor]:
+        """:meth:`linearize` by autograd, all rows in one backward pass."""
         with torch.enable_grad():
             point = cast(Tensor, values[name])
             if not (differentiable and point.requires_grad):
-                point = point.detach().requires_grad_()  # a leaf of its own: only its Jacobian is asked for
+                point = point.detach().requires_grad_()  # only the Jacobian here is asked for
             inputs = {key: values[key] for key in self.inputs} | {name: point}
+
             if rows == 1:
-                value = self(inputs)
-                (row,) = torch.autograd.grad(value, point, torch.ones_like(value), create_graph=differentiable)
-                return value if differentiable else value.detach(), row.unsqueeze(-2)
-            variable = point.expand(rows, *point.shape)
-            copies = {key: x.expand(rows, *x.shape) if isinstance(x, Tensor) else x for key, x in inputs.items()}
-            value = self(copies | {name: variable})
-            selector = torch.eye(rows, dtype=value.dtype, device=value.device)
-            selector = selector.reshape(rows, *(1,) * (value.dim() - 2), rows).expand_as(value)
-            (jacobian,) = torch.autograd.grad(value, variable, selector, create_graph=differentiable)
-            value = value[0] if differentiable else value[0].detach()  # of no further use but as a number
-            return value, jacobian.movedim(0, -2)
+                value, jacobian = self._one_row(inputs, point, differentiable)
+            else:
+                value, jacobian = self._several_rows(inputs, name, rows, differentiable)
+
+        if not differentiable:
+            value = value.detach()  # of no further use but as a number
+        return value, jacobian
+
+    def _one_row(
+        self, inputs: Values, point: Tensor, differentiable: bool
+    ) -> tuple[Tensor, Tensor]:
+        """Value ``(*B, 1)`` and Jacobian ``(*B, 1, n)``: a gradient."""
+        value = self(inputs)
+        seed = torch.ones_like(value)
+        (row,) = torch.autograd.grad(value, point, seed, create_graph=differentiable)
+        return value, row.unsqueeze(-2)
+
+    def _several_rows(
+        self, inputs: Values, name: str, rows: int, differentiable: bool
+    ) -> tuple[Tensor, Tensor]:
+        """Value ``(*B, m)`` and Jacobian ``(*B, m, n)``.
+
+        The inputs are repeated along a new leading dimension, and copy i is differentiated for
+        component i.
+        """
+        copies: dict[str, Tensor | float] = {}
+        for key, value in inputs.items():
+            is_tensor = isinstance(value, Tensor)
+            copies[key] = value.expand(rows, *value.shape) if is_tensor else value
+        variable = cast(Tensor, copies[name])
+        outputs = self(copies)
+
+        # Copy i of the output is asked for its component i.
+        selector = torch.eye(rows, dtype=outputs.dtype, device=outputs.device)
+        batch = (1,) * (outputs.dim() - 2)
+        selector = selector.reshape(rows, *batch, rows).expand_as(outputs)
+        (jacobian,) = torch.autograd.grad(outputs, variable, selector, create_graph=differentiable)
+        return outputs[0], jacobian.movedim(0, -2)
 
 
 class Affine(Interconnection):
     """``Σ_k M_k x_k``: a linear relation, whose Jacobians are constants.
 
     Args:
-        matrices: For each quantity its matrix ``(m, n)``, or a number that stands for a multiple of the identity.
+        matrices: For each quantity its matrix ``(m, n)``, or a number that stands for a multiple of
+            the identity.
 
     Example:
-        >>> approach = Affine(p_tar=1.0, x_rob=-1.0)  # the target comes nearer by what the robot moves
+        >>> approach = Affine(p_tar=1.0, x_rob=-1.0)  # it comes nearer by what the robot moves
     """
 
     def __init__(self, **matrices: float | Tensor) -> None:
         nn.Module.__init__(self)  # there is no function to wire
         self.inputs = tuple(matrices)
         self.jacobians = nn.ModuleDict()
-        self.factors = {name: value for name, value in matrices.items() if not isinstance(value, Tensor)}
+
+        self.factors: dict[str, float] = {}
         for name, value in matrices.items():
             if isinstance(value, Tensor):
                 self.register_buffer(f"matrix_{name}", value.to(torch.float64))
-
-    def _matrix(self, name: str, like: Tensor) -> Tensor:
-        if name in self.factors:
-            return self.factors[name] * torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
-        return cast(Tensor, getattr(self, f"matrix_{name}"))
+            else:
+                self.factors[name] = value
 
     def forward(self, values: Values) -> Tensor:
         """The sum ``(*B, m)``."""
-        total: Tensor | None = None
-        for name in self.inputs:
-            value = cast(Tensor, values[name])
-            if name in self.factors:
-                factor = self.factors[name]
-                term = value if factor == 1 else -value if factor == -1 else factor * value
-            else:
-                term = (self._matrix(name, value) * value.unsqueeze(-2)).sum(-1)
-            total = term if total is None else total + term
-        assert total is not None
+        terms = [self._term(name, cast(Tensor, values[name])) for name in self.inputs]
+        total = terms[0]
+        for term in terms[1:]:
+            total = total + term
         return total
 
-    def linearize(self, values: Values, name: str, rows: int, differentiable: bool = False) -> tuple[Tensor, Tensor]:
+    def linearize(
+        self, values: Values, name: str, rows: int, differentiable: bool = False
+    ) -> tuple[Tensor, Tensor]:
         """Value ``(*B, m)`` and the constant Jacobian, ``(m, n)``; nothing is differentiated."""
         point = cast(Tensor, values[name])
         value = self(values)
         if name not in self.inputs:
             return value, point.new_zeros(rows, point.shape[-1])
         return value, self._matrix(name, point)
+
+    def _term(self, name: str, value: Tensor) -> Tensor:
+        """M x, ``(*B, m)``."""
+        if name not in self.factors:
+            return (self._matrix(name, value) * value.unsqueeze(-2)).sum(-1)
+
+        factor = self.factors[name]
+        if factor == 1:
+            return value
+        if factor == -1:
+            return -value
+        return factor * value
+
+    def _matrix(self, name: str, like: Tensor) -> Tensor:
+        if name in self.factors:
+            identity = torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
+            return self.factors[name] * identity
+        return cast(Tensor, getattr(self, f"matrix_{name}"))
+
+
+def _agree(given: Tensor, expected: Tensor) -> bool:
+    """Whether a Jacobian ``(*B, m, n)`` is another but for rounding; it may lack the batch."""
+    if given.shape[-2:] != expected.shape[-2:]:
+        return False
+    tolerance = 100 * torch.finfo(expected.dtype).eps ** 0.5
+    return torch.allclose(given.expand_as(expected), expected, rtol=tolerance, atol=tolerance)
+
+
+def _first_matrix(jacobians: Tensor) -> list[Any]:
+    """The Jacobian of the first row of the batch, as numbers to read."""
+    first: list[Any] = jacobians.reshape(-1, *jacobians.shape[-2:])[0].tolist()
+    return first

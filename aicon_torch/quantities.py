@@ -67,7 +67,9 @@ class Sensor:
         if self.range is not None and not self.range[0] < self.range[1]:
             raise GraphError(f"Sensor range {self.range!r}: expected (lowest, highest).")
         if not isinstance(self.scale, int | float) and len(self.scale) != self.size:
-            raise GraphError(f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a component.")
+            raise GraphError(
+                f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a component."
+            )
 
 
 @dataclass(frozen=True)
@@ -97,10 +99,12 @@ class Actuator:
                 f"Actuator limit {self.limit!r}: expected one positive number (a norm) or {self.size} of them."
             )
         if not isinstance(self.constraints, Sequence):
-            raise GraphError(f"Actuator constraints {self.constraints!r}: expected a sequence of functions.")
+            raise GraphError(
+                f"Actuator constraints {self.constraints!r}: expected a sequence of functions."
+            )
 
     def clip(self, action: Tensor) -> Tensor:
-        """The nearest action in the same direction (norm limit) or box (component limits) that respects the limit.
+        """The nearest action within the limit: in the same direction (a norm), or in the box.
 
         Args:
             action: ``(*B, size)``.
@@ -108,12 +112,13 @@ class Actuator:
         Returns:
             ``(*B, size)``; no component is ever beyond the limit, not even by rounding.
         """
-        if isinstance(self.limit, int | float):
-            if math.isinf(self.limit):
-                return action
-            action = action.clamp(-1e18, 1e18)  # what can be squared
-            norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
-            shortened: Tensor = action * (self.limit / norm.clamp(min=self.limit))
-            return shortened.clamp(-self.limit, self.limit)
-        bound = action.new_tensor(tuple(self.limit))
-        return torch.minimum(torch.maximum(action, -bound), bound)
+        if not isinstance(self.limit, int | float):
+            bound = action.new_tensor(tuple(self.limit))
+            return torch.minimum(torch.maximum(action, -bound), bound)
+        if math.isinf(self.limit):
+            return action
+
+        action = action.clamp(-1e18, 1e18)  # what can be squared
+        norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
+        shortened: Tensor = action * (self.limit / norm.clamp(min=self.limit))
+        return shortened.clamp(-self.limit, self.limit)

@@ -13,7 +13,9 @@ def straight_through(value: Tensor, model: Tensor) -> Tensor:
         value: ``(*B, n)``; no gradient reaches it.
         model: ``(*B, n)``.
     """
-    return model + (value - model).detach()  # the difference is a value only, so the gradient is the model's
+    return (
+        model + (value - model).detach()
+    )  # the difference is a value only, so the gradient is the model's
 
 
 def straight_through_clamp(x: Tensor, low: float, high: float) -> Tensor:
@@ -71,7 +73,9 @@ def by_gain(effects: Tensor, sought: Tensor, incidental: Tensor, softness: float
 
 class _ByGain(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: Any, effects: Tensor, sought: Tensor, incidental: Tensor, softness: float) -> Tensor:
+    def forward(
+        ctx: Any, effects: Tensor, sought: Tensor, incidental: Tensor, softness: float
+    ) -> Tensor:
         ctx.save_for_backward(effects, sought, incidental)
         ctx.softness = softness
         return (sought.unsqueeze(-1) * effects).sum(-2)
@@ -80,7 +84,13 @@ class _ByGain(torch.autograd.Function):
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, Tensor, Tensor, None]:
         effects, sought, incidental = ctx.saved_tensors
         arriving = gradients[0].unsqueeze(-2)
+
+        # How far each effect is wanted where the gradient comes from.
         gain = (effects * arriving).sum(-1)
-        share = torch.sigmoid(-gain / ctx.softness) if ctx.softness else (gain < 0).to(gain.dtype)
+        if ctx.softness:
+            share = torch.sigmoid(-gain / ctx.softness)
+        else:
+            share = (gain < 0).to(gain.dtype)
+
         weight = share * sought + (1 - share) * incidental
         return weight.unsqueeze(-1) * arriving, share * gain, (1 - share) * gain, None

@@ -1,8 +1,21 @@
-"""Control: from an observation to an action."""
+"""Control: from an observation to an action, and what was decided on the way."""
 
 from aicon_torch.control.action_law import ActionLaw
-from aicon_torch.control.backward import BackwardPass
-from aicon_torch.control.explanation import Explanation, explain
-from aicon_torch.control.policy import ACTIVE, Policy
+from aicon_torch.control.backward import BackwardPass, PartialPath
+from aicon_torch.control.explanation import Explanation
+from aicon_torch.control.perception import Perception
+from aicon_torch.control.policy import Policy
+from aicon_torch.control.step import ControlStep
+from aicon_torch.control.trace import QuantityTrace, StepTrace
 
-__all__ = ["ACTIVE", "ActionLaw", "BackwardPass", "Explanation", "Policy", "explain"]
+__all__ = [
+    "ActionLaw",
+    "BackwardPass",
+    "ControlStep",
+    "Explanation",
+    "PartialPath",
+    "Perception",
+    "Policy",
+    "QuantityTrace",
+    "StepTrace",
+]

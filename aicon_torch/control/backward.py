@@ -1,269 +1,323 @@
-"""The sweep: gradients travel from the goals to the actuators and are resolved wherever they meet."""
+"""The backward pass: gradients travel from the goals to the actuators, resolved wherever they meet.
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+Backpropagation adds up what arrives at a node. Here a resolution decides what goes on instead.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.graph import LocalGraphs, WorldModel
-from aicon_torch.resolution import GradientStack
-from aicon_torch.graph import Edge
-from aicon_torch.quantities import Quantity
-from aicon_torch.resolution import Memory, Resolution
+from aicon_torch.graph import Edge, LocalGraphs, WorldModel
+from aicon_torch.resolution import GradientStack, Memory, Resolution
 
 
 class PartialPath(NamedTuple):
-    """A gradient that arrives at a quantity: the names it came through, goal first, and the goals it comes from.
+    """The part of a path from its goal to some quantity.
 
-    Where several gradients were merged on the way, their goals stand joined, followed by the quantity of the merger,
-    and its rank there if it is one of those that left it; `order` has both.
+    Attributes:
+        names: What it leads through, the goal first. Where gradients were merged on the way, their
+            goals stand joined by "+", followed by the quantity of the merger.
+        goals: The goals that it comes from.
     """
 
-    trace: tuple[str, ...]
+    names: tuple[str, ...]
     goals: frozenset[str]
-    order: tuple[str, int] | None = None
 
     def __str__(self) -> str:
         """``reach → p_tar → x_rob``."""
-        return " → ".join(self.trace)
+        return " → ".join(self.names)
+
+
+class Arrival(NamedTuple):
+    """What one edge brings to a quantity: a gradient, or one for each row.
+
+    Attributes:
+        edge: The edge.
+        path: The path so far.
+        group: Which block of the stack it belongs to; what belongs to the same is summed.
+    """
+
+    edge: Edge
+    path: PartialPath
+    group: int
 
 
 class BackwardPass:
     """Pulls the gradients of all goals back to the actuators, edge by edge.
 
-    With a merging resolution one gradient leaves each quantity, and the cost of a sweep grows with the edges. Otherwise
-    every path is followed to its end (Eq. 1), and the cost grows with the paths.
+    With a resolution that merges, one gradient leaves each quantity, and the cost of a pass grows
+    with the edges. Otherwise every path is followed to its end (Eq. 1), and the cost grows with the
+    paths.
 
     Args:
         model: The world model.
         resolution: What happens where gradients meet.
 
     Attributes:
-        arrivals: For each quantity the gradients that arrive there, in the order of the stack.
-        blocks: For each quantity the edges that they come along, in this order; one may bring several, row by row.
+        levels: Goals and quantities in the order of the pass: each level needs gradients of the
+            levels before it only.
+        paths: For each quantity the path of each gradient of its stack, in this order.
+
+    Raises:
+        OptionError: If the resolution names a goal that the model does not have.
     """
 
     def __init__(self, model: WorldModel, resolution: Resolution) -> None:
         for goal in resolution.goals:
             if goal not in model.goals:
-                raise OptionError(f"The resolution names the goal {goal!r}. Goals: {choices(model.goals)}.")
+                raise OptionError(
+                    f"The resolution names the goal {goal!r}. Goals: {choices(model.goals)}."
+                )
         self.model, self.resolution = model, resolution
         self.levels = _levels(model)
-        self.final: dict[str, bool] = {}
-        self._follow()
-        self.final = self._find_final()
-        if resolution.inherits:
-            self._follow()
-        self.siblings = {name: _related(here, lambda i, j: i != j) for name, here in self.arrivals.items()}
-        self.before = {name: _related(here, lambda i, j: j < i) for name, here in self.arrivals.items()}
-        self.remembered = {name: tuple(self._initial(name)) for name in self.arrivals if self.meets(name)}
+        self._arrivals = self._follow_edges()
+        self.paths = {name: _paths_of(arrivals) for name, arrivals in self._arrivals.items()}
+        self._is_last = self._find_last_mergers()
+        self._remembered = {
+            name: tuple(self._initial_at(name)) for name in self.paths if self.resolves_at(name)
+        }
 
-    def _follow(self) -> None:
-        """Note what arrives where; as long as it is not known which meetings are final, all are taken for it."""
-        self.arrivals: dict[str, list[PartialPath]] = {}
-        self.blocks: dict[str, list[Edge]] = {}
-        model = self.model
-        leaving = {goal: [PartialPath((goal,), frozenset([goal]))] for goal in model.goals}
+    def resolves_at(self, name: str) -> bool:
+        """Whether several gradients arrive at this quantity and are resolved there."""
+        acts_here = self.resolution.merges or name in self.model.actuators
+        return acts_here and len(self.paths.get(name, ())) > 1
+
+    def initial(self) -> Memory:
+        """What is remembered of every quantity before the first step, without batch dimensions."""
+        memory: Memory = {}
+        for name in self._remembered:
+            for key, value in self._initial_at(name).items():
+                memory[f"{name}/{key}"] = value
+        for name, actuator in self.model.actuators.items():
+            memory[f"{name}/gradient"] = torch.zeros(actuator.size)
+        return memory
+
+    def __call__(
+        self,
+        graphs: LocalGraphs,
+        values: Mapping[str, Tensor],
+        memory: Mapping[str, Tensor],
+        goal_factors: Tensor,
+    ) -> tuple[dict[str, Tensor], Memory]:
+        """Travel once from the goals to the actuators.
+
+        Args:
+            graphs: The local graphs of this step.
+            values: Values after the step.
+            memory: Memory before the step.
+            goal_factors: Factor of each goal, ``(*B, goals)``.
+
+        Returns:
+            The gradient at each actuator ``(*B, size)``, and the new memory of every quantity.
+        """
+        costs = {goal: graphs[goal].output.detach() for goal in self.model.goals}  # as numbers
+        arrived: dict[str, list[Tensor]] = {name: [] for name in self.paths}
+        new_memory: Memory = {}
+
+        def outgoing(name: str) -> list[Tensor]:
+            """The gradients that leave a quantity: what they are resolved to, or each by itself."""
+            if not self.resolves_at(name):
+                return self._unresolved(name, arrived[name])
+            stack = self._stack(name, arrived[name], values, memory, costs)
+            resolved, remembered = self.resolution(stack, self._recall(name, memory))
+            for key, value in (*remembered.items(), ("gradients", stack.gradients)):
+                new_memory[f"{name}/{key}"] = value
+            return [resolved.reshape(values[name].shape)]
+
+        # A goal's own gradient is its factor.
+        for goal, factor in zip(self.model.goals, goal_factors.unbind(-1), strict=True):
+            arrived[goal] = [factor]
+
+        # Level by level: resolve, then pull back along every edge (Eq. 1).
         for level in self.levels:
-            leaving |= {name: self._leaving(name) for name in level if name in self.arrivals}
-            for names in _rounds(level, leaving):
-                for name in names:
-                    for edge in model.edges[name]:
-                        self._announce(edge, leaving[name][names[name]])
+            gradients = {name: outgoing(name) for name in level}
+            for turn in _turns(level, gradients):
+                leaving = {name: gradients[name][index] for name, index in turn.items()}
+                pulled = iter(self._pull_back(graphs, leaving))
+                for name in turn:
+                    for edge in self.model.edges[name]:
+                        arrived[edge.source].append(next(pulled))
 
-    def _announce(self, edge: Edge, arrival: PartialPath) -> None:
-        """Note what an edge brings to its source when it is pulled once."""
-        here = self.arrivals.setdefault(edge.source, [])
-        self.blocks.setdefault(edge.source, []).append(edge)
-        if not edge.rows:
-            here.append(arrival)
-            return
-        rows = [arrival._replace(trace=(*arrival.trace[:-1], label)) for label in edge.labels]
-        start = self._joined(edge)
-        if start is None:
-            here.extend(rows)
-        else:  # summed with those that came before, row by row
-            here[start : start + edge.rows] = [
-                PartialPath(_joined(old.trace, new.trace), old.goals | new.goals)
-                for old, new in zip(here[start:], rows, strict=False)
-            ]
+        # Resolve what arrives at the actuators.
+        actions = {name: outgoing(name)[0] for name in self.model.actuators}
+        for name, gradient in actions.items():
+            new_memory[f"{name}/gradient"] = gradient
+        return actions, new_memory
 
-    def _joined(self, edge: Edge) -> int | None:
-        """Where the candidates begin with which the rows of the latest edge are summed, if there are any."""
-        start, seen = 0, set()
-        for block in self.blocks[edge.source][:-1]:
-            if self.resolution.by_row and block.rows and block.rows_of == edge.rows_of:
-                return start
-            if block.rows_of not in seen or not (self.resolution.by_row and block.rows):
-                start += block.rows or 1
-            seen.add(block.rows_of)
-        return None
+    def _follow_edges(self) -> dict[str, list[Arrival]]:
+        """What arrives at each quantity, in the order of the pass."""
+        arrivals: dict[str, list[Arrival]] = {}
+        leaving: dict[str, list[PartialPath]] = {}
+        for goal in self.model.goals:
+            leaving[goal] = [PartialPath((goal,), frozenset([goal]))]
 
-    def _leaving(self, name: str) -> list[PartialPath]:
-        here = self.arrivals[name]
-        if not self.resolution.merges or len(here) == 1:
-            return [arrival._replace(trace=(*arrival.trace, name)) for arrival in here]
-        goals = frozenset().union(*(arrival.goals for arrival in here))
+        for level in self.levels:
+            for name in level:
+                if name in arrivals:
+                    leaving[name] = self._leaving(name, _paths_of(arrivals[name]))
+            for turn in _turns(level, leaving):
+                for name, index in turn.items():
+                    for edge in self.model.edges[name]:
+                        here = arrivals.setdefault(edge.source, [])
+                        group = self._group_of(edge, here)
+                        here.append(Arrival(edge, leaving[name][index], group))
+        return arrivals
+
+    def _group_of(self, edge: Edge, earlier: Sequence[Arrival]) -> int:
+        """Gradients of the same rows are summed if the resolution says so; others stand alone."""
+        if self.resolution.by_row and edge.rows:
+            for arrival in earlier:
+                if arrival.edge.rows and arrival.edge.rows_of == edge.rows_of:
+                    return arrival.group
+        return 1 + max((arrival.group for arrival in earlier), default=-1)
+
+    def _leaving(self, name: str, paths: list[PartialPath]) -> list[PartialPath]:
+        """The paths that leave a quantity: one where its gradients are merged, else all."""
+        if not self.resolution.merges or len(paths) == 1:
+            return [path._replace(names=(*path.names, name)) for path in paths]
+
+        goals = frozenset().union(*(path.goals for path in paths))
         joined = "+".join(goal for goal in self.model.goals if goal in goals)
-        if not self.resolution.inherits or self.final.get(name, True):
-            return [PartialPath((joined, name), goals)]
-        ranks = self.resolution.ranks(len(here), self.model.quantities[name].size)
-        return [PartialPath((joined, f"{name} (rank {rank})"), goals, (name, rank)) for rank in range(ranks)]
+        return [PartialPath((joined, name), goals)]
 
-    def _find_final(self) -> dict[str, bool]:
-        """For each quantity whether gradients meet nowhere else on the way from there to the actuators."""
-        final = dict.fromkeys(self.model.actuators, True)
+    def _find_last_mergers(self) -> dict[str, bool]:
+        """For each quantity whether gradients meet nowhere else on the way to the actuators."""
+        is_last = dict.fromkeys(self.model.actuators, True)
         for level in reversed(self.levels):
             for name in level:
                 sources = [edge.source for edge in self.model.edges[name]]
-                final[name] = all(final[source] and not self.meets(source) for source in sources)
-        return final
+                is_last[name] = all(
+                    is_last[source] and not self.resolves_at(source) for source in sources
+                )
+        return is_last
 
-    def meets(self, name: str) -> bool:
-        """Whether gradients are resolved at this quantity."""
-        return len(self.arrivals.get(name, ())) > 1 and (self.resolution.merges or name in self.model.actuators)
+    def _initial_at(self, name: str) -> Memory:
+        """What is remembered of one quantity: by the resolution, and what arrived there."""
+        count, size = len(self.paths[name]), self.model.quantities[name].size
+        gradients = torch.zeros(count, size)
+        return {**self.resolution.initial(count, size), "gradients": gradients}
 
-    def initial(self) -> Memory:
-        """What is remembered of every meeting before the first step, without batch dimensions."""
-        memory = {f"{name}/{key}": value for name in self.remembered for key, value in self._initial(name).items()}
-        return memory | {f"{name}/gradient": torch.zeros(a.size) for name, a in self.model.actuators.items()}
+    def remembered_at(self, name: str) -> tuple[str, ...]:
+        """What is remembered of a quantity, by the keys that follow its name and a slash."""
+        return self._remembered[name]
 
-    def _initial(self, name: str) -> Memory:
-        candidates, size = len(self.arrivals[name]), self.model.quantities[name].size
-        return {**self.resolution.initial(candidates, size), "gradients": torch.zeros(candidates, size)}
+    def _recall(self, name: str, memory: Mapping[str, Tensor]) -> Memory:
+        return {key: memory[f"{name}/{key}"] for key in self._remembered[name]}
 
-    def __call__(
-        self, tapes: LocalGraphs, values: Mapping[str, Tensor], before: Mapping[str, Tensor], active: Tensor
-    ) -> tuple[dict[str, Tensor], Memory]:
-        """BackwardPass once.
-
-        Args:
-            tapes: The tapes of this step.
-            values: Values after the step.
-            before: Memory before the step, the state of every meeting included.
-            active: Factor of each goal, ``(*B, goals)``.
-
-        Returns:
-            The gradient at each actuator ``(*B, size)``, and the new state of every meeting.
-        """
-        costs = {name: tapes[name].output.detach() for name in self.model.goals}  # as numbers, to compare over time
-        arrived: dict[str, list[Tensor]] = {name: [] for name in self.arrivals}
-        arrived |= {name: [factor] for name, factor in zip(self.model.goals, active.unbind(-1), strict=True)}
-        memory: Memory = {}
-
-        def leaving(name: str) -> list[Tensor]:
-            if not self.meets(name):
-                return self._apart(name, arrived[name])
-            resolved, state = self._resolve(name, arrived[name], values, before, costs)
-            memory.update(state)
-            return resolved
-
-        for level in self.levels:
-            gradients = {name: leaving(name) for name in level}
-            for names in _rounds(level, gradients):
-                pulled = iter(self._pull(tapes, {name: gradients[name][turn] for name, turn in names.items()}))
-                for name in names:
-                    for edge in self.model.edges[name]:
-                        arrived[edge.source].append(next(pulled))
-        actions = {name: leaving(name)[0] for name in self.model.actuators}
-        return actions, memory | {f"{name}/gradient": gradient for name, gradient in actions.items()}
-
-    def _apart(self, name: str, arrived: Sequence[Tensor]) -> list[Tensor]:
+    def _unresolved(self, name: str, arrived: Sequence[Tensor]) -> list[Tensor]:
         """The gradients ``(*B, *shape)`` one by one; those that came row by row are taken apart."""
-        if not any(edge.rows for edge in self.blocks.get(name, ())):
+        if not any(arrival.edge.rows for arrival in self._arrivals.get(name, ())):
             return list(arrived)
-        quantity = self.model.quantities[name]
-        gradients = self._stack(quantity, arrived).unbind(-2)
-        return [gradient.reshape(*gradient.shape[:-1], *quantity.shape) for gradient in gradients]
 
-    def _stack(self, quantity: Quantity, arrived: Sequence[Tensor]) -> Tensor:
-        """The gradients that arrived as one stack, ``(*B, n, d)``."""
-        blocks = self.blocks[quantity.name]
-        if not any(edge.rows for edge in blocks):
-            return torch.stack([quantity.flatten(gradient) for gradient in arrived], dim=-2)
-        stacks: dict[str | int, Tensor] = {}
-        for index, (block, edge) in enumerate(zip(arrived, blocks, strict=True)):
-            stack = block if edge.rows else quantity.flatten(block).unsqueeze(-2)
-            key = edge.rows_of if edge.rows and self.resolution.by_row else index
-            stacks[key] = stacks[key] + stack if key in stacks else stack
-        return torch.cat(list(stacks.values()), dim=-2)
+        shape = self.model.quantities[name].shape
+        gradients = self._stacked(name, arrived).unbind(-2)
+        return [gradient.reshape(*gradient.shape[:-1], *shape) for gradient in gradients]
 
-    @staticmethod
-    def _pull(tapes: LocalGraphs, gradients: Mapping[str, Tensor]) -> tuple[Tensor, ...]:
-        """One factor of the chain rule, (∂x/∂source)ᵀ ∇ₓ, for every edge of some quantities x at once (Eq. 1).
-
-        No two tapes share a leaf, so their derivatives do not mix.
-        """
-        outputs = [tapes[name].output for name in gradients]
-        leaves = [leaf for name in gradients for leaf in tapes[name].leaves]
-        return torch.autograd.grad(outputs, leaves, list(gradients.values()), retain_graph=True)
-
-    def _resolve(
+    def _stack(
         self,
         name: str,
         arrived: Sequence[Tensor],
         values: Mapping[str, Tensor],
-        before: Mapping[str, Tensor],
+        memory: Mapping[str, Tensor],
         costs: dict[str, Tensor],
-    ) -> tuple[list[Tensor], Memory]:
-        """Let the resolution decide what leaves a quantity."""
-        shape = values[name].shape
-        quantity = self.model.quantities[name]
-        motion = values[name] if quantity.is_motion else values[name] - before[name]
-        gradients = self._stack(quantity, arrived)
-        meeting = GradientStack(
-            gradients=gradients,
-            goals=tuple(arrival.goals for arrival in self.arrivals[name]),
+    ) -> GradientStack:
+        """The gradients that meet at a quantity, and what is known there."""
+        quantity, value = self.model.quantities[name], values[name]
+        motion = value if quantity.is_motion else value - memory[name]
+
+        def displaced_cost(goal: str, displacement: Tensor) -> Tensor:
+            shift = displacement.reshape(value.shape)
+            return self.model.displaced_cost(goal, name, shift, values)
+
+        return GradientStack(
+            gradients=self._stacked(name, arrived),
+            goals=tuple(path.goals for path in self.paths[name]),
             motion=quantity.flatten(motion),
             costs=costs,
-            displaced=lambda goal, shift: self.model.displaced_cost(goal, name, shift.reshape(shape), values),
+            displaced_cost=displaced_cost,
             dt=self.model.dt,
-            final=self.final[name],
-            siblings=_beside(gradients, self.siblings[name]),
-            before=_beside(gradients, self.before[name]),
+            is_last=self._is_last[name],
         )
-        own = {key: before[f"{name}/{key}"] for key in self.remembered[name]}
-        resolved, state = self.resolution(meeting, own)
-        state = {**state, "gradients": meeting.gradients}
-        one_by_one = resolved.unbind(-2) if self.resolution.inherits and not meeting.final else (resolved,)
-        leaving = [gradient.reshape(shape) for gradient in one_by_one]
-        return leaving, {f"{name}/{key}": value for key, value in state.items()}
+
+    def _stacked(self, name: str, arrived: Sequence[Tensor]) -> Tensor:
+        """The gradients that arrived as rows ``(*B, n, d)``; those of one group are summed."""
+        quantity = self.model.quantities[name]
+        blocks: dict[int, Tensor] = {}
+        for arrival, gradient in zip(self._arrivals[name], arrived, strict=True):
+            if not arrival.edge.rows:
+                gradient = quantity.flatten(gradient).unsqueeze(-2)
+            if arrival.group in blocks:
+                gradient = blocks[arrival.group] + gradient
+            blocks[arrival.group] = gradient
+        return torch.cat(list(blocks.values()), dim=-2)
+
+    @staticmethod
+    def _pull_back(graphs: LocalGraphs, gradients: Mapping[str, Tensor]) -> tuple[Tensor, ...]:
+        """(∂x/∂source)ᵀ ∇ₓ for every edge of some quantities x at once: a factor of Eq. 1 each.
+
+        No two local graphs share a leaf, so their derivatives do not mix.
+        """
+        outputs: list[Tensor] = []
+        leaves: list[Tensor] = []
+        for name in gradients:
+            outputs.append(graphs[name].output)
+            leaves.extend(graphs[name].leaves)
+
+        seeds = list(gradients.values())
+        return torch.autograd.grad(outputs, leaves, seeds, retain_graph=True)
 
 
-def _related(here: Sequence[PartialPath], by: Callable[[int, int], bool]) -> Tensor | None:
-    """Which arrivals, i and j, left the same meeting and have ranks so related there; None where none do."""
-    origins = [arrival.order or (f"of its own {index}", 0) for index, arrival in enumerate(here)]
-    related = torch.tensor([[a == b and by(i, j) for b, j in origins] for a, i in origins])
-    return related if related.any() else None
+def _paths_of(arrivals: Sequence[Arrival]) -> list[PartialPath]:
+    """The path of each gradient of a stack; in a sum, those of its terms joined."""
+    blocks: dict[int, list[PartialPath]] = {}
+    for edge, path, group in arrivals:
+        paths = [path]
+        if edge.rows:
+            paths = [PartialPath((*path.names[:-1], row), path.goals) for row in edge.labels]
+        if group in blocks:
+            pairs = zip(blocks[group], paths, strict=False)
+            paths = [_joined(first, second) for first, second in pairs]
+        blocks[group] = paths
+
+    stacked: list[PartialPath] = []
+    for paths in blocks.values():
+        stacked.extend(paths)
+    return stacked
 
 
-def _beside(gradients: Tensor, related: Tensor | None) -> Tensor | None:
-    return None if related is None else related.to(gradients.device)
-
-
-def _joined(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:
-    """The trace of a sum of two gradients: what they have in common from the goal on, then both."""
-    if first[:-1] == second[:-1]:
-        return (*first[:-1], f"{first[-1]}+{second[-1]}")
-    return (f"{' → '.join(first)} + {' → '.join(second)}",)
+def _joined(first: PartialPath, second: PartialPath) -> PartialPath:
+    """The path of a sum of two gradients: what they have in common from the goal on, then both."""
+    goals = first.goals | second.goals
+    if first.names[:-1] == second.names[:-1]:
+        ends = f"{first.names[-1]}+{second.names[-1]}"
+        return PartialPath((*first.names[:-1], ends), goals)
+    return PartialPath((f"{first} + {second}",), goals)
 
 
 def _levels(model: WorldModel) -> list[list[str]]:
-    """Goals and quantities in the order of the sweep: each level needs only gradients of the levels before it."""
+    """Goals and quantities in the order of the pass: the longest way from a goal counts."""
+    names = list(model.goals)
+    for estimator in reversed(model.estimators):
+        names.extend(name for name in estimator.outputs if name in model.edges)
+
     depth = dict.fromkeys(model.goals, 0)
-    names = [*model.goals, *(name for node in reversed(model.nodes) for name in node.outputs if name in model.edges)]
     for name in names:
         for edge in model.edges[name]:
             depth[edge.source] = max(depth.get(edge.source, 0), depth[name] + 1)
+
     levels: dict[int, list[str]] = {}
     for name in names:
         levels.setdefault(depth[name], []).append(name)
     return [levels[level] for level in sorted(levels)]
 
 
-def _rounds(level: Iterable[str], leaving: Mapping[str, Sequence[object]]) -> Iterator[dict[str, int]]:
-    """Turns in which the gradients that leave a level are pulled back: for each name which of its gradients is next."""
-    for turn in range(max(len(leaving[name]) for name in level)):
-        yield {name: turn for name in level if turn < len(leaving[name])}
+def _turns(
+    level: Iterable[str], leaving: Mapping[str, Sequence[object]]
+) -> Iterator[dict[str, int]]:
+    """Turns in which what leaves a level is pulled back: for each name which of its is next."""
+    names = list(level)
+    for turn in range(max(len(leaving[name]) for name in names)):
+        yield {name: turn for name in names if turn < len(leaving[name])}

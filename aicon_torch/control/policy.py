@@ -1,4 +1,4 @@
-"""The policy: one control step from an observation to an action."""
+"""The policy: from an observation to an action, one control step at a time."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,41 +9,60 @@ from numpy.typing import ArrayLike
 from torch import Tensor, nn
 
 from aicon_torch.control.action_law import ActionLaw
-from aicon_torch.errors import ObservationError, OptionError, choices
-from aicon_torch.control.explanation import Explanation, explain
 from aicon_torch.control.backward import BackwardPass
+from aicon_torch.control.explanation import Explanation, explain
+from aicon_torch.control.memory import (
+    GOAL_FACTORS,
+    check_memory,
+    initial_memory,
+    memory_keys,
+    restart_rows,
+    starting_rows,
+)
+from aicon_torch.control.observation import check_first_readings, hold, read
+from aicon_torch.control.perception import Perception
+from aicon_torch.control.step import ControlStep, last_values
+from aicon_torch.control.trace import StepTrace, trace
+from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.graph import WorldModel
-from aicon_torch.control.observation import hold, read
-from aicon_torch.quantities import PRESENT
-from aicon_torch.resolution import Memory, Resolution
-
-ACTIVE = "goals/active"
-"""Key of the memory under which the factor of each goal is kept, ``(*B, goals)``."""
+from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
 
 
 class Policy(nn.Module):
-    """Reactive control: estimate, pull the goals' gradients back to the actuators, resolve conflicts, descend.
+    """Reactive control: estimate, pull the goals' gradients back to the actuators, descend.
 
-    All that lives from step to step is in the memory, a flat ``dict[str, Tensor]`` with leading batch dimensions: it
-    goes in and comes out, can be saved with ``torch.save``, and one policy serves any number of robots.
+    All that lives from step to step is in the memory, a flat ``dict[str, Tensor]`` with leading batch
+    dimensions: it goes in and comes out, can be saved with ``torch.save``, and one policy serves any
+    number of robots.
 
     Args:
         model: The world model.
-        resolution: What happens where gradients meet.
-        law: From the gradient to the action; one for all actuators.
+        resolution: What happens where gradients meet; by default nullspace projection as shipped.
+        law: From the gradient to the action, one for all actuators; by default full speed along it.
+        perception: What makes readings of raw observations such as images, if anything has to.
 
     Example:
         >>> action, memory = policy.predict(observation)
         >>> action, memory = policy.predict(observation, memory)
     """
 
-    def __init__(self, model: WorldModel, resolution: Resolution, law: ActionLaw) -> None:
+    def __init__(
+        self,
+        model: WorldModel,
+        resolution: Resolution | None = None,
+        law: ActionLaw | None = None,
+        perception: Perception | None = None,
+    ) -> None:
         super().__init__()
-        self.model, self.resolution, self.law = model, resolution, law
-        self.backward_pass = BackwardPass(model, resolution)
+        self.model = model
+        self.resolution = NullspaceProjection() if resolution is None else resolution
+        self.law = ActionLaw() if law is None else law
+        self.perception = perception
+
+        self.backward_pass = BackwardPass(model, self.resolution)
+        self._step = ControlStep(model, self.backward_pass, self.law)
+        self._keys = memory_keys(self.backward_pass)
         self._memory: Memory | None = None
-        flags = {name + PRESENT for name, sensor in model.sensors.items() if sensor.optional}
-        self._keys = {ACTIVE, *flags, *model.quantities, *self.backward_pass.initial()}
 
     def predict(
         self,
@@ -57,34 +76,27 @@ class Policy(nn.Module):
         Args:
             observation: A reading for each sensor, ``(*B, size)``, numpy or torch.
             state: The memory that the last step returned; None starts an episode.
-            episode_start: Rows ``(*B,)`` whose observation is the first of an episode; their memory starts anew.
+            episode_start: Rows ``(*B,)`` whose observation is the first of an episode; their memory
+                starts anew.
             deterministic: Accepted for the signature's sake; the policy has no randomness.
 
         Returns:
-            The action ``(*B, size)``, of the observation's kind (a dict of them if there are several actuators), and
-            the memory.
+            The action ``(*B, size)``, of the observation's kind (a dict of them if there are several
+            actuators), and the memory.
 
         Raises:
-            ObservationError: If a reading is missing, wrongly shaped, NaN or infinite. Tensors are not checked for
-                NaN and infinity, so that nothing waits for the device.
+            ObservationError: If a reading is missing, wrongly shaped, NaN or infinite. Tensors are
+                not checked for NaN and infinity, so that nothing waits for the device.
         """
         with torch.inference_mode(False):
-            before, readings = self._begin(observation, state, episode_start)
-            commands, memory = self._step(readings, before)
-        actions: dict[str, Any] = commands
-        if not any(isinstance(reading, Tensor) for reading in observation.values()):
-            actions = {name: action.numpy(force=True).astype(np.float32) for name, action in actions.items()}
-        return (next(iter(actions.values())) if len(actions) == 1 else actions), memory
+            memory, readings = self._begin(observation, state, episode_start)
+            commands, memory = self._step(readings, memory)
 
-    @torch.enable_grad()
-    def _step(self, readings: Mapping[str, Tensor], before: Memory) -> tuple[dict[str, Tensor], Memory]:
-        """Estimate, pull back, resolve, act: the commands by actuator, and the memory."""
-        values, tapes = self.model.step(self._values(readings, before))
-        gradients, meetings = self.backward_pass(tapes, values, before, before[ACTIVE])
-        for name, actuator in self.model.actuators.items():
-            values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
-            values[name] = self.model.constrain(name, values)
-        return self.model.commands(values), {**values, **meetings, ACTIVE: before[ACTIVE]}
+        takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
+        actions = commands if takes_tensors else _as_numpy(commands)
+        if len(actions) == 1:
+            return next(iter(actions.values())), memory
+        return actions, memory
 
     def estimate(
         self,
@@ -98,33 +110,39 @@ class Policy(nn.Module):
         Args:
             observation: As for :meth:`predict`.
             state: The memory that the last step returned.
-            action: What was executed since, by actuator, ``(*B, size)``; by default the action in the memory.
+            action: What was executed since, by actuator, ``(*B, size)``; by default the action in the
+                memory.
             episode_start: As for :meth:`predict`.
+
+        Raises:
+            OptionError: If there is no such actuator.
+            ObservationError: If the action has another shape, or is not finite.
         """
-        action = action or {}
-        for name, executed in action.items():
-            if name not in self.model.actuators:
-                raise OptionError(f"No actuator is named {name!r}. Actuators: {choices(self.model.actuators)}.")
-            size = self.model.actuators[name].size
-            if executed.shape[-1:] != (size,) or not executed.isfinite().all():
-                raise ObservationError(f"action of {name!r}: expected finite values of shape (*batch, {size}).")
+        executed = dict(action or {})
+        self._check_executed(executed)
+
         with torch.inference_mode(False):
-            before, readings = self._begin(observation, state, episode_start)
-            values, _ = self.model.step(self._values(readings, before) | dict(action), differentiable=False)
-        return before | values
+            memory, readings = self._begin(observation, state, episode_start)
+            values = self.model.update(last_values(self.model, memory) | readings | executed)
+        return memory | values
 
-    def compile(self) -> "Policy":  # type: ignore[override]  # nn.Module compiles in place and is called in silence
-        """The same policy with its step compiled: see :class:`aicon_torch.control.compiled.CompiledPolicy`."""
-        from aicon_torch.control.compiled import CompiledPolicy  # loads the compiler
+    def compile(self) -> "Policy":  # type: ignore[override]  # torch's compiles in place and in silence
+        """The same policy with its step compiled, many times faster.
 
-        return CompiledPolicy(self)
+        See :class:`aicon_torch.control.compiled.CompiledStep`.
+        """
+        from aicon_torch.control.compiled import CompiledStep  # loads the compiler
+
+        compiled = Policy(self.model, self.resolution, self.law, self.perception)
+        compiled._step = CompiledStep(compiled._step, self._keys)
+        return compiled
 
     def reset(self) -> None:
         """Forget the memory that :meth:`act` keeps."""
         self._memory = None
 
     def act(self, observation: Mapping[str, Any]) -> Any:
-        """One control step of a single episode, with the memory kept here: :meth:`predict` for those in a hurry."""
+        """One control step of a single episode, with the memory kept here: for those in a hurry."""
         action, self._memory = self.predict(observation, self._memory)
         return action
 
@@ -134,16 +152,28 @@ class Policy(nn.Module):
         Args:
             memory: The memory to start from.
             **goals: For each goal to change its factor, a number or ``(*B,)``.
+
+        Raises:
+            OptionError: If there is no such goal.
         """
-        active = memory[ACTIVE].clone()
+        names = list(self.model.goals)
+        factors = memory[GOAL_FACTORS].clone()
         for name, factor in goals.items():
-            if name not in self.model.goals:
-                raise OptionError(f"No goal is named {name!r}. Goals: {choices(self.model.goals)}.")
-            active[..., list(self.model.goals).index(name)] = torch.as_tensor(factor, dtype=active.dtype)
-        return memory | {ACTIVE: active}
+            if name not in names:
+                raise OptionError(f"No goal is named {name!r}. Goals: {choices(names)}.")
+            factors[..., names.index(name)] = torch.as_tensor(factor, dtype=factors.dtype)
+        return memory | {GOAL_FACTORS: factors}
+
+    def trace(self, memory: Memory) -> StepTrace:
+        """What the step that returned this memory knew and decided, for every row of the batch.
+
+        Args:
+            memory: The memory.
+        """
+        return trace(self.backward_pass, memory)
 
     def explain(self, memory: Memory, row: int | tuple[int, ...] = ()) -> Explanation:
-        """What the step that returned this memory decided, in numbers.
+        """What the step that returned this memory decided, in numbers to read.
 
         Args:
             memory: The memory.
@@ -152,71 +182,66 @@ class Policy(nn.Module):
         return explain(self.backward_pass, memory, row)
 
     def _begin(
-        self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None
+        self,
+        observation: Mapping[str, Any],
+        state: Memory | None,
+        episode_start: ArrayLike | Tensor | None,
     ) -> tuple[Memory, dict[str, Tensor]]:
         """The memory with the rows that start anew, and the new readings."""
-        readings = read(observation, self.model.sensors, self.model.like)
+        if self.perception is not None:
+            observation = self._perceive(self.perception, observation, state, episode_start)
+        model = self.model
+        readings = read(observation, model.sensors, model.like)
         batch = tuple(next(iter(readings.values())).shape[:-1])
+        needed = model.graph.first_readings
+
+        # An episode of all rows begins.
         if state is None:
-            self._check_first(observation, readings, None)
-            readings = hold(readings, self.model.sensors)
-            before = self._initial(readings, batch)
-        else:
-            if state.keys() != self._keys:
-                missing, more = self._keys - state.keys(), state.keys() - self._keys
-                raise ObservationError(
-                    f"state: not a memory of this policy; it lacks {choices(missing)} and has {choices(more)} besides."
-                )
-            there = tuple(state[next(iter(self.model.actuators))].shape[:-1])
-            if there != batch:
-                raise ObservationError(
-                    f"state: its batch is {there}, that of the observation {batch}; expected the same."
-                )
-            start = self._starts(episode_start, batch)
-            if start is not None:
-                self._check_first(observation, readings, start)
-            readings = hold(readings, self.model.sensors, state, start)
-            before = state
-            if start is not None:
-                fresh = self._initial(readings, batch)
-                rows = {key: start[(..., *(None,) * (value.dim() - start.dim()))] for key, value in state.items()}
-                before = {key: torch.where(rows[key], fresh[key], value) for key, value in state.items()}
-                before[ACTIVE] = state[ACTIVE]  # a setting, no estimate
-        return before, readings
+            check_first_readings(observation, readings, model.sensors, needed)
+            readings = hold(readings, model.sensors)
+            return initial_memory(self.backward_pass, readings, batch), readings
 
-    def _values(self, readings: Mapping[str, Tensor], before: Memory) -> dict[str, Tensor]:
-        """The last estimates and actions, with the new readings."""
-        return {**{name: before[name] for name in self.model.quantities}, **readings}
+        # All go on.
+        check_memory(state, self._keys, next(iter(model.actuators)), batch)
+        starts = starting_rows(episode_start, batch, model.like.device)
+        if starts is None:
+            return state, hold(readings, model.sensors, state)
 
-    def _check_first(
-        self, observation: Mapping[str, Any], readings: Mapping[str, Tensor], start: Tensor | None
-    ) -> None:
-        """An estimate that starts at a reading needs one in the first observation; tensors are not checked."""
-        for name in self.model.first_readings:
-            key = self.model.sensors[name].key or name
-            if isinstance(observation.get(key), Tensor):
-                continue
-            absent = ~readings[name].isfinite().all(-1)
-            if (absent if start is None else absent & start).any():
+        # Some go on, and some begin.
+        check_first_readings(observation, readings, model.sensors, needed, starts)
+        readings = hold(readings, model.sensors, state, starts)
+        fresh = initial_memory(self.backward_pass, readings, batch)
+        return restart_rows(state, fresh, starts), readings
+
+    def _perceive(
+        self,
+        perception: Perception,
+        observation: Mapping[str, Any],
+        state: Memory | None,
+        episode_start: ArrayLike | Tensor | None,
+    ) -> Mapping[str, Any]:
+        """The observation with what the perception makes of it."""
+        values = None if state is None else last_values(self.model, state)
+        if isinstance(episode_start, Tensor):
+            episode_start = episode_start.numpy(force=True)
+        starts = None if episode_start is None else np.asarray(episode_start, dtype=bool)
+        return perception(observation, values, starts)
+
+    def _check_executed(self, executed: Mapping[str, Tensor]) -> None:
+        for name, action in executed.items():
+            if name not in self.model.actuators:
+                raise OptionError(
+                    f"No actuator is named {name!r}. Actuators: {choices(self.model.actuators)}."
+                )
+            size = self.model.actuators[name].size
+            if action.shape[-1:] != (size,) or not action.isfinite().all():
                 raise ObservationError(
-                    f"Sensor {name!r}: an episode's first observation must have a reading under {key!r}, where an "
-                    f"estimate starts; it has {choices(observation)}."
+                    f"action of {name!r}: expected finite values of shape (*batch, {size})."
                 )
 
-    def _starts(self, episode_start: ArrayLike | Tensor | None, batch: tuple[int, ...]) -> Tensor | None:
-        """The rows that start anew, ``(*B,)``; None if there are none."""
-        if episode_start is None or isinstance(episode_start, Tensor):
-            return episode_start
-        rows = np.asarray(episode_start, dtype=bool)
-        if rows.shape != batch and rows.size != 1:
-            raise ObservationError(f"episode_start: expected shape {batch}, the batch, got {rows.shape}.")
-        if not rows.any():
-            return None
-        whole = np.broadcast_to(rows.reshape(-1)[0] if rows.size == 1 else rows, batch)
-        return torch.as_tensor(whole.copy(), device=self.model.like.device)
 
-    def _initial(self, readings: dict[str, Tensor], batch: tuple[int, ...]) -> Memory:
-        like = self.model.like
-        state = self.backward_pass.initial() | {ACTIVE: torch.ones(len(self.model.goals))}
-        state = {key: v.to(like.device, like.dtype if v.is_floating_point() else v.dtype) for key, v in state.items()}
-        return self.model.initial(readings, batch) | {key: v.expand((*batch, *v.shape)) for key, v in state.items()}
+def _as_numpy(commands: Mapping[str, Tensor]) -> dict[str, Any]:
+    """Commands as Gymnasium's environments take them."""
+    return {
+        name: command.numpy(force=True).astype(np.float32) for name, command in commands.items()
+    }

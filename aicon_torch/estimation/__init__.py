@@ -1,6 +1,21 @@
-"""Recursive estimators."""
+"""Recursive estimators, and the Kalman filtering behind them."""
 
-from aicon_torch.estimation.ekf import EKF, Deterministic, Estimator, KalmanFilter
-from aicon_torch.estimation.measurement import Correction, Covariance, Derivative, Measurement, Noise
+from aicon_torch.estimation.base import Estimator
+from aicon_torch.estimation.correction import Correction
+from aicon_torch.estimation.covariance import Covariance, Noise
+from aicon_torch.estimation.deterministic import Deterministic
+from aicon_torch.estimation.ekf import EKF, Derivative
+from aicon_torch.estimation.kalman import KalmanFilter
+from aicon_torch.estimation.measurement import Measurement
 
-__all__ = ["EKF", "Correction", "Covariance", "Derivative", "Deterministic", "Estimator", "KalmanFilter", "Measurement", "Noise"]
+__all__ = [
+    "EKF",
+    "Correction",
+    "Covariance",
+    "Derivative",
+    "Deterministic",
+    "Estimator",
+    "KalmanFilter",
+    "Measurement",
+    "Noise",
+]

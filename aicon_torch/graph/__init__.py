@@ -1,7 +1,18 @@
-"""The graph: built and checked once, then run step by step."""
+"""The graph of a world model: declared by a user, built and checked once, run step by step."""
 
-from aicon_torch.graph.checks import attempt, check_names, names, ordered
+from aicon_torch.graph.build import Graph, build_graph
+from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.paths import Edge, Path, PathTable
 from aicon_torch.graph.world_model import LocalGraph, LocalGraphs, WorldModel
 
-__all__ = ["Edge", "LocalGraph", "LocalGraphs", "Path", "PathTable", "WorldModel", "attempt", "check_names", "names", "ordered"]
+__all__ = [
+    "Declaration",
+    "Edge",
+    "Graph",
+    "LocalGraph",
+    "LocalGraphs",
+    "Path",
+    "PathTable",
+    "WorldModel",
+    "build_graph",
+]

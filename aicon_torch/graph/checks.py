@@ -1,4 +1,4 @@
-"""Validation of a graph when it is built: names, order, and errors that name the node."""
+"""Checks of a graph when it is built, and errors that name the node."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
@@ -6,7 +6,10 @@ from typing import TypeVar
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
-from aicon_torch.quantities import PRESENT, Actuator, Sensor
+from aicon_torch.graph.paths import Edge
+from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
+
+Result = TypeVar("Result")
 
 
 def check_names(
@@ -15,76 +18,112 @@ def check_names(
     estimators: Sequence[Estimator],
     goals: Sequence[Goal],
 ) -> None:
-    """Check that a graph has sensors, actuators and goals, names each thing once, and reads only what is there.
+    """Check that a graph has sensors, actuators and goals, and that each name stands for one thing.
 
     Raises:
-        GraphError: If not; it lists the names that are known.
+        GraphError: If not, or if something is read that is not there; it lists the names known.
     """
     outputs = [name for estimator in estimators for name in estimator.outputs]
     declared = [*sensors, *actuators, *outputs, *(goal.name for goal in goals)]
+
+    # Each name stands for one thing, and some are taken.
     for name in declared:
         if declared.count(name) > 1:
-            raise GraphError(f"{name!r} is declared {declared.count(name)} times; each name stands for one thing.")
-    for name in declared:
+            raise GraphError(
+                f"{name!r} is declared {declared.count(name)} times; each name stands for one thing."
+            )
         if name == "dt" or "/" in name or name.endswith(PRESENT):
             raise GraphError(
-                f"{name!r} is taken: 'dt' is the time step, and '/' and {PRESENT!r} mark what is remembered."
+                f"{name!r} is taken: 'dt' is the time step, and '/' and {PRESENT!r} mark what is "
+                "remembered."
             )
-    if not sensors:
-        raise GraphError("sensors: a model needs at least one sensor.")
-    if not goals:
-        raise GraphError("goals: a model needs at least one goal.")
-    if not actuators:
-        raise GraphError("actuators: a model needs at least one actuator.")
+
+    # There is something to sense, to do and to want.
+    for kind, parts in (("sensor", sensors), ("goal", goals), ("actuator", actuators)):
+        if not parts:
+            raise GraphError(f"{kind}s: a model needs at least one {kind}.")
+
+    # Everything that is read is there.
     known = [*sensors, *actuators, *outputs, "dt"]
     nodes: tuple[Estimator | Goal, ...] = (*estimators, *goals)
     for node in nodes:
-        reader = names(node)[0]
         for name in node.inputs:
             if name not in known:
-                raise GraphError(f"{reader!r} reads {name!r}, which is not in the graph. Known: {choices(known)}.")
+                raise GraphError(
+                    f"{names_of(node)[0]!r} reads {name!r}, which is not in the graph. "
+                    f"Known: {choices(known)}."
+                )
 
 
-def ordered(estimators: Sequence[Estimator], owners: Mapping[str, Estimator]) -> list[Estimator]:
-    """Each estimator after those it reads; in a cycle, after all but those it was reached from.
+def check_rows(estimators: Sequence[Estimator], quantities: Mapping[str, Quantity]) -> None:
+    """Check that what is evaluated for each row reads as many rows everywhere, and vectors besides.
 
     Raises:
-        GraphError: If functions define each other in a circle, where no value is there to begin with.
+        GraphError: If not; it tells the shape that was expected.
     """
-    done: list[Estimator] = []
-
-    def visit(estimator: Estimator, trail: tuple[Estimator, ...]) -> None:
-        if estimator in trail:
-            circle = trail[trail.index(estimator) :]
-            if not any(member.recursive for member in circle):
-                cycle = " → ".join(member.outputs[0] for member in (*circle, estimator))
-                raise GraphError(f"Functions define each other in a circle: {cycle}. Make one an EKF or KalmanFilter.")
-            return
-        if estimator not in done:
-            for name in estimator.inputs:
-                if name in owners and owners[name] is not estimator:
-                    visit(owners[name], (*trail, estimator))
-            if estimator not in done:
-                done.append(estimator)
-
     for estimator in estimators:
-        visit(estimator, ())
-    return done
+        if not estimator.each:
+            continue
+
+        output = estimator.outputs[0]
+        shapes = {name: quantities[name].shape for name in estimator.inputs if name != "dt"}
+        count = shapes[estimator.each[0]][0]
+        for name, shape in shapes.items():
+            if name in estimator.each:
+                fits = len(shape) == 2 and shape[0] == count
+                expected = f"({count}, n), as each= names it"
+            else:
+                fits = len(shape) == 1
+                expected = "(n,), as each= does not name it"
+            if not fits:
+                raise GraphError(
+                    f"{output!r} reads {name!r} of shape {shape}; expected {expected}."
+                )
+
+        own = quantities[output].shape
+        if len(own) != 2 or own[0] != count:
+            raise GraphError(
+                f"{output!r} has shape {own}; expected ({count}, n), a value for each row."
+            )
 
 
-def names(node: Estimator | Goal) -> tuple[str, ...]:
+def check_reach(
+    goals: Mapping[str, Goal],
+    actuators: Mapping[str, Actuator],
+    edges: Mapping[str, tuple[Edge, ...]],
+) -> None:
+    """Check that every goal depends on an actuator, and that a goal depends on every actuator.
+
+    Raises:
+        GraphError: If not.
+    """
+    for name, goal in goals.items():
+        if name not in edges:
+            raise GraphError(
+                f"Goal {name!r} depends on no actuator. It reads {choices(goal.inputs)}."
+            )
+
+    reached = {edge.source for outgoing in edges.values() for edge in outgoing}
+    for name in actuators:
+        if name not in reached:
+            raise GraphError(f"No goal depends on the actuator {name!r}. Goals: {choices(goals)}.")
+
+
+def names_of(node: Estimator | Goal) -> tuple[str, ...]:
     """The quantities that an estimator owns, or the goal."""
     return node.outputs if isinstance(node, Estimator) else (node.name,)
 
 
-T = TypeVar("T")
+def attempt(node: Estimator | Goal, call: Callable[[], Result]) -> Result:
+    """Run a user's function, and name its node where shapes do not fit or a value is not there yet.
 
-
-def attempt(node: Estimator | Goal, call: Callable[[], T]) -> T:
-    """Run a user's function and name its node if the shapes do not fit or a value is not there yet."""
+    Raises:
+        GraphError: If it fails.
+    """
     try:
         return call()
+    except GraphError:
+        raise
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
-        if isinstance(error, GraphError):
-            raise
-        raise GraphError(f"{names(node)[0]!r} cannot be evaluated on its inputs: {error!r}") from error
+        name = names_of(node)[0]
+        raise GraphError(f"{name!r} cannot be evaluated on its inputs: {error!r}") from error

@@ -23,7 +23,11 @@ class Edge(NamedTuple):
     @property
     def labels(self) -> tuple[str, ...]:
         """The target, or each of its rows: ``("x[0]", "x[1]", …)``."""
-        return tuple(f"{self.target}[{row}]" for row in range(self.rows)) if self.rows else (self.target,)
+        return (
+            tuple(f"{self.target}[{row}]" for row in range(self.rows))
+            if self.rows
+            else (self.target,)
+        )
 
 
 class Path(NamedTuple):
@@ -55,7 +59,12 @@ class PathTable:
         actuators: tuple[str, ...],
         max_length: int | None = None,
     ) -> None:
-        self._edges, self._goals, self._actuators, self._max_length = edges, goals, actuators, max_length
+        self._edges, self._goals, self._actuators, self._max_length = (
+            edges,
+            goals,
+            actuators,
+            max_length,
+        )
 
     def __iter__(self) -> Iterator[Path]:
         """Paths, goal by goal."""

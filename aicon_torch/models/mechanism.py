@@ -68,7 +68,7 @@ class Mechanism:
             self.exit_cosine,
             self.ratio,
             self.average_time,
-            escape,
+            escape or Escape(),
             self.partner,
             self.ratio_of,
         )
@@ -78,7 +78,6 @@ class Mechanism:
             self.projector,
             relative=self.relative,
             by_row=self.by_row,
-            merge=self.merge,
             exploration=exploration if self.explore else None,
         )
 

@@ -1,0 +1,175 @@
+"""The trace of a step: what it decided, batched and typed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from aicon_torch.control.backward import BackwardPass, PartialPath
+from aicon_torch.control.step import last_values
+from aicon_torch.resolution import Memory
+from aicon_torch.vectors import select, unit
+
+UNUSED = -1
+"""Rank of a gradient that was not used, and index of an opponent where there is none."""
+
+
+@dataclass(frozen=True)
+class QuantityTrace:
+    """What happened at a quantity where gradients met, or at an actuator that one reached.
+
+    Attributes:
+        name: The quantity.
+        paths: For each of n gradients the names that it came through, from its goal to this quantity.
+            Where gradients were merged on the way, it begins with their goals, joined by "+".
+        goals: For each gradient the goals that it comes from.
+        gradients: The gradients that arrived, ``(*B, n, d)``.
+        strengths: Their magnitudes, ``(*B, n)``.
+        weights: By how much each counted, ``(*B, n)``.
+        ranks: The rank of each, 0 for the leader, ``(*B, n)``; −1 where it was not used.
+        leader: Index of the leading gradient, ``(*B,)``.
+        opponent: Index of the gradient that the leader was compared with, ``(*B,)``; −1 for none.
+        cosine: Cosine between the two, ``(*B,)``; 1 where there is none.
+        exploring: Whether the quantity moved in a nullspace instead of downhill, ``(*B,)``.
+    """
+
+    name: str
+    paths: tuple[tuple[str, ...], ...]
+    goals: tuple[frozenset[str], ...]
+    gradients: Tensor
+    strengths: Tensor
+    weights: Tensor
+    ranks: Tensor
+    leader: Tensor
+    opponent: Tensor
+    cosine: Tensor
+    exploring: Tensor
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The paths in words: ``"reach → p_tar → x_rob"``."""
+        return tuple(" → ".join(path) for path in self.paths)
+
+    def goals_in_conflict(self, row: int | tuple[int, ...] = ()) -> tuple[str, str] | None:
+        """Goals of the leader and of its opponent while the quantity explores; None if it does not.
+
+        Args:
+            row: Which row of the batch.
+        """
+        opponent = int(self.opponent[row])
+        if not bool(self.exploring[row]) or opponent == UNUSED:
+            return None
+        leader = int(self.leader[row])
+        return "+".join(sorted(self.goals[leader])), "+".join(sorted(self.goals[opponent]))
+
+
+@dataclass(frozen=True)
+class StepTrace:
+    """What one control step knew and decided, for every row of the batch.
+
+    Attributes:
+        values: Estimates, covariances, readings and actions after the step, ``(*B, *shape)``.
+        costs: Cost of each goal, ``(*B,)``.
+        quantities: What happened where gradients met, and at the actuators.
+    """
+
+    values: dict[str, Tensor]
+    costs: dict[str, Tensor]
+    quantities: dict[str, QuantityTrace]
+
+
+def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
+    """Read off a memory what the step that returned it decided.
+
+    Args:
+        backward: The backward pass of the policy.
+        memory: The memory, ``(*B, …)``.
+    """
+    model = backward.model
+    values = last_values(model, memory)
+    with torch.no_grad():
+        costs = model.costs(values)
+
+    quantities: dict[str, QuantityTrace] = {}
+    for name, paths in backward.paths.items():
+        if backward.resolves_at(name):
+            own = {key: memory[f"{name}/{key}"] for key in backward.remembered_at(name)}
+            quantities[name] = _where_gradients_met(backward, name, paths, own)
+        elif name in model.actuators:
+            quantities[name] = _where_one_arrived(name, paths[0], memory[f"{name}/gradient"])
+    return StepTrace(values, costs, quantities)
+
+
+def _where_gradients_met(
+    backward: BackwardPass, name: str, paths: list[PartialPath], memory: Mapping[str, Tensor]
+) -> QuantityTrace:
+    gradients = memory["gradients"]
+    strengths = torch.linalg.vector_norm(gradients, dim=-1)
+    leader = _leader(strengths, memory)
+    opponent, cosine = _opponent(gradients, strengths, leader, memory)
+    nowhere = torch.zeros_like(leader, dtype=torch.bool)
+
+    return QuantityTrace(
+        name=name,
+        paths=tuple((*path.names, name) for path in paths),
+        goals=tuple(path.goals for path in paths),
+        gradients=gradients,
+        strengths=strengths,
+        weights=backward.resolution.weigh(strengths),
+        ranks=_ranks(strengths, memory),
+        leader=leader,
+        opponent=opponent,
+        cosine=cosine,
+        exploring=memory.get("exploring", nowhere),
+    )
+
+
+def _where_one_arrived(name: str, path: PartialPath, gradient: Tensor) -> QuantityTrace:
+    strengths = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
+    first = torch.zeros_like(strengths[..., 0], dtype=torch.long)
+    return QuantityTrace(
+        name=name,
+        paths=((*path.names, name),),
+        goals=(path.goals,),
+        gradients=gradient.unsqueeze(-2),
+        strengths=strengths,
+        weights=torch.ones_like(strengths),
+        ranks=torch.zeros_like(strengths, dtype=torch.long),
+        leader=first,
+        opponent=torch.full_like(first, UNUSED),
+        cosine=torch.ones_like(strengths[..., 0]),
+        exploring=torch.zeros_like(first, dtype=torch.bool),
+    )
+
+
+def _leader(strengths: Tensor, memory: Mapping[str, Tensor]) -> Tensor:
+    """Index of the gradient of rank 0; without ranks, of the strongest."""
+    if "rank" in memory:
+        return memory["rank"][..., 0].clamp(min=0)
+    return strengths.argmax(-1)
+
+
+def _ranks(strengths: Tensor, memory: Mapping[str, Tensor]) -> Tensor:
+    """The rank of each gradient, from the gradient of each rank."""
+    ranks = torch.full_like(strengths, UNUSED, dtype=torch.long)
+    if "rank" not in memory:
+        return ranks
+
+    indices = torch.arange(strengths.shape[-1], device=strengths.device)
+    for rank, index in enumerate(memory["rank"].unbind(-1)):
+        ranks = torch.where(indices == index.unsqueeze(-1), rank, ranks)
+    return ranks
+
+
+def _opponent(
+    gradients: Tensor, strengths: Tensor, leader: Tensor, memory: Mapping[str, Tensor]
+) -> tuple[Tensor, Tensor]:
+    """The gradient that the leader was compared with, or else the second strongest; the cosine."""
+    if "opponent" in memory:
+        return memory["opponent"][..., 0], memory["cosine"]
+
+    others = strengths.scatter(-1, leader.unsqueeze(-1), -1.0)
+    opponent = others.argmax(-1)
+    first, second = (unit(select(gradients, i.unsqueeze(-1))) for i in (leader, opponent))
+    return opponent, (first * second).sum(-1)

@@ -1,0 +1,56 @@
+"""The Kalman correction of a Gaussian by one measurement."""
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+
+class Correction(NamedTuple):
+    """x⁺ = x − Kν and P⁺ = P − K S Kᵀ, with S = H P Hᵀ + R and K = P Hᵀ S⁻¹.
+
+    ν = h(x, z) is the residual of an implicit measurement, hence the minus sign.
+
+    Attributes:
+        cross: H P, ``(*B, m, n)``.
+        spread: S, ``(*B, m, m)``.
+        gain: Kᵀ, ``(*B, m, n)``.
+    """
+
+    cross: Tensor
+    spread: Tensor
+    gain: Tensor
+
+    @classmethod
+    def by(cls, covariance: Tensor, jacobian: Tensor, noise: Tensor) -> "Correction":
+        """The correction of P ``(*B, n, n)`` by a measurement with H ``(*B, m, n)``, R ``(*B, m, m)``."""
+        if jacobian.shape[-2] == 1:  # products with a row are faster than with a matrix
+            cross = (covariance * jacobian).sum(-1).unsqueeze(-2)
+            spread = (cross * jacobian).sum(-1, keepdim=True) + noise
+            return cls(cross, spread, cross / spread)
+
+        cross = jacobian @ covariance
+        spread = cross @ jacobian.mT + noise
+        return cls(cross, spread, torch.linalg.solve_ex(spread, cross).result)
+
+    def of_mean(self, residual: Tensor, detach_gain: bool = False) -> Tensor:
+        """Kν of a residual ν ``(*B, m)``, ``(*B, n)``, to be subtracted."""
+        gain = self.gain
+        if detach_gain:
+            gain = gain.detach()  # stops the derivative of the gain by the state
+        return (gain * residual.unsqueeze(-1)).sum(-2)
+
+    def of_covariance(self) -> Tensor:
+        """K S Kᵀ, ``(*B, n, n)``, symmetric, to be subtracted."""
+        if self.cross.shape[-2] == 1:
+            outer: Tensor = self.gain.mT * self.cross
+            return outer
+
+        reduction: Tensor = self.gain.mT @ self.cross
+        return (reduction + reduction.mT) / 2
+
+    def squared_distance(self, residual: Tensor) -> Tensor:
+        """Squared Mahalanobis distance νᵀS⁻¹ν of a residual ν ``(*B, m)``, ``(*B,)``."""
+        whitened = torch.linalg.solve_ex(self.spread, residual.unsqueeze(-1)).result.squeeze(-1)
+        squared: Tensor = (residual * whitened).sum(-1)
+        return squared

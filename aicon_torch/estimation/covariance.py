@@ -1,0 +1,44 @@
+"""Noise covariances, constant or a function of quantities."""
+
+from collections.abc import Callable, Sequence
+from typing import cast
+
+import torch
+from torch import Tensor
+
+from aicon_torch.errors import GraphError
+from aicon_torch.interconnections import Interconnection, Node, Values
+
+Noise = float | Sequence[float] | Callable[..., Tensor]
+"""A variance, a variance per component, or a function of quantities that returns variances ``(*B, n)``."""
+
+
+class Covariance(Node):
+    """The covariance of a noise, constant or a function of quantities wired by its parameter names.
+
+    Args:
+        noise: A variance, one variance a component, or a function that returns variances ``(*B, n)``.
+        size: Number of components n.
+    """
+
+    def __init__(self, noise: Noise, size: int) -> None:
+        super().__init__()
+        if callable(noise):
+            self.relation: Interconnection | None = Interconnection(noise)
+            self.inputs = self.relation.inputs
+            return
+
+        self.relation, self.inputs = None, ()
+        variances = torch.as_tensor(noise, dtype=torch.float64)
+        has_right_size = variances.dim() == 0 or variances.shape == (size,)
+        if not has_right_size or not (variances >= 0).all():
+            raise GraphError(
+                f"noise={noise!r}: expected one variance >= 0 or {size}, one a component."
+            )
+        self.register_buffer("constant", torch.diag(variances.expand(size).clone()))
+
+    def forward(self, values: Values) -> Tensor:
+        """The covariance ``(n, n)`` or ``(*B, n, n)``."""
+        if self.relation is None:
+            return cast(Tensor, self.constant)
+        return torch.diag_embed(self.relation(values))

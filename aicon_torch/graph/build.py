@@ -1,0 +1,85 @@
+"""Building a graph from its parts: a pure function, which checks everything that can be checked."""
+
+from dataclasses import dataclass
+
+from torch import Tensor
+
+from aicon_torch.estimation import Estimator
+from aicon_torch.graph.checks import check_reach, check_rows
+from aicon_torch.graph.declaration import Declaration
+from aicon_torch.graph.edges import find_edges, find_evaluated_once
+from aicon_torch.graph.order import in_order
+from aicon_torch.graph.paths import Edge
+from aicon_torch.graph.probe import check_at_random_point, probe
+from aicon_torch.quantities import Quantity
+
+
+@dataclass(frozen=True)
+class Graph:
+    """What runs in which order, and along which edges gradients travel.
+
+    Attributes:
+        estimators: The estimators, each after those it reads.
+        owners: The estimator of each estimate.
+        quantities: Sensors, actuators and estimates, with their shapes.
+        edges: For each quantity and goal on a path, the quantities that its gradient goes on to.
+        evaluated_once: Quantities on a path whose value is its own anticipation.
+        first_readings: Optional sensors without which an episode cannot begin: a prior reads them.
+    """
+
+    estimators: tuple[Estimator, ...]
+    owners: dict[str, Estimator]
+    quantities: dict[str, Quantity]
+    edges: dict[str, tuple[Edge, ...]]
+    evaluated_once: frozenset[str]
+    first_readings: tuple[str, ...]
+
+
+def build_graph(declaration: Declaration, like: Tensor) -> Graph:
+    """Build and check a graph.
+
+    Args:
+        declaration: The parts; their names are checked already.
+        like: A tensor of the parts' type and device.
+
+    Raises:
+        GraphError: If a shape does not fit, a function does not leave the leading dimensions free,
+            estimators without memory define each other in a circle, a goal depends on no actuator, or
+            no goal depends on an actuator.
+    """
+    # Run it once: order and shapes.
+    estimators = tuple(in_order(declaration.estimators))
+    values = probe(declaration, estimators, like)
+    quantities = _quantities(declaration, estimators, values)
+    check_rows(estimators, quantities)
+    check_at_random_point(declaration, estimators, values)
+
+    # Differentiate it once: edges.
+    edges = find_edges(declaration, estimators, values)
+    check_reach(declaration.goals, declaration.actuators, edges)
+
+    prior_inputs = {name for estimator in estimators for name in estimator.prior_inputs}
+    return Graph(
+        estimators=estimators,
+        owners={name: estimator for estimator in estimators for name in estimator.outputs},
+        quantities=quantities,
+        edges=edges,
+        evaluated_once=find_evaluated_once(declaration, estimators, edges),
+        first_readings=tuple(name for name in declaration.optional_sensors if name in prior_inputs),
+    )
+
+
+def _quantities(
+    declaration: Declaration, estimators: tuple[Estimator, ...], values: dict[str, Tensor]
+) -> dict[str, Quantity]:
+    """Every quantity by name, with the shape that it has in the probe."""
+    quantities: dict[str, Quantity] = {}
+    for name, sensor in declaration.sensors.items():
+        quantities[name] = Quantity(name, (sensor.size,))
+    for name, actuator in declaration.actuators.items():
+        quantities[name] = Quantity(name, (actuator.size,), is_motion=True)
+    for estimator in estimators:
+        for name in estimator.outputs:
+            shape = tuple(values[name].shape[2:])
+            quantities[name] = Quantity(name, shape, estimator.is_motion)
+    return quantities

@@ -1,0 +1,102 @@
+"""What a user declares: the parts of a graph, with every name checked and every function wired."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from torch import Tensor
+
+from aicon_torch.errors import GraphError, choices
+from aicon_torch.estimation import Estimator
+from aicon_torch.goals import Goal
+from aicon_torch.graph.checks import check_names
+from aicon_torch.interconnections import Interconnection
+from aicon_torch.quantities import Actuator, Sensor
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """The parts of a graph, by name.
+
+    Attributes:
+        sensors: Readings.
+        actuators: Commands.
+        estimators: The estimators, in the user's order.
+        goals: The goals.
+        constraints: What limits each actuator, one after the other.
+        commands: For an actuator that takes another command than its action: what it is sent.
+        dt: Time step, s.
+    """
+
+    sensors: dict[str, Sensor]
+    actuators: dict[str, Actuator]
+    estimators: tuple[Estimator, ...]
+    goals: dict[str, Goal]
+    constraints: dict[str, tuple[Interconnection, ...]]
+    commands: dict[str, Interconnection]
+    dt: float
+
+    @classmethod
+    def of(
+        cls,
+        sensors: Mapping[str, Sensor],
+        actuators: Mapping[str, Actuator],
+        estimators: Sequence[Estimator],
+        goals: Sequence[Goal],
+        dt: float,
+    ) -> "Declaration":
+        """Check the names, and wire the actuators' functions.
+
+        Raises:
+            GraphError: If a name is unknown, taken or given twice, or something is no function.
+        """
+        check_names(sensors, actuators, estimators, goals)
+        known = [*sensors, *actuators, "dt"]
+        for estimator in estimators:
+            known.extend(estimator.outputs)
+
+        constraints: dict[str, tuple[Interconnection, ...]] = {}
+        commands: dict[str, Interconnection] = {}
+        for name, actuator in actuators.items():
+            wired = [_wired(name, function, known) for function in actuator.constraints]
+            constraints[name] = tuple(wired)
+            if actuator.command is not None:
+                commands[name] = _wired(name, actuator.command, known)
+
+        return cls(
+            sensors=dict(sensors),
+            actuators=dict(actuators),
+            estimators=tuple(estimators),
+            goals={goal.name: goal for goal in goals},
+            constraints=constraints,
+            commands=commands,
+            dt=dt,
+        )
+
+    def functions_of(self, actuator: str) -> tuple[Interconnection, ...]:
+        """The constraints of an actuator, and its command if it has one."""
+        if actuator in self.commands:
+            return (*self.constraints[actuator], self.commands[actuator])
+        return self.constraints[actuator]
+
+    @property
+    def optional_sensors(self) -> tuple[str, ...]:
+        """Sensors whose reading may be absent."""
+        return tuple(name for name, sensor in self.sensors.items() if sensor.optional)
+
+
+def _wired(actuator: str, function: Callable[..., Tensor], known: Sequence[str]) -> Interconnection:
+    """A constraint or command as an interconnection whose inputs are in the graph."""
+    if not callable(function):
+        raise GraphError(
+            f"Actuator {actuator!r}: constraints are a sequence of functions, and command is a "
+            "function."
+        )
+
+    relation = Interconnection.of(function)
+    for source in relation.inputs:
+        if source not in known:
+            raise GraphError(
+                f"{relation.function!r} of actuator {actuator!r} reads {source!r}, which is not in "
+                f"the graph. Known: {choices(known)}."
+            )
+    return relation

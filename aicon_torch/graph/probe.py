@@ -1,0 +1,116 @@
+"""Probing a graph when it is built: one step on zeros shows whether all shapes fit."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import torch
+from torch import Tensor
+
+from aicon_torch.errors import GraphError
+from aicon_torch.estimation import Estimator
+from aicon_torch.graph.checks import attempt
+from aicon_torch.graph.declaration import Declaration
+from aicon_torch.graph.values import initial_values, with_dt
+from aicon_torch.interconnections import Interconnection
+from aicon_torch.quantities import PRESENT
+
+BATCH = (7, 5)
+"""Leading dimensions of the probe: a function that does not leave them free fails here."""
+
+
+@torch.no_grad()
+def probe(
+    declaration: Declaration, estimators: Sequence[Estimator], like: Tensor
+) -> dict[str, Tensor]:
+    """The values after one step on zeros, with batch (7, 5).
+
+    Raises:
+        GraphError: If a function cannot be evaluated, or returns a shape that does not fit.
+    """
+    readings: dict[str, Tensor] = {}
+    for name, sensor in declaration.sensors.items():
+        readings[name] = like.new_zeros(*BATCH, sensor.size)
+    for name in declaration.optional_sensors:
+        readings[name + PRESENT] = torch.ones(BATCH, dtype=torch.bool)
+
+    values = initial_values(declaration, estimators, readings, BATCH, like)
+    for estimator in estimators:
+        inputs = with_dt(values, declaration.dt)
+        updated = attempt(estimator, partial(estimator.update, inputs))
+        for name, value in updated.items():
+            _check_shape(name, value, values.get(name, value))
+        values.update(updated)
+
+    _check_goals(declaration, values)
+    _check_actuators(declaration, values)
+    return values
+
+
+def check_at_random_point(
+    declaration: Declaration, estimators: Sequence[Estimator], values: Mapping[str, Tensor]
+) -> None:
+    """Let the estimators check themselves where no value is zero.
+
+    Raises:
+        GraphError: If one finds something wrong.
+    """
+    generator = torch.Generator().manual_seed(0)
+    point = with_dt(values, declaration.dt)
+    for name, value in values.items():
+        if value.is_floating_point():
+            noise = torch.rand(value.shape, generator=generator, dtype=value.dtype)
+            point[name] = (noise + 0.5).to(value.device)
+
+    for estimator in estimators:
+        estimator.check(point)
+
+
+def _check_shape(name: str, value: Tensor, earlier: Tensor) -> None:
+    """An updated value has the batch in front, a component behind, and the shape it had."""
+    has_batch = value.dim() > len(BATCH) and value.shape[: len(BATCH)] == BATCH
+    if has_batch and value.shape == earlier.shape:
+        return
+
+    own = tuple(earlier.shape[len(BATCH) :]) or "(n,), its components"
+    raise GraphError(
+        f"{name!r} has shape {tuple(value.shape)} for batch {BATCH}; expected the batch, then {own}. "
+        "Functions must leave leading dimensions free."
+    )
+
+
+def _check_goals(declaration: Declaration, values: Mapping[str, Tensor]) -> None:
+    """A goal's cost is one number for each row of the batch."""
+    for name, goal in declaration.goals.items():
+        cost = attempt(goal, partial(goal.forward, with_dt(values, declaration.dt)))
+        if cost.shape != BATCH:
+            raise GraphError(
+                f"Goal {name!r}: expected a cost of the batch's shape {BATCH}, got "
+                f"{tuple(cost.shape)}."
+            )
+
+
+def _check_actuators(declaration: Declaration, values: Mapping[str, Tensor]) -> None:
+    """Constraints return an action, commands something with the batch in front."""
+    inputs = with_dt(values, declaration.dt)
+    for name in declaration.actuators:
+        shape = tuple(values[name].shape)
+        for function in declaration.functions_of(name):
+            result = _result_shape(name, function, inputs)
+            is_constraint = function in declaration.constraints[name]
+            expected = shape if is_constraint else BATCH
+            if result[: len(expected)] != expected or (is_constraint and result != shape):
+                raise GraphError(
+                    f"{function.function!r} of actuator {name!r} returns shape {result}; expected "
+                    f"{shape}."
+                )
+
+
+def _result_shape(
+    actuator: str, function: Interconnection, inputs: Mapping[str, Tensor | float]
+) -> tuple[int, ...]:
+    try:
+        return tuple(function(inputs).shape)
+    except (RuntimeError, IndexError, TypeError, ValueError, AttributeError) as error:
+        raise GraphError(
+            f"{function.function!r} of actuator {actuator!r} cannot be evaluated: {error!r}"
+        ) from error

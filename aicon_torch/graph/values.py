@@ -1,0 +1,56 @@
+"""The named values of a step: before the first one, and with the time step among them."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import torch
+from torch import Tensor
+
+from aicon_torch.estimation import Estimator
+from aicon_torch.graph.checks import attempt
+from aicon_torch.graph.declaration import Declaration
+from aicon_torch.graph.order import in_order
+
+
+def with_dt(values: Mapping[str, Tensor], dt: float) -> dict[str, Tensor | float]:
+    """The values, and the time step that every function may read."""
+    return {**values, "dt": dt}
+
+
+@torch.no_grad()
+def initial_values(
+    declaration: Declaration,
+    estimators: Sequence[Estimator],
+    readings: Mapping[str, Tensor],
+    batch: tuple[int, ...],
+    like: Tensor,
+) -> dict[str, Tensor]:
+    """Values before the first step: actions at rest, beliefs at their priors.
+
+    Args:
+        declaration: The parts.
+        estimators: The estimators in the order in which they run.
+        readings: The first readings, ``(*B, size)`` each.
+        batch: The leading dimensions B.
+        like: A tensor of the wanted type and device.
+    """
+    values: dict[str, Tensor] = dict(readings)
+    dt = declaration.dt
+
+    # Nothing was done yet.
+    for name, actuator in declaration.actuators.items():
+        values[name] = like.new_zeros(*batch, actuator.size)
+
+    # What remembers begins with its prior.
+    for estimator in estimators:
+        prior = attempt(estimator, partial(estimator.initial, with_dt(values, dt)))
+        for name, value in prior.items():
+            own_dimensions = 2 if name in estimator.covariances else 1
+            values[name] = value.expand((*batch, *value.shape[-own_dimensions:]))
+
+    # What does not remember follows from it.
+    memoryless = [estimator for estimator in estimators if not estimator.recursive]
+    for estimator in in_order(memoryless):
+        values |= attempt(estimator, partial(estimator.update, with_dt(values, dt)))
+
+    return values

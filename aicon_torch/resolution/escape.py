@@ -1,0 +1,96 @@
+"""Escape: what leaving a trap needs beyond the paper's text."""
+
+import functools
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from aicon_torch.resolution.base import GradientStack, RankedGradients
+from aicon_torch.vectors import unit
+
+
+@dataclass(frozen=True)
+class Escape:
+    """What leaving a trap needs beyond the text. Every field deviates from it; all None is the paper.
+
+    Each acts only at quantities where a gradient of the goal that it names arrives, alone or merged
+    with others.
+
+    Attributes:
+        progress: A goal whose cost must have fallen before exploration may end: its cost now against
+            its cost had the quantity not moved since the conflict began, under the current belief.
+        progress_margin: By how much it must have fallen, in the unit of the cost.
+        hold: A goal whose level is held while exploring. Moving in a nullspace means staying on a
+            level set, and discrete, noisy motion needs feedback for that. The level is where its
+            gradient is as strong as the strongest of the others.
+        hold_gain: Gain of that feedback, per relative error of the strength.
+        along: A goal in whose nullspace to explore, instead of the dominant gradient's.
+    """
+
+    progress: str | None = None
+    progress_margin: float = 0.1
+    hold: str | None = None
+    hold_gain: float = 3.0
+    along: str | None = None
+
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """The goals that it names."""
+        named = (self.progress, self.hold, self.along)
+        return tuple(goal for goal in named if goal is not None)
+
+    def waits_for_progress(self, stack: GradientStack, displacement: Tensor) -> Tensor | None:
+        """Whether the goal ``progress`` is no better than where exploring began, ``(*B,)``.
+
+        Args:
+            stack: The gradients that meet.
+            displacement: Motion of the quantity since exploring began, ``(*B, d)``.
+
+        Returns:
+            None where that goal is not named or does not arrive here.
+        """
+        if self.progress is None or self.progress not in stack.all_goals:
+            return None
+        cost_at_start = stack.displaced_cost(self.progress, -displacement)
+        return stack.costs[self.progress] >= cost_at_start - self.progress_margin
+
+    def normal(self, stack: GradientStack, ranked: RankedGradients) -> Tensor | None:
+        """The direction in whose nullspace to explore, ``(*B, d)``; None for the dominant one."""
+        if self.along is None or self.along not in stack.all_goals:
+            return None
+        direction, _, _ = _gradient_of(self.along, stack, ranked)
+        return direction
+
+    def hold_level(self, tangent: Tensor, stack: GradientStack, ranked: RankedGradients) -> Tensor:
+        """A direction of motion ``(*B, d)``, led back to the level that is held."""
+        if self.hold is None or self.hold not in stack.all_goals:
+            return tangent
+
+        held, strength, strongest_other = _gradient_of(self.hold, stack, ranked)
+        smallest = torch.finfo(strength.dtype).tiny
+        excess = strength / strongest_other.clamp(min=smallest) - 1.0
+
+        return unit(tangent - self.hold_gain * excess.clamp(-1.0, 1.0).unsqueeze(-1) * held)
+
+
+def _gradient_of(
+    goal: str, stack: GradientStack, ranked: RankedGradients
+) -> tuple[Tensor, Tensor, Tensor]:
+    """Direction ``(*B, d)`` and magnitude of a goal's gradient, and the largest of the others."""
+    own: list[int] = []
+    other_norms: list[Tensor] = []
+    for index, goals in enumerate(stack.goals):
+        if goal in goals:
+            own.append(index)
+        else:
+            other_norms.append(ranked.norms[..., index])
+
+    strongest_other = torch.zeros_like(ranked.norms[..., 0])
+    if other_norms:
+        strongest_other = functools.reduce(torch.maximum, other_norms)
+
+    if len(own) == 1:
+        return ranked.directions[..., own[0], :], ranked.norms[..., own[0]], strongest_other
+    total = stack.gradients[..., own, :].sum(-2)
+    return unit(total), torch.linalg.vector_norm(total, dim=-1), strongest_other

@@ -1,0 +1,52 @@
+"""Projectors into the nullspace of a gradient, in the forms that the paper gives (Eq. 4-6)."""
+
+from collections.abc import Callable
+
+import torch
+from torch import Tensor
+
+from aicon_torch.vectors import reject, unit
+
+Projector = Callable[[Tensor, Tensor], Tensor]
+"""From a gradient of higher priority ``(*B, d)`` and others ``(*B, n, d)`` to what is left of them."""
+
+
+def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
+    """(I − vvᵀ) ∇ with v = top/‖top‖ (Eq. 6).
+
+    Args:
+        top: The gradient of higher priority, ``(*B, d)``.
+        gradients: Those to project, ``(*B, n, d)``.
+    """
+    return reject(gradients, unit(top).unsqueeze(-2))
+
+
+def qr(top: Tensor, gradients: Tensor) -> Tensor:
+    """(I − QQᵀ) ∇ with Jᵀ = QR (Eq. 5); a gradient that is zero takes nothing away."""
+    q = torch.linalg.qr(top.unsqueeze(-1)).Q
+    q = q * (top != 0).any(-1)[..., None, None]
+
+    projected: Tensor = gradients - (gradients @ q) @ q.mT
+    return projected
+
+
+def pinv(top: Tensor, gradients: Tensor) -> Tensor:
+    """(I − J⁺J) ∇ (Eq. 4)."""
+    jacobian = top.unsqueeze(-2)
+
+    projected: Tensor = gradients - (gradients @ torch.linalg.pinv(jacobian)) @ jacobian
+    return projected
+
+
+def keep(top: Tensor, gradients: Tensor) -> Tensor:
+    """∇ as it is: without projection the result is a weighted sum."""
+    return gradients
+
+
+PROJECTORS: dict[str, Projector] = {
+    "orthogonal": orthogonal,
+    "qr": qr,
+    "pinv": pinv,
+    "none": keep,
+}
+"""The projectors by the names that :class:`~aicon_torch.NullspaceProjection` takes."""
