@@ -1,4 +1,4 @@
-"""The folder of a comparison, `config.json` and `episodes.csv`; a kill at any moment does no harm."""
+"""The folder of a comparison, `config.json` and `episodes.csv`: it may be killed at any moment."""
 
 import csv
 import io
