@@ -11,22 +11,31 @@ from hypothesis import strategies as st
 
 from aicon_torch import Actuator, GraphError, Quantity, Sensor
 
-LIMITS: list[tuple[int, Any]] = [(1, 0.3), (2, 0.3), (3, 2.0), (2, (0.3, 0.7)), (3, [0.1, 1.0, 10.0]), (2, math.inf)]
+LIMITS: list[tuple[int, Any]] = [
+    (1, 0.3),
+    (2, 0.3),
+    (3, 2.0),
+    (2, (0.3, 0.7)),
+    (3, [0.1, 1.0, 10.0]),
+    (2, math.inf),
+]
 
 
 def within(action: torch.Tensor, limit: Any) -> bool:
     eps = torch.finfo(action.dtype).eps
     if isinstance(limit, float):
-        return bool((torch.linalg.vector_norm(action, dim=-1) <= limit * (1 + 4 * eps)).all()) and bool(
-            (action.abs() <= limit).all()
-        )
+        return bool(
+            (torch.linalg.vector_norm(action, dim=-1) <= limit * (1 + 4 * eps)).all()
+        ) and bool((action.abs() <= limit).all())
     return bool((action.abs() <= action.new_tensor(limit)).all())
 
 
 @pytest.mark.parametrize("dtype", DTYPES, ids=str)
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
 @pytest.mark.parametrize(("size", "limit"), LIMITS, ids=str)
-def test_clipped_actions_respect_the_limit(dtype: torch.dtype, batch: tuple[int, ...], size: int, limit: Any) -> None:
+def test_clipped_actions_respect_the_limit(
+    dtype: torch.dtype, batch: tuple[int, ...], size: int, limit: Any
+) -> None:
     actuator = Actuator(size, "m/s", limit)
     for scale in (0.0, 1e-3, 1.0, 1e3, 1e15):
         action = scale * normal(*batch, size, dtype=dtype)
@@ -46,10 +55,15 @@ def test_a_norm_limit_keeps_the_direction() -> None:
 
 def test_component_limits_are_of_each_component() -> None:
     action = torch.tensor([[3.0, -3.0], [0.1, 0.2]])
-    torch.testing.assert_close(Actuator(2, "rad/s", (1.0, 2.0)).clip(action), torch.tensor([[1.0, -2.0], [0.1, 0.2]]))
+    torch.testing.assert_close(
+        Actuator(2, "rad/s", (1.0, 2.0)).clip(action), torch.tensor([[1.0, -2.0], [0.1, 0.2]])
+    )
 
 
-@given(st.lists(st.floats(allow_nan=False, width=32), min_size=2, max_size=2), st.sampled_from([0.3, (0.3, 1.0)]))
+@given(
+    st.lists(st.floats(allow_nan=False, width=32), min_size=2, max_size=2),
+    st.sampled_from([0.3, (0.3, 1.0)]),
+)
 def test_no_finite_or_infinite_action_escapes_the_limit(action: list[float], limit: Any) -> None:
     for dtype in DTYPES:
         assert within(Actuator(2, "m/s", limit).clip(torch.tensor(action, dtype=dtype)), limit)
@@ -57,7 +71,10 @@ def test_no_finite_or_infinite_action_escapes_the_limit(action: list[float], lim
 
 def test_the_limit_knows_nothing_of_constraints_and_commands() -> None:
     """Those are the model's to apply: an actuator alone does not know what they read."""
-    plain, more = Actuator(2, "m/s", 0.5), Actuator(2, "m/s", 0.5, [lambda a: 0.0 * a], lambda a, x: a + x)
+    plain, more = (
+        Actuator(2, "m/s", 0.5),
+        Actuator(2, "m/s", 0.5, [lambda a: 0.0 * a], lambda a, x: a + x),
+    )
     assert (plain.constraints, plain.command) == ((), None)
     action = normal(3, 2)
     assert torch.equal(plain.clip(action), more.clip(action))

@@ -11,8 +11,13 @@ from aicon_torch import by_gain, by_sign, straight_through, straight_through_cla
 
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
-def test_straight_through_has_the_value_of_one_and_the_gradient_of_the_other(batch: tuple[int, ...]) -> None:
-    measured, x = normal(*batch, 2, seed=1).requires_grad_(), normal(*batch, 2, seed=2).requires_grad_()
+def test_straight_through_has_the_value_of_one_and_the_gradient_of_the_other(
+    batch: tuple[int, ...],
+) -> None:
+    measured, x = (
+        normal(*batch, 2, seed=1).requires_grad_(),
+        normal(*batch, 2, seed=2).requires_grad_(),
+    )
     shaped = straight_through(measured, x**2)
     torch.testing.assert_close(shaped, measured)
     by_measured, by_x = torch.autograd.grad(shaped.sum(), (measured, x), allow_unused=True)
@@ -32,7 +37,10 @@ def test_straight_through_clamp_steers_though_saturated() -> None:
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
 def test_by_sign_chooses_the_derivative_by_what_arrives(batch: tuple[int, ...]) -> None:
-    positive, negative = normal(*batch, 4, seed=1).requires_grad_(), normal(*batch, 4, seed=2).requires_grad_()
+    positive, negative = (
+        normal(*batch, 4, seed=1).requires_grad_(),
+        normal(*batch, 4, seed=2).requires_grad_(),
+    )
     shaped = by_sign(positive, negative)
     torch.testing.assert_close(shaped, negative)
     arriving = normal(*batch, 4, seed=3)
@@ -51,20 +59,29 @@ def test_by_sign_of_equal_branches_is_the_identity() -> None:
 # --- by gain
 
 
-def effects(*batch: int, count: int = 4, size: int = 3, dtype: torch.dtype = torch.float64) -> tuple[Tensor, ...]:
-    """Effects, two weights each, and an arriving gradient that some lower the cost of and some raise it."""
+def effects(
+    *batch: int, count: int = 4, size: int = 3, dtype: torch.dtype = torch.float64
+) -> tuple[Tensor, ...]:
+    """Effects, two weights each, and an arriving gradient that some lower the cost of and some
+    raise it.
+    """
     found = (
         normal(*batch, count, size, seed=1, dtype=dtype),
         normal(*batch, count, seed=2, dtype=dtype).abs(),
         normal(*batch, count, seed=3, dtype=dtype).abs() + 2.0,
     )
-    return (*(tensor.requires_grad_() for tensor in found), normal(*batch, size, seed=5, dtype=dtype))
+    return (
+        *(tensor.requires_grad_() for tensor in found),
+        normal(*batch, size, seed=5, dtype=dtype),
+    )
 
 
 @pytest.mark.parametrize("dtype", DTYPES, ids=str)
 @pytest.mark.parametrize("softness", [0.0, 0.1, 10.0])
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
-def test_by_gain_has_the_value_of_what_is_sought(batch: tuple[int, ...], softness: float, dtype: torch.dtype) -> None:
+def test_by_gain_has_the_value_of_what_is_sought(
+    batch: tuple[int, ...], softness: float, dtype: torch.dtype
+) -> None:
     e, sought, incidental, arriving = effects(*batch, dtype=dtype)
     shaped = by_gain(e, sought, incidental, softness)
     assert shaped.shape == arriving.shape and shaped.dtype == dtype
@@ -75,10 +92,16 @@ def test_by_gain_has_the_value_of_what_is_sought(batch: tuple[int, ...], softnes
 
 @pytest.mark.parametrize("softness", [0.0, 0.3, 5.0])
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
-def test_by_gain_weighs_each_effect_by_whether_it_is_wanted(batch: tuple[int, ...], softness: float) -> None:
-    """w = s·sought + (1 − s)·incidental with s = σ(−b/T), written out for one effect after the other."""
+def test_by_gain_weighs_each_effect_by_whether_it_is_wanted(
+    batch: tuple[int, ...], softness: float
+) -> None:
+    """w = s·sought + (1 − s)·incidental with s = σ(−b/T), written out for one effect after the
+    other.
+    """
     e, sought, incidental, arriving = effects(*batch)
-    slopes = torch.autograd.grad(by_gain(e, sought, incidental, softness), (e, sought, incidental), arriving)
+    slopes = torch.autograd.grad(
+        by_gain(e, sought, incidental, softness), (e, sought, incidental), arriving
+    )
     tensors = [tensor.detach() for tensor in (e, sought, incidental, arriving, *slopes)]
     stacks = [tensor.reshape(-1, *tensor.shape[len(batch) :]) for tensor in tensors]
     signs = set()
@@ -96,7 +119,9 @@ def test_by_gain_weighs_each_effect_by_whether_it_is_wanted(batch: tuple[int, ..
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_by_gain_is_the_derivative_of_the_branch_that_it_chose(sign: float) -> None:
-    """Central differences of Σ wᵢ eᵢ·h, with w the sought weight where eᵢ·h < 0 and the incidental one elsewhere."""
+    """Central differences of Σ wᵢ eᵢ·h, with w the sought weight where eᵢ·h < 0 and the incidental
+    one elsewhere.
+    """
     e, sought, incidental, arriving = effects()
     arriving = sign * arriving
     slopes = torch.autograd.grad(by_gain(e, sought, incidental), (e, sought, incidental), arriving)
@@ -109,20 +134,33 @@ def test_by_gain_is_the_derivative_of_the_branch_that_it_chose(sign: float) -> N
     point = [tensor.detach() for tensor in (e, sought, incidental)]
     for index, slope in enumerate(slopes):
         for k in range(slope.numel()):
-            shift = torch.zeros(slope.numel(), dtype=torch.float64).index_fill(0, torch.tensor(k), 1e-6)
+            shift = torch.zeros(slope.numel(), dtype=torch.float64).index_fill(
+                0, torch.tensor(k), 1e-6
+            )
             ends = [
-                branch(*(x + s * shift.reshape(x.shape) if i == index else x for i, x in enumerate(point)))
+                branch(
+                    *(
+                        x + s * shift.reshape(x.shape) if i == index else x
+                        for i, x in enumerate(point)
+                    )
+                )
                 for s in (1.0, -1.0)
             ]
-            assert float(slope.flatten()[k]) == pytest.approx(float(ends[0] - ends[1]) / 2e-6, abs=1e-7)
+            assert float(slope.flatten()[k]) == pytest.approx(
+                float(ends[0] - ends[1]) / 2e-6, abs=1e-7
+            )
 
 
 def test_the_choice_flips_with_the_arriving_gradient() -> None:
-    """What is wanted is unwanted where the opposite is wanted: each weight gets a gradient from one of the two."""
+    """What is wanted is unwanted where the opposite is wanted.
+
+    Each weight gets a gradient from one of the two.
+    """
     e, sought, incidental, arriving = effects(5)
     shaped = by_gain(e, sought, incidental)
     there, back = (
-        torch.autograd.grad(shaped, (sought, incidental), sign * arriving, retain_graph=True) for sign in (1.0, -1.0)
+        torch.autograd.grad(shaped, (sought, incidental), sign * arriving, retain_graph=True)
+        for sign in (1.0, -1.0)
     )
     for first, second in ((there[0], back[1]), (there[1], back[0])):
         torch.testing.assert_close(first, -second)
@@ -145,7 +183,10 @@ def test_a_hard_choice_is_the_limit_of_a_soft_one(softness: float) -> None:
 
 
 def test_by_gain_of_equal_weights_is_the_plain_sum() -> None:
-    """Then there is no choice, and it is a function like any other: its derivatives are those of autograd."""
+    """Then there is no choice, and it is a function like any other.
+
+    Its derivatives are those of autograd.
+    """
     e, sought, _, arriving = effects(2)
     for softness in (0.0, 0.5):
         assert torch.autograd.gradcheck(lambda e, w, t=softness: by_gain(e, w, w, t), (e, sought))
@@ -168,7 +209,9 @@ def test_an_effect_without_a_gain_pulls_incidentally() -> None:
 @pytest.mark.parametrize("softness", [0.0, 0.3])
 def test_rows_of_a_batch_choose_alone(softness: float) -> None:
     e, sought, incidental, arriving = effects(6)
-    together = torch.autograd.grad(by_gain(e, sought, incidental, softness), (e, sought, incidental), arriving)
+    together = torch.autograd.grad(
+        by_gain(e, sought, incidental, softness), (e, sought, incidental), arriving
+    )
     for row in range(6):
         leaves = [tensor[row].detach().requires_grad_() for tensor in (e, sought, incidental)]
         alone = torch.autograd.grad(by_gain(*leaves, softness), leaves, arriving[row])

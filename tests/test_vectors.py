@@ -9,7 +9,9 @@ from aicon_torch.vectors import reject, select, unit
 
 @pytest.mark.parametrize("dtype", DTYPES, ids=str)
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
-def test_units_have_length_one_and_the_direction(batch: tuple[int, ...], dtype: torch.dtype) -> None:
+def test_units_have_length_one_and_the_direction(
+    batch: tuple[int, ...], dtype: torch.dtype
+) -> None:
     for scale in (1e-15, 1.0, 1e15):
         vectors = scale * normal(*batch, 3, dtype=dtype)
         torch.testing.assert_close(unit(vectors).norm(dim=-1), torch.ones(batch, dtype=dtype))
@@ -28,7 +30,9 @@ def test_no_vector_becomes_longer_than_one(length: float, dtype: torch.dtype) ->
 def test_what_is_left_is_orthogonal(batch: tuple[int, ...]) -> None:
     vectors, direction = normal(*batch, 3), unit(normal(*batch, 3, seed=1))
     left = reject(vectors, direction)
-    torch.testing.assert_close((left * direction).sum(-1), torch.zeros(batch).double(), rtol=0, atol=1e-12)
+    torch.testing.assert_close(
+        (left * direction).sum(-1), torch.zeros(batch).double(), rtol=0, atol=1e-12
+    )
     torch.testing.assert_close(reject(left, direction), left)
 
 

@@ -1,1 +1,100 @@
-"""What graphs are made of."""
+"""What graphs are made of: in SI units, each usable alone."""
+
+from aicon_torch.parts.clearance import (
+    ClearancePrior,
+    CollisionLikelihood,
+    direction_residual,
+    range_residual,
+    slide,
+    slide_jacobian,
+    unit_gradient_jacobian,
+    unit_gradient_residual,
+)
+from aicon_torch.parts.contact import (
+    ContactLikelihood,
+    closest_point,
+    fixed_closest_point,
+    inward_normal,
+    is_interior,
+    tangent,
+)
+from aicon_torch.parts.contact_dynamics import ContactDynamics
+from aicon_torch.parts.contact_limits import ContactLimits
+from aicon_torch.parts.contact_options import (
+    ContactLimitOptions,
+    ContactOptions,
+    SlowApproachOptions,
+)
+from aicon_torch.parts.delay import (
+    ActionHistory,
+    CurrentPose,
+    DelayedPoseMotion,
+    current_position,
+    delayed_position,
+)
+from aicon_torch.parts.landmark import (
+    BearingPrior,
+    approach,
+    bearing_jacobian,
+    bearing_residual,
+    expected_distance,
+)
+from aicon_torch.parts.planar import cross, norm, pose_error, rotate, wrap_angle
+from aicon_torch.parts.pose import (
+    FixedTarget,
+    KeypointRegistration,
+    PoseDistance,
+    PoseMotion,
+    pose_jacobian,
+    resting_pose,
+)
+from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.parts.servo import PositionTarget, Servo
+from aicon_torch.parts.slow_approach import SlowApproach
+
+__all__ = [
+    "ActionHistory",
+    "BearingPrior",
+    "ClearancePrior",
+    "CollisionLikelihood",
+    "ContactDynamics",
+    "ContactLikelihood",
+    "ContactLimitOptions",
+    "ContactLimits",
+    "ContactOptions",
+    "CurrentPose",
+    "DelayedPoseMotion",
+    "FixedTarget",
+    "KeypointRegistration",
+    "PoseDistance",
+    "PoseMotion",
+    "PositionTarget",
+    "RigidObject",
+    "Servo",
+    "SlowApproach",
+    "SlowApproachOptions",
+    "approach",
+    "bearing_jacobian",
+    "bearing_residual",
+    "closest_point",
+    "cross",
+    "current_position",
+    "delayed_position",
+    "direction_residual",
+    "expected_distance",
+    "fixed_closest_point",
+    "inward_normal",
+    "is_interior",
+    "norm",
+    "pose_error",
+    "pose_jacobian",
+    "range_residual",
+    "resting_pose",
+    "rotate",
+    "slide",
+    "slide_jacobian",
+    "tangent",
+    "unit_gradient_jacobian",
+    "unit_gradient_residual",
+    "wrap_angle",
+]

@@ -27,21 +27,32 @@ def test_a_goal_that_asks_for_nothing_changes_nothing(quantity: str) -> None:
     plain, more = make_policy("nav2d"), with_goal(Goal("nothing", GOALS[quantity]))
     memory = other = None
     explored = False
+
     for readings in drifting(200):
-        if memory is not None and other is not None:  # compared step by step: rounding errors must not add up
+        if (
+            memory is not None and other is not None
+        ):  # compared step by step: rounding errors must not add up
             other |= {name: memory[name] for name in plain.model.quantities}
         action, memory = plain.predict(readings, memory)
         same, other = more.predict(readings, other)
         if quantity == "x_rob":
-            same, action = (torch.nn.functional.normalize(m["a/gradient"], dim=-1) for m in (other, memory))
+            same, action = (
+                torch.nn.functional.normalize(m["a/gradient"], dim=-1) for m in (other, memory)
+            )
+
         torch.testing.assert_close(same, action, rtol=1e-7, atol=1e-9)
+
         explored |= bool(memory["x_rob/exploring"])
+
     assert explored
 
 
 def test_a_repelling_goal_on_the_clearance_keeps_more_distance() -> None:
     careful = with_goal(Goal("wide berth", lambda x_obs: 5.0 * torch.exp(-x_obs[..., 0] / 0.5)))
-    still = {"bearing": torch.zeros(1, dtype=torch.float64), "range": torch.tensor([0.5], dtype=torch.float64)}
+    still = {
+        "bearing": torch.zeros(1, dtype=torch.float64),
+        "range": torch.tensor([0.5], dtype=torch.float64),
+    }
     (_, plain), (_, wide) = make_policy("nav2d").predict(still), careful.predict(still)
     assert "x_obs/gradients" in wide
     assert "x_obs/gradients" not in plain
