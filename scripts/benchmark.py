@@ -2,8 +2,8 @@
 
 Example: python scripts/benchmark.py --out runs/benchmark
 
-Navigation is held against the hand-written law, pushT against navigation, a graph whose paths double
-with every rung against its number of edges, and our pushT environment against gym-pusht. The
+Navigation is held against the hand-written law, pushT against navigation, a graph whose paths
+double with every rung against its number of edges, and our pushT environment against gym-pusht. The
 programs take turns, and what is measured is the processor time of this process, so that a busy
 machine slows all of them alike; what counts is the ratio and its spread.
 """

@@ -25,9 +25,7 @@ from aicon_torch.control import QuantityTrace
 from aicon_torch.resolution import GradientStack
 from mppi import Mppi
 
-STUDENT = (
-    Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
-)
+STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
 SEED, RECORDED = 1000, 48
 PUSHT = "aicon/PushT-v0", "pusht", "environment_state_agent_pos"
 
@@ -143,9 +141,8 @@ def _to_stack(arrival: QuantityTrace) -> GradientStack:
         goals=arrival.goals,
         motion=torch.zeros_like(gradients[..., 0, :]),
         costs=dict.fromkeys(frozenset[str]().union(*arrival.goals), nothing),
-        displaced=lambda goal, shift: nothing,
+        displaced_cost=lambda goal, shift: nothing,
         dt=0.1,
-        final=True,
     )
 
 

@@ -2,9 +2,9 @@
 
 Example: python scripts/benchmark_scaling.py --out runs/benchmark
 
-Processor time of one uncompiled step on one thread, against the number of sides of the pushed object
-(each brings two paths) and the number of goals (each brings an estimator and a path); then the
-process's resident memory over many compiled steps of navigation. Graphs whose paths double with
+Processor time of one uncompiled step on one thread, against the number of sides of the pushed
+object (each brings two paths) and the number of goals (each brings an estimator and a path); then
+the process's resident memory over many compiled steps of navigation. Graphs whose paths double with
 every rung are in scripts/benchmark.py.
 """
 

@@ -263,9 +263,7 @@ def gradients_by_autograd(p: Tensor, prior: Tensor, o: Tensor, x: Tensor) -> tup
     return tuple(gradients)
 
 
-def gradients_in_closed_form(
-    p: Tensor, prior: Tensor, o: Tensor, x: Tensor
-) -> tuple[Tensor, ...]:
+def gradients_in_closed_form(p: Tensor, prior: Tensor, o: Tensor, x: Tensor) -> tuple[Tensor, ...]:
     """The same, differentiated by hand."""
     of_distance = -p / p.norm(dim=-1, keepdim=True)
     of_collision = torch.exp(-o[..., :1] / LENGTH) * (-1 / LENGTH) * o[..., 1:]

@@ -3,9 +3,9 @@
 Example: python scripts/study.py --task pusht --episodes 500 --out runs/study \
            --variants without_softmax resolution.temperature=None law.gain=1e5,max_speed=0.4
 
-A variant is a policy of the task, or options of the policy "aicon", or a policy and options; options
-are named as in `make_policy`. The same command goes on where a stopped run was; another one with
-other variants adds them to the same folder.
+A variant is a policy of the task, or options of the policy "aicon", or a policy and options;
+options are named as in `make_policy`. The same command goes on where a stopped run was; another one
+with other variants adds them to the same folder.
 """
 
 import argparse
