@@ -1,4 +1,4 @@
-"""Interconnections: differentiable relations between quantities, wired by the parameter names of a function."""
+"""Interconnections: differentiable relations of quantities, wired by parameter names."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +14,7 @@ Values = Mapping[str, Tensor | float]
 
 
 def wiring(function: Callable[..., object]) -> tuple[str, ...]:
-    """The names of the quantities that a function (or a module's ``forward``) reads: its parameters.
+    """The quantities that a function (or a module's ``forward``) reads: its parameters.
 
     Raises:
         GraphError: If a parameter is variadic, so that it names no quantity.
@@ -32,7 +32,7 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
 
 
 class Node(nn.Module):
-    """A module called without the hooks of :class:`torch.nn.Module`: a step makes dozens of calls."""
+    """A module called without the hooks of :class:`torch.nn.Module`, dozens of times a step."""
 
     def __call__(self, *inputs: Any) -> Any:
         """What ``forward`` returns."""
@@ -48,10 +48,11 @@ class Interconnection(Node):
 
     Args:
         function: A function or module over tensors ``(*B, …)``; leading dimensions must be free.
-        inputs: Names of what it reads, one a parameter, where they differ from the parameters' names.
+        inputs: Names of what it reads, one a parameter, where they differ from the parameters'
+            names.
         **jacobians: For a quantity that the function reads, a function that returns
-            ∂function/∂quantity ``(*B, m, n)``. Without one, autograd differentiates; with one, a step
-            is faster. A world model checks them against autograd when it is built.
+            ∂function/∂quantity ``(*B, m, n)``. Without one, autograd differentiates; with one, a
+            step is faster. A world model checks them against autograd when it is built.
     """
 
     def __init__(
@@ -168,8 +169,9 @@ class Interconnection(Node):
         """
         copies: dict[str, Tensor | float] = {}
         for key, value in inputs.items():
-            is_tensor = isinstance(value, Tensor)
-            copies[key] = value.expand(rows, *value.shape) if is_tensor else value
+            if isinstance(value, Tensor):
+                value = value.expand(rows, *value.shape)
+            copies[key] = value
         variable = cast(Tensor, copies[name])
         outputs = self(copies)
 

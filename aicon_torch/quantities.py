@@ -20,8 +20,8 @@ class Quantity:
     Attributes:
         name: Its name in the graph.
         shape: Its shape without the batch dimensions.
-        is_motion: Whether the value itself is a motion (a displacement or a velocity). The motion of any other
-            quantity is its change since the last step.
+        is_motion: Whether the value itself is a motion (a displacement or a velocity). The motion
+            of any other quantity is its change since the last step.
     """
 
     name: str
@@ -46,11 +46,11 @@ class Sensor:
         size: Number of components.
         unit: Unit of each component, for people and error messages.
         key: The observation's key; by default the sensor's name in the graph.
-        optional: Whether a reading may be absent. NaN, or a missing key, then means "no reading": the estimators
-            predict and correct again when the next one comes.
+        optional: Whether a reading may be absent. NaN, or a missing key, then means "no reading":
+            the estimators predict and correct again when the next one comes.
         range: Lowest and highest value that the instrument can report; readings saturate there.
-        scale: Factor from the observation's unit to the graph's, one for all components or one each: a sensor that
-            reports px in a graph of metres has the size of a px here.
+        scale: Factor from the observation's unit to the graph's, one for all components or one
+            each: a sensor that reports px in a graph of metres has the size of a px here.
     """
 
     size: int
@@ -68,7 +68,8 @@ class Sensor:
             raise GraphError(f"Sensor range {self.range!r}: expected (lowest, highest).")
         if not isinstance(self.scale, int | float) and len(self.scale) != self.size:
             raise GraphError(
-                f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a component."
+                f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a "
+                "component."
             )
 
 
@@ -80,9 +81,11 @@ class Actuator:
         size: Number of components.
         unit: Unit of each component.
         limit: One number limits the Euclidean norm; a sequence limits each component's magnitude.
-        constraints: What else limits it, one after the other: functions of the action and of any quantities, wired by
-            their parameter names, that return an action that is allowed, ``(*B, size)``.
-        command: What the robot is sent instead of the action, if it takes another command: a function wired likewise.
+        constraints: What else limits it, one after the other: functions of the action and of any
+            quantities, wired by their parameter names, that return an action that is allowed,
+            ``(*B, size)``.
+        command: What the robot is sent instead of the action, if it takes another command: a
+            function wired likewise.
     """
 
     size: int
@@ -96,7 +99,8 @@ class Actuator:
         limits = (self.limit,) if isinstance(self.limit, int | float) else tuple(self.limit)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
             raise GraphError(
-                f"Actuator limit {self.limit!r}: expected one positive number (a norm) or {self.size} of them."
+                f"Actuator limit {self.limit!r}: expected one positive number (a norm) or "
+                f"{self.size} of them."
             )
         if not isinstance(self.constraints, Sequence):
             raise GraphError(

@@ -7,7 +7,7 @@ from torch import Tensor
 
 
 def straight_through(value: Tensor, model: Tensor) -> Tensor:
-    """The value of ``value`` with the gradient of ``model``, e.g. a measurement with the gradient of a prediction.
+    """``value`` with the gradient of ``model``, such as a measurement with its prediction's.
 
     Args:
         value: ``(*B, n)``; no gradient reaches it.
@@ -19,7 +19,7 @@ def straight_through(value: Tensor, model: Tensor) -> Tensor:
 
 
 def straight_through_clamp(x: Tensor, low: float, high: float) -> Tensor:
-    """``x`` clamped to [low, high] with the gradient of ``x``, so that a saturated quantity can still be steered.
+    """``x`` clamped to [low, high] with the gradient of ``x``: saturated, it can still be steered.
 
     Args:
         x: ``(*B, n)``.
@@ -30,10 +30,11 @@ def straight_through_clamp(x: Tensor, low: float, high: float) -> Tensor:
 
 
 def by_sign(positive: Tensor, negative: Tensor) -> Tensor:
-    """``negative`` in value; the gradient goes to ``positive`` where it arrives > 0 and to ``negative`` elsewhere.
+    """``negative`` in value; a gradient > 0 goes to ``positive``, any other to ``negative``.
 
-    Where ∂g/∂x > 0 the cost falls as x falls, where it is negative the cost falls as x grows. With this rule an edge
-    may react differently to what is to be reduced and to what is to be increased, though no estimator knows a goal.
+    Where ∂g/∂x > 0 the cost falls as x falls, where it is negative the cost falls as x grows. With
+    this rule an edge may react differently to what is to be reduced and to what is to be increased,
+    though no estimator knows a goal.
 
     Args:
         positive: ``(*B, n)``, differentiated where the quantity is to be reduced.
@@ -55,9 +56,10 @@ class _BySign(torch.autograd.Function):
 def by_gain(effects: Tensor, sought: Tensor, incidental: Tensor, softness: float = 0.0) -> Tensor:
     """Σᵢ wᵢ eᵢ, whose weights depend on whether an effect is wanted where the gradient comes from.
 
-    When a gradient h arrives, the gain of an effect is bᵢ = h·eᵢ. Where b < 0 the effect lowers the cost and its weight
-    is ``sought``; elsewhere it is ``incidental``. With a softness T, w = σ(−b/T) sought + (1 − σ(−b/T)) incidental.
-    The choice itself is not differentiated, and no part of the graph needs to know the goal. In value w is ``sought``.
+    When a gradient h arrives, the gain of an effect is bᵢ = h·eᵢ. Where b < 0 the effect lowers the
+    cost and its weight is ``sought``; elsewhere it is ``incidental``. With a softness T, w =
+    σ(−b/T) sought + (1 − σ(−b/T)) incidental. The choice itself is not differentiated, and no part
+    of the graph needs to know the goal. In value w is ``sought``.
 
     Args:
         effects: eᵢ, ``(*B, n, d)``.

@@ -12,7 +12,7 @@ def unit(vectors: Tensor) -> Tensor:
 
 
 def reject(vectors: Tensor, direction: Tensor) -> Tensor:
-    """(I − vvᵀ) x: the vectors ``(*B, d)`` without their component along a unit vector v ``(*B, d)``."""
+    """(I − vvᵀ) x: vectors ``(*B, d)`` without their component along a unit vector v."""
     rejected: Tensor = vectors - (vectors * direction).sum(-1, keepdim=True) * direction
     return rejected
 

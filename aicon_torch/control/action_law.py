@@ -13,8 +13,8 @@ from aicon_torch.quantities import Actuator
 class ActionLaw:
     """a* = −k∇, or a* = a − k∇ where it accumulates (Eq. 2); then a ← a + α (clip(a*) − a).
 
-    The low-pass of Sect. "Stabilizing the Control Signal" has α = dt/(dt + T). With the default gain
-    the action is as large as its limit allows, wherever the gradient is not next to zero: the
+    The low-pass of Sect. "Stabilizing the Control Signal" has α = dt/(dt + T). With the default
+    gain the action is as large as its limit allows, wherever the gradient is not next to zero: the
     gradient gives the direction.
 
     Attributes:

@@ -14,7 +14,7 @@ from aicon_torch.control.step import ControlStep
 from aicon_torch.resolution import Memory
 
 _SMALL = 16
-"""Products of matrices up to this size are written out: to call a library costs more than they do."""
+"""Products of matrices up to this size are written out: a call of a library costs more."""
 
 CompiledFunction = Callable[..., Sequence[Tensor]]
 """From the values of readings and memory to those of commands and memory, each in a fixed order."""
@@ -27,9 +27,9 @@ class CompiledStep(ControlStep):
     """A control step that does what the one it is made of does, many times faster.
 
     The first step with a new size of batch is traced through autograd into one flat graph of tensor
-    operations, in which every gradient is written out, and TorchInductor compiles it. That takes from
-    seconds to a minute; later runs find most of it in Inductor's cache on disk. Observations are
-    checked, and episodes begin, as before.
+    operations, in which every gradient is written out, and TorchInductor compiles it. That takes
+    from seconds to a minute; later runs find most of it in Inductor's cache on disk. Observations
+    are checked, and episodes begin, as before.
 
     A new precision or device is compiled by itself; where a parameter has changed, call ``compile``
     again. The step must not branch on values of tensors. Where it does, or where there is no
@@ -64,7 +64,7 @@ class CompiledStep(ControlStep):
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # torch on its own future
                     self._functions[kind] = self._compile(names, inputs)
-            except Exception as error:  # noqa: BLE001  # whatever the compiler says, the robot goes on
+            except Exception as error:  # noqa: BLE001  # the robot goes on
                 self._give_up(error)
                 return super().__call__(readings, memory)
 
@@ -83,7 +83,8 @@ class CompiledStep(ControlStep):
         self._compiles = False
         warnings.warn(
             f"The policy runs uncompiled, more slowly: {_summary(error)}. Compiling needs a C++ "
-            "compiler (Debian: apt install g++) and a step that does not branch on values of tensors.",
+            "compiler (Debian: apt install g++) and a step that does not branch on values of "
+            "tensors.",
             RuntimeWarning,
             stacklevel=4,
         )

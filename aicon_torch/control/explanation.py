@@ -25,8 +25,9 @@ class QuantityReport:
 
     Attributes:
         candidates: The gradients, in the order of the graph.
-        cosine: Cosine between the leader and the gradient it was compared with, the second strongest
-            or the strongest that opposes it (1 if none does); None where a single one arrived.
+        cosine: Cosine between the leader and the gradient it was compared with, the second
+            strongest or the strongest that opposes it (1 if none does); None where a single one
+            arrived.
         exploring: Whether the quantity moved in a nullspace instead of downhill.
     """
 

@@ -111,8 +111,8 @@ def check_first_readings(
             is_absent = is_absent & starts
         if is_absent.any():
             raise ObservationError(
-                f"Sensor {name!r}: an episode's first observation must have a reading under {key!r}, "
-                f"where an estimate starts; it has {choices(observation)}."
+                f"Sensor {name!r}: an episode's first observation must have a reading under "
+                f"{key!r}, where an estimate starts; it has {choices(observation)}."
             )
 
 

@@ -12,8 +12,8 @@ class Perception(Protocol):
     """What stands between the observation and the sensors of a graph.
 
     A sensor reads numbers of a fixed size. Where an observation brings something else, a perception
-    makes readings of it, outside the graph: no gradient goes through it, and it keeps no state of its
-    own.
+    makes readings of it, outside the graph: no gradient goes through it, and it keeps no state of
+    its own.
     """
 
     def __call__(
@@ -26,7 +26,8 @@ class Perception(Protocol):
 
         Args:
             observation: As the policy was given it.
-            values: Estimates, readings and actions of the last step, by name; None before the first.
+            values: Estimates, readings and actions of the last step, by name; None before the
+                first.
             starts: Rows ``(*B,)`` of the batch that begin a new episode; None if there are none.
         """
         ...

@@ -31,8 +31,10 @@ from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
 class Policy(nn.Module):
     """Reactive control: estimate, pull the goals' gradients back to the actuators, descend.
 
-    All that lives from step to step is in the memory, a flat ``dict[str, Tensor]`` with leading batch
-    dimensions: it goes in and comes out, can be saved with ``torch.save``, and one policy serves any
+    All that lives from step to step is in the memory, a flat ``dict[str, Tensor]`` with leading
+    batch
+    dimensions: it goes in and comes out, can be saved with ``torch.save``, and one policy serves
+        any
     number of robots.
 
     Args:
@@ -81,8 +83,8 @@ class Policy(nn.Module):
             deterministic: Accepted for the signature's sake; the policy has no randomness.
 
         Returns:
-            The action ``(*B, size)``, of the observation's kind (a dict of them if there are several
-            actuators), and the memory.
+            The action ``(*B, size)``, of the observation's kind (a dict of them if there are
+            several actuators), and the memory.
 
         Raises:
             ObservationError: If a reading is missing, wrongly shaped, NaN or infinite. Tensors are
@@ -110,8 +112,8 @@ class Policy(nn.Module):
         Args:
             observation: As for :meth:`predict`.
             state: The memory that the last step returned.
-            action: What was executed since, by actuator, ``(*B, size)``; by default the action in the
-                memory.
+            action: What was executed since, by actuator, ``(*B, size)``; by default the action in
+                the memory.
             episode_start: As for :meth:`predict`.
 
         Raises:

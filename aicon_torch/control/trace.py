@@ -21,8 +21,9 @@ class QuantityTrace:
 
     Attributes:
         name: The quantity.
-        paths: For each of n gradients the names that it came through, from its goal to this quantity.
-            Where gradients were merged on the way, it begins with their goals, joined by "+".
+        paths: For each of n gradients the names that it came through, from its goal to this
+            quantity. Where gradients were merged on the way, it begins with their goals, joined by
+            "+".
         goals: For each gradient the goals that it comes from.
         gradients: The gradients that arrived, ``(*B, n, d)``.
         strengths: Their magnitudes, ``(*B, n)``.

@@ -3,7 +3,8 @@
 An estimator does two things in a step. ``update`` filters: it takes the last action and the new
 readings and returns the new values; no gradient flows there. ``forward`` anticipates: from the new
 values it gives the quantities that one more step would bring, differentiable by what moves them. So
-the values are the measurement's and the gradient is the model's, evaluated at the best current belief.
+the values are the measurement's and the gradient is the model's, evaluated at the best current
+belief.
 """
 
 from torch import Tensor
@@ -19,10 +20,10 @@ class Estimator(Node):
         inputs: Names of what it reads. Its own outputs among them mean the values before the step.
         covariances: Those of its outputs that are covariances of others.
         is_motion: Whether its outputs are motions themselves (see :class:`aicon_torch.Quantity`).
-        recursive: Whether it remembers its last values. Without, ``update`` and ``forward`` give the
-            same value.
-        each: Quantities with rows, for each row of which it is evaluated; its outputs then have rows
-            as well.
+        recursive: Whether it remembers its last values. Without, ``update`` and ``forward`` give
+            the same value.
+        each: Quantities with rows, for each row of which it is evaluated; its outputs then have
+            rows as well.
         prior_inputs: What its initial values are read off.
     """
 

@@ -23,7 +23,7 @@ class Correction(NamedTuple):
 
     @classmethod
     def by(cls, covariance: Tensor, jacobian: Tensor, noise: Tensor) -> "Correction":
-        """The correction of P ``(*B, n, n)`` by a measurement with H ``(*B, m, n)``, R ``(*B, m, m)``."""
+        """The correction of P ``(*B, n, n)`` by H ``(*B, m, n)`` and R ``(*B, m, m)``."""
         if jacobian.shape[-2] == 1:  # products with a row are faster than with a matrix
             cross = (covariance * jacobian).sum(-1).unsqueeze(-2)
             spread = (cross * jacobian).sum(-1, keepdim=True) + noise

@@ -10,14 +10,15 @@ from aicon_torch.errors import GraphError
 from aicon_torch.interconnections import Interconnection, Node, Values
 
 Noise = float | Sequence[float] | Callable[..., Tensor]
-"""A variance, a variance per component, or a function of quantities that returns variances ``(*B, n)``."""
+"""A variance, one a component, or a function of quantities that returns variances ``(*B, n)``."""
 
 
 class Covariance(Node):
     """The covariance of a noise, constant or a function of quantities wired by its parameter names.
 
     Args:
-        noise: A variance, one variance a component, or a function that returns variances ``(*B, n)``.
+        noise: A variance, one variance a component, or a function that returns variances ``(*B,
+            n)``.
         size: Number of components n.
     """
 

@@ -18,9 +18,9 @@ class Deterministic(Estimator):
         name: Name of the quantity.
         function: f; its parameter names are the quantities that it reads.
         is_motion: Whether the quantity is itself a motion, such as a displacement.
-        each: Quantities ``(*B, N, k)`` for each row of which f is evaluated, so that f is written for
-            one row and the quantity is ``(*B, N, n)``. Each row is a path of its own to whatever
-            else f reads.
+        each: Quantities ``(*B, N, k)`` for each row of which f is evaluated, so that f is written
+            for one row and the quantity is ``(*B, N, n)``. Each row is a path of its own to
+            whatever else f reads.
 
     Example:
         >>> def move(a, dt):
@@ -58,8 +58,8 @@ class Deterministic(Estimator):
 
         if name in self.inputs:
             raise GraphError(
-                f"Deterministic {name!r} reads itself; what remembers its last value is an EKF or a "
-                "KalmanFilter."
+                f"Deterministic {name!r} reads itself; what remembers its last value is an EKF "
+                "or a KalmanFilter."
             )
 
     def initial(self, values: Values) -> dict[str, Tensor]:

@@ -28,16 +28,16 @@ class EKF(Estimator):
     """An extended Kalman filter with implicit measurements: a Gaussian belief N(x, P).
 
     Predict: x⁻ = f(x, u), P⁻ = F P Fᵀ + Q. Correct, one measurement after the other: with
-    ν = h(x⁻, z), S = H P⁻ Hᵀ + R, K = P⁻ Hᵀ S⁻¹: x = x⁻ − Kν, P = P⁻ − K S Kᵀ. F and H are derivatives
-    by autograd.
+    ν = h(x⁻, z), S = H P⁻ Hᵀ + R, K = P⁻ Hᵀ S⁻¹: x = x⁻ − Kν, P = P⁻ − K S Kᵀ. F and H are
+    derivatives by autograd.
 
     Args:
         mean: Name of x, ``(*B, n)``.
         covariance: Name of P, ``(*B, n, n)``.
         predict: f, a function that reads ``mean`` and whatever moves it.
         noise: Variances of Q, per step.
-        initial: ``(mean, variances)``, or a function of the first readings that returns x ``(*B, n)``
-            and P ``(*B, n, n)``.
+        initial: ``(mean, variances)``, or a function of the first readings that returns x ``(*B,
+            n)`` and P ``(*B, n, n)``.
         correct: The measurements.
         derivative: Which derivative ``forward`` gives the mean: ``"model"``, that of f, as if the
             correction were noise; ``"update"``, that of the whole next update, readings held;
@@ -116,7 +116,7 @@ class EKF(Estimator):
         return {self.mean: mean, self.covariance: covariance}
 
     def forward(self, values: Values, output: str) -> Tensor:
-        """The belief one step ahead: the moved mean, or the covariance after measuring from there."""
+        """The belief one step ahead: the moved mean, or the covariance after measuring there."""
         if output == self.mean and self.derivative == "model":
             return cast(Tensor, self.predict(values))
 
@@ -142,8 +142,8 @@ class EKF(Estimator):
             components = measurement.residual(values).shape[-1]
             if components != measurement.size:
                 raise GraphError(
-                    f"A measurement of {self.mean!r} by {choices(measurement.residual.inputs)} has a "
-                    f"residual of {components} components; expected size={measurement.size}."
+                    f"A measurement of {self.mean!r} by {choices(measurement.residual.inputs)} has "
+                    f"a residual of {components} components; expected size={measurement.size}."
                 )
             measurement.residual.verify(values, measurement.size)
         self.predict.verify(values, self.size)
@@ -193,7 +193,7 @@ class EKF(Estimator):
     def _anticipate_covariance(
         self, measurement: Measurement, belief: dict[str, Tensor | float]
     ) -> Tensor:
-        """P after the next measurement, whose reading itself does not matter for it."""
+        """The covariance after the next measurement, whatever it reads."""
         covariance = cast(Tensor, belief[self.covariance])
         jacobian = measurement.residual.jacobian(
             belief, self.mean, measurement.size, differentiable=True
@@ -204,7 +204,7 @@ class EKF(Estimator):
     def _anticipate_belief(
         self, measurement: Measurement, belief: dict[str, Tensor | float], drops: bool
     ) -> tuple[Tensor, Tensor]:
-        """x and P after the next measurement, taken to read what was read last.
+        """Mean and covariance after the next measurement, taken to read what was read last.
 
         Args:
             measurement: The measurement.

@@ -40,8 +40,8 @@ class KalmanFilter(EKF):
         relations = [predict, *(measurement.residual for measurement in correct)]
         if not all(isinstance(relation, Affine) for relation in relations):
             raise GraphError(
-                f"KalmanFilter {mean!r}: prediction and measurements must be Affine; an EKF takes any "
-                "function."
+                f"KalmanFilter {mean!r}: prediction and measurements must be Affine; an EKF takes "
+                "any function."
             )
         super().__init__(
             mean, covariance, predict=predict, noise=noise, initial=initial, correct=correct

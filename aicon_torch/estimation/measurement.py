@@ -15,12 +15,12 @@ class Measurement(nn.Module):
     """A residual of an estimate and a reading that is zero when the two agree.
 
     Args:
-        function: Residual ``(*B, m)`` of the estimate and of whatever else it names (readings, other
-            estimates).
+        function: Residual ``(*B, m)`` of the estimate and of whatever else it names (readings,
+            other estimates).
         noise: Variance of the residual: a number, one a component, or a function of quantities; for
             a reading that comes late, a function of its age.
-        uncertain: Estimates of *other* estimators that the residual reads, each with the name of its
-            covariance, whose uncertainty adds to the noise: ``{"x_hand": "P_hand"}``.
+        uncertain: Estimates of *other* estimators that the residual reads, each with the name of
+            its covariance, whose uncertainty adds to the noise: ``{"x_hand": "P_hand"}``.
         gate: Largest squared Mahalanobis distance νᵀS⁻¹ν of a reading that is believed; None
             believes all.
         gate_keeps_gradient: Whether a reading that was refused still shapes the gradient of the
@@ -58,6 +58,7 @@ class Measurement(nn.Module):
                 )
         read = (*self.residual.inputs, *self.noise.inputs, *self.uncertain.values())
         self.inputs = tuple(dict.fromkeys(read))
+        self._presence_flags = tuple(name + PRESENT for name in self.inputs)
 
     def accepted(self, values: Values, squared_distance: Callable[[], Tensor]) -> Tensor | None:
         """Which rows of the batch believe the reading, ``(*B,)``; None if all must.
@@ -70,10 +71,10 @@ class Measurement(nn.Module):
         if self.gate is not None:
             accepted = squared_distance() <= self.gate
 
-        for name in self.inputs:
-            present = values.get(name + PRESENT)
-            if isinstance(present, Tensor):
-                accepted = present if accepted is None else accepted & present
+        for flag in self._presence_flags:
+            if flag in values:
+                is_present = cast(Tensor, values[flag])
+                accepted = is_present if accepted is None else accepted & is_present
         return accepted
 
     def innovation(

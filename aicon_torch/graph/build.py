@@ -44,8 +44,8 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
 
     Raises:
         GraphError: If a shape does not fit, a function does not leave the leading dimensions free,
-            estimators without memory define each other in a circle, a goal depends on no actuator, or
-            no goal depends on an actuator.
+            estimators without memory define each other in a circle, a goal depends on no actuator,
+            or no goal depends on an actuator.
     """
     # Run it once: order and shapes.
     estimators = tuple(in_order(declaration.estimators))

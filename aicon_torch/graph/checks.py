@@ -30,7 +30,8 @@ def check_names(
     for name in declared:
         if declared.count(name) > 1:
             raise GraphError(
-                f"{name!r} is declared {declared.count(name)} times; each name stands for one thing."
+                f"{name!r} is declared {declared.count(name)} times; each name stands for one "
+                "thing."
             )
         if name == "dt" or "/" in name or name.endswith(PRESENT):
             raise GraphError(

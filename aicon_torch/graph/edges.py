@@ -92,7 +92,7 @@ def _edge(
     owners: Mapping[str, Estimator],
     values: Mapping[str, Tensor],
 ) -> Edge:
-    """The edge to a source; one that brings a gradient for each row where the source has no rows."""
+    """The edge to a source; from rows to a source without rows it brings a gradient each."""
     each = node.each if isinstance(node, Estimator) else ()
     if not each or source in each:
         return Edge(name, source)

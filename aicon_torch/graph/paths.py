@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 
 class Edge(NamedTuple):
-    """One factor of the chain rule: the gradient of ``target`` goes on to ``source``, which it depends on.
+    """One factor of the chain rule: the gradient of ``target`` goes on to ``source``.
 
     Attributes:
         target: The quantity or goal that the gradient leaves.
         source: The quantity that it arrives at.
-        rows: Number of gradients that arrive, one for each row of the target; 0 where it is one gradient.
+        rows: Number of gradients that arrive, one for each row of the target; 0 where it is one
+            gradient.
         rows_of: The quantity that the target's rows go back to.
     """
 
@@ -43,7 +44,7 @@ class Path(NamedTuple):
 
 
 class PathTable:
-    """All paths of a graph, enumerated as they are asked for: their number can double with every layer.
+    """All paths of a graph, enumerated lazily: their number can double with every layer.
 
     Args:
         edges: The edges of each goal and quantity.

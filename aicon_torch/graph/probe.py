@@ -73,8 +73,8 @@ def _check_shape(name: str, value: Tensor, earlier: Tensor) -> None:
 
     own = tuple(earlier.shape[len(BATCH) :]) or "(n,), its components"
     raise GraphError(
-        f"{name!r} has shape {tuple(value.shape)} for batch {BATCH}; expected the batch, then {own}. "
-        "Functions must leave leading dimensions free."
+        f"{name!r} has shape {tuple(value.shape)} for batch {BATCH}; expected the batch, then "
+        f"{own}. Functions must leave leading dimensions free."
     )
 
 

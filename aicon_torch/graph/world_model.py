@@ -39,12 +39,12 @@ LocalGraphs = dict[str, LocalGraph]
 class WorldModel(nn.Module):
     """A graph of recursive estimators coupled by interconnections (Sect. "Encoding Regularities").
 
-    It holds parameters and constants only. What lives from step to step is passed in and returned as
-    named values. The parts become the model's own, which moves them to its dtype and device; build
-    each for one model.
+    It holds parameters and constants only. What lives from step to step is passed in and returned
+    as named values. The parts become the model's own, which moves them to its dtype and device;
+    build each for one model.
 
-    Estimators run once a step, each after those it reads; where they read each other in a cycle, one
-    of them reads the value of the last step, which is a constant of this step and carries no
+    Estimators run once a step, each after those it reads; where they read each other in a cycle,
+    one of them reads the value of the last step, which is a constant of this step and carries no
     gradient.
 
     Args:
@@ -56,9 +56,9 @@ class WorldModel(nn.Module):
         dtype: Precision of all values; by default torch's default.
 
     Raises:
-        GraphError: If a name is unknown or given twice, a shape does not fit, a function does not let
-            the leading dimensions free, functions define each other in a circle, a goal depends on
-            no actuator, or no goal depends on an actuator.
+        GraphError: If a name is unknown or given twice, a shape does not fit, a function does not
+            let the leading dimensions free, functions define each other in a circle, a goal depends
+            on no actuator, or no goal depends on an actuator.
     """
 
     def __init__(
@@ -218,7 +218,7 @@ class WorldModel(nn.Module):
     def displaced_cost(
         self, goal: str, quantity: str, displacement: Tensor, values: Mapping[str, Tensor]
     ) -> Tensor:
-        """What a goal would cost now had a quantity been displaced, covariances as they are, ``(*B,)``.
+        """What a goal would cost now had a quantity been displaced, ``(*B,)``; covariances stay.
 
         Args:
             goal: Name of the goal.

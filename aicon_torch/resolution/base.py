@@ -1,7 +1,7 @@
 """What a resolution is given, and what it promises."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from torch import Tensor
 
@@ -65,7 +65,7 @@ class Resolution:
             before they meet others.
     """
 
-    merges: bool = True
+    merges: ClassVar[bool] = True
     by_row: bool = False
 
     @property

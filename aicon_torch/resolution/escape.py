@@ -12,14 +12,15 @@ from aicon_torch.vectors import unit
 
 @dataclass(frozen=True)
 class Escape:
-    """What leaving a trap needs beyond the text. Every field deviates from it; all None is the paper.
+    """What leaving a trap needs beyond the text; with all fields None it is the paper.
 
     Each acts only at quantities where a gradient of the goal that it names arrives, alone or merged
     with others.
 
     Attributes:
-        progress: A goal whose cost must have fallen before exploration may end: its cost now against
-            its cost had the quantity not moved since the conflict began, under the current belief.
+        progress: A goal whose cost must have fallen before exploration may end: its cost now
+            against its cost had the quantity not moved since the conflict began, under the current
+            belief.
         progress_margin: By how much it must have fallen, in the unit of the cost.
         hold: A goal whose level is held while exploring. Moving in a nullspace means staying on a
             level set, and discrete, noisy motion needs feedback for that. The level is where its

@@ -31,10 +31,10 @@ class Exploration:
     """Conflict detection and nullspace exploration (Sect. "Escaping Local Minima").
 
     A conflict begins when the cosine of the two strongest gradients falls below ``enter_cosine``,
-    and ends when it rises above ``exit_cosine`` or one exceeds all others by ``ratio``. Meanwhile the
-    quantity moves along t = N m/‖N m‖, where N projects into the nullspace of the dominant gradient
-    and m is the moving average of the quantity's motion. Where m has no component there, the descent
-    directions decide, then the coordinate axes.
+    and ends when it rises above ``exit_cosine`` or one exceeds all others by ``ratio``. Meanwhile
+    the quantity moves along t = N m/‖N m‖, where N projects into the nullspace of the dominant
+    gradient and m is the moving average of the quantity's motion. Where m has no component there,
+    the descent directions decide, then the coordinate axes.
 
     The defaults are what the library ships; :meth:`as_in_paper` gives the text's.
 
@@ -45,8 +45,8 @@ class Exploration:
         average_time: Time constant of the motion average, s.
         escape: What is done beyond the text.
         partner: Whether the dominant gradient is compared with the second strongest (the text), or
-            with the strongest of those that oppose it, cos < θ_enter (θ_exit while exploring), which
-            a conflict among three or more needs.
+            with the strongest of those that oppose it, cos < θ_enter (θ_exit while exploring),
+            which a conflict among three or more needs.
         ratio_of: Whether λ compares the normalised magnitudes (the text) or the magnitudes
             themselves.
     """
@@ -79,7 +79,7 @@ class Exploration:
 
     @classmethod
     def as_in_paper(cls) -> "Exploration":
-        """The text and nothing else; it gives no time constant for the average, and this has 1 s."""
+        """The text and nothing else; for the average, whose time it leaves open, 1 s."""
         return cls(average_time=1.0, partner="second", ratio_of="weights")
 
     def initial(self, size: int) -> Memory:
@@ -105,7 +105,8 @@ class Exploration:
             memory: What was remembered of this quantity.
 
         Returns:
-            Whether to explore ``(*B,)``, the unit direction of motion ``(*B, d)``, and the new memory.
+            Whether to explore ``(*B,)``, the unit direction of motion ``(*B, d)``, and the new
+            memory.
         """
         # 1. The moving average of the quantity's motion.
         rate = stack.dt / (stack.dt + self.average_time)

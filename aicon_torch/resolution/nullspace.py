@@ -17,11 +17,11 @@ from aicon_torch.vectors import select
 
 @dataclass(frozen=True)
 class NullspaceProjection(Resolution):
-    """Gradients in order of strength, each projected into the nullspaces of all before it (Eq. 3-8).
+    """Gradients by strength, each projected into the nullspaces of all before it (Eq. 3-8).
 
-    With weights wᵢ = softmax(‖∇ᵢ‖/τ) and ĝᵢ = wᵢ ∇ᵢ/‖∇ᵢ‖, the strongest ĝ is taken first, the others
-    lose their component along it, the strongest of what remains is taken next, and so on while
-    degrees of freedom remain. The sum of what was taken changes no cost against the will of a
+    With weights wᵢ = softmax(‖∇ᵢ‖/τ) and ĝᵢ = wᵢ ∇ᵢ/‖∇ᵢ‖, the strongest ĝ is taken first, the
+    others lose their component along it, the strongest of what remains is taken next, and so on
+    while degrees of freedom remain. The sum of what was taken changes no cost against the will of a
     stronger gradient *where it was resolved*. When the two strongest oppose each other, exploration
     replaces the sum.
 
@@ -56,7 +56,8 @@ class NullspaceProjection(Resolution):
         """Check the options."""
         if self.temperature is not None and not 0 < self.temperature < math.inf:
             raise OptionError(
-                f"temperature={self.temperature!r}: expected a positive number, or None for no softmax."
+                f"temperature={self.temperature!r}: expected a positive number, or None for no "
+                "softmax."
             )
         if not 0 <= self.margin < math.inf:
             raise OptionError(f"margin={self.margin!r}: expected a number >= 0.")
@@ -113,7 +114,7 @@ class NullspaceProjection(Resolution):
         return resolved, new_memory
 
     def normalize(self, gradients: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Magnitudes ``(*B, n)``, directions ``(*B, n, d)`` and weights ``(*B, n)`` of gradients."""
+        """Magnitudes ``(*B, n)``, directions ``(*B, n, d)`` and weights ``(*B, n)``."""
         norms = torch.linalg.vector_norm(gradients, dim=-1)
         smallest = torch.finfo(norms.dtype).tiny ** 0.5
         directions = gradients / norms.clamp(min=smallest).unsqueeze(-1)
@@ -140,8 +141,8 @@ class NullspaceProjection(Resolution):
             held: Which gradient held each rank in the last step, ``(*B, min(n, d))``.
 
         Returns:
-            The selected, mutually orthogonal gradients ``(*B, min(n, d), d)`` by rank, and the index
-            of each, −1 where none was left.
+            The selected, mutually orthogonal gradients ``(*B, min(n, d), d)`` by rank, and the
+            index of each, −1 where none was left.
         """
         project = PROJECTORS[self.projector]
         indices = torch.arange(gradients.shape[-2], device=gradients.device)

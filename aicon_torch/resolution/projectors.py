@@ -8,7 +8,7 @@ from torch import Tensor
 from aicon_torch.vectors import reject, unit
 
 Projector = Callable[[Tensor, Tensor], Tensor]
-"""From a gradient of higher priority ``(*B, d)`` and others ``(*B, n, d)`` to what is left of them."""
+"""From a gradient ``(*B, d)`` and others ``(*B, n, d)`` to what is left of the others."""
 
 
 def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:

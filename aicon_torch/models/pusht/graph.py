@@ -134,13 +134,13 @@ def _limits(
 ) -> list[Callable[..., Tensor]]:
     """What limits the motion near contact; they are ours, and the text has none."""
     radius, size = benchmark.PUSHER_RADIUS, options.contact.size
-    if options.limits is None:
+    if options.contact_limits is None:
         return []
-    if isinstance(options.limits, SlowApproachOptions):
-        return [options.limits.limit(dynamics.rotation_length, radius, size)]
+    if isinstance(options.contact_limits, SlowApproachOptions):
+        return [options.contact_limits.limit(dynamics.rotation_length, radius, size)]
 
     follower = servo if options.command == "position" else None
-    return [options.limits.limits(dynamics, radius, size, follower)]
+    return [options.contact_limits.limits(dynamics, radius, size, follower)]
 
 
 # --- The pusher.

@@ -51,7 +51,7 @@ class Options:
         likelihood_path: Whether p₁ is there, which leads over the likelihood of a contact.
         position_path: Whether p₂ is there, which leads over its position.
         contact: What a contact does and how likely it is.
-        limits: What limits the motion near contact; None for nothing.
+        contact_limits: What limits the motion near contact; None for nothing.
     """
 
     resolution: Resolution = field(default_factory=NullspaceProjection)
@@ -75,7 +75,7 @@ class Options:
     likelihood_path: bool = True
     position_path: bool = True
     contact: ContactOptions = CONTACT
-    limits: ContactLimitOptions | SlowApproachOptions | None = field(
+    contact_limits: ContactLimitOptions | SlowApproachOptions | None = field(
         default_factory=ContactLimitOptions
     )
 

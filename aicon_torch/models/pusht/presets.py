@@ -24,7 +24,7 @@ _SLOW_APPROACH = {
     "contact.rotation": 65.0 / 3000**0.5,  # L = 65 px for the T
     "contact.reach": 1 / 3,
     "contact.facing": False,
-    "limits": SlowApproachOptions(),
+    "contact_limits": SlowApproachOptions(),
     "compensate_lag": False,
     "max_speed": 600 * PIXEL,
     "law.smoothing": 0.025,
@@ -43,7 +43,7 @@ _PAPER_LITERAL = {
     "contact.effect": "angle",
     "contact.reach": 1 / 12,
     "contact.aim": 0.0,
-    "limits": None,
+    "contact_limits": None,
 }
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -54,8 +54,8 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "potential_field": {"resolution": Sum()},
         "slow_approach": _SLOW_APPROACH,
         "slow_approach_ungrouped": _UNGROUPED,
-        "steepest_without_contact_limits": {"resolution": SteepestPath(), "limits": None},
-        "potential_field_without_contact_limits": {"resolution": Sum(), "limits": None},
+        "steepest_without_contact_limits": {"resolution": SteepestPath(), "contact_limits": None},
+        "potential_field_without_contact_limits": {"resolution": Sum(), "contact_limits": None},
     }
 )
 """Options by dotted name, for each preset."""

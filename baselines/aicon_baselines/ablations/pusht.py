@@ -35,9 +35,9 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         },
         # From the gradient to the command.
         "without_smoothing": {"law.smoothing": 0.0},
-        "without_contact_limits": {"limits": None},
-        "without_slide_limit": {"limits.slide_gap": 0.0},
-        "without_substep_limits": {"limits.within_steps": False},
+        "without_contact_limits": {"contact_limits": None},
+        "without_slide_limit": {"contact_limits.slide_gap": 0.0},
+        "without_substep_limits": {"contact_limits.within_steps": False},
         "without_lag_compensation": {"compensate_lag": False},
     }
 )
