@@ -10,69 +10,51 @@ panda_push_film.png, a picture from the middle of it.
 """
 
 import argparse
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from aicon_baselines.cli.command_line import Command
-from aicon_baselines.figures.pictures import VIDEOS
+from aicon_baselines.figures import VIDEO_FORMATS, FigureSummary
+
+_FIGURES = {
+    "nav2d": "2D navigation: the evolving potential",
+    "pusht": "pushing: the gradients that arrive at the pusher",
+    "panda_push": "pushing with an arm: its views and its gradients",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the figures, each with its own arguments."""
     figures = parser.add_subparsers(dest="figure", required=True, metavar="FIGURE")
-
-    nav2d = figures.add_parser("nav2d", help="2D navigation: the evolving potential")
-    nav2d.add_argument("--map", default="u_trap_2", metavar="NAME", help="default: u_trap_2")
-    # The seed of pushT is the shortest episode of 1000 to 1059 that shows all six moments.
-    pusht = figures.add_parser("pusht", help="pushing: the gradients that arrive at the pusher")
-    arm = figures.add_parser("panda_push", help="pushing with an arm: its views and gradients")
-
-    for figure, seed in ((nav2d, 1006), (pusht, 1050), (arm, 1000)):
+    for name, title in _FIGURES.items():
+        figure = figures.add_parser(name, help=title, description=title)
         figure.add_argument(
-            "--seed", type=int, default=seed, help=f"seed of the episode (default: {seed})"
+            "--seed", type=int, help="seed of the episode (default: one that shows it all)"
         )
         figure.add_argument(
             "--out", type=Path, default=Path("runs/figures"), help="default: runs/figures"
         )
         figure.add_argument(
-            "--video", choices=VIDEOS, default="mp4", help="kind of video (default: mp4)"
+            "--video", choices=VIDEO_FORMATS, default="mp4", help="kind of video (default: mp4)"
         )
+        if name == "nav2d":
+            figure.add_argument("--map", metavar="NAME", help="class of maps (default: a trap)")
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Draw and save the figure, and say what it shows."""
-    # A figure needs its task's environment, which may come with an extra.
-    seed, out, video = arguments.seed, arguments.out, arguments.video
+    # What is left out is for the figure to decide.
+    options: dict[str, Any] = {}
+    if arguments.seed is not None:
+        options["seed"] = arguments.seed
+    if getattr(arguments, "map", None) is not None:
+        options["map_name"] = arguments.map
 
-    if arguments.figure == "nav2d":
-        from aicon_baselines.figures import nav2d
-
-        numbers = nav2d.make_figure(arguments.map, seed, out, video)
-        _tell(numbers, f"{numbers['path_length_m']} m", arguments)
-
-    elif arguments.figure == "pusht":
-        from aicon_baselines.figures import pusht
-
-        numbers = pusht.make_figure(seed, out, video)
-        _tell(numbers, f"{numbers['path_length_px']} px", arguments)
-
-    else:
-        from aicon_baselines.figures import panda_push
-
-        film = panda_push.make_film(seed, out, video)
-        ending = "success" if film.success else "no success"
-        print(f"{ending} after {film.times[-1]:.1f} s; saved in {out}")
-
-
-def _tell(numbers: dict[str, Any], path_length: str, arguments: argparse.Namespace) -> None:
-    """Print how the episode ended, its six moments and what was saved."""
-    print(f"{numbers['ending']} after {numbers['duration_s']} s and {path_length}")
-    for panel in numbers["panels"]:
-        print(f"  ({panel['panel']}) {panel['time_s']:6.2f} s  {panel['title']}")
-
-    kinds = ["png", "json"] if arguments.video == "none" else ["png", "json", arguments.video]
-    files = ", ".join(f"{arguments.figure}_rollout.{kind}" for kind in kinds)
-    print(f"saved in {arguments.out}: {files}")
+    # Imported by name: a figure needs its task's environment, which may come with an extra.
+    module = import_module(f"aicon_baselines.figures.{arguments.figure}")
+    summary: FigureSummary = module.make_figure(arguments.out, video=arguments.video, **options)
+    print(summary)
 
 
 COMMAND = Command(__doc__, add_arguments, run)

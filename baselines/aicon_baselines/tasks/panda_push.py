@@ -90,11 +90,11 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
-    from aicon_torch.models.panda_push.robot import Robot
+    from aicon_torch.models.panda_push import Robot
 
     env = PandaPushEnv(**_ARGUMENTS[condition])
     return {
-        "robot": Robot.of(env.description()),
+        "robot": Robot.from_description(env.description()),
         "corners": tuple((float(x), float(y)) for x, y in env.object.corners),
         "sensing": "pose" if env.obs_type == "pose" else "camera",
     }

@@ -14,7 +14,7 @@ def test_run_tells_the_outcome_and_the_last_decision(
     main(["run", "--task", "nav2d", "--policy", "steepest,max_speed=0.3", "--horizon", "20"])
     outcome, _, explanation = capsys.readouterr().out.partition("its last step:")
     assert outcome.startswith("no success after 1 s; path ")
-    assert "goal reach: cost" in explanation and "at x_rob: descending" in explanation
+    assert "goal reach: cost" in explanation and "rank 0: reach → p_tar → x_rob" in explanation
 
 
 def test_run_saves_the_last_view_and_a_film(tmp_path: Path) -> None:
@@ -22,7 +22,8 @@ def test_run_saves_the_last_view_and_a_film(tmp_path: Path) -> None:
     words = ["run", "--task", "nav2d", "--horizon", "5"]
     main([*words, "--render", str(view), "--video", str(film)])
 
-    assert Image.open(view).size[0] > 100
+    with Image.open(view) as picture:
+        assert picture.size[0] > 100
     with Image.open(film) as picture:
         assert getattr(picture, "n_frames", 1) == 5
 
