@@ -127,10 +127,12 @@ def change_of_leader(trace: StepTrace) -> Tensor:
 
     Where that gradient came from the end effector, it is the one that leads there, by the motion
     that the action gives the end effector: what the joints see of it is its pull-back, no
-    derivative of the cost. Where nothing is ranked, nothing leads, and the change is 0.
+    derivative of the cost. A policy that ranks no gradients at the joints has no leader there, and
+    the change is 0.
     """
-    action, joints = trace.values["a"], trace.quantities["x_joints"]
-    if not (joints.ranks >= 0).any():
+    action = trace.values["a"]
+    joints = trace.quantities.get("x_joints")
+    if joints is None or not (joints.ranks >= 0).any():
         return torch.zeros_like(action[..., 0])
 
     change = (_leading_gradient(joints) * action).sum(-1)
