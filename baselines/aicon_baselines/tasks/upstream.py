@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import pip_command
-from aicon_envs.pusht.goal import Goal
-from aicon_envs.pusht.objects import OBJECTS
-from aicon_envs.pusht.variant import DEFAULT_GOAL
+from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS, Goal
 
 _GOAL = Goal(OBJECTS["T"], DEFAULT_GOAL)
 
@@ -80,6 +78,11 @@ class UpstreamPushT(VectorEnv[Any, Any, Any]):
             self._truncated.copy(),
             self._stack_infos(),
         )
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Return a picture of each, if `render_mode` is "rgb_array"."""
+        pictures = [env.render() for env in self._envs]
+        return None if pictures[0] is None else tuple(pictures)
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the environments."""

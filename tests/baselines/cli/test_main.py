@@ -2,6 +2,8 @@
 
 import argparse
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -89,5 +91,14 @@ def test_what_is_a_bug_stays_a_traceback(error: Exception) -> None:
         run_command(run_with(error), [])
 
 
-def test_commands_use_one_thread() -> None:
-    assert os.environ["OMP_NUM_THREADS"]
+def test_commands_use_one_thread_unless_told_otherwise() -> None:
+    program = "import aicon_baselines.cli.main, torch; print(torch.get_num_threads())"
+    for told, expected in (({}, "1"), ({"OMP_NUM_THREADS": "2"}, "2")):
+        environment = {**os.environ, **told}
+        if not told:
+            environment.pop("OMP_NUM_THREADS", None)
+        command = [sys.executable, "-c", program]
+        result = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True
+        )
+        assert result.stdout.strip() == expected
