@@ -24,48 +24,61 @@ from aicon_torch import make_policy
 KEYPOINTS = "environment_state_agent_pos"
 
 
-@pytest.fixture
-def policy() -> Any:
-    config = PreTrainedConfig.get_choice_class("aicon")(device="cpu")
+def build(**options: Any) -> Any:
+    config = PreTrainedConfig.get_choice_class("aicon")(device="cpu", **options)
     return make_lerobot_policy(config, env_cfg=PushtEnv(obs_type=KEYPOINTS))
 
 
-def test_the_distribution_registers_the_policy(policy: Any) -> None:
+@pytest.fixture
+def plugin() -> Any:
+    return build()
+
+
+def test_the_distribution_registers_the_policy(plugin: Any) -> None:
     assert "aicon" in PreTrainedConfig.get_known_choices()
-    assert isinstance(policy, lerobot_policy_aicon.AiconPolicy)
-    assert policy.config.type == "aicon"
+    assert isinstance(plugin, lerobot_policy_aicon.AiconPolicy)
+    assert plugin.config.type == "aicon"
 
 
-def test_it_is_the_policy_of_the_library(policy: Any) -> None:
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"max_speed": 0.4}, {"preset": "potential_field"}],
+    ids=["default", "max_speed", "preset"],
+)
+def test_it_is_the_policy_of_the_library(options: dict[str, Any]) -> None:
     env = gym.make("gym_pusht:gym_pusht/PushT-v0", obs_type=KEYPOINTS, disable_env_checker=True)
-    reference, memory = make_policy("pusht"), None
+    plugin = build(**options)
+    reference, memory = make_policy("pusht", **options), None
     observation, _ = env.reset(seed=1000)
+
     for _ in range(20):
-        seen = {name: torch.from_numpy(value[None]) for name, value in observation.items()}
+        batch = {
+            "observation.environment_state": torch.tensor(observation["environment_state"])[None],
+            "observation.state": torch.tensor(observation["agent_pos"])[None],
+        }
         with torch.inference_mode():  # as LeRobot does
-            action = policy.select_action(
-                {
-                    "observation.environment_state": seen["environment_state"].clone(),
-                    "observation.state": seen["agent_pos"].clone(),
-                }
-            )
+            action = plugin.select_action(batch)
         expected, memory = reference.predict(observation, memory)
-        assert action.dtype == torch.float32 and np.allclose(action[0].numpy(), expected, atol=1e-4)
+
+        assert action.dtype == torch.float32
+        assert np.allclose(action[0].numpy(), expected, atol=1e-4)
         observation, *_ = env.step(expected)
+
     env.close()
 
 
-def test_lerobots_rollout_succeeds(policy: Any) -> None:
-    settings = PushtEnv(obs_type=KEYPOINTS)
-    envs = make_env(settings, n_envs=3)["pusht"][0]
-    before, after = make_pre_post_processors(policy.config)
+def test_lerobots_rollout_succeeds(plugin: Any) -> None:
+    envs = make_env(PushtEnv(obs_type=KEYPOINTS), n_envs=3)["pusht"][0]
+    preprocess, postprocess = make_pre_post_processors(plugin.config)
+
     for seeds in ([1000, 1001, 1002], [1003, 1004, 1005]):
-        result = rollout(envs, policy, same, same, before, after, seeds=seeds)
+        result = rollout(envs, plugin, unchanged, unchanged, preprocess, postprocess, seeds=seeds)
         assert result["success"].any(dim=1).all()
+
     envs.close()
 
 
-def same(transition: Any) -> Any:
+def unchanged(transition: Any) -> Any:
     return transition
 
 
@@ -75,8 +88,8 @@ def test_what_it_cannot_observe_is_an_error() -> None:
         make_lerobot_policy(config, env_cfg=PushtEnv(obs_type="pixels_agent_pos"))
 
 
-def test_there_is_nothing_to_train(policy: Any) -> None:
+def test_there_is_nothing_to_train(plugin: Any) -> None:
     with pytest.raises(NotImplementedError, match="not trained"):
-        policy.config.get_optimizer_preset()
+        plugin.config.get_optimizer_preset()
     with pytest.raises(NotImplementedError, match="not trained"):
-        policy.forward({})
+        plugin.forward({})
