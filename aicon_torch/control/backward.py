@@ -245,8 +245,12 @@ class BackwardPass:
     def _stacked(self, name: str, arrived: Sequence[Tensor]) -> Tensor:
         """The gradients that arrived as rows ``(*B, n, d)``; those of one group are summed."""
         quantity = self.model.quantities[name]
+        arrivals = self._arrivals[name]
+        if not any(arrival.edge.rows for arrival in arrivals):
+            return torch.stack([quantity.flatten(gradient) for gradient in arrived], dim=-2)
+
         blocks: dict[int, Tensor] = {}
-        for arrival, gradient in zip(self._arrivals[name], arrived, strict=True):
+        for arrival, gradient in zip(arrivals, arrived, strict=True):
             if not arrival.edge.rows:
                 gradient = quantity.flatten(gradient).unsqueeze(-2)
             if arrival.group in blocks:

@@ -1,6 +1,6 @@
 """The memory: all that lives from step to step, as a flat dictionary of tensors."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import torch
@@ -59,7 +59,7 @@ def restart_rows(memory: Memory, fresh: Memory, starts: Tensor) -> Memory:
 
 def check_memory(
     memory: Mapping[str, Tensor],
-    keys: Collection[str],
+    keys: frozenset[str],
     actuator: str,
     batch: tuple[int, ...],
 ) -> None:
@@ -74,8 +74,8 @@ def check_memory(
     Raises:
         ObservationError: If not.
     """
-    if memory.keys() != set(keys):
-        missing, unknown = set(keys) - memory.keys(), memory.keys() - set(keys)
+    if memory.keys() != keys:
+        missing, unknown = keys - memory.keys(), memory.keys() - keys
         raise ObservationError(
             f"state: not a memory of this policy; it lacks {choices(missing)} and has "
             f"{choices(unknown)} besides."

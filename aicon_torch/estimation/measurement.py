@@ -58,6 +58,7 @@ class Measurement(nn.Module):
                 )
         read = (*self.residual.inputs, *self.noise.inputs, *self.uncertain.values())
         self.inputs = tuple(dict.fromkeys(read))
+        self._presence_flags = tuple(name + PRESENT for name in self.inputs)
 
     def accepted(self, values: Values, squared_distance: Callable[[], Tensor]) -> Tensor | None:
         """Which rows of the batch believe the reading, ``(*B,)``; None if all must.
@@ -70,10 +71,10 @@ class Measurement(nn.Module):
         if self.gate is not None:
             accepted = squared_distance() <= self.gate
 
-        for name in self.inputs:
-            present = values.get(name + PRESENT)
-            if isinstance(present, Tensor):
-                accepted = present if accepted is None else accepted & present
+        for flag in self._presence_flags:
+            if flag in values:
+                is_present = cast(Tensor, values[flag])
+                accepted = is_present if accepted is None else accepted & is_present
         return accepted
 
     def innovation(

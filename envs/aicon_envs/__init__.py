@@ -6,24 +6,4 @@ Example:
     >>> env = gym.make("aicon/Nav2D-v0", map="u_trap")
 """
 
-from gymnasium.envs.registration import register
-
-register(
-    id="aicon/Nav2D-v0",
-    entry_point="aicon_envs.nav2d.environment:Nav2DEnv",
-    vector_entry_point="aicon_envs.nav2d.vector:Nav2DVectorEnv",
-    max_episode_steps=12_000,
-)
-
-register(
-    id="aicon/PushT-v0",
-    entry_point="aicon_envs.pusht.environment:PushTEnv",
-    vector_entry_point="aicon_envs.pusht.vector:PushTVectorEnv",
-    max_episode_steps=300,
-)
-
-register(
-    id="aicon/PandaPush-v0",
-    entry_point="aicon_envs.panda_push.environment:PandaPushEnv",
-    max_episode_steps=18_000,
-)
+import aicon_envs.registration  # noqa: F401  # its import registers the environments

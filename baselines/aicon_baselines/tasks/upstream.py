@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_envs.pusht.goal import Goal
 from aicon_envs.pusht.objects import OBJECTS
-from aicon_envs.pusht.variant import DEFAULT_GOAL
+from aicon_envs.pusht import DEFAULT_GOAL
 
 _GOAL = Goal(OBJECTS["T"], DEFAULT_GOAL)
 

@@ -18,8 +18,9 @@ class Physics:
         max_range: Largest clearance that the sensor reports, m.
 
     Raises:
-        ValueError: If a constant is not finite, is negative or, where it must be, not positive; or if one step could
-            carry the agent through an obstacle, (max_speed + 8 actuation_noise) dt > 2 radius.
+        ValueError: If a constant is not finite, is negative or, where it must be, not positive; or
+            if one step could carry the agent through an obstacle,
+            (max_speed + 8 actuation_noise) dt > 2 radius.
     """
 
     bearing_noise: float = 0.03
@@ -36,13 +37,17 @@ class Physics:
             value = getattr(self, name)
             if not math.isfinite(value) or value < 0.0:
                 raise ValueError(f"{name} must be a finite number >= 0, got {value!r}")
+
         for name in ("max_speed", "dt", "radius", "max_range"):
             if getattr(self, name) == 0.0:
                 raise ValueError(f"{name} must be > 0")
-        if (self.max_speed + 8.0 * self.actuation_noise) * self.dt > 2.0 * self.radius:
+
+        # Eight standard deviations: noise that large does not happen in any number of steps.
+        fastest = self.max_speed + 8.0 * self.actuation_noise
+        if fastest * self.dt > 2.0 * self.radius:
             raise ValueError(
-                "one step may not carry the agent through an obstacle: (max_speed + 8 actuation_noise) dt "
-                f"must be <= 2 radius, got {self}"
+                "one step may not carry the agent through an obstacle: "
+                f"(max_speed + 8 actuation_noise) dt must be <= 2 radius, got {self}"
             )
 
     @classmethod
@@ -60,6 +65,8 @@ class Physics:
         unknown = sorted(set(options) - set(cls.names()))
         if unknown:
             raise TypeError(
-                f"unknown argument {', '.join(unknown)}; the physical constants are {', '.join(cls.names())}"
+                f"unknown argument {', '.join(unknown)}; "
+                f"the physical constants are {', '.join(cls.names())}"
             )
+
         return cls(**options)

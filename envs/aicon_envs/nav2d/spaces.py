@@ -1,4 +1,4 @@
-"""The observation and action spaces of the navigation task, and the conversions at that border."""
+"""The observation and action spaces of the navigation task, and the checks at that border."""
 
 import math
 from typing import Any, Literal, cast, get_args
@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_envs.checks import check_choice
 from aicon_envs.nav2d.physics import Physics
 
 Sensing = Literal["range", "range_bearing"]
@@ -20,25 +21,28 @@ def observation_space(sensing: Sensing, physics: Physics) -> spaces.Space[Observ
     Raises:
         ValueError: If `sensing` is unknown; the message lists the valid values.
     """
-    if sensing not in get_args(Sensing):
-        raise ValueError(f"sensing must be one of {', '.join(get_args(Sensing))}, got {sensing!r}")
+    check_choice("sensing", sensing, get_args(Sensing))
+
     boxes: dict[str, spaces.Space[Any]] = {
         "bearing": spaces.Box(-math.pi, math.pi, (1,), np.float32),
         "range": spaces.Box(0.0, physics.max_range, (1,), np.float32),
     }
     if sensing == "range_bearing":
         boxes["obstacle_bearing"] = spaces.Box(-math.pi, math.pi, (1,), np.float32)
-    return cast("spaces.Space[Observation]", spaces.Dict(boxes))  # Gymnasium types it as a space of spaces
+
+    # Gymnasium types a Dict as a space of spaces.
+    return cast("spaces.Space[Observation]", spaces.Dict(boxes))
 
 
 def action_space(physics: Physics) -> spaces.Space[Action]:
     """Return the space of one agent's velocity command, m/s.
 
-    The box is [-1, 1]² (the range that learning libraries expect) or larger if max_speed is; the agent itself limits
-    the command's Euclidean norm to max_speed.
+    The box is [-1, 1]² (the range that learning libraries expect) or larger if max_speed is; the
+    agent itself limits the command's Euclidean norm to max_speed.
     """
     bound = max(1.0, physics.max_speed)
-    return cast("spaces.Space[Action]", spaces.Box(-bound, bound, (2,), np.float32))  # Box forgets its dtype
+    box = spaces.Box(-bound, bound, (2,), np.float32)
+    return cast("spaces.Space[Action]", box)  # Box forgets its dtype
 
 
 def check_action(action: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -48,8 +52,12 @@ def check_action(action: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float6
         ValueError: If the action has another shape or is not finite.
     """
     command = np.asarray(action, dtype=np.float64)
+
     if command.shape != shape:
-        raise ValueError(f"action must be a velocity in m/s of shape {shape}, got shape {command.shape}")
+        raise ValueError(
+            f"action must be a velocity in m/s of shape {shape}, got shape {command.shape}"
+        )
     if not np.isfinite(command).all():
         raise ValueError(f"action must be finite, got {command.tolist()}")
+
     return command

@@ -1,23 +1,29 @@
 """Pushing with an arm, as a Gymnasium environment."""
 
 import math
-from typing import Any, Literal, cast, get_args
+from typing import Any, get_args
 
 import gymnasium as gym
 import numpy as np
-import shapely
-from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.panda_push import scene
+from aicon_envs.checks import check_choice, check_render_mode
 from aicon_envs.panda_push.description import describe
+from aicon_envs.panda_push.hand_camera import HandCamera
 from aicon_envs.panda_push.objects import Prism, resolve_object
 from aicon_envs.panda_push.rendering import Camera
+from aicon_envs.panda_push.reset import AREA, Bounds, EpisodeStart, draw_episode
+from aicon_envs.panda_push.scene import TARGET_GROUP, build_scene
 from aicon_envs.panda_push.simulation import CONTROL_STEP, FloatArray, Simulation
-
-ObsType = Literal["rgbd", "pose"]
-Observation = dict[str, NDArray[Any]]
+from aicon_envs.panda_push.spaces import (
+    Action,
+    Observation,
+    ObsType,
+    action_space,
+    check_action,
+    observation_space,
+)
 
 SUCCESS_DISTANCE = 0.01
 """Largest distance between object and target for success, m."""
@@ -25,30 +31,36 @@ SUCCESS_DISTANCE = 0.01
 SUCCESS_ANGLE = math.radians(5.0)
 """Largest difference of their angles, rad."""
 
-AREA = ((0.48, 0.60), (-0.15, 0.15))
-"""Where starts and targets of the object's centroid are drawn, x and y, m: all its sides can be reached there."""
-
 CONTACT_HEIGHT = 0.02
 """Height of the tip at the start, m: half the objects' thickness."""
 
-_OPTIONS = ("object_pose", "target_pose", "tip", "yaw")
-_LARGE = 1e3
+_REWARD_RADIUS = 0.07
+"""A turn by 1 rad costs as much as a shift by this, m."""
+
+_KICK_STEPS = 20
+"""Control steps that a push from outside lasts."""
+
+_TORQUE_NOISE = 0.02
+"""Noise of torques in Nm for a noise of forces of 1 N."""
+
+_SPEED_NOISE = 10
+"""Noise of joint velocities in rad/s for a noise of joint angles of 1 rad."""
 
 
-class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
+class PandaPushEnv(gym.Env[Observation, Action]):
     """A Panda pushes an object on a table into a target pose with a stick.
 
-    The physics are MuJoCo's at 1 kHz, the description of the arm that of `example-robot-data`. All coordinates are in
-    the frame of the robot's base, m: x toward the table, z up from its top.
+    ## Description
+    The arm has a push stick and a camera at its flange, and a force-torque sensor between them. The
+    physics are MuJoCo's at 1 kHz, the description of the arm is that of `example-robot-data`. All
+    coordinates are in the frame of the robot's base, m: x toward the table, z up from its top. A
+    control step is 0.01 s.
 
-    ## Action
-    `Box((7,), float32)`: velocity of each joint, rad/s, up to 2.175 (joints 1 to 4) and 2.61 (5 to 7); 100 Hz.
-
-    ## Observation
+    ## Observation space
     | key | space | meaning |
     |---|---|---|
     | `q`, `dq` | (7,) | joint angles (rad) and velocities (rad/s) of the encoders |
-    | `ft` | (6,) | force (N) and torque (Nm) at the flange in its frame, noisy, the weight of the tool in it |
+    | `ft` | (6,) | force (N) and torque (Nm) at the flange in its frame, noisy, with tool weight |
     | `target` | (3,) | target pose of the object: x, y, angle |
     | `rgb` | (120, 160, 3) uint8 | the camera in the hand, 20 Hz |
     | `depth` | (120, 160) float32 | distance along its optical axis, m, noisy |
@@ -56,28 +68,44 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
 
     With `obs_type="pose"` there is `object_pose` (3,) instead of the last three: the truth.
 
-    ## Reward
+    ## Action space
+    `Box((7,), float32)`: velocity of each joint, rad/s, up to 2.175 (joints 1 to 4) and 2.61 (5 to
+    7), at 100 Hz.
+
+    ## Rewards
     -√(|Δ|² + (r Δθ)²) per step, m, with r = 0.07 m.
 
-    ## Start
-    Poses of object and target are drawn from `area` with any angle, the tip upright beside the object. The options
-    `object_pose`, `target_pose` (3,), `tip` (2,) and `yaw` of `reset` set them.
+    ## Starting state
+    Poses of object and target are drawn from `area` with any angle, the tip upright beside the
+    object. The options `object_pose`, `target_pose` (3,), `tip` (2,) and `yaw` of `reset` set them.
 
-    ## End
-    Terminates at success, within 1 cm and 5°, and when the object falls off the table. The registered limit is 18,000
-    steps, 180 s.
-
-    ## Info
-    `object_pose`, `target_pose` (3,); `position` (2,): the tip; `tip` (3,); `distance`, m; `angle`, rad; `is_success`;
-    `collision`: whether the robot touched itself or the table; `fallen`; `limit_margin`, rad, the joint nearest to its
-    limits; `self_distance`, m, the smallest gap between capsules of the robot that can meet.
+    ## Episode end
+    Terminates at success, within 1 cm and 5°, and when the object falls off the table. The
+    registered limit is 18,000 steps, 180 s.
 
     ## Arguments
-    `obs_type`; `render_mode`: None or "rgb_array"; `render_camera`: "outside" or "hand"; `object`: a name, see
-    `aicon_envs.panda_push.objects.names()`, a `Prism` or an outline, m; `mass` (0.5 kg) and `friction` (0.35) of the
-    object; `image_delay`: s; `depth_noise` (3 mm), `force_noise` (0.1 N; torques a fiftieth), `joint_noise` (1e-4 rad):
-    standard deviations; `area`: bounds in x and y within which start and target are drawn, m; `kick_time`: when the
-    object is pushed from outside, s, or None; `kick_force`: with how much for 0.2 s, N.
+    | argument | meaning |
+    |---|---|
+    | `obs_type` | "rgbd" or "pose" |
+    | `render_mode` | None or "rgb_array" |
+    | `render_camera` | "outside" or "hand" |
+    | `object` | a name of `OBJECT_NAMES`, a `Prism` or an outline, m |
+    | `mass`, `friction` | of the object, 0.5 kg and 0.35 |
+    | `image_delay` | from when an image is taken to when it arrives, s |
+    | `depth_noise` | standard deviation, 3 mm |
+    | `force_noise` | standard deviation, 0.1 N; torques a fiftieth |
+    | `joint_noise` | standard deviation, 1e-4 rad; velocities ten times |
+    | `area` | bounds in x and y within which start and target are drawn, m |
+    | `kick_time` | when the object is pushed from outside, s, or None |
+    | `kick_force` | with how much for 0.2 s, N |
+    | `width`, `height` | of the images of the camera in the hand, px |
+    | `render_width`, `render_height` | of rendered pictures, px |
+
+    ## Info
+    `object_pose`, `target_pose` (3,); `position` (2,): the tip; `tip` (3,); `distance`, m; `angle`,
+    rad; `is_success`; `collision`: whether the robot touched itself or the table; `fallen`;
+    `limit_margin`, rad, the joint nearest to its limits; `self_distance`, m, the smallest gap
+    between capsules of the robot that can meet.
 
     ## Version history
     v0: first version.
@@ -102,7 +130,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         depth_noise: float = 0.003,
         force_noise: float = 0.1,
         joint_noise: float = 1e-4,
-        area: tuple[tuple[float, float], tuple[float, float]] = AREA,
+        area: Bounds = AREA,
         kick_time: float | None = None,
         kick_force: float = 3.0,
         width: int = 160,
@@ -115,149 +143,163 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
         Raises:
             ValueError: If a value is not valid; the message names it and says what is.
         """
-        if obs_type not in get_args(ObsType):
-            raise ValueError(f"obs_type must be one of {', '.join(get_args(ObsType))}, got {obs_type!r}")
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f'render_mode must be None or "rgb_array", got {render_mode!r}')
+        check_choice("obs_type", obs_type, get_args(ObsType))
         if render_camera not in ("outside", "hand"):
             raise ValueError(f'render_camera must be "outside" or "hand", got {render_camera!r}')
-        for name, value in (("mass", mass), ("friction", friction)):
-            if not value > 0:
-                raise ValueError(f"{name} must be positive, got {value!r}")
+        _check_positive("mass", mass)
+        _check_positive("friction", friction)
+
         self.object = resolve_object(object)
-        self.obs_type, self.render_mode, self._render_camera = obs_type, render_mode, render_camera
-        self._size, self._shown = (width, height), (render_width, render_height)
-        self._delay = round(image_delay / CONTROL_STEP)
-        self._noises = (depth_noise, force_noise, joint_noise)
+        self.obs_type = obs_type
+        self.render_mode = check_render_mode(render_mode)
+        self.observation_space = observation_space(obs_type, width, height)
+        self.action_space = action_space()
+
+        # What disturbs: noise, and pushes from outside.
         self._area = area
+        self._force_noise = force_noise
+        self._joint_noise = joint_noise
         self._kick_step = None if kick_time is None else round(kick_time / CONTROL_STEP)
         self._kick_force = kick_force
-        self._simulation = Simulation(scene.build(self.object, mass, friction))
+
+        # Contexts to render in are opened when they are first used.
+        self._image_size = (width, height)
+        self._render_size = (render_width, render_height)
+        self._render_camera = render_camera
         self._cameras: dict[str, Camera] = {}
-        self._target: FloatArray | None = None
-        self.observation_space = self._observation_space()
-        speed = np.array(scene.SPEED_LIMIT, dtype=np.float32)
-        self.action_space = cast("spaces.Space[NDArray[np.float32]]", spaces.Box(-speed, speed, dtype=np.float32))
+        self._hand_camera = HandCamera(round(image_delay / CONTROL_STEP), depth_noise)
+
+        self._simulation = Simulation(build_scene(self.object, mass, friction))
+        self._episode: EpisodeStart | None = None
 
     def description(self) -> dict[str, Any]:
         """The robot as plain data, see :func:`aicon_envs.panda_push.description.describe`."""
-        return describe(self._simulation.model, *self._size)
+        return describe(self._simulation.model, *self._image_size)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Start an episode; see the class for the options."""
         super().reset(seed=seed)
-        options = {key: value for key, value in (options or {}).items() if value is not None}
-        unknown = sorted(map(str, set(options) - set(_OPTIONS)))
-        if unknown:
-            raise ValueError(f"unknown option {', '.join(unknown)}; valid options are {', '.join(_OPTIONS)}")
-        pose, target = self._draw_pose(), self._draw_pose()
-        pose = np.asarray(options.get("object_pose", pose), dtype=np.float64)
-        self._target = np.asarray(options.get("target_pose", target), dtype=np.float64)
-        yaw = self.np_random.uniform(-0.6, 0.6)
-        tip = np.asarray(options["tip"], dtype=np.float64) if "tip" in options else self._draw_tip(pose)
-        self._simulation.start((*tip, CONTACT_HEIGHT), float(options.get("yaw", yaw)), pose)
-        self._simulation.show_target(self._target)
-        self._kick = self.np_random.uniform(-math.pi, math.pi)
+
+        episode = draw_episode(self.object, self._area, options, self.np_random)
+        self._episode = episode
+        self._simulation.start((*episode.tip, CONTACT_HEIGHT), episode.yaw, episode.object_pose)
+        self._simulation.show_target(episode.target_pose)
+
+        # Drawn in any case, such that a kick changes nothing else.
+        self._kick_heading = self.np_random.uniform(-math.pi, math.pi)
+        self._hand_camera.restart()
         self._steps = 0
-        self._images: list[tuple[int, NDArray[Any], NDArray[Any]]] = []
         return self._observe(), self._info()
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step of 0.01 s."""
-        if self._target is None:
+        if self._episode is None:
             raise ResetNeeded("the environment must be reset first")
-        velocity = np.asarray(action, dtype=np.float64)
-        if velocity.shape != (7,) or not np.isfinite(velocity).all():
-            raise ValueError(f"action must be seven finite numbers, rad/s, got {action!r}")
-        self._simulation.step(velocity, self._push())
+
+        self._simulation.step(check_action(action), self._external_force())
         self._steps += 1
+
         info = self._info()
-        error = math.hypot(info["distance"], 0.07 * info["angle"])
-        return self._observe(), -error, bool(info["is_success"] or info["fallen"]), False, info
+        error = math.hypot(info["distance"], _REWARD_RADIUS * info["angle"])
+        terminated = bool(info["is_success"] or info["fallen"])
+        return self._observe(), -error, terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture, if `render_mode` is "rgb_array"."""
         if self.render_mode is None:
             return None
+
         return self.picture(self._render_camera)
 
     def picture(self, camera: str) -> NDArray[np.uint8]:
-        """A picture of the camera "outside" or "hand"."""
-        return self._camera(f"show {camera}", camera, *self._shown)(self._simulation.data)[0]
+        """Return a picture of the camera "outside" or "hand"."""
+        opened = self._open_camera(f"picture of {camera}", camera, *self._render_size)
+        color, _ = opened(self._simulation.data)
+        return color
 
     def close(self) -> None:
         """Give the contexts of the cameras back."""
         for camera in self._cameras.values():
             camera.close()
+
         self._cameras.clear()
 
-    def _camera(self, key: str, name: str, width: int, height: int) -> Camera:
+    def _open_camera(self, key: str, name: str, width: int, height: int) -> Camera:
+        """Return the camera of a key, which is opened when it is first used."""
         if key not in self._cameras:
-            shows = (scene.TARGET_GROUP,) if name == "outside" else ()
+            shows = (TARGET_GROUP,) if name == "outside" else ()
             self._cameras[key] = Camera(self._simulation.model, name, width, height, shows)
+
         return self._cameras[key]
 
-    def _draw_pose(self) -> FloatArray:
-        (left, right), (near, far) = self._area
-        return np.array(
-            [
-                self.np_random.uniform(left, right),
-                self.np_random.uniform(near, far),
-                self.np_random.uniform(-math.pi, math.pi),
-            ]
-        )
-
-    def _draw_tip(self, pose: FloatArray) -> FloatArray:
-        """A place for the tip beside the object, 4 to 12 cm from it."""
-        cos, sin = math.cos(pose[2]), math.sin(pose[2])
-        outline = shapely.Polygon(self.object.corners @ np.array([[cos, sin], [-sin, cos]]) + pose[:2])
-        for _ in range(1000):
-            tip = np.array([self.np_random.uniform(0.42, 0.66), self.np_random.uniform(-0.22, 0.22)])
-            if 0.04 < outline.distance(shapely.Point(tip)) - scene.STICK_RADIUS < 0.12:
-                return tip
-        raise ValueError(f"object_pose={pose.tolist()}: no place for the tip beside it; name one as the option tip")
-
-    def _push(self) -> FloatArray | None:
-        """The force from outside in this step, if there is one."""
-        if self._kick_step is None or not self._kick_step <= self._steps < self._kick_step + 20:
+    def _external_force(self) -> FloatArray | None:
+        """Return the force from outside in this step, ``(3,)``, N, if there is one."""
+        if self._kick_step is None:
             return None
-        return self._kick_force * np.array([math.cos(self._kick), math.sin(self._kick), 0.0])
+
+        steps_since_kick = self._steps - self._kick_step
+        if not 0 <= steps_since_kick < _KICK_STEPS:
+            return None
+
+        heading = self._kick_heading
+        return self._kick_force * np.array([math.cos(heading), math.sin(heading), 0.0])
 
     def _observe(self) -> Observation:
-        simulation = self._simulation
-        depth_noise, force_noise, joint_noise = self._noises
-        scale = force_noise * np.array([1.0, 1.0, 1.0, 0.02, 0.02, 0.02])
-        assert self._target is not None
-        observation: Observation = {
-            "q": simulation.joints + self.np_random.normal(0.0, joint_noise, 7),
-            "dq": simulation.speeds + self.np_random.normal(0.0, 10 * joint_noise, 7),
-            "ft": simulation.wrench + self.np_random.normal(0.0, 1.0, 6) * scale,
-            "target": self._target.copy(),
-        }
+        observation = self._sense_robot() | {"target": self._target_pose().copy()}
         if self.obs_type == "pose":
-            return observation | {"object_pose": simulation.pose}
-        if self._steps % 5 == 0:
-            camera = self._camera("hand", "hand", *self._size)
-            color, depth = camera(simulation.data)
-            depth += self.np_random.normal(0.0, depth_noise, depth.shape).astype(np.float32)
-            self._images.append((self._steps, color, depth.clip(0.0, 10.0)))
-        while len(self._images) > 1 and self._images[1][0] <= self._steps - self._delay:
-            self._images.pop(0)
-        taken, color, depth = self._images[0]
-        age = np.array([(self._steps - taken) * CONTROL_STEP])
-        return observation | {"rgb": color.copy(), "depth": depth.copy(), "image_age": age}
+            return observation | {"object_pose": self._simulation.pose}
+
+        return observation | self._sense_image()
+
+    def _sense_robot(self) -> Observation:
+        """Read encoders and wrist, with noise."""
+        simulation, generator = self._simulation, self.np_random
+        # Encoders: the velocities are noisier than the angles.
+        joint_noise = generator.normal(0.0, self._joint_noise, 7)
+        speed_noise = generator.normal(0.0, _SPEED_NOISE * self._joint_noise, 7)
+
+        # Wrist: force, then torque.
+        deviations = self._force_noise * np.repeat([1.0, _TORQUE_NOISE], 3)
+        wrench_noise = generator.normal(0.0, 1.0, 6) * deviations
+
+        return {
+            "q": simulation.joints + joint_noise,
+            "dq": simulation.speeds + speed_noise,
+            "ft": simulation.wrench + wrench_noise,
+        }
+
+    def _sense_image(self) -> Observation:
+        """Take an image when one is due, and return the newest that has arrived."""
+        if self._hand_camera.is_due(self._steps):
+            camera = self._open_camera("hand", "hand", *self._image_size)
+            self._hand_camera.take(camera, self._simulation.data, self._steps, self.np_random)
+
+        image = self._hand_camera.latest(self._steps)
+        age = (self._steps - image.step) * CONTROL_STEP
+        return {
+            "rgb": image.color.copy(),
+            "depth": image.depth.copy(),
+            "image_age": np.array([age]),
+        }
+
+    def _target_pose(self) -> FloatArray:
+        assert self._episode is not None  # `reset` comes first
+        return self._episode.target_pose
 
     def _info(self) -> dict[str, Any]:
         simulation = self._simulation
-        assert self._target is not None
         pose, tip = simulation.pose, simulation.tip
-        distance = float(np.linalg.norm(pose[:2] - self._target[:2]))
-        angle = abs(math.remainder(pose[2] - self._target[2], math.tau))
+        target = self._target_pose()
+
+        # The shorter way around.
+        distance = float(np.linalg.norm(pose[:2] - target[:2]))
+        angle = abs(math.remainder(pose[2] - target[2], math.tau))
+
         return {
             "object_pose": pose,
-            "target_pose": self._target.copy(),
+            "target_pose": target.copy(),
             "position": tip[:2],
             "tip": tip,
             "distance": distance,
@@ -269,21 +311,7 @@ class PandaPushEnv(gym.Env[Observation, NDArray[np.float32]]):
             "self_distance": simulation.self_distance,
         }
 
-    def _observation_space(self) -> spaces.Space[Observation]:
-        width, height = self._size
 
-        def box(bound: float, *shape: int) -> spaces.Box:
-            return spaces.Box(-bound, bound, shape, np.float64)
-
-        parts: dict[str, spaces.Space[Any]] = {
-            "q": box(2 * math.pi, 7),
-            "dq": box(_LARGE, 7),
-            "ft": box(1e5, 6),
-            "target": box(2 * math.pi, 3),
-        }
-        if self.obs_type == "pose":
-            return cast("spaces.Space[Observation]", spaces.Dict(parts | {"object_pose": box(_LARGE, 3)}))
-        parts["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
-        parts["depth"] = spaces.Box(0.0, 10.0, (height, width), np.float32)
-        parts["image_age"] = spaces.Box(0.0, _LARGE, (1,), np.float64)
-        return cast("spaces.Space[Observation]", spaces.Dict(parts))
+def _check_positive(name: str, value: float) -> None:
+    if not value > 0:
+        raise ValueError(f"{name} must be positive, got {value!r}")

@@ -1,7 +1,6 @@
 """The objects to push: those of pushT, in metres, and as thick as a hand can push."""
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,10 +14,15 @@ PIXELS_PER_METRE = 600.0
 THICKNESS = 0.04
 """Height of every object, m."""
 
+OBJECT_NAMES: tuple[str, ...] = tuple(OBJECTS)
+"""Names of the objects."""
+
 
 @dataclass(frozen=True, eq=False)
 class Prism:
-    """An object of uniform density; lengths in m, the origin of its frame in the centroid, at half its height.
+    """An object of uniform density; lengths in m.
+
+    The origin of its frame is in the centroid, at half its height.
 
     Attributes:
         name: Its name.
@@ -33,27 +37,32 @@ class Prism:
     radius: float
 
 
-@cache
-def names() -> tuple[str, ...]:
-    """The names of the objects."""
-    return tuple(OBJECTS)
-
-
 def resolve_object(object: str | Prism | ArrayLike) -> Prism:
-    """An object by its name, itself, or its outline in m.
+    """Return an object from its name, itself, or its outline in m.
 
     Raises:
-        ValueError: If no object has this name (the message lists the names), or the outline is not usable.
+        ValueError: If no object has this name (the message lists the names), or the outline is not
+            usable.
     """
     if isinstance(object, Prism):
         return object
+
     if isinstance(object, str):
         if object not in OBJECTS:
-            raise ValueError(f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y) in m")
-        return _prism(make_object(OBJECTS[object].outline, object))
-    return _prism(make_object(PIXELS_PER_METRE * np.asarray(object, dtype=np.float64)))
+            raise ValueError(
+                f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y) in m"
+            )
+        # Made anew from its outline: here every object has uniform density, the T too.
+        return _to_prism(make_object(OBJECTS[object].outline, object))
+
+    outline = np.asarray(object, dtype=np.float64)
+    return _to_prism(make_object(PIXELS_PER_METRE * outline))
 
 
-def _prism(planar: PushObject) -> Prism:
-    parts = tuple(part / PIXELS_PER_METRE for part in planar.parts)
-    return Prism(planar.name, planar.outline / PIXELS_PER_METRE, parts, planar.radius / PIXELS_PER_METRE)
+def _to_prism(planar: PushObject) -> Prism:
+    return Prism(
+        name=planar.name,
+        corners=planar.outline / PIXELS_PER_METRE,
+        parts=tuple(part / PIXELS_PER_METRE for part in planar.parts),
+        radius=planar.radius / PIXELS_PER_METRE,
+    )

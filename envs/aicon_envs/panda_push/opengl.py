@@ -1,40 +1,48 @@
-"""Chooses how to render without a display, before MuJoCo is imported: MuJoCo reads `MUJOCO_GL` only then."""
+"""Chooses how to render without a display, before MuJoCo is imported: MuJoCo reads it only then."""
 
 import ctypes.util
 import os
 
 HELP = (
-    "Without a display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa; "
-    "`import aicon_envs.panda_push` before `import mujoco`, which reads MUJOCO_GL, chooses between them."
+    "Without a display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 "
+    "and MUJOCO_GL=osmesa; `import aicon_envs.panda_push` before `import mujoco`, which reads "
+    "MUJOCO_GL, chooses between them."
 )
 
 BACKENDS = {"egl": "EGL", "osmesa": "OSMesa"}
-"""The backends of MuJoCo that need no display and the library of each, the first choice first."""
+"""MuJoCo's backends that need no display and the library of each, the first choice first."""
 
 
-def choose() -> None:
-    """Set `MUJOCO_GL` to the first backend whose library is there, unless it is set or there is a display."""
+def choose_backend() -> None:
+    """Set `MUJOCO_GL` to the first backend whose library is there.
+
+    Does nothing if it is set, or if there is a display.
+    """
     if "MUJOCO_GL" in os.environ or os.environ.get("DISPLAY"):
         return
+
     for backend, library in BACKENDS.items():
         if ctypes.util.find_library(library):
             os.environ["MUJOCO_GL"] = backend
             return
 
 
-def load() -> None:
-    """Choose, and import MuJoCo.
+def import_mujoco() -> None:
+    """Choose a backend, and import MuJoCo.
 
     Raises:
-        RuntimeError: If `MUJOCO_GL` names a backend whose library is missing; it names the packages.
+        RuntimeError: If `MUJOCO_GL` names a backend whose library is missing; it names the
+            packages.
     """
-    choose()
+    choose_backend()
+
     try:
         import mujoco  # noqa: F401
     except AttributeError as error:  # PyOpenGL's way to say that there is no library
+        backend = os.environ.get("MUJOCO_GL")
         raise RuntimeError(
-            f"MuJoCo cannot be loaded with MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}. {HELP}"
+            f"MuJoCo cannot be loaded with MUJOCO_GL={backend}: {error}. {HELP}"
         ) from error
 
 
-load()
+import_mujoco()

@@ -6,17 +6,25 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.panda_push.clearance import Clearance
+from aicon_envs.panda_push import collision_groups
+from aicon_envs.panda_push.inverse_kinematics import reach
 from aicon_envs.panda_push.objects import THICKNESS
 from aicon_envs.panda_push.scene import TARGET_HEIGHT
+from aicon_envs.panda_push.self_distance import SelfDistance
 
 FloatArray = NDArray[np.float64]
 
 CONTROL_STEP = 0.01
 """Duration of a control step, s."""
 
-HOME = (0.0, 0.3, 0.0, -2.2, 0.0, 2.5, math.pi / 4)
-"""Joint angles from which starts are searched, rad."""
+_SETTLING_STEPS = 100
+"""Steps of the physics in which the object comes to rest on the table."""
+
+_FALLEN_HEIGHT = -0.02
+"""Height of the object's middle below which it has left the table, m."""
+
+_FALLEN_TILT = 0.5
+"""Cosine between its axis and the vertical below which it lies on its side."""
 
 
 class Simulation:
@@ -24,35 +32,57 @@ class Simulation:
 
     Args:
         model: The compiled scene.
+
+    Attributes:
+        model: The compiled scene.
+        data: Its state.
+        wrench: Force (N) and torque (Nm) at the flange, ``(6,)``, mean over the last control step.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        self.model, self.data = model, mujoco.MjData(model)
-        self.substeps = round(CONTROL_STEP / model.opt.timestep)
-        self._tip, self._object = model.site("tip").id, model.body("object").id
+        """Find the bodies and shapes of the scene."""
+        self.model = model
+        self.data = mujoco.MjData(model)
+
+        self._substeps = round(CONTROL_STEP / model.opt.timestep)
+        self._joint_range = model.jnt_range[:7].copy()
+        self._self_distance = SelfDistance(model)
+
+        self._tip = model.site("tip").id
+        self._object = model.body("object").id
         self._stick = model.geom("stick").id
-        self._robot = [
-            geom for geom in range(model.ngeom) if model.geom_contype[geom] == 1
-        ]  # everything of the robot that touches
-        self._parts = {geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == self._object}
-        self._range = model.jnt_range[:7].copy()
-        self._clearance = Clearance(model)
+
+        # Shapes of the robot that can touch something, and those of the object.
+        robot = model.geom_contype == collision_groups.ROBOT
+        self._robot_geoms = set(np.flatnonzero(robot).tolist())
+        self._object_geoms = set(np.flatnonzero(model.geom_bodyid == self._object).tolist())
 
     def start(self, tip: ArrayLike, yaw: float, pose: ArrayLike) -> None:
-        """Put the stick upright with its tip at a position, the camera to a side, and the object at rest."""
+        """Put the stick upright with its tip at a position, and the object at rest.
+
+        Args:
+            tip: Position of the tip, ``(3,)``, m.
+            yaw: Angle of the camera's side about the vertical, rad.
+            pose: The object's (x, y, θ), m and rad.
+
+        Raises:
+            ValueError: If no joint angles near home reach the tip.
+        """
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:7] = self._reach(np.asarray(tip, dtype=np.float64), yaw)
-        self.data.act[:7] = self.data.qpos[:7]
+        self.data.qpos[:7] = reach(self.model, np.asarray(tip, dtype=np.float64), yaw)
+        self.data.act[:7] = self.data.qpos[:7]  # the servos hold what is reached
         self.place(pose)
-        for _ in range(100):  # the object comes to rest on the table
+
+        for _ in range(_SETTLING_STEPS):
             mujoco.mj_step(self.model, self.data)
+
         self.data.time = 0.0
-        self.wrench = self._wrench()
+        self.wrench: FloatArray = self.data.sensordata[:6].copy()
 
     def place(self, pose: ArrayLike) -> None:
         """Put the object on the table at (x, y, θ), at rest."""
         x, y, angle = np.asarray(pose, dtype=np.float64).tolist()
-        self.data.qpos[7:14] = (x, y, THICKNESS / 2, math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2))
+        self.data.qpos[7:14] = (x, y, THICKNESS / 2, *_to_quaternion(angle))
         self.data.qvel[7:13] = 0.0
         mujoco.mj_forward(self.model, self.data)
 
@@ -60,7 +90,7 @@ class Simulation:
         """Show the target (x, y, θ) in pictures from outside."""
         x, y, angle = np.asarray(pose, dtype=np.float64).tolist()
         self.data.mocap_pos[0] = (x, y, TARGET_HEIGHT)
-        self.data.mocap_quat[0] = (math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2))
+        self.data.mocap_quat[0] = _to_quaternion(angle)
 
     def step(self, velocity: FloatArray, force: FloatArray | None = None) -> None:
         """Move by one control step.
@@ -69,14 +99,18 @@ class Simulation:
             velocity: Of each joint, ``(7,)``, rad/s.
             force: What else acts on the object, ``(3,)``, N.
         """
+        external_force = self.data.xfrc_applied[self._object, :3]
+        external_force[:] = 0.0 if force is None else force
         self.data.ctrl[:7] = velocity
-        total = np.zeros(6)
-        self.data.xfrc_applied[self._object, :3] = 0.0 if force is None else force
-        for _ in range(self.substeps):
+
+        # The sensor's mean over the control step.
+        total_wrench = np.zeros(6)
+        for _ in range(self._substeps):
             mujoco.mj_step(self.model, self.data)
-            total += self.data.sensordata[:6]
-        self.wrench = total / self.substeps  # contact chatters at 1 kHz
-        self.data.xfrc_applied[self._object, :3] = 0.0
+            total_wrench += self.data.sensordata[:6]
+
+        self.wrench = total_wrench / self._substeps  # contact chatters at 1 kHz
+        external_force[:] = 0.0
 
     @property
     def joints(self) -> FloatArray:
@@ -100,69 +134,48 @@ class Simulation:
     def pose(self) -> FloatArray:
         """The object's (x, y, θ), m and rad."""
         x, y = self.data.xpos[self._object, :2]
-        matrix = self.data.xmat[self._object]
-        return np.array([x, y, math.atan2(matrix[3], matrix[0])])
+        rotation = self.data.xmat[self._object]
+        return np.array([x, y, math.atan2(rotation[3], rotation[0])])
 
     @property
     def fallen(self) -> bool:
         """Whether the object has left the table, or lies on its side."""
-        return bool(self.data.xpos[self._object, 2] < -0.02 or self.data.xmat[self._object, 8] < 0.5)
+        height = self.data.xpos[self._object, 2]
+        tilt = self.data.xmat[self._object, 8]
+        return bool(height < _FALLEN_HEIGHT or tilt < _FALLEN_TILT)
 
     @property
     def collides(self) -> bool:
-        """Whether the robot touches itself, or anything but the object with another part than its stick."""
+        """Whether the robot touches itself, or anything but the object with its stick."""
         for contact in self.data.contact[: self.data.ncon]:
-            first, second = contact.geom
-            robots = (first in self._robot) + (second in self._robot)
-            if robots == 2:
+            if self._is_collision(*contact.geom.tolist()):
                 return True
-            if robots == 1:
-                other, own = (second, first) if first in self._robot else (first, second)
-                if own != self._stick or other not in self._parts:
-                    return True
         return False
 
     @property
     def limit_margin(self) -> float:
         """Smallest distance of a joint to its limits, rad."""
         angles = self.joints
-        return float(np.minimum(angles - self._range[:, 0], self._range[:, 1] - angles).min())
+        low, high = self._joint_range.T
+        return float(np.minimum(angles - low, high - angles).min())
 
     @property
     def self_distance(self) -> float:
         """Smallest gap between parts of the robot that can meet, m."""
-        return self._clearance(self.data)
+        return self._self_distance(self.data)
 
-    def _wrench(self) -> FloatArray:
-        wrench: FloatArray = self.data.sensordata[:6].copy()
-        return wrench
+    def _is_collision(self, first: int, second: int) -> bool:
+        """Whether two shapes may not touch."""
+        touching = {first, second}
+        robot = touching & self._robot_geoms
 
-    def _reach(self, tip: FloatArray, yaw: float) -> FloatArray:
-        """Joint angles with the stick upright at a tip, by damped least squares.
+        if not robot:
+            return False  # the object on the table
 
-        Raises:
-            ValueError: If there are none near home.
-        """
-        data = mujoco.MjData(self.model)
-        data.qpos[:7] = HOME
-        goal = np.array([[math.cos(yaw), math.sin(yaw), 0.0], [math.sin(yaw), -math.cos(yaw), 0.0], [0.0, 0.0, -1.0]])
-        position, rotation = np.zeros((3, self.model.nv)), np.zeros((3, self.model.nv))
-        for _ in range(200):
-            mujoco.mj_kinematics(self.model, data)
-            mujoco.mj_comPos(self.model, data)
-            now = data.site_xmat[self._tip].reshape(3, 3)
-            turn = sum(np.cross(now[:, axis], goal[:, axis]) for axis in range(3)) / 2
-            error = np.concatenate((tip - data.site_xpos[self._tip], turn))
-            if np.abs(error).max() < 1e-6:
-                break
-            mujoco.mj_jacSite(self.model, data, position, rotation, self._tip)
-            jacobian = np.vstack((position, rotation))[:, :7]
-            step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + 1e-6 * np.eye(6), error)
-            # What is left over stays near home.
-            null = np.eye(7) - np.linalg.pinv(jacobian) @ jacobian
-            step += 0.1 * null @ (np.array(HOME) - data.qpos[:7])
-            data.qpos[:7] += np.clip(step, -0.2, 0.2)
-        angles: FloatArray = data.qpos[:7].copy()
-        if np.abs(error).max() > 1e-3 or (angles < self._range[:, 0]).any() or (angles > self._range[:, 1]).any():
-            raise ValueError(f"no joint angles reach the tip {tip.tolist()} with yaw {yaw:.2f}")
-        return angles
+        stick_pushes = robot == {self._stick} and bool(touching & self._object_geoms)
+        return not stick_pushes
+
+
+def _to_quaternion(angle: float) -> tuple[float, float, float, float]:
+    """Return the rotation by an angle about the vertical, rad, as (w, x, y, z)."""
+    return math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)

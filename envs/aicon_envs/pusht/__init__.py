@@ -1,8 +1,20 @@
 """Pushing an object to a pose: gym-pusht's task, its variants and other objects."""
 
 from aicon_envs.pusht.environment import PushTEnv
+from aicon_envs.pusht.goal import Goal
 from aicon_envs.pusht.objects import OBJECTS, PushObject, make_object
-from aicon_envs.pusht.overlay import Overlay
+from aicon_envs.pusht.render_overlay import Overlay
+from aicon_envs.pusht.settings import DEFAULT_GOAL, TaskSettings
 from aicon_envs.pusht.vector import PushTVectorEnv
 
-__all__ = ["OBJECTS", "Overlay", "PushObject", "PushTEnv", "PushTVectorEnv", "make_object"]
+__all__ = [
+    "DEFAULT_GOAL",
+    "OBJECTS",
+    "Goal",
+    "Overlay",
+    "PushObject",
+    "PushTEnv",
+    "PushTVectorEnv",
+    "TaskSettings",
+    "make_object",
+]

@@ -12,20 +12,20 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from aicon_envs.pusht.geometry import FloatArray, Point, signed_area
+from aicon_envs.pusht.geometry import FloatArray, Point
+from aicon_envs.pusht.polygons import convex_parts, signed_area, squared_radius_of_gyration
 
 MIN_AREA = 500.0
 """Smallest area of an object, px²: below this, one sub-step could carry the pusher through it."""
 
 MAX_RADIUS = 90.0
-"""Largest distance of a vertex from the centre of gravity, px: so every object starts inside the walls."""
+"""Largest distance of a vertex from the centre of gravity, px: all starts are inside the walls."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +35,10 @@ class PushObject:
     Attributes:
         name: Name of the object.
         keypoints: Corners of the outline, (N, 2), in the order of the observation.
-        border: Indices of the keypoints in the order in which they walk along the outline, with positive signed area.
-        parts: Convex polygons, (n, 2) each, with positive signed area, that make up the object without overlapping.
+        border: Indices of the keypoints in the order in which they walk along the outline, with
+            positive signed area.
+        parts: Convex polygons, (n, 2) each, with positive signed area, that make up the object
+            without overlapping.
         center_of_gravity: About which the object turns.
         mass: Mass.
         inertia: Moment of inertia, mass · px².
@@ -74,123 +76,124 @@ class PushObject:
 def make_object(polygon: ArrayLike, name: str = "custom") -> PushObject:
     """Make an object of uniform density and mass 1 from its outline.
 
-    The body's frame has its origin in the centroid, which is the centre of gravity. The keypoints are the vertices in
-    the given order.
+    The body's frame has its origin in the centroid, which is the centre of gravity. The keypoints
+    are the vertices in the given order.
 
     Args:
-        polygon: At least three vertices (x, y) along the outline of a simple polygon, px, anywhere in the plane.
+        polygon: At least three vertices (x, y) along the outline of a simple polygon, px, anywhere
+            in the plane.
         name: Name of the object.
 
     Raises:
-        ValueError: If the polygon is not simple, its area is below `MIN_AREA` or a vertex is farther than `MAX_RADIUS`
-            from the centroid.
+        ValueError: If the polygon is not simple, its area is below `MIN_AREA` or a vertex is
+            farther than `MAX_RADIUS` from the centroid.
     """
+    # Vertices in the body's frame.
     shape = _check_polygon(polygon)
     centroid = np.array([shape.centroid.x, shape.centroid.y])
     vertices = shapely.get_coordinates(shape.exterior)[:-1] - centroid
+
     radius = float(np.linalg.norm(vertices, axis=1).max())
     if radius > MAX_RADIUS:
-        raise ValueError(f"polygon must lie within {MAX_RADIUS:g} px around its centroid, got {radius:.1f} px")
-    count = len(vertices)
-    positive = signed_area(vertices.tolist()) > 0.0
-    border = tuple(range(count)) if positive else tuple(reversed(range(count)))
+        raise ValueError(
+            f"polygon must lie within {MAX_RADIUS:g} px around its centroid, got {radius:.1f} px"
+        )
+
+    # The border walks along the vertices such that the signed area is positive.
+    border = tuple(range(len(vertices)))
+    if signed_area(vertices.tolist()) <= 0.0:
+        border = border[::-1]
+    outline = vertices[list(border)]
+
     return PushObject(
         name=name,
-        keypoints=_frozen(vertices),
+        keypoints=_read_only(vertices),
         border=border,
-        parts=tuple(map(_frozen, convex_parts(vertices[list(border)]))),
+        parts=tuple(_read_only(part) for part in convex_parts(outline)),
         center_of_gravity=(0.0, 0.0),
         mass=1.0,
-        inertia=_squared_radius_of_gyration(vertices[list(border)]),
+        inertia=squared_radius_of_gyration(outline),
     )
-
-
-def convex_parts(outline: FloatArray) -> list[FloatArray]:
-    """Cut a simple polygon with positive signed area into few convex ones.
-
-    The triangles of a constrained Delaunay triangulation are merged while a pair that shares a side is convex together.
-    """
-    parts = list(shapely.get_parts(shapely.constrained_delaunay_triangles(Polygon(outline))))
-    while (pair := _convex_pair(parts)) is not None:
-        first, second, union = pair
-        parts = [part for part in parts if part is not first and part is not second] + [union]
-    return [shapely.get_coordinates(shapely.orient_polygons(part))[:-1] for part in parts]
 
 
 def resolve_object(object: "str | PushObject | ArrayLike") -> PushObject:
     """Return an object from its name, itself or its outline.
 
     Raises:
-        ValueError: If no object has this name (the message lists the names), or the outline is not usable.
+        ValueError: If no object has this name (the message lists the names), or the outline is not
+            usable.
     """
     if isinstance(object, PushObject):
         return object
+
     if isinstance(object, str):
         if object not in OBJECTS:
             raise ValueError(
-                f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y); got {object!r}"
+                f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y); "
+                f"got {object!r}"
             )
         return OBJECTS[object]
+
     return make_object(object)
 
 
 def _check_polygon(polygon: ArrayLike) -> Polygon:
+    vertices = _check_vertices(polygon)
+
+    shape = Polygon(vertices)
+    if not shape.is_valid:
+        raise ValueError(f"polygon must be simple: {shapely.is_valid_reason(shape)}")
+    if shape.area < MIN_AREA:
+        raise ValueError(
+            f"polygon must have an area of at least {MIN_AREA:g} px², got {shape.area:.1f}"
+        )
+
+    return shape
+
+
+def _check_vertices(polygon: ArrayLike) -> FloatArray:
+    """Return the distinct vertices of a polygon, (n, 2)."""
     expected = "polygon must be at least three vertices (x, y) in px, shape (n, 2), all finite"
     try:
         vertices = np.asarray(polygon, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{expected}; got {polygon!r}") from error
-    if vertices.ndim != 2 or vertices.shape[1] != 2 or len(vertices) < 3 or not np.isfinite(vertices).all():
+
+    is_list_of_vertices = vertices.ndim == 2 and vertices.shape[1] == 2 and len(vertices) >= 3
+    if not is_list_of_vertices or not np.isfinite(vertices).all():
         raise ValueError(f"{expected}; got {polygon!r}")
+
+    # shapely and GeoJSON close a ring with its first vertex.
     if (vertices[0] == vertices[-1]).all():
-        vertices = vertices[:-1]  # as shapely and GeoJSON close a ring
+        vertices = vertices[:-1]
+
     if len(np.unique(vertices, axis=0)) < max(3, len(vertices)):
         raise ValueError(f"the vertices of polygon must be distinct, got {vertices.tolist()}")
-    shape = Polygon(vertices)
-    if not shape.is_valid:
-        raise ValueError(f"polygon must be simple: {shapely.is_valid_reason(shape)}")
-    if shape.area < MIN_AREA:
-        raise ValueError(f"polygon must have an area of at least {MIN_AREA:g} px², got {shape.area:.1f}")
-    return shape
+
+    return vertices
 
 
-def _convex_pair(parts: list[Polygon]) -> tuple[Polygon, Polygon, Polygon] | None:
-    """Return the first two parts whose union is a convex polygon, and that union."""
-    for first, second in combinations(parts, 2):
-        union = shapely.union(first, second)
-        hull = union.convex_hull
-        if isinstance(hull, Polygon) and hull.area - union.area <= 1e-9 * hull.area:
-            return first, second, hull
-    return None
-
-
-def _squared_radius_of_gyration(outline: FloatArray) -> float:
-    """Return ∫ |p|² dA / A of a polygon about the origin, px²."""
-    following = np.roll(outline, -1, axis=0)
-    cross = outline[:, 0] * following[:, 1] - outline[:, 1] * following[:, 0]
-    squares = (outline**2 + outline * following + following**2).sum(axis=1)
-    return float((cross * squares).sum() / (6.0 * cross.sum()))
-
-
-def _frozen(points: Iterable[Iterable[float]]) -> FloatArray:
+def _read_only(points: Iterable[Iterable[float]]) -> FloatArray:
     array = np.array(points, dtype=np.float64)
     array.flags.writeable = False
     return array
 
 
-def _gym_pusht_tee() -> PushObject:
-    """Return the T of gym-pusht: its keypoints' order, its body frame and its mass distribution, kept for parity.
+def _make_gym_pusht_tee() -> PushObject:
+    """Return the T of gym-pusht: keypoints' order, body frame and mass distribution as there.
 
-    gym-pusht takes the mean of the parts' centroids for the centre of gravity (the area's is at y = 40.7), and the
-    bar's moment of inertia about the origin, (120² + 30²) / 12 + 15² = 1500, for the stem as well (its own is 6375).
+    gym-pusht takes the mean of the parts' centroids for the centre of gravity (the area's is at
+    y = 40.7), and the bar's moment of inertia about the origin, (120² + 30²) / 12 + 15² = 1500, for
+    the stem as well (its own is 6375).
     """
     bar = [(-60.0, 0.0), (60.0, 0.0), (60.0, 30.0), (-60.0, 30.0)]
     stem = [(-15.0, 30.0), (15.0, 30.0), (15.0, 120.0), (-15.0, 120.0)]
+
     return PushObject(
         name="T",
-        keypoints=_frozen(bar + stem),
+        keypoints=_read_only(bar + stem),
         border=(0, 1, 2, 5, 6, 7, 4, 3),
-        parts=(_frozen(bar), _frozen(stem)),
+        parts=(_read_only(bar), _read_only(stem)),
         center_of_gravity=(0.0, 45.0),
         mass=1.0,
         inertia=2.0 * 1500.0,
@@ -213,7 +216,7 @@ _OUTLINES: dict[str, list[Point]] = {
 }
 
 OBJECTS: dict[str, PushObject] = {
-    "T": _gym_pusht_tee(),
+    "T": _make_gym_pusht_tee(),
     **{name: make_object(outline, name) for name, outline in _OUTLINES.items()},
 }
 """The named objects; all have an area like the T's, 6300 px², within 30 %."""

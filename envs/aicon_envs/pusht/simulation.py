@@ -1,7 +1,7 @@
 """The physics of one world: a driven disc, an object and four walls, in pymunk.
 
-All numbers and the order of all operations are those of gym-pusht 0.1.8, so that trajectories agree with it to the
-last bits; pymunk's solver depends on the order in which bodies are created.
+All numbers and the order of all operations are those of gym-pusht 0.1.8, so that trajectories agree
+with it to the last bits; pymunk's solver depends on the order in which bodies are created.
 """
 
 import math
@@ -38,15 +38,31 @@ CONTROL_STEP = SUB_STEP * SUB_STEPS
 STIFFNESS, DAMPING = 100.0, 20.0
 """Gains of the pusher's controller, 1/s² and 1/s."""
 
-_OTHERS, _BLOCK = 0, 1  # pymunk's collision types
+# pymunk's collision types.
+_OTHERS, _OBJECT = 0, 1
+
+_WALL_LINES = (
+    ((5, 506), (5, 5)),
+    ((5, 5), (506, 5)),
+    ((506, 5), (506, 506)),
+    ((5, 506), (506, 506)),
+)
+"""Middle lines of the walls, px, in gym-pusht's order."""
 
 _WALL_COLOR = (211, 211, 211, 255)
 _PUSHER_COLOR = (65, 105, 225, 255)
-_BLOCK_COLOR = (119, 136, 153, 255)
+_OBJECT_COLOR = (119, 136, 153, 255)
 
 
 class Simulation:
-    """A kinematic pusher and a block that slides with quasi-static friction: its velocity is lost in every sub-step.
+    """A kinematic pusher, and an object that slides with quasi-static friction.
+
+    The object's velocity is lost in every sub-step.
+
+    Args:
+        object: What is pushed.
+        start: Position of the pusher, px.
+        pose: Pose of the object, set exactly, px and rad.
 
     Attributes:
         object: What is pushed.
@@ -54,15 +70,18 @@ class Simulation:
     """
 
     def __init__(self, object: PushObject, start: Point, pose: Pose) -> None:
-        """Put the pusher at `start` and the block at exactly `pose`, px and rad."""
+        """Put the pusher at `start` and the object at exactly `pose`, px and rad."""
         self.object = object
         self.space = pymunk.Space()
         self.space.damping = 0.0
-        self.space.add(*_walls(self.space.static_body))
+
+        # In gym-pusht's order.
+        self.space.add(*_make_walls(self.space.static_body))
         self._pusher = _add_pusher(self.space)
-        self._block = _add_block(self.space, object)
+        self._body = _add_object(self.space, object)
         self._contacts = _count_contacts(self.space)
         self._touched = False
+
         self._pusher.position = start
         self.pose = pose
 
@@ -70,11 +89,13 @@ class Simulation:
     def legacy(cls, object: PushObject, start: Point, pose: Pose) -> "Simulation":
         """Set a state as gym-pusht does: not exactly `pose`.
 
-        It sets the position before the angle, which then turns the block about its centre of gravity g instead of the
-        origin: the position becomes (x, y) + g - R(angle) g. And it runs one sub-step of the physics.
+        It sets the position before the angle, which then turns the object about its centre of
+        gravity g instead of the origin: the position becomes (x, y) + g - R(angle) g. And it runs
+        one sub-step of the physics.
         """
-        simulation = cls(object, start, (pose[0], pose[1], 0.0))
-        simulation._block.angle = pose[2]
+        x, y, angle = pose
+        simulation = cls(object, start, (x, y, 0.0))
+        simulation._body.angle = angle
         simulation._touched = simulation._advance()
         return simulation
 
@@ -92,18 +113,19 @@ class Simulation:
 
     @property
     def pose(self) -> Pose:
-        """Pose of the block's frame, px and rad; the angle is not wrapped."""
-        x, y = self._block.position
-        return x, y, self._block.angle
+        """Pose of the object's frame, px and rad; the angle is not wrapped."""
+        x, y = self._body.position
+        return x, y, self._body.angle
 
     @pose.setter
     def pose(self, pose: Pose) -> None:
-        self._block.angle = pose[2]
-        self._block.position = pose[:2]
+        # The angle first: pymunk turns a body about its centre of gravity.
+        self._body.angle = pose[2]
+        self._body.position = pose[:2]
 
     @property
     def touched(self) -> bool:
-        """Whether the block touched anything in the last control step."""
+        """Whether the object touched anything in the last control step."""
         return self._touched
 
     def steer(self, target: Point, limit: float) -> None:
@@ -118,14 +140,17 @@ class Simulation:
         target_x, target_y = target
         pusher = self._pusher
         self._touched = False
+
         vx, vy = pusher.velocity
         for _ in range(SUB_STEPS):
             x, y = pusher.position
             vx += (STIFFNESS * (target_x - x) + DAMPING * (0.0 - vx)) * SUB_STEP
             vy += (STIFFNESS * (target_y - y) + DAMPING * (0.0 - vy)) * SUB_STEP
+
             speed = math.hypot(vx, vy)
             if speed > limit:
                 vx, vy = vx * limit / speed, vy * limit / speed
+
             pusher.velocity = vx, vy
             self._touched |= self._advance()
 
@@ -133,60 +158,75 @@ class Simulation:
         """Run one control step in which the pusher moves with a velocity, px/s."""
         self._pusher.velocity = velocity
         self._touched = False
+
         for _ in range(SUB_STEPS):
             self._touched |= self._advance()
 
     def _advance(self) -> bool:
-        """Run one sub-step; return whether the block touches anything."""
+        """Run one sub-step; return whether the object touches anything."""
         self.space.step(SUB_STEP)
-        return self._contacts["pairs"] > 0
+        return self._contacts["count"] > 0
 
 
-def _walls(body: pymunk.Body) -> list[pymunk.Segment]:
-    corners = [((5, 506), (5, 5)), ((5, 5), (506, 5)), ((506, 5), (506, 506)), ((5, 506), (506, 506))]
-    walls = [pymunk.Segment(body, start, end, 2) for start, end in corners]
-    for wall in walls:
+def _make_walls(body: pymunk.Body) -> list[pymunk.Segment]:
+    walls = []
+
+    for start, end in _WALL_LINES:
+        wall = pymunk.Segment(body, start, end, 2)
         wall.color = _WALL_COLOR
+        walls.append(wall)
+
     return walls
 
 
 def _add_pusher(space: pymunk.Space) -> pymunk.Body:
     body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     body.position = 256, 400
+
     disc = pymunk.Circle(body, PUSHER_RADIUS)
     disc.color = _PUSHER_COLOR
+
     space.add(body, disc)
     return body
 
 
-def _add_block(space: pymunk.Space, object: PushObject) -> pymunk.Body:
+def _add_object(space: pymunk.Space, object: PushObject) -> pymunk.Body:
     body = pymunk.Body(object.mass, object.inertia)
-    shapes = [pymunk.Poly(body, part.tolist()) for part in object.parts]
-    for shape in shapes:
-        shape.color = _BLOCK_COLOR
-        shape.collision_type = _BLOCK
+
+    shapes = []
+    for part in object.parts:
+        shape = pymunk.Poly(body, part.tolist())
+        shape.color = _OBJECT_COLOR
+        shape.collision_type = _OBJECT
+        shapes.append(shape)
+
+    # Before the pose, which pymunk turns about it.
     body.center_of_gravity = object.center_of_gravity
     body.angle = 0.0
     body.position = 256, 300
+
     space.add(body, *shapes)
     return body
 
 
 def _count_contacts(space: pymunk.Space) -> dict[str, int]:
-    """Return a dictionary whose entry "pairs" is the number of the block's contacts in the last sub-step.
+    """Return a dictionary whose entry "count" is how many shapes now touch the object's.
 
-    Callbacks at the begin and the end of a contact are much rarer than gym-pusht's for every contact and sub-step.
+    Callbacks at the begin and the end of a contact are much rarer than gym-pusht's for every
+    contact and sub-step.
     """
-    handler = space.add_collision_handler(_OTHERS, _BLOCK)
-    handler.begin, handler.separate = _begin, _separate
-    handler.data["pairs"] = 0
+    handler = space.add_collision_handler(_OTHERS, _OBJECT)
+    handler.begin = _begin_contact
+    handler.separate = _end_contact
+
+    handler.data["count"] = 0
     return handler.data
 
 
-def _begin(arbiter: pymunk.Arbiter, space: pymunk.Space, data: dict[str, Any]) -> bool:
-    data["pairs"] += 1
+def _begin_contact(arbiter: pymunk.Arbiter, space: pymunk.Space, data: dict[str, Any]) -> bool:
+    data["count"] += 1
     return True
 
 
-def _separate(arbiter: pymunk.Arbiter, space: pymunk.Space, data: dict[str, Any]) -> None:
-    data["pairs"] -= 1
+def _end_contact(arbiter: pymunk.Arbiter, space: pymunk.Space, data: dict[str, Any]) -> None:
+    data["count"] -= 1

@@ -1,4 +1,4 @@
-"""The observation and action spaces of the pushT task, and the conversions at that border."""
+"""The observation and action spaces of the pushT task, and the checks at that border."""
 
 import math
 from typing import Any, Literal, cast, get_args
@@ -7,9 +7,10 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_envs.checks import check_choice
 from aicon_envs.pusht.geometry import Point
+from aicon_envs.pusht.settings import DEFAULT_SPEED, ActionMode
 from aicon_envs.pusht.simulation import SIZE
-from aicon_envs.pusht.variant import DEFAULT_SPEED, ActionMode
 
 ObsType = Literal["environment_state_agent_pos", "state", "pixels", "pixels_agent_pos"]
 Observation = Any  # an array or a dictionary of arrays, by obs_type
@@ -18,42 +19,59 @@ Action = NDArray[np.float32]
 KEYPOINTS, AGENT, PIXELS, GOAL = "environment_state", "agent_pos", "pixels", "goal_pose"
 """Keys of the dictionary observations."""
 
-Boxes = dict[str, spaces.Space[Any]]
-
 _FULL_TURN = 2.0 * math.pi
 
 
 def observation_space(
-    obs_type: ObsType, num_keypoints: int, observe_goal: bool, height: int, width: int
+    obs_type: ObsType, num_keypoints: int, observe_goal: bool, size: tuple[int, int]
 ) -> spaces.Space[Observation]:
     """Return the space of one observation.
 
+    Args:
+        obs_type: What is observed.
+        num_keypoints: Number of keypoints of the object.
+        observe_goal: Whether the goal's pose is observed too.
+        size: Width and height of pictures.
+
     Raises:
-        ValueError: If `obs_type` is unknown or has no room for the goal; the message lists the valid values.
+        ValueError: If `obs_type` is unknown or has no room for the goal; the message lists the
+            valid values.
     """
-    if obs_type not in get_args(ObsType):
-        raise ValueError(f"obs_type must be one of {', '.join(get_args(ObsType))}, got {obs_type!r}")
-    agent: Boxes = {AGENT: _box([0.0, 0.0], [SIZE, SIZE])}
-    pixels: Boxes = {PIXELS: spaces.Box(0, 255, (height, width, 3), np.uint8)}
-    goal: Boxes = {GOAL: _box([0.0, 0.0, -_FULL_TURN], [SIZE, SIZE, _FULL_TURN])} if observe_goal else {}
-    if obs_type == "environment_state_agent_pos":
-        keypoints: Boxes = {KEYPOINTS: _box([0.0] * (2 * num_keypoints), [SIZE] * (2 * num_keypoints))}
-        return spaces.Dict(keypoints | agent | goal)
+    check_choice("obs_type", obs_type, get_args(ObsType))
+    _check_room_for_goal(obs_type, observe_goal)
+
+    width, height = size
+    pixels = spaces.Box(0, 255, (height, width, 3), np.uint8)
+
+    # Plain arrays.
+    if obs_type == "pixels":
+        return pixels
+    if obs_type == "state":
+        return _box([0.0] * 5, [SIZE] * 4 + [_FULL_TURN])
+
+    # Dictionaries: what is seen of the object, the pusher, and perhaps the goal.
+    boxes: dict[str, spaces.Space[Any]] = {}
     if obs_type == "pixels_agent_pos":
-        return spaces.Dict(pixels | agent | goal)
+        boxes[PIXELS] = pixels
+    else:
+        boxes[KEYPOINTS] = _box([0.0] * (2 * num_keypoints), [SIZE] * (2 * num_keypoints))
+
+    boxes[AGENT] = _box([0.0, 0.0], [SIZE, SIZE])
     if observe_goal:
-        raise ValueError(
-            "observe_goal adds a key to a dictionary: obs_type must be environment_state_agent_pos or "
-            f"pixels_agent_pos, got {obs_type!r}"
-        )
-    return pixels[PIXELS] if obs_type == "pixels" else _box([0.0] * 5, [SIZE] * 4 + [_FULL_TURN])
+        boxes[GOAL] = _box([0.0, 0.0, -_FULL_TURN], [SIZE, SIZE, _FULL_TURN])
+
+    return spaces.Dict(boxes)
 
 
 def action_space(mode: ActionMode, velocity_limit: float | None) -> spaces.Space[Action]:
     """Return the space of the pusher's target, px, or of its velocity, px/s."""
-    speed = velocity_limit or DEFAULT_SPEED
-    low, high = (0.0, SIZE) if mode == "position" else (-speed, speed)
-    return cast("spaces.Space[Action]", spaces.Box(low, high, (2,), np.float32))  # Box forgets its dtype
+    if mode == "position":
+        box = spaces.Box(0.0, SIZE, (2,), np.float32)
+    else:
+        speed = velocity_limit or DEFAULT_SPEED
+        box = spaces.Box(-speed, speed, (2,), np.float32)
+
+    return cast("spaces.Space[Action]", box)  # Box forgets its dtype
 
 
 def check_action(action: ArrayLike) -> Point:
@@ -65,10 +83,53 @@ def check_action(action: ArrayLike) -> Point:
     command = np.asarray(action, dtype=np.float64)
     if command.shape != (2,):
         raise ValueError(f"action must be two numbers (x, y), got shape {command.shape}")
+
+    # Plain floats: for two numbers, `numpy.isfinite` takes longer.
     x, y = command.tolist()
     if not (math.isfinite(x) and math.isfinite(y)):
         raise ValueError(f"action must be finite, got {command.tolist()}")
+
     return x, y
+
+
+def check_actions(actions: ArrayLike, num_envs: int) -> NDArray[np.float64]:
+    """Return the actions of N environments as float64, (N, 2).
+
+    Raises:
+        ValueError: If they have another shape or are not finite.
+    """
+    commands = np.asarray(actions, dtype=np.float64)
+
+    if commands.shape != (num_envs, 2):
+        raise ValueError(
+            f"action must be numbers (x, y) of shape {(num_envs, 2)}, got shape {commands.shape}"
+        )
+    if not np.isfinite(commands).all():
+        raise ValueError(f"action must be finite, got {commands.tolist()}")
+
+    return commands
+
+
+def check_size(name: str, width: int, height: int) -> tuple[int, int]:
+    """Return (width, height) of a picture.
+
+    Raises:
+        ValueError: If one is not an integer >= 1.
+    """
+    for side, value in (("width", width), ("height", height)):
+        if not isinstance(value, int) or value < 1:
+            raise ValueError(f"{name}_{side} must be an integer >= 1, got {value!r}")
+
+    return width, height
+
+
+def _check_room_for_goal(obs_type: ObsType, observe_goal: bool) -> None:
+    is_dictionary = obs_type in ("environment_state_agent_pos", "pixels_agent_pos")
+    if observe_goal and not is_dictionary:
+        raise ValueError(
+            "observe_goal adds a key to a dictionary: obs_type must be "
+            f"environment_state_agent_pos or pixels_agent_pos, got {obs_type!r}"
+        )
 
 
 def _box(low: list[float], high: list[float]) -> spaces.Box:

@@ -1,8 +1,8 @@
 """Imperfect sensors: noise, dropouts and delays, as wrappers of one environment.
 
-Their randomness comes from a child of the environment's noise, drawn at every reset: the same seed (or the same option
-`noise_seed`) gives the same readings, the start and the physics are those of the environment without wrappers, and two
-wrappers, one in the other, draw different numbers.
+Their randomness comes from a child of the environment's noise, drawn at every reset: the same seed
+(or the same option `noise_seed`) gives the same readings, the start and the physics are those of
+the environment without wrappers, and two wrappers, one in the other, draw different numbers.
 """
 
 from collections import deque
@@ -23,10 +23,13 @@ class ReadingBox(spaces.Box):
 
     def contains(self, x: Any) -> bool:
         """Return whether every number that is not NaN lies within the bounds."""
-        return super().contains(np.where(np.isnan(x), self.low, x)) if isinstance(x, np.ndarray) else False
+        if not isinstance(x, np.ndarray):
+            return False
+
+        return super().contains(np.where(np.isnan(x), self.low, x))
 
 
-class _Sensor(gym.Wrapper[Observation, Action, Observation, Action]):
+class _ImperfectSensor(gym.Wrapper[Observation, Action, Observation, Action]):
     """Changes the observations of each episode; the first one may be treated differently."""
 
     def reset(
@@ -34,24 +37,28 @@ class _Sensor(gym.Wrapper[Observation, Action, Observation, Action]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Start an episode; see the environment for the options."""
         observation, info = self.env.reset(seed=seed, options=options)
-        self._generator = cast("PushTEnv", self.unwrapped).noise.spawn(1)[0]
-        return self.first(observation), info
+
+        # A child of the episode's noise: the environment's own numbers stay the same.
+        environment = cast("PushTEnv", self.unwrapped)
+        (self._generator,) = environment.noise.spawn(1)
+
+        return self._sense_first(observation), info
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step."""
         observation, reward, terminated, truncated, info = self.env.step(action)
-        return self.later(observation), float(reward), terminated, truncated, info
+        return self._sense(observation), float(reward), terminated, truncated, info
 
-    def first(self, observation: Observation) -> Observation:
+    def _sense_first(self, observation: Observation) -> Observation:
         """Return what the sensor gives at a reset."""
-        return self.later(observation)
+        return self._sense(observation)
 
-    def later(self, observation: Observation) -> Observation:
+    def _sense(self, observation: Observation) -> Observation:
         """Return what the sensor gives after a step."""
         raise NotImplementedError
 
 
-class SensorNoise(_Sensor, RecordConstructorArgs):
+class SensorNoise(_ImperfectSensor, RecordConstructorArgs):
     """Adds Gaussian noise to the keypoints: z = x + n, n ~ N(0, σ²) for every coordinate, px.
 
     The bounds of the noisy observations become infinite.
@@ -65,30 +72,40 @@ class SensorNoise(_Sensor, RecordConstructorArgs):
         ValueError: If `sigma` is negative or the environment observes no keypoints.
     """
 
-    def __init__(self, env: gym.Env[Observation, Action], sigma: float, agent: bool = False) -> None:
+    def __init__(
+        self, env: gym.Env[Observation, Action], sigma: float, agent: bool = False
+    ) -> None:
         """Wrap an environment."""
         RecordConstructorArgs.__init__(self, sigma=sigma, agent=agent)
         super().__init__(env)
+
         if not (np.isfinite(sigma) and sigma >= 0.0):
             raise ValueError(f"sigma must be a finite number >= 0, got {sigma!r}")
         self._sigma = sigma
-        self._noisy = (KEYPOINTS, AGENT) if agent else (KEYPOINTS,)
-        space = _keypoint_space(env)
-        self.observation_space = spaces.Dict({**space.spaces, **{key: _endless(space[key]) for key in self._noisy}})
+        self._noisy_keys = (KEYPOINTS, AGENT) if agent else (KEYPOINTS,)
 
-    def later(self, observation: Observation) -> Observation:
+        observation_spaces = dict(_check_observes_keypoints(env).spaces)
+        for key in self._noisy_keys:
+            observation_spaces[key] = _unbounded(observation_spaces[key])
+        self.observation_space = spaces.Dict(observation_spaces)
+
+    def _sense(self, observation: Observation) -> Observation:
         """Return the observation with noise."""
-        noisy = {key: observation[key] + self._noise(observation[key]) for key in self._noisy}
-        return {**observation, **noisy}
+        sensed = dict(observation)
+        for key in self._noisy_keys:
+            sensed[key] = observation[key] + self._draw_noise(observation[key])
 
-    def _noise(self, reading: NDArray[np.float64]) -> NDArray[np.float64]:
+        return sensed
+
+    def _draw_noise(self, reading: NDArray[np.float64]) -> NDArray[np.float64]:
         return self._generator.normal(0.0, self._sigma, reading.shape)
 
 
-class Dropout(_Sensor, RecordConstructorArgs):
-    """Loses all keypoints of a step with a probability, as if the object was not seen: they read NaN, no reading.
+class Dropout(_ImperfectSensor, RecordConstructorArgs):
+    """Loses all keypoints of a step with a probability, as if the object was not seen.
 
-    The first observation of an episode is never lost, and `agent_pos` never is.
+    They then read NaN, no reading. The first observation of an episode is never lost, and
+    `agent_pos` never is.
 
     Args:
         env: A pushT environment that observes keypoints.
@@ -102,30 +119,33 @@ class Dropout(_Sensor, RecordConstructorArgs):
         """Wrap an environment."""
         RecordConstructorArgs.__init__(self, probability=probability)
         super().__init__(env)
+
         if not 0.0 <= probability <= 1.0:
             raise ValueError(f"probability must be in [0, 1], got {probability!r}")
         self._probability = probability
-        space = _keypoint_space(env)
-        box = cast("spaces.Box", space[KEYPOINTS])
-        self.observation_space = spaces.Dict(
-            {**space.spaces, KEYPOINTS: ReadingBox(box.low, box.high, dtype=np.float64)}
-        )
 
-    def first(self, observation: Observation) -> Observation:
+        observation_spaces = dict(_check_observes_keypoints(env).spaces)
+        box = cast("spaces.Box", observation_spaces[KEYPOINTS])
+        observation_spaces[KEYPOINTS] = ReadingBox(box.low, box.high, dtype=np.float64)
+        self.observation_space = spaces.Dict(observation_spaces)
+
+    def _sense_first(self, observation: Observation) -> Observation:
         """Return the observation as it is."""
         return observation
 
-    def later(self, observation: Observation) -> Observation:
+    def _sense(self, observation: Observation) -> Observation:
         """Return the observation, or one without keypoints."""
         if self._generator.uniform() >= self._probability:
             return observation
-        return {**observation, KEYPOINTS: np.full_like(observation[KEYPOINTS], np.nan)}
+
+        missing = np.full_like(observation[KEYPOINTS], np.nan)
+        return {**observation, KEYPOINTS: missing}
 
 
-class Delay(_Sensor, RecordConstructorArgs):
-    """Lets observations lag: after step t comes the observation of step t - k, and that of the reset until step k.
+class Delay(_ImperfectSensor, RecordConstructorArgs):
+    """Lets observations lag: after step t comes the observation of step t - k.
 
-    Reward, flags and info are not delayed.
+    Until step k it is that of the reset. Reward, flags and info are not delayed.
 
     Args:
         env: A pushT environment.
@@ -139,29 +159,35 @@ class Delay(_Sensor, RecordConstructorArgs):
         """Wrap an environment."""
         RecordConstructorArgs.__init__(self, steps=steps)
         super().__init__(env)
+
         if not isinstance(steps, int) or steps < 0:
             raise ValueError(f"steps must be an integer >= 0, got {steps!r}")
-        self._line: deque[Observation] = deque(maxlen=steps + 1)
+        self._recent: deque[Observation] = deque(maxlen=steps + 1)
 
-    def first(self, observation: Observation) -> Observation:
+    def _sense_first(self, observation: Observation) -> Observation:
         """Return the observation, and forget the last episode's."""
-        self._line.clear()
-        return self.later(observation)
+        self._recent.clear()
+        return self._sense(observation)
 
-    def later(self, observation: Observation) -> Observation:
+    def _sense(self, observation: Observation) -> Observation:
         """Return the oldest observation that is not older than k steps."""
-        self._line.append(observation)
-        return self._line[0]
+        self._recent.append(observation)
+        return self._recent[0]
 
 
-def _keypoint_space(env: gym.Env[Observation, Action]) -> spaces.Dict:
+def _check_observes_keypoints(env: gym.Env[Observation, Action]) -> spaces.Dict:
+    """Return the space of a dictionary observation with keypoints."""
     space = env.observation_space
     if not (isinstance(space, spaces.Dict) and KEYPOINTS in space.spaces):
-        raise ValueError(f"the environment must observe keypoints: obs_type environment_state_agent_pos, got {space}")
+        raise ValueError(
+            "the environment must observe keypoints: obs_type environment_state_agent_pos, "
+            f"got {space}"
+        )
+
     return space
 
 
-def _endless(space: spaces.Space[Any]) -> spaces.Box:
+def _unbounded(space: spaces.Space[Any]) -> spaces.Box:
     """Return a box of the same kind and shape without bounds."""
     kind = ReadingBox if isinstance(space, ReadingBox) else spaces.Box
     return kind(-np.inf, np.inf, space.shape, np.float64)

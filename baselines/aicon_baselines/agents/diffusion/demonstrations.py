@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_envs.pusht import OBJECTS, PushTVectorEnv
 from aicon_envs.pusht.geometry import place
-from aicon_envs.pusht.variant import DEFAULT_GOAL
+from aicon_envs.pusht import DEFAULT_GOAL
 
 CHUNK = 50
 """Number of seeds recorded as one batch."""

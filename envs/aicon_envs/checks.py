@@ -1,0 +1,110 @@
+"""Checks of arguments that the environments share."""
+
+import math
+import operator
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def check_render_mode(render_mode: str | None) -> str | None:
+    """Return the render mode.
+
+    Raises:
+        ValueError: If it is neither None nor "rgb_array".
+    """
+    if render_mode not in (None, "rgb_array"):
+        raise ValueError(f'render_mode must be None or "rgb_array", got {render_mode!r}')
+
+    return render_mode
+
+
+def check_choice(name: str, value: Any, valid: Iterable[str]) -> None:
+    """Check that an argument is one of the valid words.
+
+    Raises:
+        ValueError: If it is not; the message lists them.
+    """
+    valid = tuple(valid)
+    if value not in valid:
+        raise ValueError(f"{name} must be one of {', '.join(valid)}, got {value!r}")
+
+
+def check_number(name: str, value: Any, positive: bool = False) -> float:
+    """Return a number as a float.
+
+    Raises:
+        ValueError: If it is not finite or is negative or, with `positive`, 0.
+    """
+    expected = "a finite number > 0" if positive else "a finite number >= 0"
+    try:
+        number = float(value)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be {expected}, got {value!r}") from error
+
+    too_small = number <= 0.0 if positive else number < 0.0
+    if too_small or not math.isfinite(number):
+        raise ValueError(f"{name} must be {expected}, got {value!r}")
+
+    return number
+
+
+def check_numbers(name: str, value: ArrayLike, expected: str, count: int) -> list[float]:
+    """Return a sequence of `count` numbers as floats.
+
+    Args:
+        name: Name of the argument.
+        value: Its value.
+        expected: What it must be, in words.
+        count: How many numbers it must have.
+
+    Raises:
+        ValueError: If there are not so many, or not all are finite.
+    """
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be {expected}, got {value!r}") from error
+
+    if array.shape != (count,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} must be {expected}, got {value!r}")
+
+    numbers: list[float] = array.tolist()
+    return numbers
+
+
+def check_integer(name: str, value: Any, least: int) -> int:
+    """Return an integer.
+
+    Raises:
+        ValueError: If it is none, or below `least`.
+    """
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = least - 1
+
+    if number < least:
+        raise ValueError(f"{name} must be an integer >= {least}, got {value!r}")
+    return number
+
+
+def check_option_names(options: Mapping[str, Any], valid: Iterable[str]) -> None:
+    """Check the names of the options of a reset.
+
+    Raises:
+        ValueError: If one is unknown; the message lists the valid ones.
+    """
+    valid = tuple(valid)
+    unknown = sorted(str(name) for name in options if name not in valid)
+    if unknown:
+        raise ValueError(
+            f"unknown option {', '.join(unknown)}; valid options are {', '.join(valid)}"
+        )
+
+
+def is_sequence(value: object) -> bool:
+    """Whether a value is a list, tuple or array, and not one number or word."""
+    return isinstance(value, (list, tuple, np.ndarray))

@@ -1,0 +1,87 @@
+"""A map of the user's own, checked before it becomes a world."""
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+from shapely.geometry import Polygon
+
+from aicon_envs.checks import is_sequence
+from aicon_envs.nav2d.world import NavigationMap, Point, Vertices, union
+
+USER_MAP_KEYS = ("obstacles", "start", "target")
+"""Options of a reset that describe a map of the user's own."""
+
+_A_POINT = "two finite coordinates (x, y) in metres"
+_A_POLYGON = "at least three vertices (x, y) in metres, shape (n, 2)"
+
+
+def make_user_map(
+    obstacles: Any, start: ArrayLike, target: ArrayLike, radius: float
+) -> NavigationMap:
+    """Check a user's own map.
+
+    Args:
+        obstacles: Polygons, each a list of at least three vertices (x, y), m.
+        start: Start (x, y), m; farther than `radius` from every obstacle.
+        target: Target (x, y), m.
+        radius: Radius of the agent, m.
+
+    Raises:
+        ValueError: If an argument has another shape, is not finite, or does not describe a valid
+            map.
+    """
+    if not is_sequence(obstacles):
+        raise ValueError(f"obstacles must be a list of polygons, got {type(obstacles).__name__}")
+
+    polygons = []
+    for index, vertices in enumerate(obstacles):
+        polygons.append(_check_polygon(f"obstacles[{index}]", vertices))
+
+    world = NavigationMap(
+        "user", polygons, _check_point("start", start), _check_point("target", target)
+    )
+
+    # An agent that touches an obstacle at the start would collide at once.
+    solid = union(polygons)
+    if not solid.is_empty and solid.distance(shapely.Point(world.start)) <= radius:
+        raise ValueError(
+            f"start must be farther than the radius {radius} m from every obstacle, "
+            f"got {world.start}"
+        )
+
+    return world
+
+
+def _check_point(name: str, value: ArrayLike) -> Point:
+    array = _to_floats(name, value, _A_POINT)
+    if array.shape != (2,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} must be {_A_POINT}, got {value!r}")
+
+    x, y = array.tolist()
+    return x, y
+
+
+def _check_polygon(name: str, value: ArrayLike) -> Vertices:
+    array = _to_floats(name, value, _A_POLYGON)
+
+    is_list_of_vertices = array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3
+    if not is_list_of_vertices or not np.isfinite(array).all():
+        raise ValueError(f"{name} must be {_A_POLYGON}, all finite; got shape {array.shape}")
+
+    polygon = Polygon(array)
+    if not polygon.is_valid:
+        reason = shapely.is_valid_reason(polygon)
+        raise ValueError(f"{name} must be a simple polygon with an area: {reason}")
+    if polygon.area == 0.0:
+        raise ValueError(f"{name} must be a simple polygon with an area: no area")
+
+    return [(float(x), float(y)) for x, y in array]
+
+
+def _to_floats(name: str, value: ArrayLike, expected: str) -> NDArray[np.float64]:
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be {expected}, got {value!r}") from error

@@ -1,0 +1,70 @@
+"""The observation and action spaces of the arm, and the checks at that border."""
+
+import math
+from typing import Any, Literal, cast
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
+
+from aicon_envs.panda_push.robot import SPEED_LIMIT
+
+ObsType = Literal["rgbd", "pose"]
+Observation = dict[str, NDArray[Any]]
+Action = NDArray[np.float32]
+
+MAX_DEPTH = 10.0
+"""Largest distance that the camera reports, m."""
+
+_LARGE = 1e3
+"""A bound for what has none."""
+
+
+def observation_space(obs_type: ObsType, width: int, height: int) -> spaces.Space[Observation]:
+    """Return the space of one observation.
+
+    Args:
+        obs_type: "rgbd" for the camera, "pose" for the true pose of the object instead.
+        width: Width of images, px.
+        height: Height of images, px.
+    """
+    boxes: dict[str, spaces.Space[Any]] = {
+        "q": _symmetric_box(2 * math.pi, 7),
+        "dq": _symmetric_box(_LARGE, 7),
+        "ft": _symmetric_box(1e5, 6),
+        "target": _symmetric_box(2 * math.pi, 3),
+    }
+
+    if obs_type == "pose":
+        boxes["object_pose"] = _symmetric_box(_LARGE, 3)
+    else:
+        boxes["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+        boxes["depth"] = spaces.Box(0.0, MAX_DEPTH, (height, width), np.float32)
+        boxes["image_age"] = spaces.Box(0.0, _LARGE, (1,), np.float64)
+
+    # Gymnasium types a Dict as a space of spaces.
+    return cast("spaces.Space[Observation]", spaces.Dict(boxes))
+
+
+def action_space() -> spaces.Space[Action]:
+    """Return the space of joint velocities, rad/s."""
+    speed = np.array(SPEED_LIMIT, dtype=np.float32)
+    box = spaces.Box(-speed, speed, dtype=np.float32)
+    return cast("spaces.Space[Action]", box)  # Box forgets its dtype
+
+
+def check_action(action: ArrayLike) -> NDArray[np.float64]:
+    """Return the action as float64.
+
+    Raises:
+        ValueError: If it is not seven finite numbers.
+    """
+    velocity = np.asarray(action, dtype=np.float64)
+    if velocity.shape != (7,) or not np.isfinite(velocity).all():
+        raise ValueError(f"action must be seven finite numbers, rad/s, got {action!r}")
+
+    return velocity
+
+
+def _symmetric_box(bound: float, length: int) -> spaces.Box:
+    return spaces.Box(-bound, bound, (length,), np.float64)

@@ -1,0 +1,23 @@
+"""Tells Gymnasium the names of the environments; none of them is imported before it is made."""
+
+from gymnasium.envs.registration import register
+
+register(
+    id="aicon/Nav2D-v0",
+    entry_point="aicon_envs.nav2d.environment:Nav2DEnv",
+    vector_entry_point="aicon_envs.nav2d.vector:Nav2DVectorEnv",
+    max_episode_steps=12_000,
+)
+
+register(
+    id="aicon/PushT-v0",
+    entry_point="aicon_envs.pusht.environment:PushTEnv",
+    vector_entry_point="aicon_envs.pusht.vector:PushTVectorEnv",
+    max_episode_steps=300,
+)
+
+register(
+    id="aicon/PandaPush-v0",
+    entry_point="aicon_envs.panda_push.environment:PandaPushEnv",
+    max_episode_steps=18_000,
+)

@@ -1,0 +1,20 @@
+"""Whether this machine can render, for the tests of the arm's environment; needs MuJoCo."""
+
+import pytest
+
+from aicon_envs.panda_push import PandaPushEnv
+
+
+def can_render() -> bool:
+    try:
+        env = PandaPushEnv()
+        env.reset(seed=0)
+        env.close()
+    except RuntimeError:
+        return False
+    return True
+
+
+RENDERS = can_render()
+needs_rendering = pytest.mark.skipif(not RENDERS, reason="no OpenGL without a display")
+OBS_TYPES = ["pose", pytest.param("rgbd", marks=needs_rendering)]

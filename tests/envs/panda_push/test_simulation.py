@@ -1,0 +1,52 @@
+"""The arm's servos and sensors."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("aicon_envs.panda_push")
+
+from aicon_envs.panda_push import PandaPushEnv
+
+
+@pytest.fixture(scope="module")
+def env() -> PandaPushEnv:
+    return PandaPushEnv(obs_type="pose")
+
+
+def test_joint_velocities_are_those_commanded(env: PandaPushEnv) -> None:
+    env.reset(seed=2)
+    velocity = np.array([0.1, -0.1, 0.05, 0.1, -0.05, 0.1, 0.2])
+
+    before, *_ = [env.step(velocity) for _ in range(50)][-1]  # the servos lag behind by 0.1 s
+    observation, *_ = [env.step(velocity) for _ in range(50)][-1]
+    np.testing.assert_allclose(observation["q"] - before["q"], 0.5 * velocity, atol=0.002)
+    np.testing.assert_allclose(observation["dq"], velocity, atol=0.01)
+
+
+def test_the_wrist_feels_the_weight_of_the_tool(env: PandaPushEnv) -> None:
+    readings = [env.reset(seed=3)[0]["ft"]]
+    readings += [env.step(np.zeros(7))[0]["ft"] for _ in range(50)]
+    assert np.mean(readings, axis=0)[2] == pytest.approx(-0.25 * 9.81, abs=0.1)
+
+
+def test_the_self_distance_is_that_of_points_on_the_capsules(env: PandaPushEnv) -> None:
+    """By brute force over points on the axes of all capsules that can meet."""
+    env.reset(seed=1)
+    data = env._simulation.data
+    shares = np.linspace(0.0, 1.0, 201)[:, None]
+
+    axes = []
+    for link, start, end, radius in env.description()["capsules"]:
+        body = data.body(f"panda_link{link}" if link < 8 else "tool")
+        points = (1.0 - shares) * np.array(start) + shares * np.array(end)
+        axes.append((link, body.xpos + points @ body.xmat.reshape(3, 3).T, radius))
+
+    gaps = []
+    for (link, points, radius), (other_link, other_points, other_radius) in combinations(axes, 2):
+        if abs(link - other_link) > 2:
+            distances = np.linalg.norm(points[:, None] - other_points, axis=-1)
+            gaps.append(distances.min() - radius - other_radius)
+
+    assert env._simulation.self_distance == pytest.approx(min(gaps), abs=1e-4)

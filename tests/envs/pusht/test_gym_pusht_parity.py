@@ -1,0 +1,126 @@
+"""With the same seeds and actions, our episodes and pictures are those of gym-pusht."""
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pymunk
+import pytest
+from _environments import assert_same
+from _pusht_env import OBS_TYPES, push, pushes, random_actions
+from numpy.typing import NDArray
+
+from aicon_envs.pusht import PushTEnv
+
+
+@pytest.fixture
+def upstream() -> Any:
+    pytest.importorskip("gym_pusht")
+
+    def make(**arguments: Any) -> Any:
+        return gym.make("gym_pusht/PushT-v0", **arguments).unwrapped
+
+    return make
+
+
+def wander(info: dict[str, Any], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A target around the middle, wherever the object is."""
+    return (256.0 + 100.0 * noise).clip(0.0, 512.0)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_episodes_are_those_of_gym_pusht(upstream: Any, seed: int) -> None:
+    theirs, ours = upstream(obs_type="environment_state_agent_pos"), PushTEnv()
+
+    contacts = 0
+    for choose_target in (push, wander):
+        expected, their_info = theirs.reset(seed=seed)
+        observation, info = ours.reset(seed=seed)
+
+        for noise in pushes(300, seed):
+            assert_same(expected, observation, 1e-9)
+            assert_same(their_info, {key: info[key] for key in their_info}, 1e-9)
+
+            action = choose_target(their_info, noise).astype(np.float32)
+            expected, *their_results, their_info = theirs.step(action)
+            observation, *results, info = ours.step(action)
+            np.testing.assert_allclose(their_results, results, rtol=0.0, atol=1e-9)
+            contacts += info["n_contacts"]
+
+    assert contacts > 10
+
+
+def test_later_starts_without_a_seed_are_those_of_gym_pusht(upstream: Any) -> None:
+    theirs = upstream(obs_type="state")
+    ours = PushTEnv(obs_type="state", action_noise=3.0, kick_interval=2)
+
+    for seed in (7, None, None, None):
+        assert_same(theirs.reset(seed=seed)[0], ours.reset(seed=seed)[0], 1e-9)
+        for action in random_actions(5):
+            ours.step(action)
+
+
+@pytest.mark.parametrize("obs_type", ["pixels", "pixels_agent_pos"])
+def test_pictures_are_those_of_gym_pusht(upstream: Any, obs_type: Any) -> None:
+    """Number for number, though gym-pusht resizes with OpenCV and we do not."""
+    theirs, ours = upstream(obs_type=obs_type), PushTEnv(obs_type=obs_type)
+
+    for seed in range(4):
+        expected, info = theirs.reset(seed=seed)
+        observation, _ = ours.reset(seed=seed)
+
+        for noise in pushes(40, seed):
+            assert_same(expected, observation)
+            action = push(info, noise)
+            expected, _, _, _, info = theirs.step(action)
+            observation, _, _, _, _ = ours.step(action)
+
+
+def test_rendering_is_that_of_gym_pusht_but_for_rounding(upstream: Any) -> None:
+    theirs, ours = upstream(render_mode="rgb_array"), PushTEnv(render_mode="rgb_array")
+    theirs.reset(seed=1)
+    ours.reset(seed=1)
+
+    expected, picture = theirs.render().astype(int), np.asarray(ours.render()).astype(int)
+    assert np.abs(expected - picture).max() <= 1
+
+
+@pytest.mark.parametrize("obs_type", OBS_TYPES)
+def test_spaces_are_those_of_gym_pusht(upstream: Any, obs_type: Any) -> None:
+    theirs, ours = upstream(obs_type=obs_type), PushTEnv(obs_type=obs_type)
+    assert theirs.observation_space == ours.observation_space
+    assert theirs.action_space == ours.action_space
+
+
+def test_legacy_reset_sets_what_gym_pusht_sets(upstream: Any) -> None:
+    options = {"reset_to_state": [100.0, 110.0, 220.0, 330.0, 1.0]}
+    theirs, ours = upstream(), PushTEnv(obs_type="state", legacy_reset=True)
+    assert_same(theirs.reset(options=options)[0], ours.reset(options=options)[0], 1e-9)
+
+
+def test_starts_of_version_0_1_5() -> None:
+    """By the formula in that version, whose state is set as in 0.1.8."""
+    env = PushTEnv(obs_type="state", start_distribution="0.1.5")
+
+    for seed in range(20):
+        rng = np.random.RandomState(seed)
+        pusher, block = rng.randint(50, 450, 2), rng.randint(100, 400, 2)
+        angle = rng.randn() * 2 * np.pi - np.pi
+
+        legacy = PushTEnv(obs_type="state", legacy_reset=True)
+        expected, _ = legacy.reset(options={"reset_to_state": [*pusher, *block, angle]})
+        assert_same(expected, env.reset(seed=seed)[0], 1e-12)
+
+
+def test_starts_of_version_0_1_5_without_a_seed_can_be_repeated() -> None:
+    env = PushTEnv(obs_type="state", start_distribution="0.1.5")
+
+    starts = []
+    for _ in range(2):
+        env.reset(seed=3)
+        starts.append(env.reset()[0])
+    assert_same(*starts)
+
+
+def test_pymunk_is_of_the_major_version_whose_physics_are_compared() -> None:
+    assert pymunk.version.split(".")[0] == "6"
