@@ -1,0 +1,29 @@
+"""Python in the documents: what is complete runs, and the rest is Python."""
+
+import contextlib
+import importlib.util
+import io
+
+import pytest
+from _documents import Block, all_blocks
+
+BLOCKS = all_blocks("python")
+COMPLETE = [block for block in BLOCKS if "import " in block.code]
+
+NEEDED = {"aicon/PushT": "pymunk", "aicon/PandaPush": "mujoco"}
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=str)
+def test_every_block_is_python(block: Block) -> None:
+    compile(block.code, str(block), "exec")
+
+
+@pytest.mark.parametrize("block", COMPLETE, ids=str)
+def test_a_block_with_its_imports_runs(block: Block) -> None:
+    for environment, module in NEEDED.items():
+        if environment in block.code and importlib.util.find_spec(module) is None:
+            pytest.skip(f"{module} is not installed")
+
+    program = compile(block.code, str(block), "exec")
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(program, {"__name__": "__main__"})
