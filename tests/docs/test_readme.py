@@ -1,4 +1,4 @@
-"""The README keeps what it announces: a graph of one's own is short, and has the paths it prints."""
+"""The README keeps what it announces: a graph of one's own is short, and has these paths."""
 
 import re
 
