@@ -8,6 +8,7 @@ each goes as it goes there.
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 
@@ -75,7 +76,7 @@ def take_numbers(
     build = factory("panda_push", name)
     build = compiled(build) if arguments.compile else build
 
-    policy = None
+    policy: Any = None
     for index in range(seeds[0] // TASK.chunk_size, seeds[-1] // TASK.chunk_size + 1):
         chunk = TASK.chunk(index, repeat=0)
         missing = {episode.seed for episode in chunk} & (set(seeds) - set(rows))

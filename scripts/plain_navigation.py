@@ -238,7 +238,8 @@ def follow_level(stack: Stack, average: Tensor) -> Tensor:
     # At the level both are equally strong.
     balance = stack.norms[..., 2] / stack.norms[..., :2].amax(-1) - 1.0
     t = t - 3.0 * balance.clamp(-1.0, 1.0).unsqueeze(-1) * n
-    return t / t.norm(dim=-1, keepdim=True)
+    direction: Tensor = t / t.norm(dim=-1, keepdim=True)
+    return direction
 
 
 def gradients_by_autograd(p: Tensor, prior: Tensor, o: Tensor, x: Tensor) -> tuple[Tensor, ...]:

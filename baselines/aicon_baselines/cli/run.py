@@ -132,7 +132,8 @@ class _Camera:
     def look(self, env: VectorEnv[Any, Any, Any]) -> None:
         """Look at the only episode of an environment, at those steps that the film shows."""
         if self._steps % self._every == 0:
-            (self.last,) = env.render() or ()
+            pictures: Any = env.render()
+            self.last = pictures[0]
             if self._writer:
                 self._writer.append_data(self.last)
         self._steps += 1

@@ -81,7 +81,7 @@ class UpstreamPushT(VectorEnv[Any, Any, Any]):
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """Return a picture of each, if `render_mode` is "rgb_array"."""
-        pictures = [env.render() for env in self._envs]
+        pictures: list[Any] = [env.render() for env in self._envs]
         return None if pictures[0] is None else tuple(pictures)
 
     def close_extras(self, **kwargs: Any) -> None:
