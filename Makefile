@@ -3,26 +3,27 @@ PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 EPISODES ?= 100
-PANDA_EPISODES ?= 50
+PANDA_PUSH_EPISODES ?= 50
 OUT ?= runs
 LEROBOT_VENV ?= .venv-lerobot
 STUDENT ?= baselines/checkpoints/diffusion_pusht_keypoints
 
 INSTALLED := $(VENV)/.installed
-PANDA_INSTALLED := $(VENV)/.installed-panda
 LEROBOT_INSTALLED := $(LEROBOT_VENV)/.installed
 # The policies are small: more threads than one only wait for each other.
 RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
 LEROBOT_RUN := OMP_NUM_THREADS=1 $(LEROBOT_VENV)/bin/python
+AICON := $(VENV)/bin/aicon
+LEROBOT_AICON := $(LEROBOT_VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install lerobot-env test test-all test-lerobot test-panda compare panda figures benchmark lint format clean
+.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push figures benchmark lint format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
-	@sed -nE 's/^([a-z-]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-12s %s\n", $$1, $$2 }'
-	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) LEROBOT_VENV=$(LEROBOT_VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) PANDA_EPISODES=$(PANDA_EPISODES) OUT=$(OUT)"
+	@sed -nE 's/^([a-z_-]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-12s %s\n", $$1, $$2 }'
+	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) LEROBOT_VENV=$(LEROBOT_VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) PANDA_PUSH_EPISODES=$(PANDA_PUSH_EPISODES) OUT=$(OUT)"
 
 install: $(INSTALLED) ## Create the virtual environment (the other targets do it if need be)
 
@@ -46,46 +47,40 @@ $(LEROBOT_INSTALLED): pyproject.toml constraints-lerobot.txt baselines/lerobot_p
 	  -e ".[lerobot,compare,pusht,upstream]" -e baselines/lerobot_policy_aicon hypothesis pytest pytest-xdist
 	@touch $@
 
+# Without OpenGL the tests of the arm that render are skipped.
 test: $(INSTALLED) ## Run the tests, but for the slow ones
 	$(RUN) -m pytest -n $(JOBS)
 
 test-all: $(INSTALLED) ## Run all tests
 	$(RUN) -m pytest -n $(JOBS) -m ""
 
-$(PANDA_INSTALLED): $(INSTALLED)
-	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all,panda]"
-	@touch $@
-
-test-panda: $(PANDA_INSTALLED) ## Run the arm's tests; without OpenGL those that render are skipped
-	$(RUN) -m pytest -n $(JOBS) tests/test_*panda*.py
-
 # Warnings are no errors here: most are those of LeRobot about its own dependencies.
 test-lerobot: $(LEROBOT_INSTALLED) ## Run the tests that need LeRobot
-	$(LEROBOT_RUN) -m pytest -W default -n $(JOBS) tests/test_diffusion*.py tests/test_lerobot*.py
+	$(LEROBOT_RUN) -m pytest -W default -n $(JOBS) tests/baselines/agents/diffusion tests/baselines/agents/lerobot
 
 compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and pushT: tables, curves and pictures
-	$(RUN) scripts/compare.py --task nav2d --policies aicon paper_literal steepest potential_field \
+	$(AICON) compare --task nav2d --policies aicon paper_literal steepest potential_field \
 	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/nav2d
-	$(RUN) scripts/compare.py --task pusht --policies aicon full strict paper_literal steepest steepest_unlimited \
-	  potential_field potential_field_unlimited --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 \
-	  --jobs $(JOBS) --out $(OUT)/pusht
-	@if [ -e $(LEROBOT_INSTALLED) ]; then $(LEROBOT_RUN) scripts/compare.py --task pusht --policies diffusion \
+	$(AICON) compare --task pusht --policies aicon slow_approach slow_approach_ungrouped paper_literal \
+	  steepest steepest_without_contact_limits potential_field potential_field_without_contact_limits \
+	  --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
+	@if [ -e $(LEROBOT_INSTALLED) ]; then $(LEROBOT_AICON) compare --task pusht --policies diffusion \
 	  --diffusion-path $(STUDENT) --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) \
 	  --out $(OUT)/pusht; else echo "Without the diffusion policy, which needs LeRobot: make lerobot-env"; fi
 	@$(MAKE) --no-print-directory figures
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
 
-panda: $(PANDA_INSTALLED) ## Install what the arm needs and compare its policies; rendering needs system packages
+panda_push: $(INSTALLED) ## Compare the arm's policies and draw its film; rendering needs system packages
 	@$(RUN) -c 'import aicon_envs.panda_push as p; p.PandaPushEnv().reset(seed=0)' || { \
 	  echo "The arm cannot be rendered here. On Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"; exit 1; } >&2
-	$(RUN) scripts/compare.py --task panda_push --policies aicon steepest --conditions camera true_pose \
-	  --episodes $(PANDA_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda
-	$(RUN) scripts/figures.py panda --out $(OUT)/panda
+	$(AICON) compare --task panda_push --policies aicon steepest --conditions camera true_pose \
+	  --episodes $(PANDA_PUSH_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda_push
+	$(AICON) figures panda_push --out $(OUT)/panda_push
 
-figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task
-	$(RUN) scripts/figures.py nav2d --out $(OUT)/nav2d
-	$(RUN) scripts/figures.py pusht --out $(OUT)/pusht
+figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task of the plane
+	$(AICON) figures nav2d --out $(OUT)/nav2d
+	$(AICON) figures pusht --out $(OUT)/pusht
 
 benchmark: $(INSTALLED) ## Measure the time of a control step
 	$(RUN) scripts/benchmark.py

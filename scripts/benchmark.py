@@ -1,20 +1,24 @@
-"""Time one control step on one thread: navigation beside the same law by hand in plain torch, pushT beside navigation.
+"""Time a control step on one thread: the library beside the same law by hand in plain torch.
 
 Example: python scripts/benchmark.py --out runs/benchmark
 
-The programs take turns, and what is measured is the processor time of this process, so that a busy machine slows all of
-them alike; what counts is the ratio and its spread.
+Navigation is held against the hand-written law, pushT against navigation, a graph whose paths
+double with every rung against its number of edges, and our pushT environment against gym-pusht. The
+programs take turns, and what is measured is the processor time of this process, so that a busy
+machine slows all of them alike; what counts is the ratio and its spread.
 """
 
 import argparse
 import json
-import os
 import statistics
+import sys
 import time
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded
+from aicon_baselines.cli.command_line import Command, run_command
+
+# isort: split
 
 import gymnasium as gym
 import numpy as np
@@ -22,20 +26,13 @@ import torch
 from torch import Tensor
 
 import aicon_envs  # noqa: F401  # registers the environments
+import ladder
 import plain_navigation
-from aicon_torch import (
-    ActionLaw,
-    Actuator,
-    Deterministic,
-    Goal,
-    Interconnection,
-    Policy,
-    Sensor,
-    Sum,
-    WorldModel,
-    make_policy,
-)
-from timing import Step, spread, take_turns
+from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
+from aicon_torch import make_policy
+
+PUSHT, GYM_PUSHT = "aicon/PushT-v0", "gym_pusht:gym_pusht/PushT-v0"
+RUNGS = (4, 8, 16, 32, 64)
 
 BOUNDS = {
     "library, batch 1 / by hand, autograd along each path, batch 1": 1.5,
@@ -43,83 +40,98 @@ BOUNDS = {
     "pushT, batch 1 / navigation, batch 1": 2.0,
     "pushT, batch 256 / pushT, batch 1": 5.0,
 }
+"""The largest median that each ratio may have with ``--check``."""
+
+Measured = dict[str, dict[str, list[float]]]
+"""Seconds per step of programs, "times", and "ratios" of some of them, round by round."""
 
 
-def main() -> None:
-    """Parse the arguments, measure, print and save."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=60, help="rounds in which the programs take turns (default: 60)")
-    parser.add_argument("--steps", type=int, default=20, help="steps of each program a round (default: 20)")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare how long to measure, and what."""
+    parser.add_argument(
+        "--rounds", type=int, default=60, help="rounds in which programs take turns (default: 60)"
+    )
+    parser.add_argument(
+        "--steps", type=int, default=20, help="steps of each program in a round (default: 20)"
+    )
     parser.add_argument("--out", type=Path, help="folder for benchmark.json")
     parser.add_argument("--check", action="store_true", help="fail if a median misses its bound")
-    parser.add_argument("--peers", action="store_true", help="time the tools of others beside ours instead")
-    arguments = parser.parse_args()
+    parser.add_argument(
+        "--peers", action="store_true", help="time the tools of others beside ours instead"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Measure, print and save."""
     torch.set_num_threads(1)
+    rounds, steps = arguments.rounds, arguments.steps
     if arguments.peers:
         import benchmark_peers  # what it needs is optional
 
-        benchmark_peers.compare(arguments.rounds, arguments.steps, arguments.out)
+        benchmark_peers.compare(rounds, steps, arguments.out)
         return
-    steps, rungs = navigation(arguments.rounds, arguments.steps), ladder(arguments.rounds, arguments.steps)
-    pushes = pushing(arguments.rounds, arguments.steps)
-    speed = environment(gym.make("aicon/Nav2D-v0", map="clutter"), arguments.rounds)
-    pushed = pushing_environments(arguments.rounds)
-    for title, measured in (("navigation", steps), ("pushT", pushes)):
-        print(f"\none {title} step, one thread, ms: median (5 % to 95 %)")
-        for name, times in measured["times"].items():
-            print(f"  {name:44} {spread(times, 1e3)}")
-        print("ratios, taken round by round")
-        for name, ratios in measured["ratios"].items():
-            print(f"  {name:44} {spread(ratios)}")
-    print("a ladder whose paths double with every rung")
-    for row in rungs:
-        per_edge = spread([1e6 * t / row["edges"] for t in row["times"]])
-        print(f"  {row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths: {per_edge} µs an edge")
-    print(f"aicon/Nav2D-v0 alone: {spread(speed)} steps/s")
-    for name, speeds in pushed["speeds"].items():
-        print(f"{name} alone: {spread(speeds)} steps/s")
-    print(f"  ratio, round by round: {spread(pushed['ratio'])}")
+
+    results = {
+        "navigation": navigation(rounds, steps),
+        "pusht": pushing(rounds, steps),
+        "ladder": ladders(rounds, steps),
+        "environment": environment(gym.make("aicon/Nav2D-v0", map="clutter"), rounds),
+        "pusht_env": pushing_environments(rounds),
+    }
+
+    print_results(results)
     if arguments.out:
-        arguments.out.mkdir(parents=True, exist_ok=True)
-        path = arguments.out / "benchmark.json"
-        content = {"navigation": steps, "pusht": pushes, "ladder": rungs, "environment": speed, "pusht_env": pushed}
-        path.write_text(json.dumps(content, indent=2) + "\n")
-        print(f"\nsaved in {path}")
-    medians = {name: statistics.median((steps["ratios"] | pushes["ratios"])[name]) for name in BOUNDS}
-    missed = [f"{name}: {medians[name]:.3g} > {bound}\n" for name, bound in BOUNDS.items() if medians[name] > bound]
-    if statistics.median(pushed["ratio"]) < 1:
-        missed.append("aicon/PushT-v0 is slower than upstream's environment\n")
-    if arguments.check and missed:
-        parser.exit(1, "".join(missed))
+        save(results, arguments.out)
+    if arguments.check:
+        check_bounds(results)
 
 
-def navigation(rounds: int, steps: int) -> dict[str, Any]:
+def navigation(rounds: int, steps: int) -> Measured:
     """The library's navigation step and the hand-written one, at batch 1 and 256."""
     programs: dict[str, Step] = {}
     for batch in (1, 256):
-        programs[f"library, batch {batch}"] = _library(batch)
-        programs[f"by hand, autograd along each path, batch {batch}"] = _by_hand(batch, closed_form=False)
-        programs[f"by hand, all in closed form, batch {batch}"] = _by_hand(batch, closed_form=True)
-    times = take_turns(programs, rounds, steps, "navigation")
-    ratios = {
-        f"{first} / {second}": [a / b for a, b in zip(times[first], times[second], strict=True)]
-        for first, second in (
-            ("library, batch 1", "by hand, autograd along each path, batch 1"),
-            ("library, batch 1", "by hand, all in closed form, batch 1"),
-            ("library, batch 256", "library, batch 1"),
-        )
-    }
-    return {"times": times, "ratios": ratios}
+        autograd = f"by hand, autograd along each path, batch {batch}"
+        closed_form = f"by hand, all in closed form, batch {batch}"
+
+        programs[f"library, batch {batch}"] = _navigation_step(batch)
+        programs[autograd] = _plain_navigation_step(batch, closed_form=False)
+        programs[closed_form] = _plain_navigation_step(batch, closed_form=True)
+
+    pairs = (
+        ("library, batch 1", "by hand, autograd along each path, batch 1"),
+        ("library, batch 1", "by hand, all in closed form, batch 1"),
+        ("library, batch 256", "library, batch 1"),
+    )
+    return _with_ratios(take_turns(programs, rounds, steps, "navigation"), pairs)
 
 
-def pushing(rounds: int, steps: int) -> dict[str, Any]:
+def pushing(rounds: int, steps: int) -> Measured:
     """The step of pushT at batch 1 and 256, beside that of navigation."""
-    programs = {"navigation, batch 1": _library(1)}
-    programs |= {f"pushT, batch {batch}": _pushing(batch) for batch in (1, 256)}
-    times = take_turns(programs, rounds, steps, "pushT")
-    pairs = (("pushT, batch 1", "navigation, batch 1"), ("pushT, batch 256", "pushT, batch 1"))
-    ratios = {f"{a} / {b}": [x / y for x, y in zip(times[a], times[b], strict=True)] for a, b in pairs}
-    return {"times": times, "ratios": ratios}
+    programs = {
+        "navigation, batch 1": _navigation_step(1),
+        "pushT, batch 1": _pushing_step(1),
+        "pushT, batch 256": _pushing_step(256),
+    }
+    pairs = (
+        ("pushT, batch 1", "navigation, batch 1"),
+        ("pushT, batch 256", "pushT, batch 1"),
+    )
+    return _with_ratios(take_turns(programs, rounds, steps, "pushT"), pairs)
+
+
+def ladders(rounds: int, steps: int) -> list[dict[str, Any]]:
+    """Steps of graphs in which every rung reads both sides of the one below it."""
+    policies = {str(rungs): ladder.build(rungs) for rungs in RUNGS}
+    programs = {name: replay(policy, [ladder.READING]) for name, policy in policies.items()}
+    times = take_turns(programs, max(1, rounds // 6), max(1, steps // 4), "ladder")
+
+    rows = []
+    for name, policy in policies.items():
+        edges = sum(len(edges) for edges in policy.model.edges.values())
+        paths = policy.model.paths().count()
+        row = {"rungs": int(name), "edges": edges, "paths": paths, "times": times[name]}
+        rows.append(row)
+    return rows
 
 
 def environment(env: gym.Env[Any, Any], rounds: int, steps: int = 200) -> list[float]:
@@ -136,47 +148,83 @@ def environment(env: gym.Env[Any, Any], rounds: int, steps: int = 200) -> list[f
 
 
 def pushing_environments(rounds: int) -> dict[str, Any]:
-    """Steps per second of aicon/PushT-v0 and of upstream's, in turns, and their ratio."""
-    names = ("aicon/PushT-v0", "gym_pusht:gym_pusht/PushT-v0")
-    envs = {name: gym.make(name, obs_type="environment_state_agent_pos") for name in names}
+    """Steps per second of aicon/PushT-v0 and of gym-pusht's, in turns, and their ratio."""
+    observed = "environment_state_agent_pos"
+    envs = {name: gym.make(name, obs_type=observed) for name in (PUSHT, GYM_PUSHT)}
+
     speeds: dict[str, list[float]] = {name: [] for name in envs}
     for _ in range(rounds):
         for name, env in envs.items():
-            speeds[name] += environment(env, 1)
-    ours, theirs = speeds.values()
-    return {"speeds": speeds, "ratio": [a / b for a, b in zip(ours, theirs, strict=True)]}
+            speeds[name] += environment(env, rounds=1)
+    return {"speeds": speeds, "ratio": ratios(speeds[PUSHT], speeds[GYM_PUSHT])}
 
 
-def ladder(rounds: int, steps: int) -> list[dict[str, Any]]:
-    """Steps of graphs in which every rung reads both sides of the one below it."""
-    models = {rungs: _ladder(rungs) for rungs in (4, 8, 16, 32, 64)}
-    programs: dict[str, Step] = {
-        str(rungs): _stepper(policy, {"z": torch.zeros(1)}) for rungs, policy in models.items()
-    }
-    times = take_turns(programs, max(1, rounds // 6), max(1, steps // 4), "ladder")
-    return [
-        {
-            "rungs": rungs,
-            "edges": sum(len(edges) for edges in policy.model.edges.values()),
-            "paths": policy.model.paths().count(),
-            "times": times[str(rungs)],
-        }
-        for rungs, policy in models.items()
-    ]
+def print_results(results: dict[str, Any]) -> None:
+    """Print medians and spreads."""
+    for title in ("navigation", "pusht"):
+        print(f"\none step of {title}, one thread, ms: median (5 % to 95 %)")
+        for name, times in results[title]["times"].items():
+            print(f"  {name:44} {spread(times, 1e3)}")
+        print("ratios, taken round by round")
+        for name, values in results[title]["ratios"].items():
+            print(f"  {name:44} {spread(values)}")
+
+    print("a ladder whose paths double with every rung")
+    for row in results["ladder"]:
+        size = f"{row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths"
+        print(f"  {size}: {spread(row['times'], 1e6 / row['edges'])} µs an edge")
+
+    print(f"aicon/Nav2D-v0 alone: {spread(results['environment'])} steps/s")
+    for name, speeds in results["pusht_env"]["speeds"].items():
+        print(f"{name} alone: {spread(speeds)} steps/s")
+    print(f"  ratio, round by round: {spread(results['pusht_env']['ratio'])}")
 
 
-def _library(batch: int) -> Step:
-    observation = {"bearing": torch.zeros(batch, 1), "range": torch.full((batch, 1), 0.15)}
-    return _stepper(make_policy("nav2d"), observation)
+def save(results: dict[str, Any], out: Path) -> None:
+    """Write benchmark.json."""
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "benchmark.json"
+    path.write_text(json.dumps(results, indent=2) + "\n")
+    print(f"\nsaved in {path}")
 
 
-def _pushing(batch: int) -> Step:
-    observation, _ = gym.make("aicon/PushT-v0").reset(seed=0)
-    readings = {key: torch.as_tensor(value).expand(batch, -1) for key, value in observation.items()}
-    return _stepper(make_policy("pusht"), readings)
+def check_bounds(results: dict[str, Any]) -> None:
+    """End the script with status 1, and say which, if medians miss their bounds."""
+    measured = results["navigation"]["ratios"] | results["pusht"]["ratios"]
+    missed = []
+    for name, bound in BOUNDS.items():
+        median = statistics.median(measured[name])
+        if median > bound:
+            missed.append(f"{name}: {median:.3g} > {bound}")
+
+    if statistics.median(results["pusht_env"]["ratio"]) < 1:
+        missed.append(f"{PUSHT} is slower than upstream's environment")
+    if missed:
+        sys.exit("\n".join(missed))
 
 
-def _by_hand(batch: int, closed_form: bool) -> Step:
+def _with_ratios(times: dict[str, list[float]], pairs: tuple[tuple[str, str], ...]) -> Measured:
+    """Return the times with the ratios of these pairs of programs."""
+    divided = {}
+    for first, second in pairs:
+        divided[f"{first} / {second}"] = ratios(times[first], times[second])
+    return {"times": times, "ratios": divided}
+
+
+def _navigation_step(batch: int) -> Step:
+    bearing, clearance = torch.zeros(batch, 1), torch.full((batch, 1), 0.15)
+    return replay(make_policy("nav2d"), [{"bearing": bearing, "range": clearance}])
+
+
+def _pushing_step(batch: int) -> Step:
+    observation, _ = gym.make(PUSHT).reset(seed=0)
+    readings: dict[str, Tensor] = {}
+    for name, reading in observation.items():
+        readings[name] = torch.as_tensor(reading).expand(batch, -1)
+    return replay(make_policy("pusht"), [readings])
+
+
+def _plain_navigation_step(batch: int, closed_form: bool) -> Step:
     bearing = torch.zeros(batch, 1, dtype=torch.float64)
     clearance = torch.full((batch, 1), 0.15, dtype=torch.float64)
     state = plain_navigation.begin(bearing, clearance)
@@ -188,34 +236,7 @@ def _by_hand(batch: int, closed_form: bool) -> Step:
     return step
 
 
-def _ladder(rungs: int) -> Policy:
-    estimators = [Deterministic("u0", Interconnection(torch.sin, ["a"])), Deterministic("v0", Interconnection(torch.cos, ["a"]))]
-    for rung in range(1, rungs):
-        below = (f"u{rung - 1}", f"v{rung - 1}")
-        estimators += [Deterministic(f"{side}{rung}", Interconnection(_blend, below)) for side in "uv"]
-    goal = Goal("rest", Interconnection(_distance, [f"u{rungs - 1}", f"v{rungs - 1}"]))
-    actuators, sensors = {"a": Actuator(2, "m/s", limit=1.0)}, {"z": Sensor(1, "m")}
-    model = WorldModel(sensors=sensors, actuators=actuators, estimators=estimators, goals=[goal])
-    return Policy(model, Sum(), ActionLaw(gain=1.0))
-
-
-def _blend(u: Tensor, v: Tensor) -> Tensor:
-    return torch.sin(u + v)
-
-
-def _distance(u: Tensor, v: Tensor) -> Tensor:
-    return cast(Tensor, torch.linalg.vector_norm(u - v, dim=-1))
-
-
-def _stepper(policy: Policy, observation: dict[str, Tensor]) -> Step:
-    memory = policy.predict(observation)[1]
-
-    def step() -> None:
-        nonlocal memory
-        _, memory = policy.predict(observation, memory)
-
-    return step
-
+COMMAND = Command(__doc__, add_arguments, run)
 
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

@@ -1,21 +1,22 @@
-"""Time the arm's loop on one thread: physics and rendering, image, control step, and all of it against real time.
+"""Time the arm's loop on one thread: physics and rendering, image, control step, real-time factor.
 
-Example: python scripts/benchmark_panda.py --steps 3000 --out runs/benchmark
+Example: python scripts/benchmark_panda_push.py --steps 3000 --out runs/benchmark
 
-The loop runs at 100 Hz of simulated time, with an image every fifth step. The control step, reading images left out, is
-timed in the loop, where physics and rendering have emptied the processor's caches, and again on what was recorded.
-Times are those of the processor, since other programs may run beside; the real-time factor is given by the clock, too.
+The loop runs at 100 Hz of simulated time, with an image every fifth step. The control step, reading
+images left out, is timed in the loop, where physics and rendering have emptied the processor's
+caches, and again on what was recorded. Times are those of the processor, since other programs may
+run beside; the real-time factor is given by the clock, too.
 """
 
 import argparse
 import json
-import os
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded
+from aicon_baselines.cli.command_line import Command, run_command
+
+# isort: split
 
 import numpy as np
 import torch
@@ -25,92 +26,142 @@ from aicon_envs.panda_push import PandaPushEnv
 from aicon_torch import make_policy
 
 
-def main() -> None:
-    """Parse the arguments, measure, print and save."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--steps", type=int, default=3000, help="control steps, of one episode or more (default: 3000)")
-    parser.add_argument("--seed", type=int, default=1000, help="seed of the first episode (default: 1000)")
+class Times(NamedTuple):
+    """Seconds of each part in each step, and the age of the image that it saw."""
+
+    environment: list[float]
+    image: list[float]
+    control: list[float]
+    clock: list[float]
+    again: list[float]
+    age: list[float]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare how much to measure."""
+    parser.add_argument(
+        "--steps", type=int, default=3000, help="control steps, of one episode or more"
+    )
+    parser.add_argument("--seed", type=int, default=1000, help="seed of the first episode")
     parser.add_argument("--uncompiled", action="store_true", help="do not compile the policy")
-    parser.add_argument("--out", type=Path, required=True, help="folder for panda.json")
-    arguments = parser.parse_args()
+    parser.add_argument("--out", type=Path, required=True, help="folder for panda_push.json")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Measure, print and save."""
     torch.set_num_threads(1)
     times = measure(arguments.steps, arguments.seed, not arguments.uncompiled)
-    results = summary(times)
+    results = summarize(times)
+
     for name, row in results["parts"].items():
-        print(f"{name:30} {row['median']:6.3f} ms, 99th percentile {row['percentile_99']:6.3f} ms")
+        median, slow = row["median"], row["percentile_99"]
+        print(f"{name:30} {median:6.3f} ms, 99th percentile {slow:6.3f} ms")
     factors = results["real_time_factor"]
-    print(f"real-time factor: {factors['processor']:.2f} by processor time, {factors['clock']:.2f} by the clock")
+    processor, clock = factors["processor"], factors["clock"]
+    print(f"real-time factor: {processor:.2f} by processor time, {clock:.2f} by the clock")
+
     arguments.out.mkdir(parents=True, exist_ok=True)
-    (arguments.out / "panda.json").write_text(json.dumps(results, indent=2) + "\n")
+    path = arguments.out / "panda_push.json"
+    path.write_text(json.dumps(results, indent=2) + "\n")
 
 
-def measure(steps: int, seed: int, compiled: bool) -> dict[str, list[float]]:
-    """Seconds of each part in each step, the first step, which compiles, left out."""
-    seeing: Any = make_policy("panda_push", **TASK.policy_options("camera"))
-    times: dict[str, list[float]] = {"environment": [], "image": [], "control": [], "clock": [], "again": [], "age": []}
-    seen: list[Any] = []
-    before: list[Any] = []
-    seeing.read = _timed(seeing.read, times["image"], seen)
-    policy = seeing.compile() if compiled else seeing
+class TimedPerception:
+    """A perception that is timed, and whose readings are kept."""
+
+    def __init__(self, perception: Any) -> None:
+        self._perception = perception
+        self.seconds: list[float] = []
+        self.readings: list[Any] = []
+
+    def __call__(self, observation: Any, values: Any, starts: Any) -> Any:
+        """Read the image, and note how long it took."""
+        start = time.process_time()
+        readings = self._perception(observation, values, starts)
+        self.seconds.append(time.process_time() - start)
+        self.readings.append(readings)
+        return readings
+
+    def forget(self) -> None:
+        """Forget what was noted."""
+        self.seconds.clear()
+        self.readings.clear()
+
+
+def measure(steps: int, seed: int, compiled: bool) -> Times:
+    """Run the loop, the first step, which compiles, left out of the times."""
+    policy: Any = make_policy("panda_push", **TASK.policy_options("camera"))
+    perception = TimedPerception(policy.perception)
+    policy.perception = perception
+    policy = policy.compile() if compiled else policy
+
     env = PandaPushEnv()
     observation, _ = env.reset(seed=seed)
     policy.predict(observation)
-    times["image"].clear()
-    seen.clear()
+    perception.forget()
+
+    times = Times([], perception.seconds, [], [], [], [])
     memory: Any = None
+    memories: list[Any] = []
+
     for _ in range(steps):
-        before.append(memory)
+        memories.append(memory)
         clock, start = time.perf_counter(), time.process_time()
+
         action, memory = policy.predict(observation, memory)
         decided = time.process_time()
+        times.control.append(decided - start - perception.seconds[-1])
+
         observation, _, terminated, _, _ = env.step(action)
-        times["environment"].append(time.process_time() - decided)
-        times["control"].append(decided - start - times["image"][-1])
-        times["clock"].append(time.perf_counter() - clock)
-        times["age"].append(float(observation["image_age"][0]))
+        times.environment.append(time.process_time() - decided)
+        times.clock.append(time.perf_counter() - clock)
+        times.age.append(float(observation["image_age"][0]))
+
         if terminated:
             seed, memory = seed + 1, None
             observation, _ = env.reset(seed=seed)
+
     env.close()
-    seeing.read = lambda observation, *_: observation
-    for observation, memory in zip(seen, before, strict=True):
-        start = time.process_time()
-        policy.predict(observation, memory)
-        times["again"].append(time.process_time() - start)
+    times.again.extend(measure_again(policy, perception.readings, memories))
     return times
 
 
-def summary(times: dict[str, list[float]]) -> dict[str, Any]:
+def measure_again(policy: Any, readings: list[Any], memories: list[Any]) -> list[float]:
+    """Seconds of the same control steps with nothing between them."""
+    policy.perception = None
+    seconds = []
+    for reading, memory in zip(list(readings), memories, strict=True):
+        start = time.process_time()
+        policy.predict(reading, memory)
+        seconds.append(time.process_time() - start)
+    return seconds
+
+
+def summarize(times: Times) -> dict[str, Any]:
     """Medians and 99th percentiles, ms, and simulated by spent time."""
-    image, environment = np.array(times["image"]), np.array(times["environment"])
-    rendered = np.array(times["age"]) < TASK.time_step / 2
+    image, environment = np.array(times.image), np.array(times.environment)
+    rendered = np.array(times.age) < TASK.time_step / 2
+    # Between images there is nothing to read, which takes next to no time.
+    reads_image = image > 10 * np.median(image)
+
     parts = {
-        "control step": times["control"],
-        "control step on recorded data": times["again"],
-        "reading a new image": image[image > 10 * np.median(image)],  # between images there is nothing to read
+        "control step": np.array(times.control),
+        "control step on recorded data": np.array(times.again),
+        "reading a new image": image[reads_image],
         "environment, without an image": environment[~rendered],
         "environment, with an image": environment[rendered],
     }
-    spent = sum(times["control"]) + float(image.sum()) + sum(times["environment"])
-    simulated = len(times["clock"]) * TASK.time_step
-    return {
-        "parts": {
-            name: dict(zip(("median", "percentile_99"), (1e3 * np.percentile(part, (50, 99))).tolist(), strict=True))
-            for name, part in parts.items()
-        },
-        "real_time_factor": {"processor": simulated / spent, "clock": simulated / sum(times["clock"])},
-    }
+    percentiles = {}
+    for name, seconds in parts.items():
+        median, slow = 1e3 * np.percentile(seconds, (50, 99))
+        percentiles[name] = {"median": float(median), "percentile_99": float(slow)}
+
+    simulated = len(times.clock) * TASK.time_step
+    processor = sum(times.control) + sum(times.image) + sum(times.environment)
+    factors = {"processor": simulated / processor, "clock": simulated / sum(times.clock)}
+    return {"parts": percentiles, "real_time_factor": factors}
 
 
-def _timed(function: Callable[..., Any], times: list[float], results: list[Any]) -> Callable[..., Any]:
-    def call(*arguments: Any) -> Any:
-        start = time.process_time()
-        results.append(function(*arguments))
-        times.append(time.process_time() - start)
-        return results[-1]
-
-    return call
-
+COMMAND = Command(__doc__, add_arguments, run)
 
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

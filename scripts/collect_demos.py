@@ -7,55 +7,68 @@ The same command goes on where a stopped run was. It needs LeRobot: make lerobot
 """
 
 import argparse
-import os
 from pathlib import Path
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded: the policy is small
-
-from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.agents.diffusion.collection import collect
-from aicon_baselines.agents.diffusion.demonstrations import OBSERVATIONS, Recording
-from aicon_baselines.evaluation.progress import ProgressBar
+from aicon_baselines.agents.diffusion.recording_config import OBSERVATIONS, RecordingConfig
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 
 
-def main() -> None:
-    """Parse the arguments, record what is missing and say what to do with it."""
-    parser = _parser()
-    arguments = parser.parse_args()
-    try:
-        recording = Recording(
-            episodes=arguments.episodes,
-            seed=arguments.seed,
-            noises=tuple(arguments.noises),
-            near=arguments.near,
-            max_speed=arguments.max_speed,
-            smoothing=arguments.smoothing,
-            observations=tuple(arguments.observe),
-        )
-        with ProgressBar(0, recording.episodes) as bar:
-            collect(recording, arguments.out, bar.received)
-    except ComparisonError as error:
-        parser.error(str(error))
-    except KeyboardInterrupt:
-        parser.exit(130, "\nstopped; the same command goes on from here\n")
-    print(f"{recording.episodes} episodes, saved in {arguments.out}; to train a diffusion policy on them:")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is recorded."""
+    parser.add_argument(
+        "--episodes", type=int, default=200, help="successful episodes (default: 200)"
+    )
+    parser.add_argument("--seed", type=int, default=100_000, help="first seed (default: 100000)")
+    parser.add_argument(
+        "--noises",
+        nargs="+",
+        type=float,
+        default=[0.0, 2.0],
+        metavar="PX",
+        help="noise on actions (default: 0 2)",
+    )
+    parser.add_argument(
+        "--near", type=float, default=0.0, help="share of starts near the goal (default: 0)"
+    )
+    parser.add_argument(
+        "--max-speed", type=float, default=250.0, help="the teacher's, px/s (default: 250)"
+    )
+    parser.add_argument(
+        "--smoothing", type=float, default=0.3, help="of its velocity, s (default: 0.3)"
+    )
+    parser.add_argument(
+        "--observe",
+        nargs="+",
+        choices=OBSERVATIONS,
+        default=["keypoints"],
+        help="default: keypoints",
+    )
+    parser.add_argument("--out", type=Path, required=True, help="folder of the dataset")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Record what is missing and say what to do with it."""
+    # Imported late: it loads torch, which reads the number of threads.
+    from aicon_baselines.agents.diffusion.collection import collect
+    from aicon_baselines.evaluation.progress import ProgressBar
+
+    config = RecordingConfig(
+        episodes=arguments.episodes,
+        seed=arguments.seed,
+        noises=tuple(arguments.noises),
+        near=arguments.near,
+        max_speed=arguments.max_speed,
+        smoothing=arguments.smoothing,
+        observations=tuple(arguments.observe),
+    )
+    with ProgressBar(0, config.episodes) as bar:
+        collect(config, arguments.out, bar.received)
+
+    print(f"{config.episodes} episodes, saved in {arguments.out}; to train a diffusion policy:")
     print(f"python scripts/train_diffusion.py --data {arguments.out} --out runs/diffusion")
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--episodes", type=int, default=200, help="successful episodes (default: 200)")
-    parser.add_argument("--seed", type=int, default=100_000, help="first seed (default: 100000)")
-    parser.add_argument(
-        "--noises", nargs="+", type=float, default=[0.0, 2.0], metavar="PX", help="noise on actions (default: 0 2)"
-    )
-    parser.add_argument("--near", type=float, default=0.0, help="share of starts near the goal (default: 0)")
-    parser.add_argument("--max-speed", type=float, default=250.0, help="the teacher's, px/s (default: 250)")
-    parser.add_argument("--smoothing", type=float, default=0.3, help="of its velocity, s (default: 0.3)")
-    parser.add_argument("--observe", nargs="+", choices=OBSERVATIONS, default=["keypoints"], help="default: keypoints")
-    parser.add_argument("--out", type=Path, required=True, help="folder of the dataset")
-    return parser
-
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

@@ -1,93 +1,133 @@
-"""Train LeRobot's diffusion policy on demonstrations of pushT, to be compared by compare.py.
+r"""Train LeRobot's diffusion policy on demonstrations of pushT, to be compared by `aicon compare`.
 
 Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out runs/diffusion
-         python scripts/compare.py --task pusht --policies aicon diffusion --diffusion-path runs/diffusion/policy \
-           --out runs/pusht
+         aicon compare --task pusht --policies aicon diffusion \
+           --diffusion-path runs/diffusion/policy --out runs/pusht
 
-The same command goes on where a stopped run was saved last, and one with other --steps to that number of them. It needs
-LeRobot: make lerobot-env.
+The same command goes on where a stopped run was saved last, and one with other --steps to that
+number of them. It needs LeRobot: make lerobot-env.
 """
 
 import argparse
-import os
+from functools import partial
 from pathlib import Path
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded: small networks gain nothing from more
-
-from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.agents.diffusion.demonstrations import OBSERVATIONS
-from aicon_baselines.agents.diffusion.export import export
-from aicon_baselines.agents.diffusion.settings import Training
-from aicon_baselines.agents.diffusion.training import POLICY, train
+from aicon_baselines.agents.diffusion.recording_config import OBSERVATIONS
+from aicon_baselines.agents.diffusion.training_config import TrainingConfig
+from aicon_baselines.cli.command_line import Command, run_command
 
 
-def main() -> None:
-    """Parse the arguments, train what is missing and say what to do with it."""
-    parser = _parser()
-    arguments = parser.parse_args()
-    try:
-        config = Training(
-            steps=arguments.steps,
-            observation=arguments.observe,
-            down_dims=tuple(arguments.down_dims),
-            batch=arguments.batch,
-            learning_rate=arguments.learning_rate,
-            warmup=arguments.warmup,
-            horizon=arguments.horizon,
-            action_steps=arguments.action_steps,
-            kernel=arguments.kernel,
-            prediction=arguments.prediction,
-            normalization=arguments.normalization,
-            shift=arguments.shift,
-            seed=arguments.seed,
-        )
-        steps = train(
-            config,
-            arguments.data,
-            arguments.out,
-            device=arguments.device,
-            checkpoint=arguments.checkpoint,
-            stop_after=arguments.stop_after,
-            report=lambda line: print(line, flush=True),
-        )
-        if arguments.export and steps == config.steps:
-            export(arguments.out, arguments.export, arguments.sampler, arguments.inference_steps)
-    except ComparisonError as error:
-        parser.error(str(error))
-    except KeyboardInterrupt:
-        parser.exit(130, "\nstopped; the same command goes on from the last checkpoint\n")
-    print(f"{steps:,} steps, saved in {arguments.out / POLICY}; to compare it:")
-    print(
-        "python scripts/compare.py --task pusht --policies aicon diffusion --diffusion-path "
-        f"{arguments.out / POLICY} --out runs/pusht"
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is trained, how, and what is done with it at the end."""
+    parser.add_argument("--data", type=Path, required=True, help="folder of the dataset")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the training")
+    _add_config(parser)
+
+    parser.add_argument("--device", default="cpu", help="cpu or cuda (default: cpu)")
+    parser.add_argument(
+        "--checkpoint", type=int, default=1000, help="steps between saves (default: 1000)"
+    )
+    parser.add_argument(
+        "--stop-after", type=float, metavar="MINUTES", help="save and stop then, to go on later"
+    )
+
+    parser.add_argument(
+        "--export", type=Path, metavar="FOLDER", help="copy it there in half precision at the end"
+    )
+    parser.add_argument("--sampler", choices=("DDPM", "DDIM"), help="of the copy (default: DDPM)")
+    parser.add_argument("--inference-steps", type=int, help="of its sampler (default: 100)")
+
+
+def _add_config(parser: argparse.ArgumentParser) -> None:
+    """Declare what can be varied of a training; see `TrainingConfig`."""
+    # The network.
+    parser.add_argument(
+        "--observe", choices=OBSERVATIONS, default="keypoints", help="default: keypoints"
+    )
+    parser.add_argument(
+        "--down-dims", nargs="+", type=int, default=[64, 128, 256], help="default: 64 128 256"
+    )
+    parser.add_argument("--kernel", type=int, default=3, help="size of convolutions (default: 3)")
+    parser.add_argument(
+        "--horizon", type=int, default=16, help="actions predicted at once (default: 16)"
+    )
+    parser.add_argument(
+        "--action-steps", type=int, default=8, help="executed before it looks again (default: 8)"
+    )
+
+    # What it learns.
+    parser.add_argument(
+        "--prediction", default="sample", help="sample or epsilon (default: sample)"
+    )
+    parser.add_argument(
+        "--normalization", default="MEAN_STD", help="MEAN_STD or MIN_MAX (default: MEAN_STD)"
+    )
+    parser.add_argument(
+        "--shift", type=float, default=2.0, help="of observations with MEAN_STD, σ (default: 2)"
+    )
+
+    # How it learns.
+    parser.add_argument("--steps", type=int, default=20_000, help="gradient steps (default: 20000)")
+    parser.add_argument("--batch", type=int, default=64, help="windows in a step (default: 64)")
+    parser.add_argument(
+        "--learning-rate", type=float, default=1e-3, help="its largest value (default: 1e-3)"
+    )
+    parser.add_argument(
+        "--warmup", type=int, default=200, help="steps until it is reached (default: 200)"
+    )
+    parser.add_argument(
+        "--seed", type=int, default=100_000, help="of network, order and noise (default: 100000)"
     )
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True, help="folder of the dataset")
-    parser.add_argument("--out", type=Path, required=True, help="folder of the training")
-    parser.add_argument("--steps", type=int, default=20_000, help="gradient steps (default: 20000)")
-    parser.add_argument("--observe", choices=OBSERVATIONS, default="keypoints", help="default: keypoints")
-    parser.add_argument("--down-dims", nargs="+", type=int, default=[64, 128, 256], help="default: 64 128 256")
-    parser.add_argument("--batch", type=int, default=64, help="windows in a step (default: 64)")
-    parser.add_argument("--learning-rate", type=float, default=1e-3, help="its largest value (default: 1e-3)")
-    parser.add_argument("--warmup", type=int, default=200, help="steps until it is reached (default: 200)")
-    parser.add_argument("--horizon", type=int, default=16, help="actions predicted at once (default: 16)")
-    parser.add_argument("--action-steps", type=int, default=8, help="executed before it looks again (default: 8)")
-    parser.add_argument("--kernel", type=int, default=3, help="size of convolutions (default: 3)")
-    parser.add_argument("--prediction", default="sample", help="sample or epsilon (default: sample)")
-    parser.add_argument("--normalization", default="MEAN_STD", help="MEAN_STD or MIN_MAX (default: MEAN_STD)")
-    parser.add_argument("--shift", type=float, default=2.0, help="of observations with MEAN_STD, σ (default: 2)")
-    parser.add_argument("--seed", type=int, default=100_000, help="of network, order and noise (default: 100000)")
-    parser.add_argument("--device", default="cpu", help="cpu or cuda (default: cpu)")
-    parser.add_argument("--checkpoint", type=int, default=1000, help="steps between saves (default: 1000)")
-    parser.add_argument("--stop-after", type=float, metavar="MINUTES", help="save and stop then, to go on later")
-    parser.add_argument("--export", type=Path, metavar="FOLDER", help="copy it there in half precision at the end")
-    parser.add_argument("--sampler", choices=("DDPM", "DDIM"), help="of the copy (default: DDPM)")
-    parser.add_argument("--inference-steps", type=int, help="of its sampler (default: 100)")
-    return parser
+def run(arguments: argparse.Namespace) -> None:
+    """Train what is missing and say what to do with it."""
+    # Imported late: they load torch, which reads the number of threads.
+    from aicon_baselines.agents.diffusion.export import export
+    from aicon_baselines.agents.diffusion.training import POLICY, train
 
+    config = make_config(arguments)
+    steps = train(
+        config,
+        arguments.data,
+        arguments.out,
+        device=arguments.device,
+        checkpoint=arguments.checkpoint,
+        stop_after=arguments.stop_after,
+        report=partial(print, flush=True),
+    )
+    if arguments.export and steps == config.steps:
+        export(arguments.out, arguments.export, arguments.sampler, arguments.inference_steps)
+
+    print(f"{steps:,} steps, saved in {arguments.out / POLICY}; to compare it:")
+    print(
+        "aicon compare --task pusht --policies aicon diffusion "
+        f"--diffusion-path {arguments.out / POLICY} --out runs/pusht"
+    )
+
+
+def make_config(arguments: argparse.Namespace) -> TrainingConfig:
+    """Return what the arguments say is trained."""
+    return TrainingConfig(
+        steps=arguments.steps,
+        observation=arguments.observe,
+        down_dims=tuple(arguments.down_dims),
+        batch=arguments.batch,
+        learning_rate=arguments.learning_rate,
+        warmup=arguments.warmup,
+        horizon=arguments.horizon,
+        action_steps=arguments.action_steps,
+        kernel=arguments.kernel,
+        prediction=arguments.prediction,
+        normalization=arguments.normalization,
+        shift=arguments.shift,
+        seed=arguments.seed,
+    )
+
+
+COMMAND = Command(
+    __doc__, add_arguments, run, "stopped; the same command goes on from the last checkpoint"
+)
 
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

@@ -1,29 +1,32 @@
 """Search over gain and speed, the same for every policy of a task, on seeds that are not reported.
 
-Example: python scripts/tune.py --policies aicon paper_literal steepest potential_field --jobs 2 --out runs/tune
+Example: python scripts/tune.py --policies aicon paper_literal steepest --jobs 2 --out runs/tune
 
-The best of each policy is what its preset should hold. The same command goes on where a stopped run was.
+The best of each policy is what its preset should hold. The same command goes on where a stopped run
+was.
 """
 
 import argparse
-import os
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when torch is loaded, here and in the workers
-
-from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.agents.registry import factory
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
-from aicon_baselines.agents.registry import factory
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.report import write_report
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.tasks import load
 
+FIRST_SEED = 1000
+"""Seeds below this are for reporting."""
+
 
 class Search(NamedTuple):
-    """What is searched unless asked otherwise, on which seeds; speeds in the task's unit of length per second."""
+    """What is searched unless asked otherwise, on which seeds; speeds in m/s."""
 
     gains: tuple[float, ...]
     speeds: tuple[float, ...]
@@ -32,47 +35,86 @@ class Search(NamedTuple):
 
 
 SEARCHES = {
-    "nav2d": Search((0.3, 0.6, 1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0), (0.25, 0.5), 1024, 128),
-    "pusht": Search((4e3, 16e3, 64e3, 256e3, 1e6, 1e9), (100.0, 200.0, 400.0, 800.0), 1000, 100),
+    "nav2d": Search(
+        gains=(0.3, 0.6, 1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0),
+        speeds=(0.25, 0.5),
+        seed=1024,
+        episodes=128,
+    ),
+    "pusht": Search(
+        gains=(4.0, 16.0, 64.0, 256.0, 1e3, 1e6),
+        speeds=(0.1, 0.2, 0.4, 0.8),
+        seed=1000,
+        episodes=100,
+    ),
 }
-LAWS: dict[str, dict[str, bool]] = {"preset": {}, "set": {"accumulate": False}, "accumulate": {"accumulate": True}}
+LAWS: dict[str, dict[str, Any]] = {
+    "preset": {},
+    "set": {"law.accumulate": False},
+    "accumulate": {"law.accumulate": True},
+}
+"""The options of each action law: what the preset says, or the velocity set or accumulated."""
 
 
-def main() -> None:
-    """Parse the arguments, run what is missing, save and print the results, best first."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--task", choices=SEARCHES, default="nav2d", help="the task (default: nav2d)")
-    parser.add_argument("--policies", nargs="+", required=True, metavar="PRESET", help="presets of the task's model")
-    parser.add_argument("--gains", nargs="+", type=float, help="gains of the action law (default: the task's)")
-    parser.add_argument("--speeds", nargs="+", type=float, help="largest speeds, m/s or px/s (default: the task's)")
-    parser.add_argument("--laws", nargs="+", choices=LAWS, default=["preset"], help="set or accumulate the velocity")
-    parser.add_argument("--seed", type=int, help="first seed, 1000 or more (default: the task's)")
-    parser.add_argument("--episodes", type=int, help="seeds (default: the task's)")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is searched; what is left out is the task's."""
+    parser.add_argument("--task", choices=SEARCHES, default="nav2d", help="default: nav2d")
+    parser.add_argument(
+        "--policies", nargs="+", required=True, metavar="NAME", help="policies of the task"
+    )
+    parser.add_argument("--gains", nargs="+", type=float, help="of the action law")
+    parser.add_argument("--speeds", nargs="+", type=float, help="largest speeds, m/s")
+    parser.add_argument(
+        "--laws",
+        nargs="+",
+        choices=LAWS,
+        default=["preset"],
+        help="set or accumulate the velocity",
+    )
+    parser.add_argument("--seed", type=int, help=f"first seed, {FIRST_SEED} or more")
+    parser.add_argument("--episodes", type=int, help="seeds")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
-    parser.set_defaults(**SEARCHES[parser.parse_known_args()[0].task]._asdict())
-    arguments = parser.parse_args()
-    if arguments.seed < 1000:
-        parser.error(f"--seed {arguments.seed}: seeds below 1000 are for reporting, not for tuning")
-    try:
-        print(_run(arguments))
-    except ComparisonError as error:
-        parser.error(str(error))
 
 
-def _run(arguments: argparse.Namespace) -> str:
-    """Run what is missing in the folder and return the table of results."""
+def run(arguments: argparse.Namespace) -> None:
+    """Run what is missing in the folder and print the table of results, best first."""
+    search = choose_search(arguments)
     task = load(arguments.task)
-    candidates = {
-        f"{preset} {law} gain={gain:g} speed={speed:g}": factory(
-            task.name, preset, gain=gain, max_speed=speed, **LAWS[law]
-        )
-        for preset, law, gain, speed in product(arguments.policies, arguments.laws, arguments.gains, arguments.speeds)
-    }
-    folder = RunFolder(arguments.out, configure(task, seed=arguments.seed, episodes=arguments.episodes))
-    compare(task, candidates, folder, arguments.jobs)
-    return write_report(task, folder)
+    candidates = list_candidates(task.name, arguments.policies, arguments.laws, search)
 
+    config = configure(task, seed=search.seed, episodes=search.episodes)
+    folder = RunFolder(arguments.out, config)
+    compare(task, candidates, folder, arguments.jobs)
+    print(write_report(task, folder))
+
+
+def choose_search(arguments: argparse.Namespace) -> Search:
+    """Return the task's search with what the arguments say otherwise."""
+    asked = {name: getattr(arguments, name) for name in Search._fields}
+    given = {name: value for name, value in asked.items() if value is not None}
+
+    search = SEARCHES[arguments.task]._replace(**given)
+    if search.seed < FIRST_SEED:
+        raise ComparisonError(
+            f"--seed {search.seed}: seeds below {FIRST_SEED} are for reporting, not for tuning"
+        )
+    return search
+
+
+def list_candidates(
+    task: str, policies: list[str], laws: list[str], search: Search
+) -> dict[str, Factory]:
+    """Return what builds each policy with each law, gain and speed, by a name that says which."""
+    candidates = {}
+    for policy, law, gain, speed in product(policies, laws, search.gains, search.speeds):
+        options = {**LAWS[law], "law.gain": gain, "max_speed": speed}
+        name = f"{policy} {law} gain={gain:g} speed={speed:g}"
+        candidates[name] = factory(task, policy, **options)
+    return candidates
+
+
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

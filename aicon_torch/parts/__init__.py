@@ -1,1 +1,147 @@
-"""What graphs are made of."""
+"""What graphs are made of: in SI units, each usable alone."""
+
+from aicon_torch.parts.camera import (
+    STEERED_COMPONENTS,
+    CameraFrame,
+    Intrinsics,
+    Visibility,
+    split_frame,
+    to_world,
+)
+from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.clearance import (
+    ClearancePrior,
+    CollisionLikelihood,
+    direction_residual,
+    range_residual,
+    slide,
+    slide_jacobian,
+    unit_gradient_jacobian,
+    unit_gradient_residual,
+)
+from aicon_torch.parts.contact import (
+    ContactLikelihood,
+    closest_point,
+    fixed_closest_point,
+    inward_normal,
+    is_interior,
+    tangent,
+)
+from aicon_torch.parts.contact_dynamics import ContactDynamics
+from aicon_torch.parts.contact_limits import ContactLimits
+from aicon_torch.parts.contact_options import (
+    ContactLimitOptions,
+    ContactOptions,
+    SlowApproachOptions,
+)
+from aicon_torch.parts.delay import (
+    ActionHistory,
+    CurrentPose,
+    DelayedPoseMotion,
+    current_position,
+    delayed_position,
+)
+from aicon_torch.parts.end_effector import EndEffector, ToolPose
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.image_registration import Detection, ImageRegistration
+from aicon_torch.parts.image_segmentation import RGBDImage, TopFace, TopFaceSegmentation
+from aicon_torch.parts.joint_limits import JointLimits
+from aicon_torch.parts.landmark import (
+    BearingPrior,
+    approach,
+    bearing_jacobian,
+    bearing_residual,
+    expected_distance,
+)
+from aicon_torch.parts.planar import cross, norm, pose_error, rotate, wrap_angle
+from aicon_torch.parts.pose import (
+    FixedTarget,
+    KeypointRegistration,
+    PoseDistance,
+    PoseMotion,
+    pose_jacobian,
+    resting_pose,
+)
+from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.parts.self_collision import (
+    Capsule,
+    CapsuleSegments,
+    SelfCollision,
+    segment_distance,
+)
+from aicon_torch.parts.servo import PositionTarget, Servo
+from aicon_torch.parts.slow_approach import SlowApproach
+from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
+from aicon_torch.parts.workspace import Workspace
+
+__all__ = [
+    "STEERED_COMPONENTS",
+    "ActionHistory",
+    "BearingPrior",
+    "CameraFrame",
+    "Capsule",
+    "CapsuleSegments",
+    "Chain",
+    "ClearancePrior",
+    "CollisionLikelihood",
+    "ContactDynamics",
+    "ContactForce",
+    "ContactLikelihood",
+    "ContactLimitOptions",
+    "ContactLimits",
+    "ContactOptions",
+    "CurrentPose",
+    "DelayedPoseMotion",
+    "Detection",
+    "EndEffector",
+    "FixedTarget",
+    "ForceThreshold",
+    "ImageRegistration",
+    "Intrinsics",
+    "JointLimits",
+    "KeypointRegistration",
+    "PoseDistance",
+    "PoseMotion",
+    "PositionTarget",
+    "RGBDImage",
+    "RigidObject",
+    "SelfCollision",
+    "Servo",
+    "SlowApproach",
+    "SlowApproachOptions",
+    "SquaredHinge",
+    "ToolPose",
+    "TopFace",
+    "TopFaceSegmentation",
+    "TouchedSide",
+    "TouchedTop",
+    "Visibility",
+    "Workspace",
+    "approach",
+    "bearing_jacobian",
+    "bearing_residual",
+    "closest_point",
+    "cross",
+    "current_position",
+    "delayed_position",
+    "direction_residual",
+    "expected_distance",
+    "fixed_closest_point",
+    "inward_normal",
+    "is_interior",
+    "norm",
+    "pose_error",
+    "pose_jacobian",
+    "range_residual",
+    "resting_pose",
+    "rotate",
+    "segment_distance",
+    "slide",
+    "slide_jacobian",
+    "split_frame",
+    "tangent",
+    "to_world",
+    "unit_gradient_jacobian",
+    "unit_gradient_residual",
+    "wrap_angle",
+]

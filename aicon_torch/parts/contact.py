@@ -1,6 +1,8 @@
-"""The geometry-based contact model: where the pusher may touch a side of the object, and how likely that is.
+"""The contact model's geometry: where a pusher may touch an object, and how likely that is.
 
-Everything here is written for one side; the graph evaluates it for each.
+Everything here is written for one side, (start, end) in m; a graph evaluates it for each. The
+inside of the object is on the left of a side as it is walked from its start to its end, with x to
+the right and y up.
 """
 
 from dataclasses import dataclass
@@ -8,75 +10,114 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from aicon_torch.parts.servo import RADIUS
+from aicon_torch.parts.planar import norm
 
-
-def norm(vectors: Tensor) -> Tensor:
-    """Euclidean norm ``(*B,)`` of vectors ``(*B, d)``, with a derivative at zero."""
-    return torch.sqrt((vectors * vectors).sum(-1) + 1e-18)
+END_TOLERANCE = 1e-9
+"""Distance from the end of a side within which a point counts as that end, m."""
 
 
 def tangent(x_side: Tensor) -> Tensor:
-    """Unit vector along a side (start, end) ``(*B, 4)``, ``(*B, 2)``."""
+    """Unit vector t = (end − start)/‖end − start‖ along a side ``(*B, 4)``, ``(*B, 2)``."""
     along = x_side[..., 2:] - x_side[..., :2]
     return along / norm(along).unsqueeze(-1)
 
 
-def inward(x_side: Tensor) -> Tensor:
-    """Unit normal of a side into the object, ``(*B, 2)``."""
+def inward_normal(x_side: Tensor) -> Tensor:
+    """Unit normal n = (−t_y, t_x) of a side ``(*B, 4)`` into the object, ``(*B, 2)``."""
     x, y = tangent(x_side).unbind(-1)
     return torch.stack((-y, x), dim=-1)
 
 
 def closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
-    """x_contact: the point of a side that is closest to the pusher, ``(*B, 2)``, px."""
+    """x_contact: the point of a side that is closest to the pusher.
+
+    Args:
+        x_pusher: Centre of the pusher, ``(*B, 2)``, m.
+        x_side: The side, ``(*B, 4)``, m.
+
+    Returns:
+        ``(*B, 2)``, m.
+    """
     start, along = x_side[..., :2], x_side[..., 2:] - x_side[..., :2]
-    share = ((x_pusher - start) * along).sum(-1, keepdim=True) / (along * along).sum(-1, keepdim=True).clamp(min=1e-9)
+    squared_length = (along * along).sum(-1, keepdim=True).clamp(min=1e-15)
+
+    share = ((x_pusher - start) * along).sum(-1, keepdim=True) / squared_length
     return start + share.clamp(0.0, 1.0) * along
 
 
-def held_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
-    """x_contact as a constant, which leaves p₂ out."""
-    return closest_point(x_pusher, x_side).detach()
+def fixed_closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
+    """x_contact as a constant, ``(*B, 2)``, m, which leaves out p₂, the path over its position."""
+    return closest_point(
+        x_pusher, x_side
+    ).detach()  # stops the gradient by the position of the contact
+
+
+def is_interior(point: Tensor, x_side: Tensor) -> Tensor:
+    """Whether a point ``(*B, 2)`` of a side ``(*B, 4)`` is neither of its ends, ``(*B,)``."""
+    start, end = x_side[..., :2], x_side[..., 2:]
+    after_start = (point - start).abs().amax(-1) > END_TOLERANCE
+    before_end = (point - end).abs().amax(-1) > END_TOLERANCE
+    return after_start & before_end
 
 
 @dataclass(frozen=True)
 class ContactLikelihood:
-    """p_contact as a contact that is sought and as one that just happens, ``(*B, 2)``.
+    """p_contact: how likely a contact is, as one that is sought and as one that just happens.
 
-    The first reaches as far as one travels to a contact, p = exp(−d/ℓ) with the distance d to a point just outside the
-    side; the second as far as one reacts to what is in the way, p = exp(−gap/ℓ'). Which of them counts is decided by
-    the edge that uses them (:func:`aicon_torch.by_gain`). The text has one likelihood for both.
+    A sought contact reaches as far as one travels to it, p = exp(−(‖c − a n − x‖ − (r − a))/ℓ): the
+    distance of the pusher x to a point just outside the closest point c, by a along the inward
+    normal n. A contact that just happens reaches as far as one reacts to what is in the way, p =
+    exp(−(‖c − x‖ − r)/ℓ'). Which of them counts is decided by the edge that uses them
+    (:func:`aicon_torch.by_gain`). The text has one likelihood for both.
 
     Attributes:
-        reach: ℓ, px.
-        reaction: ℓ', px.
-        aim: How far outside the side a sought contact is aimed at, px.
-        facing: Whether a contact that just happens at a corner counts as far as the side faces the pusher.
-        radius: Radius of the pusher, px.
+        reach: ℓ, m.
+        reaction: ℓ', m.
+        aim: a, how far outside the side a sought contact is aimed at, m.
+        facing: Whether a contact that just happens at a corner counts as far as the side faces the
+            pusher.
+        radius: r of the pusher, m.
     """
 
     reach: float
     reaction: float
     aim: float
     facing: bool
-    radius: float = RADIUS
+    radius: float
 
     def __call__(self, x_pusher: Tensor, x_contact: Tensor, x_side: Tensor) -> Tensor:
-        """The two likelihoods of a contact with one side."""
-        point = x_contact.detach()  # the closest point: what its motion adds to a distance is zero
-        normal = inward(x_side)
+        """The two likelihoods of a contact with one side.
+
+        Args:
+            x_pusher: Centre of the pusher, ``(*B, 2)``, m.
+            x_contact: The closest point of the side, ``(*B, 2)``, m.
+            x_side: The side, ``(*B, 4)``, m.
+
+        Returns:
+            Sought and happening, ``(*B, 2)``.
+        """
+        point = (
+            x_contact.detach()
+        )  # stops nothing: by the motion of the closest point no distance changes
+        normal = inward_normal(x_side)
         to_point = point - x_pusher
-        sought = torch.exp(-(norm(to_point - self.aim * normal) - (self.radius - self.aim)) / self.reach)
+
+        sought = self._of_sought(to_point, normal)
+        happening = self._of_happening(to_point, normal, is_interior(point, x_side))
+        return torch.stack((sought, happening), dim=-1)
+
+    def _of_sought(self, to_point: Tensor, normal: Tensor) -> Tensor:
+        to_aim = norm(to_point - self.aim * normal)
+        return torch.exp(-(to_aim - (self.radius - self.aim)) / self.reach)
+
+    def _of_happening(self, to_point: Tensor, normal: Tensor, interior: Tensor) -> Tensor:
         distance = norm(to_point)
-        happens = torch.exp(-(distance - self.radius) / self.reaction)
-        if self.facing:
-            faces = ((normal * to_point).sum(-1) / distance).clamp(min=0.0).detach()  # a share of the likelihood
-            happens = torch.where(interior(point, x_side), happens, faces * happens)
-        return torch.stack((sought, happens), dim=-1)
+        likelihood = torch.exp(-(distance - self.radius) / self.reaction)
+        if not self.facing:
+            return likelihood
 
-
-def interior(point: Tensor, x_side: Tensor) -> Tensor:
-    """Whether a point of a side is not one of its ends, ``(*B,)``."""
-    start, end = x_side[..., :2], x_side[..., 2:]
-    return ((point - start).abs().amax(-1) > 1e-6) & ((point - end).abs().amax(-1) > 1e-6)
+        cosine = (normal * to_point).sum(-1) / distance
+        share = cosine.clamp(
+            min=0.0
+        ).detach()  # stops the gradient of the share: it weighs, and is no goal
+        return torch.where(interior, likelihood, share * likelihood)

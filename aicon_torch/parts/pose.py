@@ -1,94 +1,162 @@
-"""Where the object is: predicted from what the pusher did, corrected by the registration of its keypoints."""
+"""Where the object is: predicted from what the pusher did, corrected by registration."""
 
-import math
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from aicon_torch.parts.contact import closest_point, norm
+from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.rigid_object import Outline
-from aicon_torch.parts.servo import RADIUS
+from aicon_torch.parts.planar import norm, pose_error
+from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.vectors import select
 
 
 @dataclass(frozen=True)
 class PoseMotion:
-    """The object's pose after the last action: pushed as far as the pusher went beyond the nearest side.
+    """The pose after the last action: pushed as far as the pusher went beyond the nearest side.
+
+    With the gap to that side before, the motion d of the pusher and the unit vector n towards the
+    side, the push is max(d·n − max(gap, 0), 0), and the object moves by as much of its response
+    (:meth:`ContactDynamics.response`).
 
     Attributes:
         dynamics: What a push does.
-        radius: Radius of the pusher, px.
+        radius: Radius of the pusher, m.
     """
 
     dynamics: ContactDynamics
-    radius: float = RADIUS
+    radius: float
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor, a: Tensor, dt: float) -> Tensor:
-        """The pose (x, y, θ) ``(*B, 3)``.
+        """The pose (x, y, θ).
 
         Args:
-            x_pose: The pose before, ``(*B, 3)``.
-            x_pusher: Where the pusher has arrived, ``(*B, 2)``, px.
-            a: With which mean velocity, ``(*B, 2)``, px/s.
+            x_pose: The pose before, ``(*B, 3)``, m and rad.
+            x_pusher: Where the pusher has arrived, ``(*B, 2)``, m.
+            a: With which mean velocity, ``(*B, 2)``, m/s.
             dt: In what time, s.
+
+        Returns:
+            ``(*B, 3)``, m and rad.
         """
-        motion = a.detach() * dt  # what moved the object is past; what will move it is the contact model's matter
-        before = (x_pusher.detach() - motion).unsqueeze(-2)
-        pose = x_pose.detach()  # how a push depends on the pose is of second order: the belief moves as it is
-        points = closest_point(before, self.dynamics.outline.sides(self.dynamics.outline.placed(pose)))
-        distance = norm(points - before)
-        nearest = distance.argmin(-1, keepdim=True)
-        point, gap = select(points, nearest), distance.gather(-1, nearest).squeeze(-1) - self.radius
-        normal = (point - before.squeeze(-2)) / (gap + self.radius).unsqueeze(-1)
+        # What moved the object is past, and what will move it is the contact model's matter; how a
+        # push depends on the pose is of second order. So the belief moves as it is, and no gradient
+        # leaves through the push.
+        motion = a.detach() * dt
+        pusher = x_pusher.detach() - motion
+        pose = x_pose.detach()
+
+        # The nearest side before the motion.
+        body = self.dynamics.body
+        points = closest_point(pusher.unsqueeze(-2), body.sides(body.keypoints_at(pose)))
+        distances = norm(points - pusher.unsqueeze(-2))
+        nearest = distances.argmin(-1, keepdim=True)
+        point = select(points, nearest)
+        gap = distances.gather(-1, nearest).squeeze(-1) - self.radius
+
+        # How far the pusher went beyond it, and what that does.
+        normal = (point - pusher) / (gap + self.radius).unsqueeze(-1)
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
-        response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2)).squeeze(-2)
-        return x_pose + push.unsqueeze(-1) * response
+        response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
+        return x_pose + push.unsqueeze(-1) * response.squeeze(-2)
 
 
-def rest(x_pose: Tensor) -> Tensor:
-    """The pose where it was last seen."""
+def resting_pose(x_pose: Tensor) -> Tensor:
+    """The pose where it was last seen, ``(*B, 3)``."""
     return x_pose
 
 
-def same(z_keypoints: Tensor) -> Tensor:
-    """The identity ``(3, 3)``: the derivative of the pose's prediction and of its residual by the pose.
+def pose_jacobian(x_pusher: Tensor) -> Tensor:
+    """∂x_pose⁺/∂x_pose = I, ``(3, 3)``, of :class:`PoseMotion` and of the residual of a pose.
 
-    Any quantity will do as argument: it tells dtype and device.
+    The pusher's position tells dtype and device; its value is not read.
     """
-    return torch.eye(3, dtype=z_keypoints.dtype, device=z_keypoints.device)
+    return torch.eye(3, dtype=x_pusher.dtype, device=x_pusher.device)
 
 
 @dataclass(frozen=True)
-class Registration:
-    """The residual x_pose − pose(z_keypoints), with the angle in [−π, π), ``(*B, 3)``, px and rad.
+class KeypointRegistration:
+    """The residual x_pose − registration(z_keypoints) of a pose and of the keypoints seen.
 
     Attributes:
-        outline: Whose keypoints they are.
+        body: Whose keypoints they are.
+        prior_deviation: Standard deviation of the pose at the first reading, m; its rotation moves
+            a point at the radius of gyration by as much.
     """
 
-    outline: Outline
+    body: RigidObject
+    prior_deviation: float = 0.01
 
     def __call__(self, x_pose: Tensor, z_keypoints: Tensor) -> Tensor:
-        """The residual."""
-        residual = x_pose - self.seen(z_keypoints)
-        angle = torch.remainder(residual[..., 2:] + math.pi, 2 * math.pi) - math.pi
-        return torch.cat((residual[..., :2], angle), dim=-1)
+        """The residual.
 
-    def seen(self, z_keypoints: Tensor) -> Tensor:
-        """The pose that a reading ``(*B, 2N)`` shows, ``(*B, 3)``."""
-        return self.outline.pose(z_keypoints.reshape(*z_keypoints.shape[:-1], -1, 2))
+        Args:
+            x_pose: (x, y, θ), ``(*B, 3)``, m and rad.
+            z_keypoints: ``(*B, 2K)``, m.
+
+        Returns:
+            ``(*B, 3)``, m and rad, the angle in [−π, π).
+        """
+        return pose_error(x_pose, self.observed_pose(z_keypoints), rotation_length=1.0)
+
+    def observed_pose(self, z_keypoints: Tensor) -> Tensor:
+        """The pose ``(*B, 3)``, m and rad, that a reading ``(*B, 2K)``, m, shows."""
+        return self.body.registration(z_keypoints.reshape(*z_keypoints.shape[:-1], -1, 2))
 
     def prior(self, z_keypoints: Tensor) -> tuple[Tensor, Tensor]:
-        """The pose at first: where the first reading shows it, give or take 10 px."""
-        spread = z_keypoints.new_tensor((10.0, 10.0, 10.0 / self.outline.gyration))
-        return self.seen(z_keypoints), torch.diag(spread**2)
+        """Mean ``(*B, 3)`` and covariance ``(3, 3)`` at first: where the first reading shows it."""
+        rotation_deviation = self.prior_deviation / self.body.radius_of_gyration
+        deviations = z_keypoints.new_tensor(
+            (self.prior_deviation, self.prior_deviation, rotation_deviation)
+        )
+        return self.observed_pose(z_keypoints), torch.diag(deviations**2)
 
     def variances(self, noise: float) -> tuple[float, float, float]:
-        """Variances of a registered pose (px², px², rad²) for keypoints with a standard deviation (px)."""
-        middle = self.outline.keypoints.mean(0)  # where the position is known best
-        spread = self.outline.keypoints - middle
-        turn = noise**2 / float((spread * spread).sum())
-        x, y = (noise**2 / len(spread) + turn * middle.flip(0) ** 2).tolist()
-        return x, y, turn
+        """Variances of a registered pose by those of its keypoints, in the body frame.
+
+        The position is known best at the mean of the keypoints; from there a rotation swings the
+        centre of mass.
+
+        Args:
+            noise: Standard deviation of each coordinate of a keypoint, m.
+
+        Returns:
+            Of x, y and θ, m², m² and rad².
+        """
+        mean = self.body.keypoints.mean(0)
+        spread = self.body.keypoints - mean
+        rotation = noise**2 / float((spread * spread).sum())
+
+        x, y = (noise**2 / len(spread) + rotation * mean.flip(0) ** 2).tolist()
+        return x, y, rotation
+
+
+@dataclass(frozen=True)
+class PoseDistance:
+    """g = ‖(Δx, Δy, LΔθ)‖: how far the object is from its target.
+
+    Attributes:
+        rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
+    """
+
+    rotation_length: float
+
+    def __call__(self, x_obj: Tensor, x_target: Tensor) -> Tensor:
+        """The distance ``(*B,)``, m, of two poses ``(*B, 3)``, m and rad."""
+        return norm(pose_error(x_obj, x_target, self.rotation_length))
+
+
+@dataclass(frozen=True)
+class FixedTarget:
+    """x_target: a target that does not depend on a reading.
+
+    Attributes:
+        pose: Centre of mass and orientation (x, y, θ), ``(3,)``, m and rad.
+    """
+
+    pose: Tensor
+
+    def __call__(self, x_pose: Tensor) -> Tensor:
+        """The target ``(*B, 3)``; the object's pose ``(*B, 3)`` tells the batch."""
+        return self.pose.to(x_pose).expand_as(x_pose)

@@ -1,87 +1,120 @@
-"""What the wrist feels: force without the weight of the tool, and what it says of contact and height."""
+"""A force-torque sensor at the wrist: what pushes against the tool, and what follows from it.
+
+Both measurements are implicit: where a force is felt they say that a distance is zero, and
+elsewhere nothing.
+"""
 
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.parts.chain import tool_frame
-from aicon_torch.parts.contact import closest_point, norm
-from aicon_torch.parts.rigid_object import Outline
-from aicon_torch.vectors import select
+from aicon_torch.parts.contact import closest_point
+from aicon_torch.parts.end_effector import ToolPose
+from aicon_torch.parts.planar import norm
+from aicon_torch.parts.rigid_object import RigidObject
+
+GRAVITY = 9.81
+"""m/s²"""
 
 
-class Felt(nn.Module):
-    """x_force: what pushes against the tool, ``(*B, 3)``, N, in the frame of the base.
+class ContactForce(nn.Module):
+    """x_force: what pushes against the tool, in the frame of the base, ``(*B, 3)``, N.
 
-    The sensor reads what the arm holds the tool with, its weight included; F = m g − R f balances it.
+    The sensor reads what the arm holds the tool with, its weight included. The forces on a tool at
+    rest add up to zero, so F = m g − R f with its mass m, its rotation R and the reading f, where g
+    points up.
 
     Args:
-        mass: Of the tool, kg.
-        length: Of the stick, m.
+        pose: From x_ee to the frame of the tool.
+        mass: Mass of all that the sensor carries, kg.
     """
 
-    def __init__(self, mass: float, length: float) -> None:
+    weight: Tensor
+
+    def __init__(self, pose: ToolPose, mass: float) -> None:
         super().__init__()
-        self.length = length
-        self.register_buffer("weight", torch.tensor((0.0, 0.0, 9.81 * mass), dtype=torch.float64))
+        self.pose = pose
+        weight = (0.0, 0.0, GRAVITY * mass)
+        self.register_buffer("weight", torch.tensor(weight, dtype=torch.float64))
 
     def forward(self, z_ft: Tensor, x_ee: Tensor) -> Tensor:
-        """The force; the reading leads no gradient anywhere."""
-        rotation, _ = tool_frame(x_ee.detach(), self.length)
-        return cast(Tensor, self.weight).to(z_ft) - (rotation @ z_ft[..., :3, None]).squeeze(-1)
+        """The force, from the reading ``(*B, 6)`` in the frame of the tool, N and Nm."""
+        # The arm does not turn for the sake of a reading.
+        rotation, _ = self.pose.to_frame(x_ee.detach())
+        force = (rotation @ z_ft[..., :3, None]).squeeze(-1)
+        return self.weight.to(z_ft) - force
 
 
 @dataclass(frozen=True)
-class Touching:
-    """An implicit interconnection: where the stick feels a push, the gap to the nearest side is zero.
+class ForceThreshold:
+    """How likely a force is a push: p = σ((F − F₀)/w).
 
     Attributes:
-        outline: The object.
-        radius: Of the stick, px.
-        certainty: Standard deviation σ of the gap under a clear push, px; it is felt at every step.
-        threshold: Force at which a push is as likely as not, N: a tool that is accelerated feels less.
-        width: By how much more it becomes likely, N.
+        force: F₀, at which a push is as likely as not, N; a tool that is accelerated feels less.
+        width: w, N.
     """
 
-    outline: Outline
+    force: float
+    width: float
+
+    def __call__(self, force: Tensor) -> Tensor:
+        """p, of the shape of the force, N."""
+        return torch.sigmoid((force - self.force) / self.width)
+
+
+@dataclass(frozen=True)
+class TouchedSide:
+    """An implicit measurement: where a tool feels a push, its gap to the nearest side is zero.
+
+    Attributes:
+        body: The object.
+        radius: Radius of the tool, m.
+        deviation: Standard deviation σ of the gap under a clear push, m; it is felt at every step.
+        push: Which horizontal force is a push.
+    """
+
+    body: RigidObject
     radius: float
-    certainty: float = 10.0
-    threshold: float = 1.2
-    width: float = 0.1
+    deviation: float
+    push: ForceThreshold
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor) -> Tensor:
-        """The gap, ``(*B, 1)``, px."""
-        pusher = x_pusher.detach().unsqueeze(-2)  # the object's pose is to follow from the touch, not the pusher
-        points = closest_point(pusher, self.outline.sides(self.outline.placed(x_pose)))
-        distance = norm(points - pusher)
-        nearest = distance.argmin(-1, keepdim=True)
-        return norm(select(points, nearest) - pusher.squeeze(-2)).unsqueeze(-1) - self.radius
+        """The gap ``(*B, 1)``, m, between an object at ``(*B, 3)`` and a tool at ``(*B, 2)``."""
+        pusher = (
+            x_pusher.detach()
+        )  # the pose of the object is to follow from the touch, not the tool
+        sides = self.body.sides(self.body.keypoints_at(x_pose))
+        points = closest_point(pusher.unsqueeze(-2), sides)
+
+        distances = norm(points - pusher.unsqueeze(-2))
+        nearest = distances.argmin(-1, keepdim=True)
+        return distances.gather(-1, nearest) - self.radius
 
     def variance(self, x_force: Tensor) -> Tensor:
-        """Its variance σ²/p² with the likelihood p of a push, ``(*B, 1)``, px²: beyond use without one."""
-        push = torch.sigmoid((norm(x_force.detach()[..., :2]) - self.threshold) / self.width)
-        return (self.certainty / push).square().unsqueeze(-1)
+        """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²: of no use where there is none."""
+        force = x_force[..., :2].detach()  # nothing is pushed in order to feel
+        likelihood = self.push(norm(force))
+        return (self.deviation / likelihood).square().unsqueeze(-1)
 
 
 @dataclass(frozen=True)
-class Resting:
-    """An implicit interconnection: where the stick is pushed up, what is below it is as high as its tip.
+class TouchedTop:
+    """An implicit measurement: where the tool is pushed up, what is below it is as high as its tip.
 
     Attributes:
-        threshold: Force at which this is as likely as not, N.
-        width: By how much more it becomes likely, N.
+        deviation: Standard deviation σ of the height under a clear push, m.
+        push: Which force upward is a push.
     """
 
-    threshold: float = 2.0
-    width: float = 0.15
+    deviation: float
+    push: ForceThreshold
 
     def __call__(self, x_top: Tensor, x_ee: Tensor) -> Tensor:
-        """Height of the top above the tip, ``(*B, 1)``, m."""
+        """Height of the object's top ``(*B, 1)`` above the tip of the tool, ``(*B, 1)``, m."""
         return x_top - x_ee[..., 2:3].detach()  # the height of the top is to follow from the touch
 
     def variance(self, x_force: Tensor) -> Tensor:
-        """Its variance, ``(*B, 1)``, m²."""
-        push = torch.sigmoid((x_force[..., 2:3].detach() - self.threshold) / self.width)
-        return 1e-5 / push.square()
+        """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²."""
+        force = x_force[..., 2:3].detach()  # nothing is pushed in order to feel
+        return (self.deviation / self.push(force)).square()

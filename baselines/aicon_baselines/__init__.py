@@ -1,6 +1,6 @@
-"""Policies to compare and the comparison itself: the same episodes for every policy, one row per episode."""
+"""Baselines beside AICON, and what compares them: the same episodes for every policy.
 
-from aicon_baselines.agents.registry import factory, make, names
-from aicon_baselines.evaluation import ComparisonError, Predictor
-
-__all__ = ["ComparisonError", "Predictor", "factory", "make", "names"]
+`aicon_baselines.evaluation` runs and sums up, `aicon_baselines.tasks` says what is to be done,
+`aicon_baselines.agents` builds the policies, and the command `aicon` (`aicon_baselines.cli`) puts
+them together.
+"""

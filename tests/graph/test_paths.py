@@ -11,6 +11,7 @@ def ladder(rungs: int) -> PathTable:
     for i in range(rungs, 0, -1):
         for name in (f"l{i}", f"r{i}"):
             edges[name] = (Edge(name, f"l{i - 1}"), Edge(name, f"r{i - 1}"))
+
     for name in ("l0", "r0"):
         edges[name] = (Edge(name, "a"),)
     return PathTable(edges, ("g",), ("a",))
@@ -27,6 +28,7 @@ def test_paths_are_listed_goal_by_goal() -> None:
         "h": (Edge("h", "x"),),
         "x": (Edge("x", "b"), Edge("x", "a")),
     }
+
     table = PathTable(edges, ("g", "h"), ("a", "b"))
     assert str(table).splitlines() == ["g → x → b", "g → x → a", "g → a", "h → x → b", "h → x → a"]
     assert len(table) == 5
@@ -58,10 +60,13 @@ def test_every_row_is_a_path_in_the_order_of_the_rows() -> None:
 
 
 def test_rows_multiply_the_count() -> None:
-    """Two edges with three rows each between all layers, one row, and a number that nobody could walk."""
+    """Two edges with three rows each between all layers, and a number that nobody could walk."""
     layers = 40
-    edges = {f"x{i}": (Edge(f"x{i}", f"x{i - 1}", 3), Edge(f"x{i}", f"x{i - 1}", 3)) for i in range(1, layers + 1)}
-    table = PathTable({**edges, "g": (Edge("g", f"x{layers}"),), "x0": (Edge("x0", "a", 1),)}, ("g",), ("a",))
+    edges = {"g": (Edge("g", f"x{layers}"),), "x0": (Edge("x0", "a", 1),)}
+    for i in range(1, layers + 1):
+        edges[f"x{i}"] = (Edge(f"x{i}", f"x{i - 1}", 3), Edge(f"x{i}", f"x{i - 1}", 3))
+
+    table = PathTable(edges, ("g",), ("a",))
     assert table.count() == 6**layers
     assert str(next(iter(table))).endswith("x2[0] → x1[0] → x0[0] → a")
 
@@ -96,8 +101,15 @@ def test_the_length_can_be_bounded() -> None:
         "x": (Edge("x", "y"), Edge("x", "a")),
         "y": (Edge("y", "a"),),
     }
-    for bound, expected in ((1, ["g → a"]), (2, ["g → x → a", "g → a"]), (3, ["g → x → y → a", "g → x → a", "g → a"])):
+    listed = {
+        1: ["g → a"],
+        2: ["g → x → a", "g → a"],
+        3: ["g → x → y → a", "g → x → a", "g → a"],
+    }
+
+    for bound, expected in listed.items():
         table = PathTable(edges, ("g",), ("a",), max_length=bound)
         assert [str(path) for path in table] == expected
         assert len(table) == len(expected)
+
     assert len(PathTable(edges, ("g",), ("a",))) == 3

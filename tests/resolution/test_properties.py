@@ -1,9 +1,13 @@
-"""Properties of the nullspace projection on drawn stacks: parallel, opposed, zero and duplicate gradients included."""
+"""Properties of the nullspace projection on drawn stacks.
 
-from typing import Any
+Parallel, opposed, zero and duplicate gradients included.
+"""
+
+from random import Random
 
 import pytest
 import torch
+from _inputs import lengths, resolve, weighted
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from torch import Tensor
@@ -11,7 +15,11 @@ from torch import Tensor
 from aicon_torch import NullspaceProjection
 from aicon_torch.vectors import unit
 
-RULES = [{"temperature": 0.8}, {"temperature": None}, {"temperature": 0.8, "relative": True}]
+RULES = {
+    "softmax": weighted(),
+    "magnitudes": weighted(temperature=None),
+    "relative": weighted(relative=True),
+}
 
 
 @st.composite
@@ -20,70 +28,87 @@ def stacks(draw: st.DrawFn) -> Tensor:
     size = draw(st.integers(1, 4))
     number = st.floats(-100, 100).map(lambda x: round(x, 3))
     rows: list[list[float]] = []
+
     for _ in range(draw(st.integers(1, 5))):
         kind = draw(st.sampled_from(("drawn", "drawn", "zero", "multiple")))
+
         if kind == "multiple" and rows:
             factor = draw(st.sampled_from((-2.0, -1.0, 0.5, 1.0)))
             rows.append([factor * x for x in draw(st.sampled_from(rows))])
+        elif kind == "zero":
+            rows.append([0.0] * size)
         else:
-            rows.append([0.0] * size if kind == "zero" else draw(st.lists(number, min_size=size, max_size=size)))
+            rows.append(draw(st.lists(number, min_size=size, max_size=size)))
+
     return torch.tensor(rows, dtype=torch.float64)
 
 
-def resolved(stack: Tensor, **options: Any) -> tuple[Tensor, Tensor]:
+def sum_and_ranks(rule: NullspaceProjection, stack: Tensor) -> tuple[Tensor, Tensor]:
     """The sum ``(d,)`` and who holds which rank, without a history."""
-    rule = NullspaceProjection(exploration=None, **options)
-    norms = torch.linalg.vector_norm(stack, dim=-1)
-    weights = rule.weigh(norms)
-    taken, rank = rule.resolve(unit(stack) * weights.unsqueeze(-1), weights, rule.initial(*stack.shape)["rank"])
-    return taken.sum(-2), rank
+    total, memory = resolve(rule, stack)
+    return total, memory["rank"]
 
 
-@pytest.mark.parametrize("options", RULES, ids=str)
-@given(stacks())
-def test_no_gradient_raises_the_cost_of_one_before_it(options: dict[str, Any], stack: Tensor) -> None:
-    """Descending the sum lowers the leader's cost as if it were alone, and each next one's in the space left to it."""
-    total, rank = resolved(stack, **options)
-    weights = NullspaceProjection(exploration=None, **options).weigh(torch.linalg.vector_norm(stack, dim=-1))
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES.keys())
+@given(stack=stacks())
+def test_no_gradient_raises_the_cost_of_one_before_it(
+    rule: NullspaceProjection, stack: Tensor
+) -> None:
+    """Descending the sum lowers the leader's cost as if it were alone.
+
+    Each next one's cost falls in the space that is left to it.
+    """
+    total, rank = sum_and_ranks(rule, stack)
+    weights = rule.weigh(lengths(stack))
+    scale = float(weights.max()) ** 2
+
     left = unit(stack) * weights.unsqueeze(-1)
     for index in [index for index in rank.tolist() if index >= 0]:
-        selected = left[index].clone()
-        scale = float(weights.max()) ** 2
-        assert float(total @ selected) == pytest.approx(float(selected @ selected), abs=1e-9 * scale)
-        left = left - (left @ unit(selected)).unsqueeze(-1) * unit(selected)
+        leader = left[index].clone()
+        change, alone = float(total @ leader), float(leader @ leader)
+        assert change == pytest.approx(alone, abs=1e-9 * scale)
+
+        left = left - (left @ unit(leader)).unsqueeze(-1) * unit(leader)
 
 
-@given(stacks())
-def test_the_three_projectors_are_equal(stack: Tensor) -> None:
-    norms = torch.linalg.vector_norm(stack, dim=-1)
+@pytest.mark.parametrize("projector", ["qr", "pinv"])
+@given(stack=stacks())
+def test_the_three_projectors_are_equal(projector: str, stack: Tensor) -> None:
+    norms = lengths(stack)
     assume(not ((norms > 0) & (norms < 1e-2)).any())
-    total, rank = resolved(stack)
-    for projector in ("qr", "pinv"):
-        other, held = resolved(stack, projector=projector)
-        if torch.equal(held, rank):  # what is left of parallel gradients is rounding, and so is its order
-            torch.testing.assert_close(other, total, rtol=1e-9, atol=1e-10)
-        torch.testing.assert_close(other, total, rtol=1e-6, atol=1e-7)
+
+    total, rank = sum_and_ranks(weighted(), stack)
+    other, other_rank = sum_and_ranks(weighted(projector=projector), stack)
+    torch.testing.assert_close(other, total, rtol=1e-6, atol=1e-7)
+
+    # What is left of parallel gradients is rounding, and so is its order.
+    if torch.equal(other_rank, rank):
+        torch.testing.assert_close(other, total, rtol=1e-9, atol=1e-10)
 
 
 @given(stacks(), st.randoms(use_true_random=False))
-def test_the_order_of_the_candidates_does_not_matter(stack: Tensor, random: Any) -> None:
-    norms = torch.linalg.vector_norm(stack, dim=-1)
-    gaps = (norms.unsqueeze(0) - norms.unsqueeze(1)).abs() + torch.eye(len(norms), dtype=norms.dtype)
+def test_the_order_of_the_candidates_does_not_matter(stack: Tensor, random: Random) -> None:
+    norms = lengths(stack)
+    gaps = (norms.unsqueeze(0) - norms.unsqueeze(1)).abs()
+    gaps.fill_diagonal_(1.0)
     assume(bool((gaps > 1e-3).all()))  # who leads among equals is nobody's business
+
     order = list(range(len(stack)))
     random.shuffle(order)
-    total, rank = resolved(stack)
-    other, held = resolved(stack[order])
-    assume([order[i] if i >= 0 else -1 for i in held.tolist()] == rank.tolist())  # equal projections may swap
+    total, rank = sum_and_ranks(weighted(), stack)
+    other, permuted = sum_and_ranks(weighted(), stack[order])
+
+    # Equal projections may swap.
+    other_rank = [order[index] if index >= 0 else -1 for index in permuted.tolist()]
+    assume(other_rank == rank.tolist())
+
     torch.testing.assert_close(other, total, rtol=1e-9, atol=1e-10)
 
 
 @given(stacks(), st.integers(1, 3))
 def test_rows_of_a_batch_are_resolved_alone(stack: Tensor, copies: int) -> None:
-    rule = NullspaceProjection(exploration=None)
     batch = torch.stack([stack * (k + 1) for k in range(copies)])
-    weights = rule.weigh(torch.linalg.vector_norm(batch, dim=-1))
-    held = rule.initial(*stack.shape)["rank"].expand(copies, -1)
-    together, _ = rule.resolve(unit(batch) * weights.unsqueeze(-1), weights, held)
-    alone = torch.stack([resolved(row)[0] for row in batch])
-    torch.testing.assert_close(together.sum(-2), alone, rtol=1e-12, atol=1e-12)
+
+    together, _ = sum_and_ranks(weighted(), batch)
+    alone = torch.stack([sum_and_ranks(weighted(), row)[0] for row in batch])
+    torch.testing.assert_close(together, alone, rtol=1e-12, atol=1e-12)

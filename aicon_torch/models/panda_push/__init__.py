@@ -1,4 +1,28 @@
-"""The model "panda_push": see :mod:`aicon_torch.models.panda_push.graph`."""
+"""The model "panda_push": an arm that pushes an object to a pose, by a camera in its hand."""
 
-from aicon_torch.models.panda_push.graph import *  # noqa: F403
-from aicon_torch.models.panda_push.graph import PRESETS, Options, build
+from aicon_torch.models.panda_push.graph import build, camera_perception, world_model
+from aicon_torch.models.panda_push.options import (
+    CameraOptions,
+    MotionLimitOptions,
+    Options,
+    TouchOptions,
+)
+from aicon_torch.models.panda_push.perception import CameraPerception
+from aicon_torch.models.panda_push.presets import PRESETS
+from aicon_torch.models.panda_push.robot import PANDA, Robot
+from aicon_torch.models.panda_push.scene import end_effector
+
+__all__ = [
+    "PANDA",
+    "PRESETS",
+    "CameraOptions",
+    "CameraPerception",
+    "MotionLimitOptions",
+    "Options",
+    "Robot",
+    "TouchOptions",
+    "build",
+    "camera_perception",
+    "end_effector",
+    "world_model",
+]

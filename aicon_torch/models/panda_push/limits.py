@@ -1,53 +1,49 @@
 """Limits of the arm's motion. They are ours: the text has none.
 
-The arm takes over pushT's limits of the tip near contact. Like them they are bounds on the next displacement that
-follow from where things are now, and they act on the joints by the least motion that takes away what goes beyond.
+The tip keeps the limits of a pusher near contact. Like them these are bounds on the next
+displacement that follow from where things are now, and they act on the joints by the least motion
+that takes away what goes beyond.
 """
 
+from collections.abc import Sequence
 from typing import cast
 
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.parts.chain import Kinematics
-from aicon_torch.models.panda_push.robot import Robot
+from aicon_torch.models.panda_push.options import MotionLimitOptions
 from aicon_torch.parts.contact_limits import ContactLimits
+from aicon_torch.parts.end_effector import EndEffector
 
 
 class ArmLimits(nn.Module):
     """The joint velocities within the limits of the tip and of the joints.
 
-    1. In the plane the tip moves at most at `max_speed`, and at most at a quarter of it up and down and in tilt, and at
-       half of it in heading (all in m/s, see x_ee).
-    2. In the plane the tip keeps pushT's limits over the next `horizon`, if there are any.
-    3. The tip moves toward its height no faster than it would arrive within `settle`.
+    1. In the plane the tip moves at most at its speed, up and down and in tilt at most at a quarter
+       of it, in heading at half of it (in m/s: :class:`aicon_torch.parts.end_effector.ToolPose`).
+    2. In the plane the tip keeps the limits near contact over the next `horizon`, if there are any.
+    3. The tip moves toward its height no faster than it would arrive within `settling_time`.
     4. No joint is faster than its limit, the direction kept.
 
     Args:
-        robot: The robot.
-        kinematics: The chain.
-        contact: pushT's limits, in px; None for none.
-        scale: px per m.
-        max_speed: Largest speed of the tip in the plane, m/s.
-        horizon: Time over which pushT's limits hold, s.
-        settle: Least time to arrive at a height, s.
+        end_effector: Of the arm.
+        joint_speeds: Largest speed of each joint, rad/s.
+        options: The speed of the tip, and the times.
+        contact: The limits near contact; None for none.
     """
 
     def __init__(
         self,
-        robot: Robot,
-        kinematics: Kinematics,
+        end_effector: EndEffector,
+        joint_speeds: Sequence[float],
+        options: MotionLimitOptions,
         contact: ContactLimits | None,
-        scale: float,
-        max_speed: float,
-        horizon: float,
-        settle: float,
     ) -> None:
         super().__init__()
-        self.kinematics, self.contact, self.scale = kinematics, contact, scale
-        self.horizon, self.settle = horizon, settle
-        self.limits = (max_speed, max_speed / 4, max_speed / 4, max_speed / 2)
-        self.register_buffer("speed", torch.tensor(robot.speed, dtype=torch.float64))
+        self.end_effector, self.contact = end_effector, contact
+        self.horizon, self.settling_time = options.horizon, options.settling_time
+        self.tip_speed = options.tip_speed
+        self.register_buffer("joint_speeds", torch.tensor(joint_speeds, dtype=torch.float64))
 
     def forward(
         self,
@@ -60,24 +56,52 @@ class ArmLimits(nn.Module):
         x_target: Tensor,
         x_heights: Tensor,
     ) -> Tensor:
-        """The velocity of the joints within the limits, ``(*B, 7)``, rad/s."""
-        jacobian = self.kinematics.jacobian(self.kinematics.frames(x_joints))
-        motion = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
-        parts = [
-            part * (limit / torch.linalg.vector_norm(part, dim=-1, keepdim=True).clamp(min=limit))
-            for part, limit in zip(torch.split(motion, [2, 1, 2, 1], dim=-1), self.limits, strict=True)
-        ]
-        wanted = torch.cat(parts, dim=-1)
+        """The velocity of the joints within the limits.
+
+        Args:
+            a: The velocity that is wished for, ``(*B, n)``, rad/s.
+            x_joints: Joint angles, ``(*B, n)``, rad.
+            x_pusher: The tip in the plane, ``(*B, 2)``, m.
+            x_contact: The closest point of each side of the object, ``(*B, N, 2)``, m.
+            x_side: The sides, ``(*B, N, 4)``, m.
+            x_obj: The object's pose, ``(*B, 3)``, m and rad.
+            x_target: Its target, likewise.
+            x_heights: Height of the tip above where it should be, ``(*B, 1)``, m.
+
+        Returns:
+            ``(*B, n)``, rad/s.
+        """
+        jacobian = self.end_effector.jacobian(x_joints)
+        wish = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
+
+        # The motion of the end effector within its limits, by component.
+        planar, rise, tilt, turn = torch.split(wish, [2, 1, 2, 1], dim=-1)
+        planar = shorten(planar, self.tip_speed)
+        rise = shorten(rise, self.tip_speed / 4)
+        tilt = shorten(tilt, self.tip_speed / 4)
+        turn = shorten(turn, self.tip_speed / 2)
+
         if self.contact is not None:
-            wish = self.scale * wanted[..., :2]
-            allowed = self.contact(
-                wish, x_pusher, torch.zeros_like(wish), x_contact, x_side, x_obj, x_target, self.horizon
-            )
-            wanted[..., :2] = allowed / self.scale
-        needed = -x_heights / (self.scale * self.settle)  # m/s
-        rise = wanted[..., 2:3]
-        settled = torch.where(needed * rise > 0, torch.minimum(rise.abs(), needed.abs()) * rise.sign(), rise)
-        wanted[..., 2:3] = settled
-        a = a - self.kinematics.solve(jacobian, motion - wanted)
-        fastest = (a.abs() / cast(Tensor, self.speed).to(a)).amax(-1, keepdim=True)
-        return a / fastest.clamp(min=1.0)
+            at_rest = torch.zeros_like(planar)
+            scene = (x_pusher, at_rest, x_contact, x_side, x_obj, x_target)
+            planar = self.contact(planar, *scene, self.horizon)
+        rise = self._settle(rise, x_heights)
+
+        # The least motion of the joints that takes away the rest.
+        motion = torch.cat((planar, rise, tilt, turn), dim=-1)
+        a = a - self.end_effector.solve(jacobian, wish - motion)
+        excess = (a.abs() / cast(Tensor, self.joint_speeds).to(a)).amax(-1, keepdim=True)
+        return a / excess.clamp(min=1.0)
+
+    def _settle(self, rise: Tensor, x_heights: Tensor) -> Tensor:
+        """A vertical speed ``(*B, 1)``, m/s, that arrives at the height not too soon."""
+        arrival = -x_heights / self.settling_time
+        slower = torch.minimum(rise.abs(), arrival.abs()) * rise.sign()
+        return torch.where(arrival * rise > 0, slower, rise)
+
+
+def shorten(vectors: Tensor, longest: float) -> Tensor:
+    """The vectors ``(*B, d)``, those that are longer than a length brought to it."""
+    length = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
+    shortened: Tensor = vectors * (longest / length.clamp(min=longest))
+    return shortened

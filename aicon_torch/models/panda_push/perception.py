@@ -1,117 +1,145 @@
-"""A policy with an eye: images become keypoints before a control step, all else is the library's."""
+"""The arm's eye: images become keypoints before a control step."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch.control import ActionLaw
-from aicon_torch.errors import ObservationError
-from aicon_torch.graph import WorldModel
-from aicon_torch.parts.chain import Kinematics
-from aicon_torch.parts.image_registration import Array, Registration, View
-from aicon_torch.models.panda_push.robot import Robot
-from aicon_torch.control import Policy
-from aicon_torch.resolution import Memory, Resolution
+from aicon_torch.errors import ObservationError, choices
+from aicon_torch.parts.chain import Chain, Transform
+from aicon_torch.parts.image_registration import ImageRegistration
+from aicon_torch.parts.image_segmentation import RGBDImage
+from aicon_torch.parts.polygon import Array, Mask
 
-KEYPOINTS, BLOB, AGE = "z_keypoints", "z_blob", "image_age"
+KEYPOINTS, BLOB = "z_keypoints", "z_blob"
+"""The readings: keypoints, and the middle of what is seen where these are not found."""
+
+IMAGES = ("rgb", "depth")
 
 
-class SeeingPolicy(Policy):
-    """A policy whose observations have images ``rgb`` and ``depth``, with their age, in place of keypoints.
+class CameraPerception:
+    """Turns the images of a camera in the hand into keypoints in the camera's frame.
 
-    A new image is registered from the pose that the memory expects; without a registration that fits, the middle of
-    what is seen of the object is the reading. All that lives from step to step is in the memory still.
+    A new image is registered from the pose that the last step believes in. Without a registration
+    that fits, the middle of what is seen of the object is the reading. NaN says that there is none.
 
     Args:
-        model: The world model.
-        resolution: What happens where gradients meet.
-        law: From the gradient to the action.
         registration: Finds the object in an image.
-        kinematics: The chain.
-        robot: The robot.
-        scale: px of the contact model per m.
+        chain: From the joints to the tool.
+        mount: The camera in the tool.
         trust: Score below which a registration is no reading.
     """
 
     def __init__(
-        self,
-        model: WorldModel,
-        resolution: Resolution,
-        law: ActionLaw,
-        registration: Registration,
-        kinematics: Kinematics,
-        robot: Robot,
-        scale: float,
-        trust: float,
+        self, registration: ImageRegistration, chain: Chain, mount: Transform, trust: float
     ) -> None:
-        super().__init__(model, resolution, law)
-        self.registration, self.kinematics = registration, kinematics
-        self.mount = np.vstack((np.array(robot.camera), [0.0, 0.0, 0.0, 1.0]))
-        self.scale, self.trust = scale, trust
+        self.registration, self.chain, self.trust = registration, chain, trust
+        self.mount = np.vstack((np.array(mount), [0.0, 0.0, 0.0, 1.0]))
 
-    def _begin(
-        self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None
-    ) -> tuple[Memory, dict[str, Tensor]]:
-        return super()._begin(self.read(observation, state, episode_start), state, episode_start)
-
-    def read(
-        self, observation: Mapping[str, Any], state: Memory | None, episode_start: ArrayLike | Tensor | None = None
+    def __call__(
+        self,
+        observation: Mapping[str, Any],
+        values: Mapping[str, Tensor] | None,
+        starts: Mask | None,
     ) -> dict[str, Any]:
-        """The observation with keypoints, or the middle of what is seen, instead of images; NaN where there are none.
+        """The observation with readings instead of images.
 
         Args:
-            observation: As for :meth:`predict`, with ``rgb``, ``depth``, ``image_age``, ``q`` and ``dq``.
-            state: The memory that the last step returned.
-            episode_start: Rows whose memory starts anew.
+            observation: Images ``rgb`` ``(*B, H, W, 3)`` and ``depth`` ``(*B, H, W)`` (m), their
+                age ``image_age`` ``(*B, 1)`` (s), joint angles ``q`` ``(*B, n)`` (rad) and
+                velocities ``dq`` (rad/s), and whatever else there is.
+            values: The quantities of the last step; None at the first.
+            starts: Rows ``(*B,)`` that begin anew; None if none does.
+
+        Returns:
+            All but the images, with ``z_keypoints`` ``(*B, 3K)`` and ``z_blob`` ``(*B, 3)``, m.
 
         Raises:
-            ObservationError: If an image is missing.
+            ObservationError: If an image, its age or the joints are missing.
         """
-        for key in ("rgb", "depth", AGE, "q", "dq"):
-            if key not in observation:
-                raise ObservationError(f"the observation has no {key!r}; it has {', '.join(map(repr, observation))}.")
-        rgb, depth, age, joints, speeds = (np.asarray(observation[key]) for key in ("rgb", "depth", AGE, "q", "dq"))
+        _check_present(observation)
+        rgb, depth = np.asarray(observation["rgb"]), np.asarray(observation["depth"])
+        joints, velocities = np.asarray(observation["q"]), np.asarray(observation["dq"])
+        age = np.asarray(observation["image_age"])[..., 0]
+
+        # Which images are to be read, and where nothing is known yet.
         batch = joints.shape[:-1]
-        count = len(self.registration.corners)
-        keypoints, blob = np.full((*batch, count * 3), np.nan), np.full((*batch, 3), np.nan)
-        forget = state is None if episode_start is None else np.asarray(episode_start, dtype=bool) | (state is None)
-        fresh = np.broadcast_to(forget, batch)
-        before, belief = (
-            np.zeros((*batch, size)) if state is None else state[name].numpy(force=True)
-            for name, size in (("z_age", 1), ("x_pose", 3))
-        )
-        for row in np.ndindex(batch):
-            if not fresh[row] and age[row][0] > 0 and age[row][0] >= before[row][0]:
-                continue  # the image is that of the last step
-            taken = self.camera(joints[row] - speeds[row] * age[row][0])
-            view = View(rgb[row], depth[row], taken[:3, :3], taken[:3, 3])
-            prior = None if fresh[row] else belief[row] / (self.scale, self.scale, 1.0)
-            points, middle = self.look(view, prior)
-            here = self.camera(joints[row])
-            if points is not None:
-                keypoints[row] = ((points - here[:3, 3]) @ here[:3, :3]).ravel()
+        forgotten = np.full(batch, values is None)
+        if starts is not None:
+            forgotten = forgotten | starts
+        new = self._is_new(age, values, forgotten)
+
+        # Each new image is read on its own, from where the camera was then.
+        keypoints = np.full((*batch, 3 * len(self.registration.corners)), np.nan)
+        blob = np.full((*batch, 3), np.nan)
+        for row in map(tuple, np.argwhere(new)):
+            at_exposure = self.camera(joints[row] - velocities[row] * age[row])
+            image = RGBDImage(rgb[row], depth[row], at_exposure[:3, :3], at_exposure[:3, 3])
+            prior = None
+            if values is not None and not forgotten[row]:
+                prior = values["x_pose"][row].numpy(force=True)
+            corners, middle = self.look(image, prior)
+
+            # What it shows, in the frame of the camera as it is now.
+            camera = self.camera(joints[row])
+            if corners is not None:
+                keypoints[row] = _in_frame(camera, corners).ravel()
             elif middle is not None:
-                blob[row] = (middle - here[:3, 3]) @ here[:3, :3]
-        rest = {key: value for key, value in observation.items() if key not in ("rgb", "depth")}
+                blob[row] = _in_frame(camera, middle)
+
+        rest = {key: value for key, value in observation.items() if key not in IMAGES}
         return rest | {KEYPOINTS: keypoints, BLOB: blob}
 
-    def look(self, view: View, prior: Array | None) -> tuple[Array | None, Array | None]:
-        """The corners of the top face ``(N, 3)``, or else the middle of what is seen of it ``(3,)``, m."""
-        sight = self.registration(view, prior)
-        if sight is None:
+    def look(self, image: RGBDImage, prior: Array | None) -> tuple[Array | None, Array | None]:
+        """What an image shows in the frame of the base.
+
+        Args:
+            image: The image.
+            prior: The pose that is expected, (x, y, θ), ``(3,)``, m and rad; None if none is.
+
+        Returns:
+            The corners of the object's top face ``(K, 3)``, or else the middle of what is seen of
+            it ``(3,)``, or neither, m.
+        """
+        found = self.registration(image, prior)
+        if found is None:
             return None, None
-        if sight.score < self.trust:
-            return None, np.array([*sight.middle, sight.top])
-        corners = self.registration.placed(sight.pose)
-        return np.column_stack((corners, np.full(len(corners), sight.top))), None
+        if found.score < self.trust:
+            return None, np.array([*found.middle, found.height])
+
+        corners = self.registration.placed(found.pose)
+        heights = np.full(len(corners), found.height)
+        return np.column_stack((corners, heights)), None
 
     def camera(self, joints: Array) -> Array:
-        """Where the camera is with these joint angles, ``(4, 4)``."""
+        """Where the camera is with these joint angles ``(n,)``, ``(4, 4)``, m."""
         with torch.no_grad():
-            frames = self.kinematics.frames(torch.as_tensor(joints, dtype=torch.float64))
-        found: Array = frames[7].numpy() @ self.mount
-        return found
+            frames = self.chain.frames(torch.as_tensor(joints, dtype=torch.float64))
+        tool: Array = frames[-1].numpy()
+        camera: Array = tool @ self.mount
+        return camera
+
+    @staticmethod
+    def _is_new(age: NDArray[Any], values: Mapping[str, Tensor] | None, forgotten: Mask) -> Mask:
+        """Which images ``(*B,)`` are new: one that was read before is older than it was then."""
+        new: Mask = forgotten | (age <= 0)
+        if values is not None:
+            new |= age < values["z_age"].numpy(force=True)[..., 0]
+        return new
+
+
+def _check_present(observation: Mapping[str, Any]) -> None:
+    """Check that an observation has all that is read here."""
+    for key in (*IMAGES, "image_age", "q", "dq"):
+        if key not in observation:
+            valid = choices(observation)
+            raise ObservationError(f"the observation has no {key!r}; it has {valid}.")
+
+
+def _in_frame(frame: Array, points: Array) -> Array:
+    """Points ``(*N, 3)`` of the base in a frame ``(4, 4)``, m."""
+    inside: Array = (points - frame[:3, 3]) @ frame[:3, :3]
+    return inside

@@ -1,1 +1,5 @@
 """The policies that can be compared, by task and name."""
+
+from aicon_baselines.agents.registry import ablations, compiled, factory, make, names
+
+__all__ = ["ablations", "compiled", "factory", "make", "names"]

@@ -1,32 +1,38 @@
-"""The policies that can be compared, by task and name."""
+"""The policies that can be compared, by task and name.
 
-from collections.abc import Callable
-from functools import partial
+A task's policies are the presets of its model (ours, the paper's text and the baselines) and the
+ablations of the task (ours without one part); agents that were trained come from their folder.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.protocol import Predictor
-from aicon_baselines.tasks import load
-
-Factory = Callable[[str], Predictor]
-"""Builds a policy for a condition of its task."""
+from aicon_baselines.evaluation.predictor import Factory, Predictor
+from aicon_baselines.extras import pip_command
+from aicon_baselines.tasks.registry import load
 
 
-def _preset(task: str, preset: str, options: dict[str, Any], condition: str) -> Predictor:
-    # Imported on demand: comparing a policy needs the dependencies of that policy only.
-    from aicon_torch import make_policy
-
-    return make_policy(task, preset=preset, **load(task).policy_options(condition) | options)
+def ablations(task: str) -> Mapping[str, Mapping[str, Any]]:
+    """Return the ablations of a task: the options that each changes in the preset "aicon"."""
+    content: Mapping[str, Mapping[str, Any]] = import_module(
+        f"aicon_baselines.ablations.{load(task).name}"
+    ).ABLATIONS
+    return content
 
 
 def names(task: str) -> tuple[str, ...]:
-    """List the policies of a task, the presets of its model; an unknown task is an error that lists the tasks."""
+    """List the policies of a task: the presets of its model, then its ablations.
+
+    An unknown task is an error that lists the tasks.
+    """
     from aicon_torch import presets
 
-    return presets(load(task).name)
+    return (*presets(load(task).name), *ablations(task))
 
 
 def factory(task: str, name: str, **options: Any) -> Factory:
@@ -35,21 +41,21 @@ def factory(task: str, name: str, **options: Any) -> Factory:
     Args:
         task: Name of the task; an unknown one is an error that lists the tasks.
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
-        **options: Options of the policy, which override those of its name and of the condition.
+        **options: Options of the policy, by name or dotted path (`**{"law.gain": 1e6}`); they
+            override those of its name and of the condition.
     """
     if name not in names(task):
-        raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {', '.join(names(task))}")
-    return partial(_preset, task, name, options)
+        valid = ", ".join(names(task))
+        raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {valid}")
+
+    if name in ablations(task):
+        return ModelPolicy(task, "aicon", {**ablations(task)[name], **options})
+    return ModelPolicy(task, name, options)
 
 
 def compiled(build: Factory) -> Factory:
     """Return what builds the same policy of the library with its step compiled."""
-    return partial(_compiled, build)
-
-
-def _compiled(build: Any, condition: str) -> Predictor:
-    policy: Predictor = build(condition).compile()
-    return policy
+    return CompiledPolicy(build)
 
 
 def make(task: str, name: str, condition: str | None = None) -> Predictor:
@@ -60,7 +66,36 @@ def make(task: str, name: str, condition: str | None = None) -> Predictor:
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
         condition: The task's condition that the policy is for; by default the usual one.
     """
-    return factory(task, name)(condition or load(task).conditions[0])
+    build = factory(task, name)
+    return build(condition or load(task).conditions[0])
+
+
+@dataclass(frozen=True)
+class ModelPolicy:
+    """Builds a policy of one of the library's models for a condition of its task."""
+
+    task: str
+    preset: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __call__(self, condition: str) -> Predictor:
+        """Build it, with what the task tells a policy about the condition."""
+        from aicon_torch import make_policy
+
+        told = load(self.task).policy_options(condition)
+        return make_policy(self.task, preset=self.preset, **{**told, **self.options})
+
+
+@dataclass(frozen=True)
+class CompiledPolicy:
+    """Builds a policy of the library and compiles its step."""
+
+    build: Any
+
+    def __call__(self, condition: str) -> Predictor:
+        """Build it; compiling happens at its first step."""
+        policy: Predictor = self.build(condition).compile()
+        return policy
 
 
 def saved_agent(task: str, folder: Path, sampled: bool = False) -> tuple[str, Factory]:
@@ -71,23 +106,38 @@ def saved_agent(task: str, folder: Path, sampled: bool = False) -> tuple[str, Fa
     Args:
         task: Name of the task.
         folder: Folder of the agent.
-        sampled: Whether it draws its actions, as in training, instead of taking the most likely ones.
+        sampled: Whether it draws its actions, as in training, instead of taking the most likely
+            ones.
     """
-    folder = folder.resolve()
-    return import_sb3().Agent(folder, task, sampled).name, partial(_saved_agent, task, folder, sampled)
+    build = SavedAgent(task, folder.resolve(), sampled)
+    return build.load().name, build
+
+
+@dataclass(frozen=True)
+class SavedAgent:
+    """Loads an agent of stable-baselines3 from its folder."""
+
+    task: str
+    folder: Path
+    sampled: bool
+
+    def load(self) -> Any:
+        """Load the agent."""
+        return import_sb3().Agent(self.folder, self.task, self.sampled)
+
+    def __call__(self, condition: str) -> Predictor:
+        """Load it, the same one for every condition."""
+        agent: Predictor = self.load()
+        return agent
 
 
 def import_sb3() -> ModuleType:
-    """Import `aicon_baselines.agents.sb3`; without stable-baselines3 an error says how to install it."""
+    """Import `aicon_baselines.agents.sb3`; an error says what to install for it."""
     try:
         return import_module("aicon_baselines.agents.sb3")
     except ModuleNotFoundError as error:
-        raise ComparisonError(f"{error}; agents of stable-baselines3 need: pip install 'aicon-torch[sb3]'") from error
-
-
-def _saved_agent(task: str, folder: Path, sampled: bool, condition: str) -> Predictor:
-    agent: Predictor = import_sb3().Agent(folder, task, sampled)
-    return agent
+        needed = pip_command("sb3")
+        raise ComparisonError(f"{error}; agents of stable-baselines3 need: {needed}") from error
 
 
 def diffusion_policy(
@@ -104,15 +154,30 @@ def diffusion_policy(
         inference_steps: Number of denoising steps; by default the policy's.
     """
     if task != "pusht":
-        raise ComparisonError(f"diffusion policies push: compare them with --task pusht, not {task}")
+        raise ComparisonError(
+            f"diffusion policies push: compare them with --task pusht, not {task}"
+        )
     from aicon_baselines.agents.diffusion.hub import locate
 
-    folder = locate(source)
-    name = _diffusion_policy(folder, sampler, inference_steps, "").name
-    return name, partial(_diffusion_policy, folder, sampler, inference_steps)
+    build = DiffusionPolicy(locate(source), sampler, inference_steps)
+    return build.load().name, build
 
 
-def _diffusion_policy(folder: Path, sampler: str | None, inference_steps: int | None, condition: str) -> Any:
-    from aicon_baselines.agents.diffusion.agent import Agent
+@dataclass(frozen=True)
+class DiffusionPolicy:
+    """Loads a diffusion policy of LeRobot from its folder."""
 
-    return Agent(folder, sampler, inference_steps)
+    folder: Path
+    sampler: str | None
+    inference_steps: int | None
+
+    def load(self) -> Any:
+        """Load the policy."""
+        from aicon_baselines.agents.diffusion.agent import Agent
+
+        return Agent(self.folder, self.sampler, self.inference_steps)
+
+    def __call__(self, condition: str) -> Predictor:
+        """Load it, the same one for every condition."""
+        agent: Predictor = self.load()
+        return agent

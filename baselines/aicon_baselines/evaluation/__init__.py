@@ -1,6 +1,6 @@
 """Evaluation: the same episodes for every policy, one row per episode, statistics and reports."""
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.protocol import Predictor
+from aicon_baselines.evaluation.predictor import Factory, Predictor
 
-__all__ = ["ComparisonError", "Predictor"]
+__all__ = ["ComparisonError", "Factory", "Predictor"]

@@ -9,6 +9,7 @@ from joblib import parallel_config
 from aicon_baselines.evaluation.errors import ComparisonError
 
 BACKENDS = ("loky", "dask")
+"""Names of the backends, the usual one first."""
 
 
 @contextmanager
@@ -18,13 +19,14 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
     Args:
         name: "loky" for processes on this machine, "dask" for joblib's own dask backend.
         jobs: Number of processes.
-        scheduler: Address of a running dask scheduler, which then decides about processes; without one, "dask" starts
-            a cluster on this machine.
+        scheduler: Address of a running dask scheduler, which then decides about processes; without
+            one, "dask" starts a cluster on this machine.
     """
     if name not in BACKENDS:
         raise ComparisonError(f"unknown backend {name!r}; valid backends: {', '.join(BACKENDS)}")
     if scheduler is not None and name != "dask":
         raise ComparisonError(f"a scheduler belongs to the dask backend, not to {name!r}")
+
     with ExitStack() as stack:
         if name == "dask":
             _connect(stack, jobs, scheduler)
@@ -33,14 +35,20 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
 
 
 def _connect(stack: ExitStack, jobs: int, scheduler: str | None) -> None:
+    """Open a client of dask that is closed with the stack, and a local cluster if need be."""
     try:
         distributed = import_module("distributed")
     except ModuleNotFoundError as error:
-        raise ComparisonError("the dask backend needs: pip install 'aicon-torch[cluster]'") from error
+        raise ComparisonError(
+            "the dask backend needs: pip install 'aicon-torch[cluster]'"
+        ) from error
+
     if scheduler is None:
-        scheduler = stack.enter_context(
-            distributed.LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
+        cluster = distributed.LocalCluster(
+            n_workers=jobs, threads_per_worker=1, dashboard_address=None
         )
+        scheduler = stack.enter_context(cluster)
+
     try:
         stack.enter_context(distributed.Client(scheduler))
     except (OSError, ValueError) as error:

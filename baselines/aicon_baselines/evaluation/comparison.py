@@ -1,4 +1,4 @@
-"""Running a comparison: every policy on every episode, in parallel, going on where an earlier run stopped."""
+"""Running a comparison: every policy on every episode, in parallel, resuming an earlier run."""
 
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -12,12 +12,12 @@ from joblib import Parallel, delayed
 from aicon_baselines.evaluation.backends import joblib_backend
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.agents.registry import Factory
+from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.progress import ProgressBar, report
-from aicon_baselines.evaluation.rollout import rollout
+from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.row import Key, Row, key
 from aicon_baselines.evaluation.run_folder import RunFolder
-from aicon_baselines.evaluation.task import Task
+from aicon_baselines.evaluation.task import Episode, Task
 
 
 class _Job(NamedTuple):
@@ -42,59 +42,86 @@ def compare(
 
     Args:
         task: The task; maps and horizon are those of the folder's configuration.
-        policies: What builds each policy for a condition, by the name it gets in the rows; called in the worker.
+        policies: What builds each policy for a condition, by the name it gets in the rows; called
+            in the worker.
         folder: Where the rows go.
         jobs: Number of processes.
         backend: "loky" for processes on this machine, "dask" for a cluster.
-        scheduler: Address of a running dask scheduler; without one, "dask" starts a cluster on this machine.
+        scheduler: Address of a running dask scheduler; without one, "dask" starts a cluster on
+            this machine.
     """
     if jobs < 1:
         raise ComparisonError(f"jobs must be 1 or more, not {jobs}")
     config = folder.config
     task = config.apply(task)
-    todo = list(_jobs(task, config, list(policies), {key(row) for row in folder.rows()}))
+
+    # What is missing, and how many rows are there already.
+    finished = {key(row) for row in folder.rows()}
+    missing = list(_list_jobs(task, config, list(policies), finished))
     total = len(policies) * len(config.conditions) * config.repeats * config.episodes
-    done = total - sum(len(job.seeds) for job in todo)
-    if todo:
+    done = total - sum(len(job.seeds) for job in missing)
+
+    # Rows are saved as they arrive, in any order, and sorted at the end.
+    if missing:
         with joblib_backend(backend, jobs, scheduler), ProgressBar(done, total) as bar:
-            calls = (delayed(_run)(task, policies[job.policy], job, bar.path) for job in todo)
-            results = cast("Iterator[list[Row]]", Parallel(return_as="generator_unordered")(calls))
-            for rows in results:
+            calls = (delayed(_run)(task, policies[job.policy], job, bar.path) for job in missing)
+            results = Parallel(return_as="generator_unordered")(calls)
+            for rows in cast("Iterator[list[Row]]", results):
                 folder.append(rows)
                 bar.received(len(rows))
     folder.sort()
 
 
-def _jobs(task: Task, config: Config, policies: list[str], there: set[Key]) -> Iterator[_Job]:
+def _list_jobs(
+    task: Task, config: Config, policies: list[str], finished: set[Key]
+) -> Iterator[_Job]:
     """Split what is missing into jobs, all policies of a chunk next to each other."""
-    chunks = range(config.seeds[0] // task.chunk_size, config.seeds[-1] // task.chunk_size + 1)
-    for condition, repeat, chunk, policy in product(config.conditions, range(config.repeats), chunks, policies):
-        seeds = (episode.seed for episode in task.chunk(chunk, repeat) if episode.seed in config.seeds)
-        missing = frozenset(seed for seed in seeds if (policy, condition, repeat, seed) not in there)
+    first, last = (seed // task.chunk_size for seed in (config.seeds[0], config.seeds[-1]))
+    chunks, repeats = range(first, last + 1), range(config.repeats)
+
+    for condition, repeat, chunk, policy in product(config.conditions, repeats, chunks, policies):
+        seeds = {episode.seed for episode in task.chunk(chunk, repeat)} & set(config.seeds)
+        missing = frozenset(
+            seed for seed in seeds if (policy, condition, repeat, seed) not in finished
+        )
         if missing:
             yield _Job(policy, condition, repeat, chunk, missing)
 
 
 def _run(task: Task, build: Factory, job: _Job, progress: Path) -> list[Row]:
-    """Run one job in a worker, on one thread: the order of additions must not depend on the number of cores."""
+    """Run one job in a worker and return the rows of its seeds."""
+    # One thread: the order of additions must not depend on the number of cores.
     torch.set_num_threads(1)
+
+    policy = build(job.condition)
     episodes = task.chunk(job.chunk, job.repeat)
-    outcome = rollout(build(job.condition), task, job.condition, episodes, job.seeds, partial(report, progress))
-    return [
-        Row(
-            policy=job.policy,
-            condition=job.condition,
-            repeat=job.repeat,
-            seed=episode.seed,
-            map=episode.map,
-            success=bool(outcome.success[i]),
-            steps=int(outcome.steps[i]) if outcome.success[i] else None,
-            collision=bool(outcome.collision[i]),
-            path_length=float(outcome.path_length[i]),
-            shortest_path_length=task.shortest_path_length(episode) if task.shortest_path_length else None,
-            distance=float(outcome.distance[i]),
-            measures={name: float(values[i]) for name, values in outcome.measures.items()},
-        )
-        for i, episode in enumerate(episodes)
-        if episode.seed in job.seeds
-    ]
+    on_finished = partial(report, progress)
+    outcome = rollout(policy, task, job.condition, episodes, job.seeds, on_finished)
+
+    rows = []
+    for index, episode in enumerate(episodes):
+        if episode.seed in job.seeds:
+            rows.append(_to_row(task, job, episode, outcome, index))
+    return rows
+
+
+def _to_row(task: Task, job: _Job, episode: Episode, outcome: Outcome, index: int) -> Row:
+    """Return the row of the episode that was number `index` of the batch."""
+    success = bool(outcome.success[index])
+    shortest = task.shortest_path_length
+    measures = {name: float(values[index]) for name, values in outcome.measures.items()}
+
+    return Row(
+        policy=job.policy,
+        condition=job.condition,
+        repeat=job.repeat,
+        seed=episode.seed,
+        map=episode.map,
+        success=success,
+        steps=int(outcome.steps[index]) if success else None,
+        collision=bool(outcome.collision[index]),
+        path_length=float(outcome.path_length[index]),
+        shortest_path_length=shortest(episode) if shortest else None,
+        distance=float(outcome.distance[index]),
+        measures=measures,
+    )

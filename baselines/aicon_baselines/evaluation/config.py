@@ -1,4 +1,4 @@
-"""What a run folder was made for, so that rows of different episodes never meet in one file."""
+"""What a run folder was made for, so that rows of different episodes never share a file."""
 
 import json
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from aicon_baselines.evaluation.task import Task
 
 @dataclass(frozen=True)
 class Config:
-    """The episodes of a comparison; policies, jobs and backend are free, since no row depends on them.
+    """The episodes of a comparison; policies, jobs and backend are free: no row depends on them.
 
     Attributes:
         task: Name of the task.
@@ -37,9 +37,11 @@ class Config:
         """Reject what cannot be run."""
         if self.seed < 0:
             raise ComparisonError(f"the first seed must be 0 or more, not {self.seed}")
-        for name in ("episodes", "repeats", "horizon"):
-            if getattr(self, name) < 1:
-                raise ComparisonError(f"{name} must be 1 or more, not {getattr(self, name)}")
+
+        counts = {"episodes": self.episodes, "repeats": self.repeats, "horizon": self.horizon}
+        for name, count in counts.items():
+            if count < 1:
+                raise ComparisonError(f"{name} must be 1 or more, not {count}")
 
     @property
     def seeds(self) -> range:
@@ -47,21 +49,29 @@ class Config:
         return range(self.seed, self.seed + self.episodes)
 
     def apply(self, task: Task) -> Task:
-        """Return the task with the maps, the horizon and the milestones that this comparison leaves it."""
+        """Return the task with this comparison's maps and horizon, and the milestones within it."""
         milestones = tuple(steps for steps in task.milestones if steps <= self.horizon)
         return replace(task, maps=self.maps, horizon=self.horizon, milestones=milestones)
 
     def save(self, path: Path) -> None:
-        """Write the configuration as JSON, or check that the file already there holds the same one."""
+        """Write the configuration as JSON, or check that the file there holds the same one."""
         text = json.dumps(asdict(self), indent=2) + "\n"
         if not path.exists():
             path.write_text(text)
             return
-        there, here = json.loads(path.read_text()), json.loads(text)
-        differing = [name for name in sorted(there.keys() | here.keys()) if there.get(name) != here.get(name)]
-        if differing:
-            details = "; ".join(f"{name} is {there.get(name)} there and {here.get(name)} here" for name in differing)
-            raise ComparisonError(f"{path.parent} holds another comparison: {details}. Choose another folder.")
+
+        # Both are compared as JSON has them: tuples are lists there.
+        saved, wanted = json.loads(path.read_text()), json.loads(text)
+        differences = [
+            f"{name} is {saved.get(name)} there and {wanted.get(name)} here"
+            for name in sorted(saved.keys() | wanted.keys())
+            if saved.get(name) != wanted.get(name)
+        ]
+        if differences:
+            raise ComparisonError(
+                f"{path.parent} holds another comparison: {'; '.join(differences)}. "
+                "Choose another folder."
+            )
 
 
 def configure(
@@ -81,30 +91,37 @@ def configure(
         episodes: Number of seeds, per condition and repeat.
         repeats: Number of runs of each seed, with different noise.
         conditions: Some of the task's conditions; by default its first.
-        maps: Some of the task's classes of maps, which seeds then take turns on; by default the task's slots.
+        maps: Some of the task's classes of maps, which seeds then take turns on; by default the
+            task's slots.
         horizon: Limit of an episode, steps; by default the task's.
 
     Returns:
         The configuration; an unknown condition or map is an error that lists the valid ones.
     """
-    conditions = _known("condition", conditions or task.conditions[:1], task.conditions)
-    copies = [name for name in conditions if name in task.noiseless]
-    if repeats > 1 and copies:
-        raise ComparisonError(f"repeats must be 1, not {repeats}, without noise, as in {', '.join(copies)}")
+    conditions = _check_names("condition", conditions or task.conditions[:1], task.conditions)
+    noiseless = [name for name in conditions if name in task.noiseless]
+    if repeats > 1 and noiseless:
+        raise ComparisonError(
+            f"repeats must be 1, not {repeats}, without noise, as in {', '.join(noiseless)}"
+        )
+
     return Config(
         task=task.name,
         seed=seed,
         episodes=episodes,
         repeats=repeats,
         conditions=conditions,
-        maps=_known("map", maps, task.maps) if maps else task.maps,
+        maps=_check_names("map", maps, task.maps) if maps else task.maps,
         horizon=task.horizon if horizon is None else horizon,
         time_step=task.time_step,
     )
 
 
-def _known(kind: str, names: Sequence[str], valid: Sequence[str]) -> tuple[str, ...]:
+def _check_names(kind: str, names: Sequence[str], valid: Sequence[str]) -> tuple[str, ...]:
+    """Return the names, each once; one that is not valid is an error that lists those that are."""
     for name in names:
         if name not in valid:
-            raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {', '.join(dict.fromkeys(valid))}")
+            choices = ", ".join(dict.fromkeys(valid))
+            raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {choices}")
+
     return tuple(dict.fromkeys(names))

@@ -1,8 +1,8 @@
 """The success curve: which share of the episodes has succeeded after which time."""
 
 from collections.abc import Sequence
-from itertools import pairwise
-from math import ceil
+from dataclasses import dataclass
+from math import ceil, inf
 from pathlib import Path
 
 import numpy as np
@@ -14,62 +14,128 @@ from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.row import Row
-from aicon_baselines.evaluation.statistics import group_rows
+from aicon_baselines.evaluation.statistics import group_rows, median_of
 from aicon_baselines.evaluation.task import Task
 
-# Colours that colour-blind readers can tell apart (Okabe and Ito, "Color Universal Design", 2008); beyond seven
-# policies they come back with another line style.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_PANELS_PER_LINE = 3
+
+# Colours that colour-blind readers can tell apart: those of Okabe and Ito ("Color Universal
+# Design", 2008), and for more policies those of Tol's scheme "muted" ("Colour Schemes", 2021).
+_OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_TOL_MUTED = (
+    *("#332288", "#882255", "#117733", "#999933", "#CC6677"),
+    *("#44AA99", "#AA4499", "#88CCEE", "#DDCC77"),
+)
+_COLOURS = (*_OKABE_ITO, *_TOL_MUTED)
 _LINE_STYLES = ("-", "--", ":", "-.")
-_COLUMNS = 3  # panels next to each other
-_LABEL_DISTANCE = 0.05  # least distance of two labels, as a share of episodes
 
 
-def success_curve(rows: Sequence[Row], time_step: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+@dataclass(frozen=True)
+class SuccessCurve:
+    """The successes of one policy over time.
+
+    Attributes:
+        policy: Name of the policy.
+        times: (k,) the times at which an episode succeeded, increasing.
+        shares: (k, 3) the share of episodes that had succeeded by then, and the ends of its 95 %
+            Wilson interval.
+        episodes: Number of episodes.
+        median_time: Median time of the successes; infinite without any.
+    """
+
+    policy: str
+    times: NDArray[np.float64]
+    shares: NDArray[np.float64]
+    episodes: int
+    median_time: float
+
+    @property
+    def final_share(self) -> float:
+        """The share of episodes that succeeded."""
+        return float(self.shares[-1, 0]) if len(self.shares) else 0.0
+
+    @property
+    def rank(self) -> tuple[float, float, str]:
+        """What orders curves as they end, from the top: most successes, then the shortest time."""
+        return -self.final_share, self.median_time, self.policy
+
+
+def success_curve(rows: Sequence[Row], time_step: float) -> SuccessCurve:
     """Return the share of episodes that had succeeded by each time at which one did.
 
     Args:
         rows: The n episodes of one policy.
-        time_step: Duration of one step.
-
-    Returns:
-        Times (k,), in the unit of `time_step`, and for each the share and the ends of its 95 % Wilson interval (k, 3).
+        time_step: Duration of one step, in the unit that the times shall have.
     """
-    steps, counts = np.unique([row.steps for row in rows if row.steps is not None], return_counts=True)
-    successes = np.cumsum(counts)
-    shares = [(count / len(rows), *wilson_interval(int(count), len(rows))) for count in successes]
-    return np.asarray(steps, np.float64) * time_step, np.asarray(shares, np.float64).reshape(-1, 3)
+    steps = [row.steps for row in rows if row.steps is not None]
+    moments, counts = np.unique(np.asarray(steps, np.float64), return_counts=True)
+
+    shares = []
+    for successes in np.cumsum(counts):
+        interval = wilson_interval(int(successes), len(rows))
+        shares.append((successes / len(rows), *interval))
+
+    median_steps = median_of(steps)
+    return SuccessCurve(
+        policy=rows[0].policy,
+        times=moments * time_step,
+        shares=np.asarray(shares, np.float64).reshape(-1, 3),
+        episodes=len(rows),
+        median_time=inf if median_steps is None else median_steps * time_step,
+    )
+
+
+def line_style(index: int) -> tuple[str, str]:
+    """Return colour and kind of line number `index`, which is that of no other line.
+
+    The first 16 differ in their colour, the others in colour or kind.
+    """
+    colour = _COLOURS[index % len(_COLOURS)]
+    # Shifted by one in every round of the colours, and changed where another scheme begins.
+    kind = index // len(_COLOURS) + (index % len(_COLOURS) >= len(_OKABE_ITO))
+    return colour, _LINE_STYLES[kind % len(_LINE_STYLES)]
 
 
 def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
-    """Save a picture with one panel per condition and one labelled line per policy, bands of 95 %, time in log scale.
+    """Save a picture with one panel per condition and one line per policy.
+
+    Bands are 95 % intervals, time is in log scale, and the legend beside a panel has the order in
+    which its curves end.
 
     Args:
         rows: The episodes of all policies.
         task: The task; episodes end without success at its horizon, its last milestone is marked.
         path: Where to save the picture.
     """
-    conditions = group_rows(rows, lambda row: row.condition)
-    columns = min(len(conditions), _COLUMNS)
+    conditions = group_rows(rows, _condition)
+    policies = sorted({row.policy for row in rows})
+    styles = {policy: line_style(index) for index, policy in enumerate(policies)}
+    # The axis starts at the first success of any policy.
+    start = min(row.steps or task.horizon / 2 for row in rows)
+
+    columns = min(len(conditions), _PANELS_PER_LINE)
     lines = ceil(len(conditions) / columns)
     figure = Figure(figsize=(7.5 * columns, 4.5 * lines), layout="constrained")
     FigureCanvasAgg(figure)
-    start = min(row.steps or task.horizon / 2 for row in rows)
-    policies = sorted({row.policy for row in rows})
     panels = figure.subplots(lines, columns, squeeze=False).ravel()
-    for axes, (condition, group) in zip(panels, sorted(conditions.items()), strict=False):
+
+    for axes, condition in zip(panels, sorted(conditions), strict=False):
         _prepare(axes, task, start)
         if len(conditions) > 1:
             axes.set_title(condition, loc="left")
-        groups = group_rows(group, lambda row: row.policy)
-        shares = {policy: _draw(axes, groups[policy], policies.index(policy), task) for policy in groups}
-        for policy, height in _spread(shares).items():
-            text = f"{policy}  {shares[policy]:.1%}"
-            colour, _ = _style(policies.index(policy))
-            axes.annotate(text, (1.01, height), xycoords=("axes fraction", "data"), color=colour, va="center")
+        _draw_panel(axes, conditions[condition], styles, task)
+
     for axes in panels[len(conditions) :]:
         axes.set_axis_off()
     figure.savefig(path, dpi=160)
+
+
+def _condition(row: Row) -> str:
+    return row.condition
+
+
+def _policy(row: Row) -> str:
+    return row.policy
 
 
 def _prepare(axes: Axes, task: Task, start: float) -> None:
@@ -81,9 +147,12 @@ def _prepare(axes: Axes, task: Task, start: float) -> None:
         xlabel=f"time ({task.time_unit})",
         ylabel="episodes that reached the target",
     )
+
     for steps in task.milestones[-1:]:
-        axes.axvline(steps * task.time_scale, color="0.5", linewidth=0.8)
-        axes.text(steps * task.time_scale, 0.01, f" {task.duration(steps)}", color="0.5", fontsize="small")
+        time = steps * task.time_scale
+        axes.axvline(time, color="0.5", linewidth=0.8)
+        axes.text(time, 0.01, f" {task.duration(steps)}", color="0.5", fontsize="small")
+
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
@@ -92,30 +161,33 @@ def _prepare(axes: Axes, task: Task, start: float) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
 
 
-def _draw(axes: Axes, rows: Sequence[Row], index: int, task: Task) -> float:
-    """Draw one policy, from a share of 0 at the first step to the horizon, and return its final share."""
-    times, shares = success_curve(rows, task.time_scale)
-    before = np.array([[0, *wilson_interval(0, len(rows))]])
-    shares = np.concatenate([before, shares, shares[-1:] if len(shares) else before])
-    times = np.concatenate([[task.time_scale], times, [task.horizon * task.time_scale]])
-    colour, line_style = _style(index)
-    axes.step(times, shares[:, 0], where="post", color=colour, linestyle=line_style, linewidth=1.8)
-    axes.fill_between(times, shares[:, 1], shares[:, 2], step="post", color=colour, alpha=0.15, linewidth=0)
-    return float(shares[-1, 0])
+def _draw_panel(
+    axes: Axes, rows: Sequence[Row], styles: dict[str, tuple[str, str]], task: Task
+) -> None:
+    """Draw the curve of each policy, the best first, and the legend beside the panel."""
+    groups = group_rows(rows, _policy)
+    curves = [success_curve(group, task.time_scale) for group in groups.values()]
+    curves.sort(key=_rank)
+
+    for curve in curves:
+        _draw_curve(axes, curve, styles[curve.policy], task)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
 
 
-def _style(index: int) -> tuple[str, str]:
-    return _COLOURS[index % len(_COLOURS)], _LINE_STYLES[index // len(_COLOURS) % len(_LINE_STYLES)]
+def _rank(curve: SuccessCurve) -> tuple[float, float, str]:
+    return curve.rank
 
 
-def _spread(heights: dict[str, float]) -> dict[str, float]:
-    """Move labels apart: upward from the lowest, then downward from 100 %."""
-    names = sorted(heights, key=lambda name: heights[name])
-    spread = dict(heights)
-    for below, name in pairwise(names):
-        spread[name] = max(spread[name], spread[below] + _LABEL_DISTANCE)
-    limit = 1.0
-    for name in reversed(names):
-        spread[name] = min(spread[name], limit)
-        limit = spread[name] - _LABEL_DISTANCE
-    return spread
+def _draw_curve(axes: Axes, curve: SuccessCurve, style: tuple[str, str], task: Task) -> None:
+    """Draw one policy, from a share of 0 at the first step to the horizon."""
+    nothing_yet = np.array([[0.0, *wilson_interval(0, curve.episodes)]])
+    shares = np.concatenate([nothing_yet, curve.shares])
+    shares = np.concatenate([shares, shares[-1:]])
+    times = np.array([task.time_scale, *curve.times, task.horizon * task.time_scale])
+
+    colour, kind = style
+    label = f"{curve.policy}  {curve.final_share:.1%}"
+    axes.step(times, shares[:, 0], kind, where="post", color=colour, linewidth=1.8, label=label)
+    axes.fill_between(
+        times, shares[:, 1], shares[:, 2], step="post", color=colour, alpha=0.15, linewidth=0
+    )

@@ -2,4 +2,4 @@
 
 
 class ComparisonError(ValueError):
-    """A comparison was asked for something that does not exist or does not fit; the message says what would."""
+    """Something was asked for that does not exist or does not fit; the message says what would."""

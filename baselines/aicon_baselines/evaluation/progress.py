@@ -14,8 +14,9 @@ _INTERVAL = 0.2  # s between two looks at the file
 class ProgressBar:
     """Shows how many episodes have ended, on a terminal only.
 
-    Workers call `report` with the bar's path: the file grows by one byte per episode, so its size is the count, and
-    appending needs no lock. Workers on machines that do not see the file are counted when their rows arrive.
+    Workers call `report` with the bar's path: the file grows by one byte per episode, so its size
+    is the count, and appending needs no lock. Workers on machines that do not see the file are
+    counted when their rows arrive.
 
     Attributes:
         path: The file the workers report to, which exists while the bar is shown.
@@ -30,9 +31,11 @@ class ProgressBar:
         """
         self._folder = TemporaryDirectory()
         self.path = Path(self._folder.name, "ended")
+
         self._done = done
         self._total = total
         self._received = 0
+
         self._stop = Event()
         self._thread = Thread(target=self._follow, daemon=True)
 
@@ -47,7 +50,10 @@ class ProgressBar:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
     ) -> None:
         """Leave the bar as it is now."""
         self._stop.set()
@@ -55,11 +61,14 @@ class ProgressBar:
         self._folder.cleanup()
 
     def _follow(self) -> None:
+        """Keep the bar at what was reported until the context ends, and look once more then."""
         with tqdm(total=self._total, initial=self._done, unit="episode", disable=None) as bar:
             stopped = False
+
             while not stopped:
                 stopped = self._stop.wait(_INTERVAL)
-                bar.update(self._done + max(self.path.stat().st_size, self._received) - bar.n)
+                ended = max(self.path.stat().st_size, self._received)
+                bar.update(self._done + ended - bar.n)
 
 
 def report(path: Path, count: int) -> None:

@@ -11,11 +11,16 @@ from aicon_baselines.evaluation.task import Task
 
 
 def write_report(task: Task, folder: RunFolder) -> str:
-    """Write `summary.json` and `success_curve.png` into the folder and return the table, in Markdown."""
+    """Write `summary.json` and `success_curve.png`, and return the table, in Markdown."""
     rows, config = folder.rows(), folder.config
     task = config.apply(task)
     summaries = summarize(rows, task.milestones, task.measures)
-    content = {"config": asdict(config), "summaries": [asdict(summary) for summary in summaries]}
+
+    content = {
+        "config": asdict(config),
+        "summaries": [asdict(summary) for summary in summaries],
+    }
     (folder.path / "summary.json").write_text(json.dumps(content, indent=2) + "\n")
+
     draw_success_curves(rows, task, folder.path / "success_curve.png")
     return to_table(summaries, task)

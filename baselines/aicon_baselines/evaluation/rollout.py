@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
-from aicon_baselines.evaluation.protocol import Predictor
+from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.evaluation.task import Episode, Measure, Task
 
 
@@ -31,35 +31,43 @@ class Outcome(NamedTuple):
     measures: dict[str, NDArray[np.float64]]
 
 
+def _ignore(count: int) -> None:
+    """Do nothing with the number of episodes that ended."""
+
+
 def rollout(
     policy: Predictor,
     task: Task,
     condition: str,
     episodes: list[Episode],
     wanted: Collection[int],
-    on_finished: Callable[[int], None] = lambda count: None,
+    on_finished: Callable[[int], None] = _ignore,
 ) -> Outcome:
-    """Step all episodes together until those with a wanted seed have ended or the horizon is reached.
+    """Step all episodes together until those with a wanted seed have ended, at most to the horizon.
 
     Args:
         policy: The policy, asked for all episodes at once.
         task: The task the episodes belong to.
         condition: One of the task's conditions.
         episodes: The B episodes of the batch.
-        wanted: Seeds whose outcome matters; the outcome of the others is only that of the steps taken meanwhile.
+        wanted: Seeds whose outcome matters; the outcome of the others is only that of the steps
+            taken meanwhile.
         on_finished: Called with the number of wanted episodes that a step ended.
 
     Returns:
         The outcome of each episode.
     """
-    env = task.make_env(len(episodes), condition, task.horizon, **getattr(policy, "env_options", {}))
+    options = getattr(policy, "env_options", {})
+    is_wanted = np.isin([episode.seed for episode in episodes], list(wanted))
+
+    env = task.make_env(len(episodes), condition, task.horizon, **options)
     try:
-        return _rollout(policy, env, task, episodes, np.isin([e.seed for e in episodes], list(wanted)), on_finished)
+        return _step_until_ended(policy, env, task, episodes, is_wanted, on_finished)
     finally:
         env.close()
 
 
-def _rollout(
+def _step_until_ended(
     policy: Predictor,
     env: VectorEnv[Any, Any, Any],
     task: Task,
@@ -67,34 +75,47 @@ def _rollout(
     wanted: NDArray[np.bool_],
     on_finished: Callable[[int], None],
 ) -> Outcome:
-    count = len(episodes)
     observation, info = env.reset(**task.reset_arguments(episodes))
-    outcome = Outcome(
+    outcome = _begin(len(episodes), info, task.measures)
+    position = np.array(info["position"], np.float64)
+
+    running = np.ones(len(episodes), np.bool_)
+    starts, state = running, None
+
+    for _ in range(task.horizon):
+        if not (running & wanted).any():
+            break
+
+        action, state = policy.predict(
+            observation, state=state, episode_start=starts, deterministic=True
+        )
+        observation, _, terminated, truncated, info = env.step(action)
+        _record(outcome, running, position, info, task.measures)
+        position = np.array(info["position"], np.float64)
+
+        ended = running & (terminated | truncated)
+        running = running & ~ended
+        # An ended episode stays in the batch; it begins afresh at every step, so that its memory
+        # cannot run away.
+        starts = ~running
+        if (ended & wanted).any():
+            on_finished(int((ended & wanted).sum()))
+
+    on_finished(int((running & wanted).sum()))
+    return outcome
+
+
+def _begin(count: int, info: dict[str, Any], measures: tuple[Measure, ...]) -> Outcome:
+    """Return the outcome of `count` episodes that have just been reset."""
+    values = {measure.key: np.array(info[measure.key], np.float64) for measure in measures}
+    return Outcome(
         steps=np.zeros(count, np.int64),
         success=np.zeros(count, np.bool_),
         collision=np.zeros(count, np.bool_),
         path_length=np.zeros(count),
         distance=np.array(info["distance"], np.float64),
-        measures={measure.key: np.array(info[measure.key], np.float64) for measure in task.measures},
+        measures=values,
     )
-    running = np.ones(count, np.bool_)
-    forget, state = running, None
-    position = np.array(info["position"], np.float64)
-    for _ in range(task.horizon):
-        if not (running & wanted).any():
-            break
-        action, state = policy.predict(observation, state=state, episode_start=forget, deterministic=True)
-        observation, _, terminated, truncated, info = env.step(action)
-        _record(outcome, running, position, info, task.measures)
-        position = np.array(info["position"], np.float64)
-        ended = running & (terminated | truncated)
-        running = running & ~ended
-        # An ended episode stays in the batch; its memory starts afresh at every step, so it cannot run away.
-        forget = ~running
-        if (ended & wanted).any():
-            on_finished(int((ended & wanted).sum()))
-    on_finished(int((running & wanted).sum()))
-    return outcome
 
 
 def _record(
@@ -104,12 +125,17 @@ def _record(
     info: dict[str, Any],
     measures: tuple[Measure, ...],
 ) -> None:
-    """Add one step to the outcome of the episodes still running; `position` (B, 2) is that before the step."""
+    """Add one step to the episodes still running; `position` (B, 2) is that before the step."""
+    lengths = np.linalg.norm(info["position"] - position, axis=-1)
+
     outcome.steps[running] += 1
     outcome.success[running] = info["is_success"][running]
     outcome.collision[running] |= info["collision"][running]
-    outcome.path_length[running] += np.linalg.norm(info["position"] - position, axis=-1)[running]
+    outcome.path_length[running] += lengths[running]
     outcome.distance[running] = info["distance"][running]
+
     for measure in measures:
-        values, now = outcome.measures[measure.key], info[measure.key]
-        values[running] = (np.minimum(values, now) if measure.least else now)[running]
+        values, latest = outcome.measures[measure.key], info[measure.key]
+        if measure.least:
+            latest = np.minimum(values, latest)
+        values[running] = latest[running]

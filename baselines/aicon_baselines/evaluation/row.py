@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Row(NamedTuple):
-    """The outcome of one episode; the first four fields say which one it was and are the order of the file."""
+    """The outcome of one episode; the first four fields name it and are the order of the file."""
 
     policy: str
     condition: str
@@ -20,14 +20,18 @@ class Row(NamedTuple):
     path_length: float
     """Length of the path taken, in the task's unit."""
     shortest_path_length: float | None
-    """Length of the shortest collision-free path, in the task's unit; None if the task has no such path."""
+    """Length of the shortest path without collision, in the task's unit; None if it has none."""
     distance: float
     """Distance to the target at the end, in the task's unit."""
     measures: Mapping[str, float] = MappingProxyType({})
     """What else the task measures."""
 
     def to_fields(self) -> list[str]:
-        """Write the row as text: truth values as 0 and 1, lengths to six decimals, nothing for None."""
+        """Write the row as text: truth values as 0 and 1, six decimals, nothing for None."""
+        steps = "" if self.steps is None else str(self.steps)
+        shortest = "" if self.shortest_path_length is None else f"{self.shortest_path_length:.6f}"
+        measures = " ".join(f"{name}={value:.6f}" for name, value in self.measures.items())
+
         return [
             self.policy,
             self.condition,
@@ -35,31 +39,38 @@ class Row(NamedTuple):
             str(self.seed),
             self.map,
             str(int(self.success)),
-            "" if self.steps is None else str(self.steps),
+            steps,
             str(int(self.collision)),
             f"{self.path_length:.6f}",
-            "" if self.shortest_path_length is None else f"{self.shortest_path_length:.6f}",
+            shortest,
             f"{self.distance:.6f}",
-            " ".join(f"{name}={value:.6f}" for name, value in self.measures.items()),
+            measures,
         ]
 
     @classmethod
     def from_fields(cls, fields: list[str]) -> "Row":
         """Read a row back from its text; ValueError if it is not one."""
-        policy, condition, repeat, seed, name, success, steps, collision, path, shortest, distance, measures = fields
+        named = dict(zip(cls._fields, fields, strict=True))
+        shortest = named["shortest_path_length"]
+
+        measures = {}
+        for text in named["measures"].split():
+            name, _, value = text.partition("=")
+            measures[name] = float(value)
+
         return cls(
-            policy=policy,
-            condition=condition,
-            repeat=int(repeat),
-            seed=int(seed),
-            map=name,
-            success=bool(int(success)),
-            steps=int(steps) if steps else None,
-            collision=bool(int(collision)),
-            path_length=float(path),
+            policy=named["policy"],
+            condition=named["condition"],
+            repeat=int(named["repeat"]),
+            seed=int(named["seed"]),
+            map=named["map"],
+            success=bool(int(named["success"])),
+            steps=int(named["steps"]) if named["steps"] else None,
+            collision=bool(int(named["collision"])),
+            path_length=float(named["path_length"]),
             shortest_path_length=float(shortest) if shortest else None,
-            distance=float(distance),
-            measures={name: float(value) for name, _, value in (text.partition("=") for text in measures.split())},
+            distance=float(named["distance"]),
+            measures=measures,
         )
 
 
@@ -67,5 +78,5 @@ Key = tuple[str, str, int, int]
 
 
 def key(row: Row) -> Key:
-    """Return (policy, condition, repeat, seed), which names an episode of a run and orders the file."""
+    """Return what names an episode of a run, and orders the file."""
     return row.policy, row.condition, row.repeat, row.seed

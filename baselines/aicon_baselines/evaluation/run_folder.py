@@ -1,4 +1,4 @@
-"""The folder of a comparison: `config.json` and `episodes.csv`, which survives being killed at any moment."""
+"""The folder of a comparison, `config.json` and `episodes.csv`: it may be killed at any moment."""
 
 import csv
 import io
@@ -16,8 +16,12 @@ _HEADER = ",".join(Row._fields) + "\n"
 class RunFolder:
     """The rows of one comparison, with one writer at a time.
 
-    Rows are appended chunk by chunk as they come and sorted at the end of a run, so the file is the same however the
-    work was spread, interrupted or divided among interpreters.
+    Rows are appended chunk by chunk as they come and sorted at the end of a run, so the file is the
+    same however the work was spread, interrupted or divided among interpreters.
+
+    Attributes:
+        path: The folder.
+        config: The comparison.
     """
 
     def __init__(self, path: Path, config: Config) -> None:
@@ -29,6 +33,7 @@ class RunFolder:
         """
         path.mkdir(parents=True, exist_ok=True)
         config.save(path / "config.json")
+
         self.path = path
         self.config = config
         self._rows_path = path / "episodes.csv"
@@ -47,16 +52,19 @@ class RunFolder:
 
     def sort(self) -> None:
         """Put the rows in the order of (policy, condition, repeat, seed)."""
-        self._replace(_HEADER + _to_text(sorted(self.rows(), key=key)))
+        rows = sorted(self.rows(), key=key)
+        self._replace(_HEADER + _to_text(rows))
 
     def _repair(self) -> None:
-        """Write the header of a new file; drop the torn last line of one whose writer was killed."""
+        """Write the header of a new file; drop a torn last line, left by a killed writer."""
         text = self._rows_path.read_text() if self._rows_path.exists() else ""
-        whole = text[: text.rfind("\n") + 1] or _HEADER
-        if whole != text:
-            self._replace(whole)
+        whole_lines = text[: text.rfind("\n") + 1] or _HEADER
+
+        if whole_lines != text:
+            self._replace(whole_lines)
 
     def _replace(self, text: str) -> None:
+        """Exchange the file in one go, so that there is always a whole one."""
         temporary = self._rows_path.with_suffix(".tmp")
         temporary.write_text(text)
         temporary.replace(self._rows_path)
@@ -68,6 +76,7 @@ def read_rows(path: Path) -> list[Row]:
         header, *lines = csv.reader(file)
     if header != list(Row._fields):
         raise ComparisonError(f"{path} has the columns {header}; expected {list(Row._fields)}")
+
     rows = []
     for number, fields in enumerate(lines, start=2):
         try:
@@ -79,5 +88,7 @@ def read_rows(path: Path) -> list[Row]:
 
 def _to_text(rows: Iterable[Row]) -> str:
     buffer = io.StringIO(newline="")
-    csv.writer(buffer, lineterminator="\n").writerows(row.to_fields() for row in rows)
+    writer = csv.writer(buffer, lineterminator="\n")
+    for row in rows:
+        writer.writerow(row.to_fields())
     return buffer.getvalue()

@@ -16,7 +16,7 @@ _Name = TypeVar("_Name", bound=Hashable)
 
 @dataclass(frozen=True)
 class Milestone:
-    """The episodes that succeeded within a number of steps; the interval is the 95 % Wilson interval of their share."""
+    """The episodes that succeeded within a number of steps, with the 95 % Wilson interval."""
 
     steps: int
     successes: int
@@ -46,15 +46,18 @@ class Summary:
         success_rate: Their share.
         interval: 95 % Wilson interval of the share.
         milestones: The same within fewer steps.
-        failed_seeds: Seeds of the other episodes; a seed that failed in several repeats comes as often.
+        failed_seeds: Seeds of the other episodes; a seed that failed in several repeats comes as
+            often.
         collisions: Number of episodes with a collision.
         median_steps: Median steps of the successes; None without any.
         percentile_95_steps: Their 95th percentile.
         longest_steps: The most steps of a success.
-        median_path_ratio: Median of path length by shortest path length of the successes; None without any, or if the
-            task has no shortest path.
-        median_distance: Median distance to the target at the end of the successes; None without any.
-        measures: What else the task measures: the least of all episodes, or the median of the successes.
+        median_path_ratio: Median of path length by shortest path length of the successes; None
+            without any, or if the task has no shortest path.
+        median_distance: Median distance to the target at the end of the successes; None without
+            any.
+        measures: What else the task measures: the least of all episodes, or the median of the
+            successes.
         maps: The same by class of maps.
     """
 
@@ -76,13 +79,25 @@ class Summary:
     maps: dict[str, MapSummary]
 
 
-def summarize(rows: Iterable[Row], milestones: Sequence[int] = (), measures: Sequence[Measure] = ()) -> list[Summary]:
-    """Sum up the rows by condition and policy, the most successful policy first; `milestones` in steps."""
-    groups = group_rows(rows, lambda row: (row.condition, row.policy))
+def summarize(
+    rows: Iterable[Row], milestones: Sequence[int] = (), measures: Sequence[Measure] = ()
+) -> list[Summary]:
+    """Sum up the rows by condition and policy, the most successful policy first.
+
+    Args:
+        rows: The episodes of all policies.
+        milestones: Numbers of steps within which successes are counted as well.
+        measures: What else the rows hold.
+    """
     summaries = [
-        _summary(policy, condition, group, milestones, measures) for (condition, policy), group in groups.items()
+        _summarize_policy(policy, condition, group, milestones, measures)
+        for (condition, policy), group in group_rows(rows, condition_and_policy).items()
     ]
-    return sorted(summaries, key=lambda summary: (summary.condition, -summary.success_rate, summary.policy))
+
+    def rank(summary: Summary) -> tuple[str, float, str]:
+        return summary.condition, -summary.success_rate, summary.policy
+
+    return sorted(summaries, key=rank)
 
 
 def group_rows(rows: Iterable[Row], name: Callable[[Row], _Name]) -> dict[_Name, list[Row]]:
@@ -93,10 +108,16 @@ def group_rows(rows: Iterable[Row], name: Callable[[Row], _Name]) -> dict[_Name,
     return groups
 
 
+def condition_and_policy(row: Row) -> tuple[str, str]:
+    """Return the two names that a line of the table is for."""
+    return row.condition, row.policy
+
+
 def reached_within(rows: Sequence[Row], steps: int) -> Milestone:
     """Count the successes of at most so many steps."""
     successes = sum(row.steps is not None and row.steps <= steps for row in rows)
-    return Milestone(steps, successes, successes / len(rows), wilson_interval(successes, len(rows)))
+    interval = wilson_interval(successes, len(rows))
+    return Milestone(steps, successes, successes / len(rows), interval)
 
 
 def median_of(values: Iterable[float]) -> float | None:
@@ -105,11 +126,17 @@ def median_of(values: Iterable[float]) -> float | None:
     return float(median(known)) if known else None
 
 
-def _summary(
-    policy: str, condition: str, rows: list[Row], milestones: Sequence[int], measures: Sequence[Measure]
+def _summarize_policy(
+    policy: str,
+    condition: str,
+    rows: list[Row],
+    milestones: Sequence[int],
+    measures: Sequence[Measure],
 ) -> Summary:
     successes = [row for row in rows if row.success]
     steps = [row.steps for row in successes if row.steps is not None]
+    by_map = group_rows(sorted(rows, key=_map), _map)
+
     return Summary(
         policy=policy,
         condition=condition,
@@ -123,21 +150,34 @@ def _summary(
         median_steps=median_of(steps),
         percentile_95_steps=float(np.percentile(steps, 95)) if steps else None,
         longest_steps=max(steps, default=None),
-        median_path_ratio=median_of(
-            r.path_length / r.shortest_path_length for r in successes if r.shortest_path_length
-        ),
+        median_path_ratio=median_of(_path_ratios(successes)),
         median_distance=median_of(row.distance for row in successes),
-        measures={measure.key: _measured(measure, rows) for measure in measures},
-        maps={name: _map_summary(group) for name, group in sorted(group_rows(rows, lambda row: row.map).items())},
+        measures={measure.key: _sum_up_measure(measure, rows) for measure in measures},
+        maps={name: _summarize_map(group) for name, group in by_map.items()},
     )
 
 
-def _measured(measure: Measure, rows: list[Row]) -> float | None:
+def _map(row: Row) -> str:
+    return row.map
+
+
+def _path_ratios(rows: Iterable[Row]) -> list[float]:
+    """Return path length by shortest path length, where the task has a shortest path."""
+    ratios = []
+    for row in rows:
+        if row.shortest_path_length:
+            ratios.append(row.path_length / row.shortest_path_length)
+    return ratios
+
+
+def _sum_up_measure(measure: Measure, rows: list[Row]) -> float | None:
+    """Return the least value of all episodes, or the median of the successes."""
     if measure.least:
         return min(row.measures[measure.key] for row in rows)
     return median_of(row.measures[measure.key] for row in rows if row.success)
 
 
-def _map_summary(rows: list[Row]) -> MapSummary:
+def _summarize_map(rows: list[Row]) -> MapSummary:
     successes = sum(row.success for row in rows)
-    return MapSummary(len(rows), successes, sum(row.collision for row in rows), successes / len(rows))
+    collisions = sum(row.collision for row in rows)
+    return MapSummary(len(rows), successes, collisions, successes / len(rows))

@@ -1,36 +1,40 @@
 """The rows and summaries of a comparison as text, in Markdown."""
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from collections.abc import Iterable, Sequence
 
 from aicon_baselines.evaluation.row import Row
-from aicon_baselines.evaluation.statistics import Summary, group_rows
-from aicon_baselines.evaluation.task import Measure, Task
+from aicon_baselines.evaluation.statistics import Summary, condition_and_policy, group_rows
+from aicon_baselines.evaluation.task import Task
 
-_FEW = 20  # failures of one policy that are still listed
+_MOST_LISTED = 20  # failures of one policy that are still listed
 
 
 def to_table(summaries: Iterable[Summary], task: Task) -> str:
     """Write the summaries as a table, with the columns that the task has values for."""
-    columns = _columns(task)
-    return to_markdown(list(columns), ([text(summary) for text in columns.values()] for summary in summaries))
+    lines = [_cells(summary, task) for summary in summaries]
+    header = list(lines[0]) if lines else []
+    return to_markdown(header, [list(line.values()) for line in lines])
 
 
 def list_failures(rows: Iterable[Row], task: Task) -> str:
     """Name the failed episodes of each policy that has few, a line for each policy."""
     lines = []
-    for (condition, policy), group in sorted(group_rows(rows, lambda row: (row.condition, row.policy)).items()):
+    for (condition, policy), group in sorted(group_rows(rows, condition_and_policy).items()):
         failures = [row for row in group if not row.success]
-        if 0 < len(failures) <= _FEW:
-            seeds = (f"{row.seed} ({_reason(row, task.length_unit)})" for row in failures)
-            lines.append(f"{condition}, {policy}: failed with seed {', '.join(seeds)}")
+
+        if 0 < len(failures) <= _MOST_LISTED:
+            seeds = ", ".join(f"{row.seed} ({_reason(row, task)})" for row in failures)
+            lines.append(f"{condition}, {policy}: failed with seed {seeds}")
+
     return "\n".join(lines)
 
 
 def to_markdown(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
     """Write cells as a table."""
-    first, *others = (f"| {' | '.join(cells)} |" for cells in (header, *lines))
-    return "\n".join((first, "|---" * len(header) + "|", *others))
+    table = [f"| {' | '.join(header)} |", "|---" * len(header) + "|"]
+    for cells in lines:
+        table.append(f"| {' | '.join(cells)} |")
+    return "\n".join(table)
 
 
 def to_text(value: float | None, form: str, scale: float = 1.0) -> str:
@@ -44,46 +48,40 @@ def to_percent(rate: float, interval: tuple[float, float]) -> str:
     return f"{rate:.1%} ({low:.1%} to {high:.1%})"
 
 
-def _columns(task: Task) -> dict[str, Callable[[Summary], str]]:
-    """Return what each column says about a summary."""
-    columns: dict[str, Callable[[Summary], str]] = {
-        "condition": lambda summary: summary.condition,
-        "policy": lambda summary: summary.policy,
-        "success (95 % interval)": _success,
+def _cells(summary: Summary, task: Task) -> dict[str, str]:
+    """Return what the line of a summary says, by the heading of the column."""
+    success = to_percent(summary.success_rate, summary.interval)
+    cells = {
+        "condition": summary.condition,
+        "policy": summary.policy,
+        "success (95 % interval)": f"{summary.successes}/{summary.episodes} = {success}",
     }
-    for index, steps in enumerate(task.milestones):
-        columns[f"within {task.duration(steps)}"] = partial(_milestone, index)
+    for milestone in summary.milestones:
+        share = to_percent(milestone.success_rate, milestone.interval)
+        cells[f"within {task.duration(milestone.steps)}"] = share
+
+    # Collisions mean something where there are obstacles, or joints that are measured.
     if task.shortest_path_length or task.measures:
-        columns["collisions"] = lambda summary: str(summary.collisions)
+        cells["collisions"] = str(summary.collisions)
+
     if task.time_unit == "s":
-        columns["median time"] = lambda summary: to_text(summary.median_steps, "{:.1f} s", task.time_step)
+        cells["median time"] = to_text(summary.median_steps, "{:.1f} s", task.time_step)
     else:
-        columns["median steps"] = lambda summary: to_text(summary.median_steps, "{:g}")
-        columns["95th percentile"] = lambda summary: to_text(summary.percentile_95_steps, "{:.0f}")
-        columns["longest"] = lambda summary: to_text(summary.longest_steps, "{:g}")
+        cells["median steps"] = to_text(summary.median_steps, "{:g}")
+        cells["95th percentile"] = to_text(summary.percentile_95_steps, "{:.0f}")
+        cells["longest"] = to_text(summary.longest_steps, "{:g}")
+
     if task.shortest_path_length:
-        columns["median path / shortest"] = lambda summary: to_text(summary.median_path_ratio, "{:.2f}")
+        cells["median path / shortest"] = to_text(summary.median_path_ratio, "{:.2f}")
     if task.measures:
-        form = f"{{:.4f}} {task.length_unit}"
-        columns["median distance at the end"] = lambda summary: to_text(summary.median_distance, form)
+        distance = to_text(summary.median_distance, f"{{:.4f}} {task.length_unit}")
+        cells["median distance at the end"] = distance
+
     for measure in task.measures:
-        columns[measure.title] = partial(_measure, measure)
-    return columns
+        cells[measure.title] = to_text(summary.measures[measure.key], measure.form, measure.scale)
+    return cells
 
 
-def _success(summary: Summary) -> str:
-    percent = to_percent(summary.success_rate, summary.interval)
-    return f"{summary.successes}/{summary.episodes} = {percent}"
-
-
-def _milestone(index: int, summary: Summary) -> str:
-    milestone = summary.milestones[index]
-    return to_percent(milestone.success_rate, milestone.interval)
-
-
-def _measure(measure: Measure, summary: Summary) -> str:
-    return to_text(summary.measures[measure.key], measure.form, measure.scale)
-
-
-def _reason(row: Row, unit: str) -> str:
-    return "collision" if row.collision else f"{row.distance:.3g} {unit} left"
+def _reason(row: Row, task: Task) -> str:
+    """Say why an episode failed."""
+    return "collision" if row.collision else f"{row.distance:.3g} {task.length_unit} left"

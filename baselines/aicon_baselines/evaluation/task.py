@@ -25,7 +25,8 @@ class Episode:
     @property
     def noise_seed(self) -> int:
         """Seed of the environment's noise, one per (seed, repeat)."""
-        return int(np.random.SeedSequence([self.seed, self.repeat]).generate_state(1)[0])
+        sequence = np.random.SeedSequence([self.seed, self.repeat])
+        return int(sequence.generate_state(1)[0])
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,8 @@ class Measure:
         title: Heading of its column.
         form: How it is written, such as "{:.1f} mm".
         scale: Factor from the unit of `info` to that of the form.
-        least: Whether the least value of the episode counts, and the least of all episodes; otherwise the last value,
-            and the median of the successes.
+        least: Whether the least value of the episode counts, and the least of all episodes;
+            otherwise the last value, and the median of the successes.
     """
 
     key: str
@@ -59,20 +60,22 @@ class Task:
         chunk_size: Number of episodes stepped as one batch; a constant, see `chunk`.
         maps: Slots of map classes; seed s plays `maps[s % len(maps)]`.
         conditions: Names of the variants of the environment, the usual one first.
-        make_env: Builds the environment from (number of episodes, condition, horizon in steps), and from the
-            `env_options` of a policy that has some. It must leave ended episodes alone (autoreset disabled) and report
-            `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,), `collision` (B,) and what
-            `measures` names in `info`.
+        make_env: Builds the environment from (number of episodes, condition, horizon in steps), and
+            from further arguments of the environment, such as the `env_options` of a policy that
+            has some or `render_mode`. It must leave ended episodes alone (autoreset disabled) and
+            report `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,),
+            `collision` (B,) and what `measures` names in `info`.
         reset_arguments: The arguments of the environment's `reset` that select these episodes.
         policy_options: What a policy is told about a condition: options of its model.
         noiseless: Conditions without noise, where the repeats of an episode would be copies of it.
         length_unit: Unit of the lengths in the rows.
         time_unit: Unit in which durations are told.
         milestones: Numbers of steps within which success is reported as well; curves mark the last.
-        compiles: Whether the policies of the task are compiled in comparisons, being too slow otherwise.
+        compiles: Whether the policies of the task are compiled in comparisons, being too slow
+            otherwise.
         measures: What else the rows hold; the environment must report it in `info`.
-        shortest_path_length: Length of the shortest collision-free path of an episode, in `length_unit`; None where a
-            path has no such bound and nothing to collide with.
+        shortest_path_length: Length of the shortest collision-free path of an episode, in
+            `length_unit`; None where a path has no such bound and nothing to collide with.
     """
 
     name: str
@@ -101,13 +104,17 @@ class Task:
         """Tell a number of steps in `time_unit`."""
         return f"{steps * self.time_scale:g} {self.time_unit}"
 
-    def chunk(self, index: int, repeat: int) -> list[Episode]:
-        """List the episodes of seeds [index * chunk_size, (index + 1) * chunk_size), which are stepped together.
+    def episode(self, seed: int, repeat: int = 0) -> Episode:
+        """Return the episode of a seed."""
+        return Episode(seed, repeat, self.maps[seed % len(self.maps)])
 
-        The last bits of a batched computation depend on the size of the batch, and closed loops among obstacles
-        amplify them. So a chunk is always complete and starts at a multiple of its size, also when only some of its
-        seeds were asked for: an episode has the same neighbours, hence the same row, in every run.
+    def chunk(self, index: int, repeat: int) -> list[Episode]:
+        """List the episodes of seeds [index * chunk_size, (index + 1) * chunk_size).
+
+        They are stepped together. The last bits of a batched computation depend on the size of the
+        batch, and closed loops among obstacles amplify them. So a chunk is always complete and
+        starts at a multiple of its size, also when only some of its seeds were asked for: an
+        episode has the same neighbours, hence the same row, in every run.
         """
         first = index * self.chunk_size
-        seeds = range(first, first + self.chunk_size)
-        return [Episode(seed, repeat, self.maps[seed % len(self.maps)]) for seed in seeds]
+        return [self.episode(seed, repeat) for seed in range(first, first + self.chunk_size)]

@@ -1,5 +1,5 @@
 """The evaluation tasks, by name."""
 
-from aicon_baselines.tasks.registry import load
+from aicon_baselines.tasks.registry import load, names
 
-__all__ = ["load"]
+__all__ = ["load", "names"]

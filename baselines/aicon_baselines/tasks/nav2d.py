@@ -32,7 +32,7 @@ _SLOTS = (
 )
 
 
-def _make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, Any]:
+def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     return gymnasium.make_vec(
         "aicon/Nav2D-v0",
         num_envs=count,
@@ -40,18 +40,28 @@ def _make_env(count: int, condition: str, horizon: int) -> VectorEnv[Any, Any, A
         autoreset_mode=AutoresetMode.DISABLED,
         max_episode_steps=horizon,
         sensing=condition,
+        **options,
     )
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
-    return {
-        "seed": [episode.noise_seed for episode in episodes],
-        "options": {"map": [episode.map for episode in episodes], "map_seed": [episode.seed for episode in episodes]},
-    }
+    noise_seeds = [episode.noise_seed for episode in episodes]
+    maps = [episode.map for episode in episodes]
+    map_seeds = [episode.seed for episode in episodes]
+    return {"seed": noise_seeds, "options": {"map": maps, "map_seed": map_seeds}}
 
 
-@lru_cache(maxsize=1024)
-def _shortest_path_length(name: str, seed: int) -> float:
+def _policy_options(condition: str) -> dict[str, Any]:
+    """Tell the policy what its sensors are."""
+    return {"sensing": condition}
+
+
+def _shortest_path_length(episode: Episode) -> float:
+    return _shortest_path_length_of_map(episode.map, episode.seed)
+
+
+@lru_cache(maxsize=1024)  # a map is asked for once per policy, condition and repeat
+def _shortest_path_length_of_map(name: str, seed: int) -> float:
     _, obstacles, start, target = make_map(name, np.random.default_rng(seed))
     return shortest_path_length(obstacles, start, target, Physics().radius)
 
@@ -65,6 +75,6 @@ TASK = Task(
     conditions=("range", "range_bearing"),
     make_env=_make_env,
     reset_arguments=_reset_arguments,
-    policy_options=lambda condition: {"sensing": condition},
-    shortest_path_length=lambda episode: _shortest_path_length(episode.map, episode.seed),
+    policy_options=_policy_options,
+    shortest_path_length=_shortest_path_length,
 )

@@ -1,6 +1,9 @@
-"""The evaluation task "panda_push": an arm that pushes an object to a pose, by its camera or with the true pose.
+"""The evaluation task "panda_push": an arm that pushes an object to a pose.
 
-The environment's seed is the episode's seed. Repeats have other noise, start and target: a seed of their own.
+It sees the object with the camera in its hand, or is told where it is.
+
+The environment's seed is the episode's seed. Repeats have other noise, start and target: a seed of
+their own.
 """
 
 import math
@@ -14,8 +17,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 from aicon_baselines.evaluation.task import Episode, Measure, Task
 from aicon_envs.panda_push import PandaPushEnv
 
-# The arguments of the environment in each condition. Near the base the arm meets its joint limits and itself; far from
-# it the arm becomes straight.
+# The arguments of the environment in each condition. Near the base the arm meets its joint limits
+# and itself; far from it the arm becomes straight.
 _ARGUMENTS: dict[str, dict[str, Any]] = {
     "camera": {},
     "true_pose": {"obs_type": "pose"},
@@ -31,61 +34,70 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "far_true_pose": {"area": ((0.62, 0.70), (-0.1, 0.1)), "obs_type": "pose"},
 }
 
+_Step = tuple[Any, Any, bool, bool, dict[str, Any]]
 
-class _Frozen(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """An environment that stands still, in the dark, once its episode has ended, so that it costs no time."""
+
+class _StandStillAfterEnd(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Stands still, in the dark, once its episode has ended, so that it costs no time."""
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
-        self._last: tuple[Any, Any, bool, bool, dict[str, Any]] | None = None
+        self._last: _Step | None = None
 
     def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
         """Start an episode."""
         self._last = None
         return super().reset(**arguments)
 
-    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> _Step:
         """Move, or repeat what the episode ended with."""
         if self._last is not None:
             return self._last
-        result = super().step(action)
-        if result[2] or result[3]:
-            observation = dict(result[0])
-            if "rgb" in observation:
-                observation["rgb"] = np.zeros_like(observation["rgb"])  # there is nothing more to look for
-            self._last = (observation, *result[1:])
-        return result
+
+        observation, reward, terminated, truncated, info = super().step(action)
+        if terminated or truncated:
+            at_rest = dict(observation)
+            # A black image: there is nothing more to look for.
+            if "rgb" in at_rest:
+                at_rest["rgb"] = np.zeros_like(at_rest["rgb"])
+            self._last = (at_rest, reward, terminated, truncated, info)
+        return observation, reward, terminated, truncated, info
 
 
-class _Episodes(SyncVectorEnv):
+class _SideBySide(SyncVectorEnv):
     """Environments side by side, of which some may have ended."""
 
     def step(self, actions: Any) -> Any:
         """Move those that have not ended."""
-        self._autoreset_envs[:] = False  # gymnasium's own refuses to go on with the others
+        # Gymnasium's own would refuse to go on with the others.
+        self._autoreset_envs[:] = False
         return super().step(actions)
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
-    def make() -> gymnasium.Env[Any, Any]:
+    def make_one() -> gymnasium.Env[Any, Any]:
         env = PandaPushEnv(**{**_ARGUMENTS[condition], **options})
-        return _Frozen(gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon))
+        limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon)
+        return _StandStillAfterEnd(limited)
 
-    return _Episodes([make] * count, autoreset_mode=AutoresetMode.DISABLED)
+    return _SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
-    return {"seed": [episode.noise_seed if episode.repeat else episode.seed for episode in episodes]}
+    seeds = [episode.noise_seed if episode.repeat else episode.seed for episode in episodes]
+    return {"seed": seeds}
 
 
 def _policy_options(condition: str) -> dict[str, Any]:
-    """Tell the policy its own body, its sensor and the object's outline, but neither mass nor friction."""
-    from aicon_torch.models.panda_push.robot import Robot
+    """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
+    from aicon_torch.models.panda_push import Robot
 
     env = PandaPushEnv(**_ARGUMENTS[condition])
-    corners = tuple((float(x), float(y)) for x, y in env.object.corners)
-    sensing = "pose" if env.obs_type == "pose" else "camera"
-    return {"robot": Robot.of(env.description()), "corners": corners, "sensing": sensing}
+    return {
+        "robot": Robot.from_description(env.description()),
+        "corners": tuple((float(x), float(y)) for x, y in env.object.corners),
+        "sensing": "pose" if env.obs_type == "pose" else "camera",
+    }
 
 
 TASK = Task(
@@ -103,6 +115,12 @@ TASK = Task(
     measures=(
         Measure("angle", "median angle at the end", "{:.1f}°", math.degrees(1.0)),
         Measure("limit_margin", "least distance to a joint's limit", "{:.3f} rad", least=True),
-        Measure("self_distance", "least distance of the robot to itself", "{:.0f} mm", 1e3, least=True),
+        Measure(
+            "self_distance",
+            "least distance of the robot to itself",
+            "{:.0f} mm",
+            scale=1e3,
+            least=True,
+        ),
     ),
 )

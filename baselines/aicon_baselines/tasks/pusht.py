@@ -1,22 +1,24 @@
 """The evaluation task "pusht": an object pushed to a pose, as in gym-pusht, and variants of it.
 
-The environment's seed is the episode's seed, so that starts are those of gym-pusht with the same seed. Repeats differ
-in their noise only.
+The environment's seed is the episode's seed, so that starts are those of gym-pusht with the same
+seed. Repeats differ in their noise only.
 """
 
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Task
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
+from aicon_torch.models.pusht import PIXEL
 
 _UPSTREAM = "upstream"
-_SPEED = 800.0  # the speed limit of the policy, px/s; the benchmark has none
+_SPEED = 800.0  # the usual speed limit of the policy, px/s; the benchmark has none
 _OBJECTS = ("L", "U", "Z", "H", "plus", "quadrilateral")
 
 # The arguments of the environment in each condition.
@@ -37,13 +39,17 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     _UPSTREAM: {},
 }
 # What a policy knows of the sensors in a condition.
-_SENSORS: dict[str, dict[str, Any]] = {"delay": {"delay": 3}, "keypoint_noise": {"keypoint_noise": 2.0}}
+_SENSORS: dict[str, dict[str, Any]] = {
+    "delay": {"delay": 3},
+    "keypoint_noise": {"keypoint_noise": 2.0 * PIXEL},
+}
 _NOISY = ("noise_2", "noise_4", "kicks", "dropout", "keypoint_noise")
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     if condition == _UPSTREAM:
         return UpstreamPushT(count, horizon, **options)
+
     # Built by name, because `gymnasium.make_vec` keeps the argument `wrappers` to itself.
     return PushTVectorEnv(
         num_envs=count,
@@ -59,18 +65,23 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 
 def _policy_options(condition: str) -> dict[str, Any]:
-    """Tell the policy the object's outline, the speed limit and whether the goal is observed, where not the usual."""
+    """Tell the policy what is not as usual: outline, sensors, speed limit, an observed goal.
+
+    The environment's lengths are px; the policy's are m.
+    """
     arguments = _ARGUMENTS[condition]
-    options: dict[str, Any] = {}
+    options = dict(_SENSORS.get(condition, {}))
+
     if "object" in arguments:
         outline = OBJECTS[arguments["object"]]
-        options["keypoints"] = tuple((float(x), float(y)) for x, y in outline.keypoints)
-        options["border"] = tuple(int(index) for index in outline.border)
+        corners = PIXEL * np.asarray(outline.keypoints, np.float64)
+        options["keypoints"] = tuple(map(tuple, corners.tolist()))
+        options["outline_order"] = tuple(int(index) for index in outline.border)
+
     if "observe_goal" in arguments:
         options["observe_goal"] = True
-    options |= _SENSORS.get(condition, {})
     if "velocity_limit" in arguments:
-        options["max_speed"] = arguments["velocity_limit"]
+        options["max_speed"] = PIXEL * arguments["velocity_limit"]
     return options
 
 

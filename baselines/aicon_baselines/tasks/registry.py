@@ -6,21 +6,33 @@ from gymnasium.error import DependencyNotInstalled
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.extras import pip_command
 
 _MODULES = {
     "nav2d": "aicon_baselines.tasks.nav2d",
     "pusht": "aicon_baselines.tasks.pusht",
     "panda_push": "aicon_baselines.tasks.panda_push",
 }
+_EXTRAS = {"pusht": "pusht", "panda_push": "panda"}
+
+
+def names() -> tuple[str, ...]:
+    """List the tasks, installed or not."""
+    return tuple(_MODULES)
 
 
 def load(name: str) -> Task:
-    """Return the task of this name, importing its environment; an unknown name is an error that lists the names."""
+    """Return the task of this name, importing its environment.
+
+    An unknown name is an error that lists the names; where the environment is not installed, the
+    error says what to install.
+    """
     if name not in _MODULES:
         raise ComparisonError(f"unknown task {name!r}; valid tasks: {', '.join(_MODULES)}")
+
     try:
         task: Task = import_module(_MODULES[name]).TASK
     except (ModuleNotFoundError, DependencyNotInstalled) as error:
-        extra = name.partition("_")[0]
-        raise ComparisonError(f"{error}; the task {name!r} needs: pip install 'aicon-torch[{extra}]'") from error
+        needed = pip_command(_EXTRAS[name])
+        raise ComparisonError(f"{error}; the task {name!r} needs: {needed}") from error
     return task

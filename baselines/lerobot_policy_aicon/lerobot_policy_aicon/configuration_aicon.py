@@ -14,17 +14,20 @@ class AiconConfig(PreTrainedConfig):
 
     Attributes:
         preset: One of `aicon_torch.presets("pusht")`.
-        max_speed: Largest speed of the pusher, px/s.
+        max_speed: Largest speed of the pusher, m/s; a pixel of the environment is 1 mm.
     """
 
     preset: str = "aicon"
-    max_speed: float = 800.0
+    max_speed: float = 0.8
     push_to_hub: bool = False
 
     def validate_features(self) -> None:
         """Reject an environment without keypoints and the pusher's position."""
-        missing = {OBS_ENV_STATE, OBS_STATE} - set(self.input_features or {})
-        if missing or ACTION not in (self.output_features or {}):
+        observed = self.input_features or {}
+        controlled = self.output_features or {}
+
+        is_complete = OBS_ENV_STATE in observed and OBS_STATE in observed and ACTION in controlled
+        if not is_complete:
             raise ValueError(
                 f"aicon needs {OBS_ENV_STATE} and {OBS_STATE}, and gives {ACTION}: "
                 "--env.type=pusht --env.obs_type=environment_state_agent_pos"

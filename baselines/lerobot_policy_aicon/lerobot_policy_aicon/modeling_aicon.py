@@ -11,15 +11,20 @@ from lerobot_policy_aicon.configuration_aicon import AiconConfig
 
 
 class AiconPolicy(PreTrainedPolicy):
-    """`make_policy("pusht")` on batches of environments."""
+    """`make_policy("pusht")` on batches of environments.
+
+    Args:
+        config: Options of the policy.
+        **kwargs: LeRobot's other arguments, such as the statistics of a dataset, change nothing.
+    """
 
     config_class = AiconConfig
     name = "aicon"
 
     def __init__(self, config: AiconConfig, **kwargs: Any) -> None:
-        """Build the policy; LeRobot's other arguments, such as the statistics of a dataset, change nothing."""
         super().__init__(config)
         config.validate_features()
+
         self._policy: Any = make_policy("pusht", preset=config.preset, max_speed=config.max_speed)
         self.reset()
 
@@ -28,14 +33,23 @@ class AiconPolicy(PreTrainedPolicy):
         self._memory: dict[str, Tensor] | None = None
 
     def select_action(self, batch: dict[str, Tensor], **kwargs: Any) -> Tensor:
-        """Return the next position targets (B, 2), px, for `observation.environment_state` (B, 16) and `.state`."""
-        observation = {"environment_state": batch[OBS_ENV_STATE].double(), "agent_pos": batch[OBS_STATE].double()}
+        """Return the next position targets (B, 2), px.
+
+        Args:
+            batch: `observation.environment_state` (B, 16) and `observation.state` (B, 2), px.
+            **kwargs: LeRobot's other arguments change nothing.
+        """
+        observation = {
+            "environment_state": batch[OBS_ENV_STATE].double(),
+            "agent_pos": batch[OBS_STATE].double(),
+        }
         action, self._memory = self._policy.predict(observation, self._memory)
-        result: Tensor = action.float()
-        return result
+
+        target: Tensor = action.float()
+        return target
 
     def predict_action_chunk(self, batch: dict[str, Tensor], **kwargs: Any) -> Tensor:
-        """Return the next action as a chunk of one, (B, 1, 2)."""
+        """Return the next action as a chunk of one, (B, 1, 2), px; see `select_action`."""
         return self.select_action(batch).unsqueeze(1)
 
     def get_optim_params(self) -> dict[str, Any]:

@@ -1,4 +1,7 @@
-"""What LeRobot does with observations before AICON, and with its actions after: nothing is normalised."""
+"""What LeRobot does with observations before AICON, and with its actions after.
+
+Nothing is normalised.
+"""
 
 from typing import Any
 
@@ -9,16 +12,26 @@ from lerobot.processor import (
     RenameObservationsProcessorStep,
 )
 from lerobot.processor.converters import policy_action_to_transition, transition_to_policy_action
-from lerobot.utils.constants import POLICY_POSTPROCESSOR_DEFAULT_NAME, POLICY_PREPROCESSOR_DEFAULT_NAME
+from lerobot.utils.constants import (
+    POLICY_POSTPROCESSOR_DEFAULT_NAME,
+    POLICY_PREPROCESSOR_DEFAULT_NAME,
+)
 
 from lerobot_policy_aicon.configuration_aicon import AiconConfig
+
+Pipeline = PolicyProcessorPipeline[Any, Any]
 
 
 def make_aicon_pre_post_processors(
     config: AiconConfig, dataset_stats: dict[str, Any] | None = None
-) -> tuple[PolicyProcessorPipeline[Any, Any], PolicyProcessorPipeline[Any, Any]]:
-    """Return what runs before and after the policy; there are no statistics to use."""
-    before = PolicyProcessorPipeline[Any, Any](
+) -> tuple[Pipeline, Pipeline]:
+    """Return what runs before and after the policy.
+
+    Args:
+        config: Options of the policy.
+        dataset_stats: LeRobot's argument for other policies; there are no statistics to use.
+    """
+    preprocessor = Pipeline(
         steps=[
             RenameObservationsProcessorStep(rename_map={}),
             AddBatchDimensionProcessorStep(),
@@ -26,10 +39,12 @@ def make_aicon_pre_post_processors(
         ],
         name=POLICY_PREPROCESSOR_DEFAULT_NAME,
     )
-    after = PolicyProcessorPipeline[Any, Any](
+
+    postprocessor = Pipeline(
         steps=[DeviceProcessorStep(device="cpu")],
         name=POLICY_POSTPROCESSOR_DEFAULT_NAME,
         to_transition=policy_action_to_transition,
         to_output=transition_to_policy_action,
     )
-    return before, after
+
+    return preprocessor, postprocessor

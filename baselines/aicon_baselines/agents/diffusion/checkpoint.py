@@ -1,4 +1,4 @@
-"""Saved diffusion policies of LeRobot, in today's format and the old one, with the normalisation inside the weights."""
+"""Saved diffusion policies of LeRobot, in today's format and older ones."""
 
 import json
 import shutil
@@ -8,18 +8,24 @@ from typing import Any, cast
 
 from torch import Tensor
 
-from aicon_baselines.agents.diffusion.conversion import configure, shapes, split
-from aicon_baselines.agents.diffusion.features import ACTION, KEYPOINTS, PIXELS, STATE
-from aicon_baselines.agents.diffusion.installed import import_lerobot
+from aicon_baselines.agents.diffusion.checkpoint_formats import (
+    Statistics,
+    build_config,
+    read_shapes,
+    split_statistics,
+)
+from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
+from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
 
-CONFIG, WEIGHTS, PREPROCESSOR, POSTPROCESSOR = (
-    "config.json",
-    "model.safetensors",
-    "policy_preprocessor.json",
-    "policy_postprocessor.json",
-)
-_TRAINING = "train one: python scripts/train_diffusion.py --data DEMONSTRATIONS --out FOLDER"
+CONFIG = "config.json"
+WEIGHTS = "model.safetensors"
+PREPROCESSOR = "policy_preprocessor.json"
+POSTPROCESSOR = "policy_postprocessor.json"
+
+SAMPLERS = ("DDPM", "DDIM")
+
+_TRAIN_ONE = "train one: python scripts/train_diffusion.py --data DEMONSTRATIONS --out FOLDER"
 
 
 @dataclass(frozen=True)
@@ -37,68 +43,49 @@ class Checkpoint:
     postprocess: Any
 
 
-def load(folder: Path, sampler: str | None = None, inference_steps: int | None = None) -> Checkpoint:
+def load(
+    folder: Path, sampler: str | None = None, inference_steps: int | None = None
+) -> Checkpoint:
     """Load a policy of either format, on the CPU; weights in half precision become float32.
 
     Args:
         folder: Folder with `config.json` and `model.safetensors`.
         sampler: "DDPM" or "DDIM"; by default the checkpoint's.
-        inference_steps: Number of denoising steps; by default the checkpoint's, which is all it was trained with.
+        inference_steps: Number of denoising steps; by default the checkpoint's, which is all it was
+            trained with.
 
-    Returns:
-        The policy; what is missing or does not fit pushT is an error that names the file.
+    Raises:
+        ComparisonError: Where something is missing or does not fit pushT; it names the file.
     """
-    factory = import_lerobot("policies.factory")
+    import_lerobot("policies.factory")  # without LeRobot, nothing else needs to be looked at
+
+    # 1. Read the files.
     content = _read_config(folder)
-    weights, statistics = split(read_weights(folder), shapes(content, "input") | shapes(content, "output"))
-    config = configure(folder / CONFIG, content, statistics)
+    features = read_shapes(content, "input") | read_shapes(content, "output")
+    weights, statistics = split_statistics(read_weights(folder), features)
+
+    # 2. Describe the policy.
+    config = build_config(folder / CONFIG, content, statistics)
     _check_features(folder, config)
-    _override(config, sampler, inference_steps)
-    policy: Any = import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy(config)
-    try:
-        policy.load_state_dict({name: value.float() for name, value in weights.items()})
-    except RuntimeError as error:
-        raise ComparisonError(
-            f"{folder / WEIGHTS} does not fit {folder / CONFIG} ({error}); copy both from the same policy"
-        ) from error
-    if (folder / PREPROCESSOR).exists() and (folder / POSTPROCESSOR).exists():
-        processors = factory.make_pre_post_processors(
-            config, pretrained_path=str(folder), preprocessor_overrides={"device_processor": {"device": "cpu"}}
-        )
-    elif statistics:
-        processors = factory.make_pre_post_processors(config, dataset_stats=statistics)
-    else:
-        raise ComparisonError(
-            f"{folder} has no {PREPROCESSOR} and {POSTPROCESSOR}, and {WEIGHTS} no normalisation: copy the whole "
-            "folder from where the policy was saved"
-        )
-    return Checkpoint(policy.eval(), *processors)
+    _set_sampler(config, sampler, inference_steps)
+
+    # 3. Build it.
+    policy = _build_policy(folder, config, weights)
+    preprocess, postprocess = _build_processors(folder, config, statistics)
+    return Checkpoint(policy.eval(), preprocess, postprocess)
 
 
 def save(policy: Any, preprocess: Any, postprocess: Any, folder: Path) -> None:
     """Write a policy and its processors as LeRobot does, all or nothing."""
     temporary = folder.with_name(folder.name + ".tmp")
     shutil.rmtree(temporary, ignore_errors=True)
-    for part in (policy, preprocess, postprocess):
-        part.save_pretrained(temporary)
+
+    policy.save_pretrained(temporary)
+    preprocess.save_pretrained(temporary)
+    postprocess.save_pretrained(temporary)
+
     shutil.rmtree(folder, ignore_errors=True)
     temporary.replace(folder)
-
-
-def _read_config(folder: Path) -> dict[str, Any]:
-    path = folder / CONFIG
-    if not path.exists():
-        inside = [child.parent for child in sorted(folder.glob(f"*/{CONFIG}"))]
-        hint = f"take {inside[0]}" if inside else _TRAINING
-        raise ComparisonError(f"{folder} is no saved policy, {CONFIG} is missing; {hint}")
-    try:
-        content = json.loads(path.read_text())
-    except ValueError as error:
-        raise ComparisonError(f"{path} is not JSON ({error}); {_TRAINING}") from error
-    kind = content.get("type", "diffusion" if "down_dims" in content else None)
-    if kind != "diffusion":
-        raise ComparisonError(f"{path} describes a policy of type {kind!r}, not 'diffusion'; {_TRAINING}")
-    return cast("dict[str, Any]", content)
 
 
 def read_weights(folder: Path) -> dict[str, Tensor]:
@@ -108,35 +95,102 @@ def read_weights(folder: Path) -> dict[str, Tensor]:
 
     path = folder / WEIGHTS
     if not path.exists():
-        raise ComparisonError(f"{folder} has no {WEIGHTS}; copy the whole folder from where the policy was saved")
+        raise ComparisonError(
+            f"{folder} has no {WEIGHTS}; copy the whole folder from where the policy was saved"
+        )
+
     try:
         return dict(load_file(path))
     except SafetensorError as error:
         raise ComparisonError(f"{path} holds no weights ({error}); copy it again") from error
 
 
+def _read_config(folder: Path) -> dict[str, Any]:
+    """Read `config.json`, which has to be that of a diffusion policy."""
+    path = folder / CONFIG
+    if not path.exists():
+        policies_inside = sorted(folder.glob(f"*/{CONFIG}"))
+        hint = f"take {policies_inside[0].parent}" if policies_inside else _TRAIN_ONE
+        raise ComparisonError(f"{folder} is no saved policy, {CONFIG} is missing; {hint}")
+
+    try:
+        content = cast("dict[str, Any]", json.loads(path.read_text()))
+    except ValueError as error:
+        raise ComparisonError(f"{path} is not JSON ({error}); {_TRAIN_ONE}") from error
+
+    # The oldest format does not name the type.
+    policy_type = content.get("type", "diffusion" if "down_dims" in content else None)
+    if policy_type != "diffusion":
+        raise ComparisonError(
+            f"{path} describes a policy of type {policy_type!r}, not 'diffusion'; {_TRAIN_ONE}"
+        )
+    return content
+
+
 def _check_features(folder: Path, config: Any) -> None:
     """Reject a policy that sees or does something else than pushT offers."""
     inputs = {name: feature.shape for name, feature in config.input_features.items()}
     outputs = {name: feature.shape for name, feature in config.output_features.items()}
-    fits = inputs.get(STATE) == (2,) and outputs == {ACTION: (2,)} and set(inputs) <= {STATE, KEYPOINTS, PIXELS}
-    fits = fits and len(inputs) > 1 and inputs.get(KEYPOINTS, (16,)) == (16,)
-    if not fits:
+
+    sees_pusher = inputs.get(STATE) == (2,)
+    sees_object = len(inputs) > 1 and inputs.get(KEYPOINTS, (16,)) == (16,)
+    sees_nothing_else = set(inputs) <= {STATE, KEYPOINTS, PIXELS}
+    moves_pusher = outputs == {ACTION: (2,)}
+
+    if not (sees_pusher and sees_object and sees_nothing_else and moves_pusher):
         raise ComparisonError(
-            f"{folder / CONFIG} takes {inputs} and gives {outputs}; pushT offers {STATE} (2,), {KEYPOINTS} (16,) and "
-            f"{PIXELS} (3, height, width), and takes {ACTION} (2,); {_TRAINING}"
+            f"{folder / CONFIG} takes {inputs} and gives {outputs}; pushT offers {STATE} (2,), "
+            f"{KEYPOINTS} (16,) and {PIXELS} (3, height, width), and takes {ACTION} (2,); "
+            f"{_TRAIN_ONE}"
         )
 
 
-def _override(config: Any, sampler: str | None, inference_steps: int | None) -> None:
+def _set_sampler(config: Any, sampler: str | None, inference_steps: int | None) -> None:
     """Set how actions are sampled, where it is not None; an error if it cannot be."""
-    if sampler not in (None, "DDPM", "DDIM"):
-        raise ComparisonError(f"unknown sampler {sampler!r}; valid samplers: DDPM, DDIM")
-    if inference_steps is not None and not 1 <= inference_steps <= config.num_train_timesteps:
-        raise ComparisonError(
-            f"inference steps must be between 1 and {config.num_train_timesteps}, not {inference_steps}"
-        )
     if sampler is not None:
+        if sampler not in SAMPLERS:
+            raise ComparisonError(
+                f"unknown sampler {sampler!r}; valid samplers: {', '.join(SAMPLERS)}"
+            )
         config.noise_scheduler_type = sampler
+
     if inference_steps is not None:
+        if not 1 <= inference_steps <= config.num_train_timesteps:
+            raise ComparisonError(
+                f"inference steps must be between 1 and {config.num_train_timesteps}, "
+                f"not {inference_steps}"
+            )
         config.num_inference_steps = inference_steps
+
+
+def _build_policy(folder: Path, config: Any, weights: dict[str, Tensor]) -> Any:
+    policy = import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy(config)
+
+    try:
+        policy.load_state_dict({name: value.float() for name, value in weights.items()})
+    except RuntimeError as error:
+        raise ComparisonError(
+            f"{folder / WEIGHTS} does not fit {folder / CONFIG} ({error}); "
+            "copy both from the same policy"
+        ) from error
+    return policy
+
+
+def _build_processors(folder: Path, config: Any, statistics: Statistics) -> tuple[Any, Any]:
+    """Return what stands before and after the network, from their files or old statistics."""
+    make_processors = import_lerobot("policies.factory").make_pre_post_processors
+
+    if (folder / PREPROCESSOR).exists() and (folder / POSTPROCESSOR).exists():
+        on_cpu = {"device_processor": {"device": "cpu"}}
+        preprocess, postprocess = make_processors(
+            config, pretrained_path=str(folder), preprocessor_overrides=on_cpu
+        )
+    elif statistics:
+        preprocess, postprocess = make_processors(config, dataset_stats=statistics)
+    else:
+        raise ComparisonError(
+            f"{folder} has no {PREPROCESSOR} and {POSTPROCESSOR}, and {WEIGHTS} no normalisation: "
+            "copy the whole folder from where the policy was saved"
+        )
+
+    return preprocess, postprocess

@@ -1,118 +1,145 @@
-"""Demonstrations recorded and written as a `LeRobotDataset`."""
+"""Recording demonstrations, and going on with it."""
 
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from aicon_baselines.agents.diffusion.dataset import FEATURES
-from aicon_baselines.agents.diffusion.demonstrations import CHUNK, Demonstration, Recording, record_chunk
-from aicon_baselines.agents.diffusion.features import ACTION, KEYPOINTS, PIXELS, STATE
-from aicon_baselines.agents.diffusion.installed import import_lerobot
+from aicon_baselines.agents.diffusion.dataset_writer import write_dataset
+from aicon_baselines.agents.diffusion.demonstrations import Demonstration, record_chunk
+from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.diffusion.recording_config import CHUNK_SIZE, RecordingConfig
+from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.evaluation.errors import ComparisonError
 
-FPS = 10
-TASK = "Push the T onto its target."
 RECORDING = "recording.json"
 """File in a dataset's folder that says how it was recorded."""
 
 
-def collect(recording: Recording, folder: Path, on_recorded: Callable[[int], None] = lambda count: None) -> None:
+def collect(
+    config: RecordingConfig,
+    folder: Path,
+    on_recorded: Callable[[int], None] | None = None,
+) -> None:
     """Record demonstrations and write them as a `LeRobotDataset`.
 
-    Chunks go to `<folder>.chunks` as they are recorded; the same call goes on there after a stop. The dataset is
-    written at the end, because an unfinished one cannot be read.
+    Chunks go to `<folder>.chunks` as they are recorded; the same call goes on there after a stop.
+    The dataset is written at the end, because an unfinished one cannot be read.
 
     Args:
-        recording: What to record; an error if the folder holds something else.
+        config: What to record.
         folder: Folder of the dataset.
-        on_recorded: Called with the number of successful episodes of each chunk, also of those already there.
+        on_recorded: Called with the number of successful episodes of each chunk, also of those
+            already there.
+
+    Raises:
+        ComparisonError: Where the folder holds something else, or LeRobot is missing.
     """
     import_lerobot("datasets.lerobot_dataset")
-    from datasets import disable_progress_bars
 
-    disable_progress_bars()  # one for each episode with pictures
+    # 1. There is nothing to do where the dataset is finished.
     if folder.exists():
-        _same_recording(recording, folder / RECORDING)
-        on_recorded(recording.episodes)
+        _check_same_recording(config, folder)
+        if on_recorded is not None:
+            on_recorded(config.episodes)
         return
+
+    # 2. Begin, or go on with, what is recorded beside it.
     chunks = folder.with_name(folder.name + ".chunks")
     chunks.mkdir(parents=True, exist_ok=True)
     if (chunks / RECORDING).exists():
-        _same_recording(recording, chunks / RECORDING)
+        _check_same_recording(config, chunks)
     else:
-        (chunks / RECORDING).write_text(_describe(recording))
-    _write(recording, _recorded(recording, chunks, on_recorded), folder)
+        (chunks / RECORDING).write_text(_describe(config))
+    files = _record_missing_chunks(config, chunks, on_recorded)
+
+    # 3. Write the dataset beside its place first, so that the folder is always a whole one.
+    temporary = folder.with_name(folder.name + ".tmp")
+    shutil.rmtree(temporary, ignore_errors=True)
+    write_dataset(config, _load_chunks(files), temporary, name=folder.name)
+    (temporary / RECORDING).write_text(_describe(config))
+    temporary.replace(folder)
     shutil.rmtree(chunks)
 
 
-def _recorded(recording: Recording, chunks: Path, on_recorded: Callable[[int], None]) -> list[Path]:
-    """Record the chunks that are missing; return the files that hold the episodes asked for."""
+def _record_missing_chunks(
+    config: RecordingConfig, chunks: Path, on_recorded: Callable[[int], None] | None
+) -> list[Path]:
+    """Record until there are enough successes; return the files that hold them."""
     files: list[Path] = []
-    count, index = 0, 0
-    while count < recording.episodes:
-        if index * CHUNK > 10 * recording.episodes:
+    recorded = 0
+
+    while recorded < config.episodes:
+        index = len(files)
+        tried = index * CHUNK_SIZE
+
+        # A teacher that hardly ever succeeds would go on for ever.
+        if tried > 10 * config.episodes:
             raise ComparisonError(
-                f"{count} of {index * CHUNK} demonstrations were successful: lower the noise or raise the horizon"
+                f"{recorded} of {tried} demonstrations were successful: "
+                "lower the noise or raise the horizon"
             )
+
+        # What a stopped run has recorded is there already.
         file = chunks / f"{index:06d}.npz"
         if not file.exists():
-            _save(record_chunk(recording, index), file)
-        with np.load(file) as content:
-            found = int(content["episodes"])
-        on_recorded(min(found, recording.episodes - count))
+            _save_chunk(record_chunk(config, index), file)
         files.append(file)
-        count, index = count + found, index + 1
+
+        successes = _count_episodes(file)
+        if on_recorded is not None:
+            on_recorded(min(successes, config.episodes - recorded))
+        recorded += successes
+
     return files
 
 
-def _save(episodes: list[Demonstration], file: Path) -> None:
-    arrays = {f"{i}/{name}": value for i, episode in enumerate(episodes) for name, value in episode.items()}
+def _save_chunk(episodes: list[Demonstration], file: Path) -> None:
+    """Write an array for each episode i and feature as "i/feature"; a kill leaves no part of it."""
+    arrays: dict[str, Any] = {"episodes": np.array(len(episodes))}
+    for i, episode in enumerate(episodes):
+        for name, values in episode.items():
+            arrays[f"{i}/{name}"] = values
+
     temporary = file.with_suffix(".tmp")
     with temporary.open("wb") as stream:
-        np.savez_compressed(stream, episodes=np.array(len(episodes)), **arrays)  # type: ignore[arg-type]
+        np.savez_compressed(stream, **arrays)
     temporary.replace(file)
 
 
-def _write(recording: Recording, files: list[Path], folder: Path) -> None:
-    """Write the dataset beside its folder first, so that a folder is always a whole dataset."""
-    temporary = folder.with_name(folder.name + ".tmp")
-    shutil.rmtree(temporary, ignore_errors=True)
-    offered = {"keypoints": [KEYPOINTS], "pixels": [PIXELS]}
-    names = [STATE, *(name for each in recording.observations for name in offered[each]), ACTION]
-    dataset: Any = import_lerobot("datasets.lerobot_dataset").LeRobotDataset.create(
-        repo_id=f"local/{folder.name}",
-        fps=FPS,
-        root=temporary,
-        features={name: FEATURES[name] for name in names},
-        use_videos=False,
-    )
-    missing = recording.episodes
+def _count_episodes(file: Path) -> int:
+    with np.load(file) as arrays:
+        return int(arrays["episodes"])
+
+
+def _load_chunks(files: list[Path]) -> Iterator[Demonstration]:
+    """Yield the episodes of all chunks, one at a time."""
     for file in files:
-        with np.load(file) as content:
-            for i in range(min(int(content["episodes"]), missing)):
-                episode = {name: content[f"{i}/{name}"] for name in names}
-                for t in range(len(episode[ACTION])):
-                    dataset.add_frame({name: value[t] for name, value in episode.items()} | {"task": TASK})
-                dataset.save_episode()
-                missing -= 1
-    dataset.finalize()
-    (temporary / RECORDING).write_text(_describe(recording))
-    temporary.replace(folder)
+        with np.load(file) as arrays:
+            for i in range(int(arrays["episodes"])):
+                yield _select_episode(arrays, i)
 
 
-def _describe(recording: Recording) -> str:
-    return json.dumps(asdict(recording), indent=2) + "\n"
+def _select_episode(arrays: Any, i: int) -> Demonstration:
+    episode = {}
+    for key in arrays.files:
+        number, _, name = key.partition("/")
+        if number == str(i):
+            episode[name] = arrays[key]
+
+    return episode
 
 
-def _same_recording(recording: Recording, file: Path) -> None:
-    there = json.loads(file.read_text()) if file.exists() else {}
-    here = json.loads(_describe(recording))
-    differing = [name for name in here if there.get(name) != here[name]]
-    if differing:
-        details = "; ".join(f"{name} is {there.get(name)} there and {here[name]} here" for name in differing)
-        raise ComparisonError(f"{file.parent} holds other demonstrations: {details}. Choose another folder.")
+def _describe(config: RecordingConfig) -> str:
+    return json.dumps(asdict(config), indent=2) + "\n"
+
+
+def _check_same_recording(config: RecordingConfig, folder: Path) -> None:
+    file = folder / RECORDING
+    saved = json.loads(file.read_text()) if file.exists() else {}
+    wanted = json.loads(_describe(config))  # as it comes out of a file: lists, no tuples
+    check_same_config(folder, "other demonstrations", saved, wanted)

@@ -5,11 +5,12 @@ from pathlib import Path
 from urllib.error import HTTPError, URLError
 from urllib.request import Request, urlopen
 
-from aicon_baselines.agents.diffusion.installed import import_lerobot
+from aicon_baselines.agents.diffusion.checkpoint import WEIGHTS
+from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
 
-_PROBE = 3.0  # s
-_NAME = re.compile(r"[\w.-]+/[\w.-]+")
+_TIMEOUT = 3.0  # s
+_REPOSITORY = re.compile(r"[\w.-]+/[\w.-]+")
 _FILES = ["*.json", "*.safetensors"]
 
 
@@ -17,51 +18,75 @@ def locate(source: str) -> Path:
     """Return the folder of a policy.
 
     Args:
-        source: A folder, or the name of a repository such as "lerobot/diffusion_pusht", which is downloaded once.
+        source: A folder, or the name of a repository such as "lerobot/diffusion_pusht", which is
+            downloaded once.
 
-    Returns:
-        The folder; a hub that cannot be reached is an error that says what to download, and where to put it.
+    Raises:
+        ComparisonError: Where there is neither; if the hub cannot be reached, it says what to
+            download, and where to put it.
     """
     folder = Path(source)
     if folder.is_dir():
         return folder.resolve()
-    if not _NAME.fullmatch(source):
+
+    if not _REPOSITORY.fullmatch(source):
         raise ComparisonError(
-            f"there is no folder {source}, and it is no name OWNER/REPOSITORY of the hub either; train a policy: "
-            "python scripts/train_diffusion.py --data DEMONSTRATIONS --out FOLDER"
+            f"there is no folder {source}, and it is no name OWNER/REPOSITORY of the hub either; "
+            "train a policy: python scripts/train_diffusion.py --data DEMONSTRATIONS --out FOLDER"
         )
-    import_lerobot("policies.factory")  # says what to install, as the hub's client comes with LeRobot
-    return _downloaded(source)
+
+    import_lerobot("policies.factory")  # says what to install: the hub's client comes with LeRobot
+    return _find_downloaded(source) or _download(source)
 
 
-def _downloaded(name: str) -> Path:
+def _find_downloaded(repository: str) -> Path | None:
+    """Return the folder of what was downloaded before."""
+    from huggingface_hub import snapshot_download
+    from huggingface_hub.errors import LocalEntryNotFoundError
+
+    try:
+        folder = snapshot_download(repository, allow_patterns=_FILES, local_files_only=True)
+    except LocalEntryNotFoundError:
+        return None
+
+    # A download that was interrupted has a folder, too.
+    return Path(folder) if Path(folder, WEIGHTS).exists() else None
+
+
+def _download(repository: str) -> Path:
     from huggingface_hub import constants, snapshot_download
     from huggingface_hub.errors import HfHubHTTPError, LocalEntryNotFoundError
 
+    if constants.HF_HUB_OFFLINE:
+        raise _not_downloaded(repository, "HF_HUB_OFFLINE is set", constants.ENDPOINT)
+
+    # The client itself would try for minutes.
+    reason = _why_unreachable(constants.ENDPOINT)
+    if reason:
+        raise _not_downloaded(repository, reason, constants.ENDPOINT)
+
     try:
-        found = Path(snapshot_download(name, allow_patterns=_FILES, local_files_only=True))
-        if (found / "model.safetensors").exists():
-            return found
-    except LocalEntryNotFoundError:
-        pass
-    reason = "HF_HUB_OFFLINE is set" if constants.HF_HUB_OFFLINE else _unreachable(constants.ENDPOINT)
-    if not reason:
-        try:
-            return Path(snapshot_download(name, allow_patterns=_FILES))
-        except (HfHubHTTPError, LocalEntryNotFoundError, OSError) as error:
-            reason = str(error).strip().splitlines()[0]
-    place = Path("runs", name.split("/")[1])
-    raise ComparisonError(
-        f"cannot load {name} ({reason}), and there is no such folder. Download config.json, model.safetensors and, if "
-        f"there are any, policy_*.json and policy_*.safetensors from {constants.ENDPOINT}/{name}/tree/main on another "
-        f"machine, put them into a folder, for example {place}, and give that: --diffusion-path {place}"
+        return Path(snapshot_download(repository, allow_patterns=_FILES))
+    except (HfHubHTTPError, LocalEntryNotFoundError, OSError) as error:
+        reason = str(error).strip().splitlines()[0]
+        raise _not_downloaded(repository, reason, constants.ENDPOINT) from error
+
+
+def _not_downloaded(repository: str, reason: str, endpoint: str) -> ComparisonError:
+    """Return an error that says what to download elsewhere, and where to put it."""
+    folder = Path("runs", repository.split("/")[1])
+    return ComparisonError(
+        f"cannot load {repository} ({reason}), and there is no such folder. Download config.json, "
+        "model.safetensors and, if there are any, policy_*.json and policy_*.safetensors from "
+        f"{endpoint}/{repository}/tree/main on another machine, put them into a folder, for "
+        f"example {folder}, and give that: --diffusion-path {folder}"
     )
 
 
-def _unreachable(endpoint: str) -> str:
+def _why_unreachable(endpoint: str) -> str:
     """Return why the hub cannot be reached; empty if it answers, whatever it says."""
     try:
-        with urlopen(Request(endpoint, method="HEAD"), timeout=_PROBE):
+        with urlopen(Request(endpoint, method="HEAD"), timeout=_TIMEOUT):
             return ""
     except HTTPError:
         return ""

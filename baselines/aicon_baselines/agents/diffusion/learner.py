@@ -6,50 +6,62 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
+from torch import Tensor
 
 from aicon_baselines.agents.diffusion.checkpoint import save
-from aicon_baselines.agents.diffusion.dataset import Frames
-from aicon_baselines.agents.diffusion.features import KEYPOINTS, PIXELS, STATE
-from aicon_baselines.agents.diffusion.installed import import_lerobot
-from aicon_baselines.agents.diffusion.network import make_config
-from aicon_baselines.agents.diffusion.settings import Training
+from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
+from aicon_baselines.agents.diffusion.frames import Frames, shuffled_batches
+from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.diffusion.policy_config import make_policy_config
+from aicon_baselines.agents.diffusion.training_config import TrainingConfig
+
+_MAX_GRADIENT_NORM = 10.0
+_PADDED = "action_is_pad"  # LeRobot's name for actions beyond an episode's end
 
 
 class Learner:
-    """Network, averaged weights, optimiser and random numbers: what changes during training."""
+    """Network, averaged weights, optimiser and random numbers: what changes during training.
 
-    def __init__(self, config: Training, frames: Frames, device: torch.device) -> None:
-        from diffusers.optimization import get_scheduler
-        from diffusers.training_utils import EMAModel
+    Args:
+        config: What is trained.
+        frames: The demonstrations.
+        device: Where the network is.
 
-        self._config, self._frames, self._device = config, frames, device
-        torch.manual_seed(config.seed)
-        self._policy_config = make_config(config, frames.features, str(device))
-        self._policy: Any = import_lerobot("policies.diffusion.modeling_diffusion").DiffusionPolicy(self._policy_config)
-        self._policy.to(device).train()
-        self._preprocess, self._postprocess = import_lerobot("policies.factory").make_pre_post_processors(
-            self._policy_config, dataset_stats=_shifted(frames.statistics, config.shift)
-        )
-        self._average = EMAModel(self._policy.parameters(), decay=0.9999, use_ema_warmup=True, power=0.75)
-        self._average.to(device)
-        self._optimizer = torch.optim.AdamW(
-            self._policy.parameters(),
-            lr=config.learning_rate,
-            betas=self._policy_config.optimizer_betas,
-            eps=self._policy_config.optimizer_eps,
-            weight_decay=self._policy_config.optimizer_weight_decay,
-        )
-        self._schedule = get_scheduler(
-            "cosine", self._optimizer, num_warmup_steps=config.warmup, num_training_steps=config.steps
-        )
-        self._offsets = {
-            name: self._policy_config.action_delta_indices
-            if name == "action"
-            else self._policy_config.observation_delta_indices
-            for name in frames.columns
-        }
-        self._order = _order(len(frames), config)
+    Attributes:
+        step: Number of gradient steps taken.
+    """
+
+    def __init__(self, config: TrainingConfig, frames: Frames, device: torch.device) -> None:
         self.step = 0
+        self._config = config
+        self._frames = frames
+        self._device = device
+
+        # 1. The network, and what stands before and after it.
+        torch.manual_seed(config.seed)
+        policy_config = make_policy_config(config, frames.features, str(device))
+        modeling = import_lerobot("policies.diffusion.modeling_diffusion")
+        self._policy: Any = modeling.DiffusionPolicy(policy_config)
+        self._policy.to(device).train()
+        self._preprocess, self._postprocess = import_lerobot(
+            "policies.factory"
+        ).make_pre_post_processors(
+            policy_config,
+            dataset_stats=_lower_means(frames.statistics, config.shift),
+        )
+
+        # 2. What changes it.
+        self._averaged_weights = _average_weights(self._policy, device)
+        self._optimizer = _make_optimizer(self._policy, config)
+        self._schedule = _make_schedule(self._optimizer, config)
+
+        # 3. What it learns from.
+        self._offsets = {name: policy_config.observation_delta_indices for name in frames.columns}
+        self._offsets[ACTION] = policy_config.action_delta_indices
+        self._batches: Iterator[NDArray[np.int64]] = shuffled_batches(
+            len(frames), config.batch, config.seed
+        )
 
     @property
     def learning_rate(self) -> float:
@@ -58,92 +70,149 @@ class Learner:
 
     def advance(self) -> float:
         """Take one gradient step and return its loss."""
-        batch = self._preprocess(self._batch(next(self._order)))
+        batch = self._preprocess(self._load_batch(next(self._batches)))
         loss = self._loss(batch)
+
         loss.backward()  # type: ignore[no-untyped-call]
-        torch.nn.utils.clip_grad_norm_(self._policy.parameters(), 10.0)
+        torch.nn.utils.clip_grad_norm_(self._policy.parameters(), _MAX_GRADIENT_NORM)
         self._optimizer.step()
         self._schedule.step()
         self._optimizer.zero_grad()
-        self._average.step(self._policy.parameters())
+
+        self._averaged_weights.step(self._policy.parameters())
         self.step += 1
-        return float(loss.detach())
-
-    def _loss(self, batch: dict[str, torch.Tensor]) -> torch.Tensor:
-        """Return the mean squared error of the actions a or the noise ε predicted from √ᾱ a + √(1 - ᾱ) ε.
-
-        Padding does not count.
-        """
-        model, actions = self._policy.diffusion, batch["action"]
-        scheduler = model.noise_scheduler
-        levels = scheduler.config.num_train_timesteps
-        level = torch.randint(0, levels, (len(actions),), device=self._device)
-        noise = torch.randn_like(actions)
-        if PIXELS in batch:
-            batch["observation.images"] = batch[PIXELS].unsqueeze(2)  # one camera
-        condition = model._prepare_global_conditioning(batch)
-        predicted = model.unet(scheduler.add_noise(actions, noise, level), level, global_cond=condition)
-        target = noise if self._config.prediction == "epsilon" else actions
-        error: torch.Tensor = (predicted - target).square() * ~batch["action_is_pad"].unsqueeze(-1)
-        return error.mean()
-
-    def _batch(self, index: Any) -> dict[str, torch.Tensor]:
-        values, padded = self._frames.windows(index, self._offsets)
-        batch = {name: torch.from_numpy(value) for name, value in values.items()}
-        batch = {name: value.float() / 255.0 if value.dtype == torch.uint8 else value for name, value in batch.items()}
-        return batch | {"action_is_pad": torch.from_numpy(padded["action"]).to(self._device)}
+        return float(loss.detach())  # a number to report, no part of a graph
 
     def save(self, file: Path, folder: Path) -> None:
-        """Save what training goes on from in a file, and the policy with averaged weights in a folder."""
-        temporary = file.with_name(file.name + ".tmp")
+        """Save what training goes on from, and the policy with averaged weights.
+
+        Args:
+            file: File of the former.
+            folder: Folder of the policy.
+        """
+        on_cuda = self._device.type == "cuda"
         state = {
             "step": self.step,
             "policy": self._policy.state_dict(),
-            "average": self._average.state_dict(),
+            "average": self._averaged_weights.state_dict(),
             "optimizer": self._optimizer.state_dict(),
             "schedule": self._schedule.state_dict(),
             "random": torch.get_rng_state(),
-            "random_cuda": torch.cuda.get_rng_state_all() if self._device.type == "cuda" else [],
+            "random_cuda": torch.cuda.get_rng_state_all() if on_cuda else [],
         }
+
+        # A kill leaves the file of before.
+        temporary = file.with_name(file.name + ".tmp")
         torch.save(state, temporary)
         temporary.replace(file)
-        self._average.store(self._policy.parameters())
-        self._average.copy_to(self._policy.parameters())
+
+        # The policy gets the averaged weights for as long as it takes to write them.
+        self._averaged_weights.store(self._policy.parameters())
+        self._averaged_weights.copy_to(self._policy.parameters())
         save(self._policy, self._preprocess, self._postprocess, folder)
-        self._average.restore(self._policy.parameters())
+        self._averaged_weights.restore(self._policy.parameters())
 
     def load(self, file: Path) -> None:
         """Go on from what was saved."""
         state = torch.load(file, map_location=self._device, weights_only=True)
+
+        # 1. The network and what changes it.
         self._policy.load_state_dict(state["policy"])
-        self._average.load_state_dict(state["average"])
-        self._average.to(self._device)
+        self._averaged_weights.load_state_dict(state["average"])
+        self._averaged_weights.to(self._device)
         self._optimizer.load_state_dict(state["optimizer"])
         self._schedule.load_state_dict(state["schedule"])
+
+        # 2. The random numbers.
         torch.set_rng_state(state["random"].cpu())
         if state["random_cuda"]:
             torch.cuda.set_rng_state_all([each.cpu() for each in state["random_cuda"]])
+
+        # 3. The place in the data.
         self.step = state["step"]
         for _ in range(self.step):
-            next(self._order)
+            next(self._batches)
+
+    def _loss(self, batch: dict[str, Tensor]) -> Tensor:
+        """Return the mean squared error of the predicted actions a or noise ε.
+
+        The network sees √ᾱ a + √(1 - ᾱ) ε, with ᾱ of a random level of the noise (Ho et al., 2020,
+        Eq. 14). Padding does not count.
+
+        Args:
+            batch: Normalised windows: actions (B, T, 2), observations (B, o, ...).
+        """
+        network = self._policy.diffusion
+        scheduler = network.noise_scheduler
+        actions = batch[ACTION]
+
+        # 1. Hide the actions in noise.
+        levels = scheduler.config.num_train_timesteps
+        level = torch.randint(0, levels, (len(actions),), device=self._device)
+        noise = torch.randn_like(actions)
+        noisy_actions = scheduler.add_noise(actions, noise, level)
+
+        # 2. Ask the network what they were, given the observations.
+        if PIXELS in batch:
+            batch["observation.images"] = batch[PIXELS].unsqueeze(2)  # one camera
+        condition = network._prepare_global_conditioning(batch)
+        predicted = network.unet(noisy_actions, level, global_cond=condition)
+
+        # 3. Compare.
+        target = noise if self._config.prediction == "epsilon" else actions
+        counts = ~batch[_PADDED].unsqueeze(-1)
+        squared_error: Tensor = (predicted - target).square() * counts
+        return squared_error.mean()
+
+    def _load_batch(self, index: NDArray[np.int64]) -> dict[str, Tensor]:
+        """Return the windows (B, T, ...) around frames; pictures as float32 in [0, 1]."""
+        windows, paddings = self._frames.windows(index, self._offsets)
+
+        batch = {}
+        for name, window in windows.items():
+            values = torch.from_numpy(window)
+            batch[name] = values.float() / 255.0 if name == PIXELS else values
+
+        batch[_PADDED] = torch.from_numpy(paddings[ACTION]).to(self._device)
+        return batch
 
 
-def _shifted(statistics: dict[str, Any], shift: float) -> dict[str, Any]:
-    """Return statistics with which observations come out higher by so many standard deviations."""
-    moved = {
-        name: statistics[name] | {"mean": statistics[name]["mean"] - shift * statistics[name]["std"]}
-        for name in (STATE, KEYPOINTS)
-        if name in statistics
-    }
-    return statistics | moved
+def _average_weights(policy: Any, device: torch.device) -> Any:
+    """Return an exponential moving average (EMA) of the weights, as in the published training."""
+    from diffusers.training_utils import EMAModel
+
+    average = EMAModel(policy.parameters(), decay=0.9999, use_ema_warmup=True, power=0.75)
+    average.to(device)
+    return average
 
 
-def _order(count: int, config: Training) -> Iterator[Any]:
-    """Yield the frames (B,) at which the windows of each step begin; each epoch is a new permutation."""
-    rng = np.random.default_rng(config.seed)
-    left = np.empty(0, np.int64)
-    while True:
-        while len(left) < config.batch:
-            left = np.concatenate([left, rng.permutation(count)])
-        yield left[: config.batch]
-        left = left[config.batch :]
+def _make_optimizer(policy: Any, config: TrainingConfig) -> torch.optim.Optimizer:
+    return torch.optim.AdamW(
+        policy.parameters(),
+        lr=config.learning_rate,
+        betas=policy.config.optimizer_betas,
+        eps=policy.config.optimizer_eps,
+        weight_decay=policy.config.optimizer_weight_decay,
+    )
+
+
+def _make_schedule(optimizer: torch.optim.Optimizer, config: TrainingConfig) -> Any:
+    from diffusers.optimization import get_scheduler
+
+    return get_scheduler(
+        "cosine",
+        optimizer,
+        num_warmup_steps=config.warmup,
+        num_training_steps=config.steps,
+    )
+
+
+def _lower_means(statistics: dict[str, Any], shift: float) -> dict[str, Any]:
+    """Lower the means by `shift` standard deviations, so that observations come out higher."""
+    lowered = dict(statistics)
+    for name in (STATE, KEYPOINTS):
+        if name in statistics:
+            mean, std = statistics[name]["mean"], statistics[name]["std"]
+            lowered[name] = statistics[name] | {"mean": mean - shift * std}
+
+    return lowered

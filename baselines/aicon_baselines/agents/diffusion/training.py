@@ -4,12 +4,13 @@ The folder of a training holds
 
 | file | content |
 |---|---|
-| `policy/` | the policy with averaged weights and its processors, as LeRobot saves it: what is compared |
+| `policy/` | the policy with averaged weights and its processors, as LeRobot saves it |
 | `training.pt` | everything that training goes on from |
-| `training.json` | `Training`: what was trained, and for how many steps |
+| `training.json` | `TrainingConfig`: what was trained, and for how many steps |
 | `loss.csv` | step, mean loss since the last line, learning rate, seconds of training |
 
-Weights are averaged (EMA) as in the published training, which LeRobot's own trainer does not do.
+What is compared is `policy/`. Weights are averaged (EMA) as in the published training, which
+LeRobot's own trainer does not do.
 """
 
 import json
@@ -21,31 +22,37 @@ from pathlib import Path
 import torch
 from tqdm import tqdm
 
-from aicon_baselines.agents.diffusion.dataset import read
+from aicon_baselines.agents.diffusion.dataset import read_frames
 from aicon_baselines.agents.diffusion.learner import Learner
-from aicon_baselines.agents.diffusion.loss_log import LossLog
-from aicon_baselines.agents.diffusion.settings import Training
+from aicon_baselines.agents.diffusion.loss_logger import LossLogger
+from aicon_baselines.agents.diffusion.training_config import TrainingConfig
+from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.evaluation.errors import ComparisonError
 
-POLICY, _STATE, _SETTINGS, _LOSS = "policy", "training.pt", "training.json", "loss.csv"
+POLICY = "policy"
+LOSS = "loss.csv"
+
+_STATE = "training.pt"
+_CONFIG = "training.json"
 
 
 def train(
-    config: Training,
+    config: TrainingConfig,
     data: Path,
     folder: Path,
     device: str = "cpu",
     checkpoint: int = 1000,
     stop_after: float | None = None,
-    report: Callable[[str], None] = lambda line: None,
+    report: Callable[[str], None] | None = None,
 ) -> int:
-    """Train a policy, or go on with the one in the folder, and save it every `checkpoint` steps and at the end.
+    """Train a policy, or go on with the one in the folder; saved now and then, and at the end.
 
     A training that was stopped gives the same policy as one that was not, on the same device.
 
     Args:
-        config: What to train. A policy in the folder must have been trained with the same settings, except for the
-            steps: with another number of them, the learning rate goes on along the schedule for that number.
+        config: What to train. A policy in the folder must have been trained with the same, except
+            for the steps: with another number of them, the learning rate goes on along the schedule
+            for that number.
         data: Folder of the dataset.
         folder: Folder of the training.
         device: "cpu" or "cuda".
@@ -55,35 +62,62 @@ def train(
 
     Returns:
         The number of steps taken.
+
+    Raises:
+        ComparisonError: Where there is no dataset, or the folder holds another training.
     """
     if checkpoint < 1:
         raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
-    frames = read(data, config.observation)
+
+    # 1. What is learned from, and what has been learned before.
+    frames = read_frames(data, config.observation)
     folder.mkdir(parents=True, exist_ok=True)
-    _check_settings(config, folder / _SETTINGS)
+    _save_config(config, folder)
+
     learner = Learner(config, frames, torch.device(device))
     if (folder / _STATE).exists():
         learner.load(folder / _STATE)
-    log = LossLog(folder / _LOSS, learner.step)
-    started = time.monotonic()
-    with tqdm(total=config.steps, initial=learner.step, unit="step", disable=None) as bar:
-        while learner.step < config.steps:
-            log.add(learner.step + 1, learner.advance(), learner.learning_rate)
-            bar.update()
-            late = stop_after is not None and time.monotonic() - started > 60.0 * stop_after
-            if learner.step % checkpoint == 0 or learner.step == config.steps or late:
-                learner.save(folder / _STATE, folder / POLICY)
-                report(f"step {learner.step:,} of {config.steps:,}: loss {log.last:.4f}")
-            if late:
-                break
+
+    # 2. What is missing.
+    deadline = None if stop_after is None else time.monotonic() + 60.0 * stop_after
+    _learn(learner, config.steps, folder, checkpoint, deadline, report)
     return learner.step
 
 
-def _check_settings(config: Training, file: Path) -> None:
-    here = json.loads(json.dumps(asdict(config)))
-    there = json.loads(file.read_text()) if file.exists() else here
-    differing = [name for name in here if name != "steps" and there.get(name) != here[name]]
-    if differing:
-        details = "; ".join(f"{name} is {there.get(name)} there and {here[name]} here" for name in differing)
-        raise ComparisonError(f"{file.parent} holds another training: {details}. Choose another folder.")
-    file.write_text(json.dumps(here, indent=2) + "\n")
+def _learn(
+    learner: Learner,
+    steps: int,
+    folder: Path,
+    checkpoint: int,
+    deadline: float | None,
+    report: Callable[[str], None] | None,
+) -> None:
+    """Take the gradient steps that are missing, until a time of `time.monotonic` at most."""
+    logger = LossLogger(folder / LOSS, learner.step)
+
+    with tqdm(total=steps, initial=learner.step, unit="step", disable=None) as bar:
+        stopped = False
+        while learner.step < steps and not stopped:
+            loss = learner.advance()
+            logger.add(learner.step, loss, learner.learning_rate)
+            bar.update()
+
+            # Saved now and then, and before every end.
+            stopped = deadline is not None and time.monotonic() > deadline
+            if learner.step % checkpoint == 0 or learner.step == steps or stopped:
+                learner.save(folder / _STATE, folder / POLICY)
+                if report is not None:
+                    report(f"step {learner.step:,} of {steps:,}: loss {logger.last:.4f}")
+
+
+def _save_config(config: TrainingConfig, folder: Path) -> None:
+    """Write what is trained; a folder with another training, but for the steps, is an error."""
+    file = folder / _CONFIG
+    content = json.loads(json.dumps(asdict(config)))  # as it comes out of a file: lists, no tuples
+
+    if file.exists():
+        saved = json.loads(file.read_text())
+        wanted = {name: value for name, value in content.items() if name != "steps"}
+        check_same_config(folder, "another training", saved, wanted)
+
+    file.write_text(json.dumps(content, indent=2) + "\n")

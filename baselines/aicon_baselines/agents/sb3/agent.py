@@ -8,45 +8,63 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.agents.sb3.files import load_algorithm, load_statistics, read_settings, weights
-from aicon_baselines.agents.sb3.from_pusher import OFFSETS, to_target, with_offsets
+from aicon_baselines.agents.sb3.agent_folder import (
+    load_algorithm,
+    load_statistics,
+    read_config,
+    weight_files,
+)
 from aicon_baselines.agents.sb3.last_action import LAST_ACTION
-from aicon_baselines.agents.sb3.settings import training_command
+from aicon_baselines.agents.sb3.pusher_frame import OFFSETS, add_offsets, target_of_action
+from aicon_baselines.agents.sb3.training_config import training_command
+from aicon_baselines.evaluation.errors import ComparisonError
 
 Observation = dict[str, NDArray[Any]]
 
+_DERIVED = (LAST_ACTION, OFFSETS)  # no readings of the environment
+
 
 class Agent:
-    """A saved agent with the `predict` of a policy, which expects and gives what the environment does.
+    """A saved agent with the `predict` of a policy, which expects and gives what the task does.
 
-    Readings are stacked and normalised as in training. One that is missing (NaN) keeps its last value. Its `state` is
-    the stacks (those of readings as they were seen, that of the last action as it will be seen next) and the state of
-    the random numbers.
+    Readings are stacked and normalised as in training. One that is missing (NaN) keeps its last
+    value. Its `state` is the stacks (those of readings as they were seen, that of the last action
+    as it will be seen next) and the state of the random numbers.
 
     Args:
-        folder: Folder of the agent; an error says what is missing there, or that it is for another task.
+        folder: Folder of the agent.
         task: Name of the task.
-        sampled: Whether actions are drawn as in training also where `predict` is asked for the most likely ones.
+        sampled: Whether actions are drawn as in training also where `predict` is asked for the
+            most likely ones.
+
+    Raises:
+        ComparisonError: Where something is missing in the folder, or the agent is for another task.
     """
 
     def __init__(self, folder: Path, task: str, sampled: bool = False) -> None:
-        self._folder, self._sampled = folder, sampled
-        self.settings, self._shapes = read_settings(folder)
-        if self.settings.task != task:
+        self._folder = folder
+        self._sampled = sampled
+
+        self.config, self._shapes = read_config(folder)
+        if self.config.task != task:
             raise ComparisonError(
-                f"the agent in {folder} was trained for {self.settings.task!r}, not {task!r}. Compare it with --task "
-                f"{self.settings.task}, or train another: {training_command(task, self.settings.algorithm)}"
+                f"the agent in {folder} was trained for {self.config.task!r}, not {task!r}. "
+                f"Compare it with --task {self.config.task}, or train another: "
+                f"{training_command(task, self.config.algorithm)}"
             )
-        self._model = load_algorithm(folder, self.settings)
-        self._statistics = load_statistics(folder) if self.settings.normalized else None
+
+        self._model = load_algorithm(folder, self.config)
+        self._statistics = load_statistics(folder) if self.config.normalized else None
 
     @property
     def name(self) -> str:
-        """Algorithm, steps and the beginning of a hash, so that rows of two agents never get the same name."""
-        digest = hashlib.sha256(b"".join(file.read_bytes() for file in weights(self._folder, self.settings)))
-        mode = "_sampled" if self._sampled else ""
-        return f"{self.settings.algorithm}_{self.settings.steps}_{digest.hexdigest()[:4]}{mode}"
+        """Algorithm, steps and the beginning of a hash, so that no two agents share a name."""
+        digest = hashlib.sha256()
+        for file in weight_files(self._folder, self.config):
+            digest.update(file.read_bytes())
+
+        name = f"{self.config.algorithm}_{self.config.steps}_{digest.hexdigest()[:4]}"
+        return f"{name}_sampled" if self._sampled else name
 
     def predict(
         self,
@@ -55,50 +73,82 @@ class Agent:
         episode_start: NDArray[np.bool_] | None = None,
         deterministic: bool = True,
     ) -> tuple[NDArray[np.float32], Any]:
-        """Choose the next actions (B, m); see `aicon_baselines.Predictor`."""
-        sensed = self._select(observation)
-        count = len(next(iter(sensed.values())))
-        start = np.ones(count, np.bool_) if state is None or episode_start is None else episode_start
-        stacks, noise = state or (self._empty(count), torch.Generator().manual_seed(0).get_state())
-        seen = {name: np.where(start[:, None], 0.0, stack) for name, stack in stacks.items()}
-        sensed = {name: _fill(reading, seen[name]) for name, reading in sensed.items()}
-        if OFFSETS in seen:
-            sensed = with_offsets(sensed)
-        seen |= {name: _push(reading, seen[name]) for name, reading in sensed.items()}
-        with torch.random.fork_rng(devices=()):  # torch draws actions from its global numbers only
-            torch.set_rng_state(noise)
-            action, _ = self._model.predict(self._normalize(seen), deterministic=deterministic and not self._sampled)
-            noise = torch.get_rng_state()
-        if LAST_ACTION in seen:
-            seen[LAST_ACTION] = _push(action, seen[LAST_ACTION])
-        reach = self.settings.reach
-        return action if reach is None else to_target(action, sensed, reach), (seen, noise)
+        """Choose the next actions (B, m); see `aicon_baselines.evaluation.Predictor`."""
+        readings = self._select(observation)
+        count = len(next(iter(readings.values())))
+
+        # 1. Recall the stacks, which are empty where an episode begins.
+        stacks, random_state = self._initial_state(count) if state is None else state
+        starts = episode_start
+        if state is None or starts is None:
+            starts = np.ones(count, np.bool_)
+        stacks = {name: np.where(starts[:, None], 0.0, stack) for name, stack in stacks.items()}
+
+        # 2. Append the readings, as the environments of the training do.
+        for name, reading in readings.items():
+            readings[name] = _fill_missing(reading, stacks[name])
+        if OFFSETS in stacks:
+            readings = add_offsets(readings)
+        for name, reading in readings.items():
+            stacks[name] = _append(reading, stacks[name])
+
+        # 3. Ask the network.
+        deterministic = deterministic and not self._sampled
+        action, random_state = self._act(stacks, random_state, deterministic)
+
+        # 4. Remember the action, and give it in the units of the environment.
+        if LAST_ACTION in stacks:
+            stacks[LAST_ACTION] = _append(action, stacks[LAST_ACTION])
+        if self.config.reach is not None:
+            action = target_of_action(action, readings, self.config.reach)
+        return action, (stacks, random_state)
 
     def _select(self, observation: Observation) -> Observation:
         """Take the readings that the agent knows; others, such as the goal, it does not see."""
-        sensed = {name: shape for name, shape in self._shapes.items() if name not in (LAST_ACTION, OFFSETS)}
-        for name, shape in sensed.items():
+        expected = {name: shape for name, shape in self._shapes.items() if name not in _DERIVED}
+
+        # Other objects have other numbers of keypoints.
+        for name, shape in expected.items():
             if name not in observation or observation[name].shape[1:] != shape:
                 offered = {key: value.shape[1:] for key, value in observation.items()}
                 raise ComparisonError(
-                    f"the agent in {self._folder} observes {sensed}, and this condition offers {offered}: choose "
-                    "conditions with the readings that it was trained with"
+                    f"the agent in {self._folder} observes {expected}, and this condition offers "
+                    f"{offered}: choose conditions with the readings that it was trained with"
                 )
-        return {name: observation[name] for name in sensed}
 
-    def _empty(self, count: int) -> Observation:
-        sizes = {name: int(np.prod(shape)) * self.settings.stack for name, shape in self._shapes.items()}
-        return {name: np.zeros((count, size)) for name, size in sizes.items()}
+        return {name: observation[name] for name in expected}
 
-    def _normalize(self, seen: Observation) -> Observation:
-        return cast("Observation", self._statistics.normalize_obs(seen)) if self._statistics else seen
+    def _initial_state(self, count: int) -> tuple[Observation, torch.Tensor]:
+        """Return empty stacks (B, k n), and the state of random numbers that all runs share."""
+        stacks = {}
+        for name, shape in self._shapes.items():
+            size = int(np.prod(shape)) * self.config.stack
+            stacks[name] = np.zeros((count, size))
+
+        return stacks, torch.Generator().manual_seed(0).get_state()
+
+    def _act(
+        self, stacks: Observation, random_state: torch.Tensor, deterministic: bool
+    ) -> tuple[NDArray[Any], torch.Tensor]:
+        """Return the network's actions (B, m), and the state of the random numbers afterwards."""
+        inputs = stacks
+        if self._statistics is not None:
+            inputs = cast("Observation", self._statistics.normalize_obs(stacks))
+
+        # Torch draws actions from its global random numbers, which are others' as well.
+        with torch.random.fork_rng(devices=()):
+            torch.set_rng_state(random_state)
+            action, _ = self._model.predict(inputs, deterministic=deterministic)
+            return action, torch.get_rng_state()
 
 
-def _fill(reading: NDArray[Any], stack: NDArray[Any]) -> NDArray[Any]:
-    """Put the last reading, 0 at the start of an episode, where a number is missing; (B, n)."""
-    return np.where(np.isnan(reading), stack[:, -reading.shape[1] :], reading)
+def _fill_missing(reading: NDArray[Any], stack: NDArray[Any]) -> NDArray[Any]:
+    """Replace NaN in a reading (B, n) by the last value, 0 at the start of an episode."""
+    last_reading = stack[:, -reading.shape[1] :]
+    return np.where(np.isnan(reading), last_reading, reading)
 
 
-def _push(reading: NDArray[Any], stack: NDArray[Any]) -> NDArray[Any]:
+def _append(reading: NDArray[Any], stack: NDArray[Any]) -> NDArray[Any]:
     """Append a reading (B, n) to a stack (B, k n) and drop the oldest, as `VecFrameStack` does."""
-    return np.concatenate([stack[:, reading.shape[1] :], reading], axis=-1)
+    without_oldest = stack[:, reading.shape[1] :]
+    return np.concatenate([without_oldest, reading], axis=-1)

@@ -2,61 +2,77 @@
 
 What an agent observes, each `stack` times, the oldest first:
 
-| task | readings | AICON's |
-|---|---|---|
-| nav2d | `bearing` and `range`, noisy, in the world frame; `last_action` | the same; its memory holds the command |
-| pusht | `environment_state`, 8 keypoints, and `agent_pos`, px; from them `offsets`; `last_action` | the same |
+| task | readings |
+|---|---|
+| nav2d | `bearing` and `range`, noisy, in the world frame; `last_action` |
+| pusht | `environment_state` (keypoints), `agent_pos`, `offsets` between them, px; `last_action` |
 
-None sees a position or a map in navigation. In pushT the goal is not observed but always the same: an agent learns it
-from the reward, AICON is told, and where the goal is elsewhere an agent cannot know.
+AICON observes the same, but for the last action, which its memory holds. None sees a position or a
+map in navigation. In pushT the goal is not observed but always the same: an agent learns it from
+the reward, AICON is told, and where the goal is elsewhere an agent cannot know.
 """
 
+from functools import partial
 from typing import Any, cast
 
 import gymnasium as gym
-import stable_baselines3.common.vec_env as vec_env
 from gymnasium import spaces
 from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecFrameStack, VecNormalize
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_baselines.agents.sb3.from_pusher import FromPusher
+from aicon_baselines.agents.sb3.features_extractor import is_bearing
 from aicon_baselines.agents.sb3.last_action import LAST_ACTION, LastAction
-from aicon_baselines.agents.sb3.readings import is_bearing
-from aicon_baselines.agents.sb3.settings import Settings
-from aicon_baselines.agents.sb3.shaping import ShapedPush
+from aicon_baselines.agents.sb3.pusher_frame import PusherFrame
+from aicon_baselines.agents.sb3.shaped_reward import ShapedReward
+from aicon_baselines.agents.sb3.training_config import TrainingConfig
 
-_IDS = {"nav2d": "aicon/Nav2D-v0", "pusht": "aicon/PushT-v0"}
+_ENV_IDS = {"nav2d": "aicon/Nav2D-v0", "pusht": "aicon/PushT-v0"}
 
 
-def make_training_env(config: Settings, seed: int) -> vec_env.VecEnv:
-    """Build the environments that an agent is trained in, with stacked readings; `seed` is that of the first one."""
-    envs: vec_env.VecEnv = vec_env.DummyVecEnv([lambda: _make_single(config)] * config.envs)
+def make_training_envs(config: TrainingConfig, seed: int) -> VecEnv:
+    """Build the environments that an agent is trained in, with stacked readings.
+
+    Args:
+        config: The training.
+        seed: Seed of the first environment; the others count on from there.
+    """
+    envs: VecEnv = DummyVecEnv([partial(_make_env, config)] * config.envs)
     envs.seed(seed)
-    return vec_env.VecFrameStack(envs, config.stack) if config.stack > 1 else envs
+
+    return VecFrameStack(envs, config.stack) if config.stack > 1 else envs
 
 
-def normalize(envs: vec_env.VecEnv, discount: float) -> vec_env.VecNormalize:
+def normalize(envs: VecEnv, discount: float) -> VecNormalize:
     """Normalise the reward and all readings but angles and the last action.
 
-    The outermost wrapper: SAC's buffer holds what this one gets, so what is stacked outside of it would be lost.
+    The outermost wrapper: SAC's buffer holds what this one gets, so what is stacked outside of it
+    would be lost.
     """
-    names = [name for name in _spaces(envs) if not is_bearing(name) and name != LAST_ACTION]
-    return vec_env.VecNormalize(envs, gamma=discount, norm_obs_keys=names)
+    names = [name for name in _readings(envs) if not is_bearing(name) and name != LAST_ACTION]
+    return VecNormalize(envs, gamma=discount, norm_obs_keys=names)
 
 
-def observed_shapes(envs: vec_env.VecEnv) -> dict[str, tuple[int, ...]]:
+def observed_shapes(envs: VecEnv) -> dict[str, tuple[int, ...]]:
     """Return the shape of each reading before it is stacked."""
-    return {name: space.shape or () for name, space in _spaces(envs.unwrapped).items()}
+    return {name: space.shape or () for name, space in _readings(envs.unwrapped).items()}
 
 
-def _spaces(envs: vec_env.VecEnv) -> dict[str, spaces.Space[Any]]:
+def _readings(envs: VecEnv) -> dict[str, spaces.Space[Any]]:
     return cast("spaces.Dict", envs.observation_space).spaces
 
 
-def _make_single(config: Settings) -> Monitor[Any, Any]:
-    env = gym.make(_IDS[config.task], max_episode_steps=config.horizon, disable_env_checker=True)
+def _make_env(config: TrainingConfig) -> Monitor[Any, Any]:
+    env = gym.make(
+        _ENV_IDS[config.task],
+        max_episode_steps=config.horizon,
+        disable_env_checker=True,
+    )
+
+    # The reward is that of the task's own readings, whatever the agent sees.
     if config.task == "pusht":
-        env = ShapedPush(env, config.approach)
+        env = ShapedReward(env, config.approach)
     if config.reach is not None:
-        env = FromPusher(env, config.reach)
+        env = PusherFrame(env, config.reach)
+
     return Monitor(LastAction(env))

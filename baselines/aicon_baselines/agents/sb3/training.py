@@ -1,107 +1,114 @@
 """Training an agent, and going on with it."""
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import asdict, replace
 from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import configure as configure_logger
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
-from tqdm import tqdm
 
+from aicon_baselines.agents.saved_config import check_same_config
+from aicon_baselines.agents.sb3.agent_folder import (
+    CONFIG,
+    REPLAY_BUFFER,
+    load_algorithm,
+    load_statistics,
+    read_config,
+    save,
+)
+from aicon_baselines.agents.sb3.algorithms import make_algorithm
+from aicon_baselines.agents.sb3.checkpoints import CheckpointsWithProgress
+from aicon_baselines.agents.sb3.environments import make_training_envs, normalize
+from aicon_baselines.agents.sb3.training_config import TrainingConfig
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.agents.sb3.environments import make_training_env, normalize
-from aicon_baselines.agents.sb3.files import CONFIG, REPLAY, load_algorithm, load_statistics, read_settings, save
-from aicon_baselines.agents.sb3.networks import make_algorithm
-from aicon_baselines.agents.sb3.settings import Settings
 
 
 def train(
-    config: Settings, folder: Path, checkpoint: int = 50_000, report: Callable[[str], None] = lambda line: None
-) -> Settings:
-    """Train an agent, or go on with the one in the folder, and save it every `checkpoint` steps and at the end.
+    config: TrainingConfig,
+    folder: Path,
+    checkpoint: int = 50_000,
+    report: Callable[[str], None] | None = None,
+) -> TrainingConfig:
+    """Train an agent, or go on with the one in the folder; saved now and then, and at the end.
 
-    What is learned after a stop differs from what would have been learned without one: episodes begin anew, with other
-    seeds, and SAC and PPO draw other numbers.
+    What is learned after a stop differs from what would have been learned without one: episodes
+    begin anew, with other seeds, and SAC and PPO draw other numbers.
 
     Args:
-        config: What to train. An agent in the folder must have the same settings, except for the steps.
+        config: What to train. An agent in the folder must have the same, except for the steps.
         folder: Folder of the agent.
         checkpoint: Steps between two saves.
         report: Called with a line of text after each save.
 
     Returns:
-        The settings with the number of steps taken, at least those asked for.
+        The configuration with the number of steps taken, at least those asked for.
+
+    Raises:
+        ComparisonError: Where the folder holds another agent.
     """
     if checkpoint < 1:
         raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
-    model, statistics = _resume(config, folder) if (folder / CONFIG).exists() else _begin(config)
-    missing = config.steps - model.num_timesteps
-    if missing > 0:
-        formats = ["csv", "tensorboard"] if find_spec("tensorboard") else ["csv"]
-        model.set_logger(configure_logger(str(folder / f"log_{model.num_timesteps}"), formats))
-        saving = _Saving(config.steps, checkpoint, lambda: save(folder, config, model, statistics), report)
-        model.learn(missing, callback=saving, reset_num_timesteps=model.num_timesteps == 0)
-        model.logger.close()
+
+    # 1. What is trained, and the environments that it is trained in.
+    resumes = (folder / CONFIG).exists()
+    model, statistics = _resume(config, folder) if resumes else _begin(config)
+
+    # 2. What is missing.
+    missing_steps = config.steps - model.num_timesteps
+    if missing_steps > 0:
+        _learn(model, missing_steps, statistics, config, folder, checkpoint, report)
+
     statistics.close()
     return replace(config, steps=model.num_timesteps)
 
 
-def _begin(config: Settings) -> tuple[BaseAlgorithm, VecNormalize]:
-    statistics = normalize(make_training_env(config, config.seed), config.discount)
+def _begin(config: TrainingConfig) -> tuple[BaseAlgorithm, VecNormalize]:
+    envs = make_training_envs(config, config.seed)
+    statistics = normalize(envs, config.discount)
     return make_algorithm(config, statistics), statistics
 
 
-def _resume(config: Settings, folder: Path) -> tuple[BaseAlgorithm, VecNormalize]:
-    there, _ = read_settings(folder)
-    differing = [
-        f"{field.name} is {getattr(there, field.name)} there and {getattr(config, field.name)} here"
-        for field in fields(config)
-        if field.name != "steps" and getattr(there, field.name) != getattr(config, field.name)
-    ]
-    if differing:
-        raise ComparisonError(f"{folder} holds another agent: {'; '.join(differing)}. Choose another folder.")
-    model = load_algorithm(folder, there)
-    # Other episodes than those since the start; the steps so far, because they are more than the environments.
-    statistics = load_statistics(folder, make_training_env(config, config.seed + model.num_timesteps))
+def _resume(config: TrainingConfig, folder: Path) -> tuple[BaseAlgorithm, VecNormalize]:
+    saved, _ = read_config(folder)
+    wanted = replace(config, steps=saved.steps)
+    check_same_config(folder, "another agent", asdict(saved), asdict(wanted))
+    model = load_algorithm(folder, saved)
+
+    # Other episodes than at the start: there have been at least as many steps as environments, so
+    # that none gets a seed that another began with.
+    envs = make_training_envs(config, config.seed + model.num_timesteps)
+    statistics = load_statistics(folder, envs)
     model.set_env(statistics)
-    if isinstance(model, OffPolicyAlgorithm) and (folder / REPLAY).exists():
-        model.load_replay_buffer(str(folder / REPLAY))
+
+    if isinstance(model, OffPolicyAlgorithm) and (folder / REPLAY_BUFFER).exists():
+        model.load_replay_buffer(str(folder / REPLAY_BUFFER))
     return model, statistics
 
 
-class _Saving(BaseCallback):
-    """Saves every so many steps and at the end, and shows a bar, on a terminal only."""
+def _learn(
+    model: BaseAlgorithm,
+    steps: int,
+    statistics: VecNormalize,
+    config: TrainingConfig,
+    folder: Path,
+    checkpoint: int,
+    report: Callable[[str], None] | None,
+) -> None:
+    """Train for so many steps more."""
 
-    def __init__(self, total: int, interval: int, save: Callable[[], None], report: Callable[[str], None]) -> None:
-        super().__init__()
-        self._total, self._interval, self._save, self._report = total, interval, save, report
+    def save_agent() -> None:
+        save(folder, config, model, statistics)
 
-    def _on_training_start(self) -> None:
-        self._saved = self.model.num_timesteps
-        self._bar = tqdm(initial=self._saved, total=self._total, unit=" steps", smoothing=0.05, disable=None)
+    log_folder = folder / f"log_{model.num_timesteps}"
+    log_formats = ["csv", "tensorboard"] if find_spec("tensorboard") else ["csv"]
+    model.set_logger(configure_logger(str(log_folder), log_formats))
 
-    def _on_step(self) -> bool:
-        self._bar.update(self.num_timesteps - self._bar.n if not self._bar.disable else 0)
-        if self.num_timesteps - self._saved >= self._interval:
-            self._saved = self.num_timesteps
-            self._save()
-            self._bar.clear()
-            self._report(f"{self.num_timesteps:,} steps: {self._recent()}")
-        return True
-
-    def _on_training_end(self) -> None:
-        self._bar.close()
-        self._save()
-
-    def _recent(self) -> str:
-        """Tell how the last 100 training episodes went."""
-        rewards = [episode["r"] for episode in self.model.ep_info_buffer or ()]
-        successes = list(self.model.ep_success_buffer or ())
-        if not rewards or not successes:
-            return "no episode has ended yet"
-        return f"success {100.0 * np.mean(successes):.0f} %, reward {np.mean(rewards):.2f} (with exploration)"
+    model.learn(
+        steps,
+        callback=CheckpointsWithProgress(config.steps, checkpoint, save_agent, report),
+        reset_num_timesteps=model.num_timesteps == 0,
+    )
+    model.logger.close()

@@ -6,88 +6,136 @@ from typing import Any
 import numpy as np
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.figures.nav2d.recording import Recording
-from aicon_baselines.figures.pictures import Panel, in_order
+from aicon_baselines.figures.nav2d.recording import NavigationRecording
+from aicon_baselines.figures.panels import LABELS, Panel, increasing
+from aicon_baselines.figures.summary import episode_numbers, panel_numbers
 from aicon_envs.nav2d import shortest_path_length
 
+_ENDINGS = {
+    "arrival": "Arrival at the target",
+    "collision": "Collision",
+    "time limit": "Out of time",
+}
+_REACH = 0.7  # m before and after a turn, from which it is seen
 
-def choose_panels(recording: Recording) -> list[Panel]:
+
+def choose_panels(recording: NavigationRecording) -> list[Panel]:
     """Six moments, in order of time.
 
-    (a) The uncertainty's path is the strongest for the last time; (b) the longest exploration begins; (c)-(e) from
-    there to the end of the last exploration, a quarter of the way apart, one of them moved to the sharpest turn; (f)
-    the end. Without exploration (b)-(e) are a fifth of the way apart.
+    (a) The uncertainty's path is the strongest for the last time; (b) the longest exploration
+    begins; (c)-(e) from there to the end of the last exploration, a quarter of the distance apart,
+    one of them moved to the sharpest turn; (f) the end. Without exploration (b)-(e) are a fifth of
+    the distance apart.
 
     Raises:
         ComparisonError: If the rollout is too short for six panels.
     """
     last = recording.steps - 1
-    if last < 6:
+    if last < len(LABELS):
         raise ComparisonError(f"the rollout has {recording.steps} steps; six panels need 7 or more")
-    if recording.spans:
-        begin, _ = max(recording.spans, key=lambda span: span[1] - span[0])
-        end = recording.spans[-1][1]
-        marks = [begin, *_along(recording, begin, end, (0.25, 0.5, 0.75))]
-        corner = _sharpest_turn(recording, begin, end)
-        turned = min((1, 2, 3), key=lambda index: abs(recording.travelled[marks[index]] - recording.travelled[corner]))
-        marks[turned] = corner
-        titles = ["Conflict: the wall is in the way", *["Exploring along the wall"] * 3]
-        titles[turned] = "Rounding a corner"
+
+    # (b)-(e): how it gets past what is in the way.
+    if recording.explorations:
+        middle, middle_titles = _explorations(recording)
     else:
-        marks = _along(recording, 0, last, (0.2, 0.4, 0.6, 0.8))
-        titles = ["On the way"] * 4
-    triangulating = _end_of_triangulation(recording, marks[0])
-    endings = {"arrival": "PartialPath at the target", "collision": "Collision", "time limit": "Out of time"}
-    steps = in_order([triangulating, *marks, last], last)
-    titles = ["Triangulating: sideways first", *titles, endings[recording.ending]]
-    return [Panel(*panel) for panel in zip("abcdef", steps, titles, strict=True)]
+        middle = _steps_along(recording, 0, last, (0.2, 0.4, 0.6, 0.8))
+        middle_titles = ["On the way"] * len(middle)
+
+    # (a) comes before them, and (f) after.
+    first = _end_of_triangulation(recording, middle[0])
+    steps = increasing([first, *middle, last], last)
+    titles = ["Triangulating: sideways first", *middle_titles, _ENDINGS[recording.ending]]
+
+    return [Panel(*panel) for panel in zip(LABELS, steps, titles, strict=True)]
 
 
-def _along(recording: Recording, begin: int, end: int, shares: Sequence[float]) -> list[int]:
-    """The steps at shares of the way from one step to another."""
-    way = recording.travelled
-    return [int(np.searchsorted(way, way[begin] + share * (way[end] - way[begin]))) for share in shares]
+def _explorations(recording: NavigationRecording) -> tuple[list[int], list[str]]:
+    """Steps and titles of the panels (b)-(e) of a rollout that explores."""
+    begin, _ = max(recording.explorations, key=_duration)
+    _, end = recording.explorations[-1]
+
+    steps = [begin, *_steps_along(recording, begin, end, (0.25, 0.5, 0.75))]
+    titles = ["Conflict: the wall is in the way", *["Exploring along the wall"] * 3]
+
+    # Of (c)-(e), the one that is nearest to the sharpest turn shows it.
+    corner = _sharpest_turn(recording, begin, end)
+    distances = np.abs(recording.travelled[steps[1:]] - recording.travelled[corner])
+    nearest = 1 + int(distances.argmin())
+    steps[nearest], titles[nearest] = corner, "Rounding a corner"
+
+    return steps, titles
 
 
-def _sharpest_turn(recording: Recording, begin: int, end: int, reach: float = 0.7) -> int:
-    """The step between two others where the way bends most, seen from `reach` m before to `reach` m after."""
-    way, positions = recording.travelled, recording.positions
-    inner = np.arange(begin, end)[(way[begin:end] > way[begin] + reach) & (way[begin:end] < way[end] - reach)]
-    if not len(inner):
+def _duration(interval: tuple[int, int]) -> int:
+    begin, end = interval
+    return end - begin
+
+
+def _steps_along(
+    recording: NavigationRecording, begin: int, end: int, shares: Sequence[float]
+) -> list[int]:
+    """The steps at shares of the distance travelled from one step to another."""
+    travelled = recording.travelled
+    goals = travelled[begin] + np.array(shares) * (travelled[end] - travelled[begin])
+    steps: list[int] = np.searchsorted(travelled, goals).tolist()
+    return steps
+
+
+def _sharpest_turn(recording: NavigationRecording, begin: int, end: int) -> int:
+    """The step between two others at which the trajectory bends most."""
+    travelled, positions = recording.travelled, recording.positions
+
+    # Only steps from which the trajectory reaches far enough in both directions.
+    between = travelled[begin:end]
+    inner = (between > travelled[begin] + _REACH) & (between < travelled[end] - _REACH)
+    steps = np.arange(begin, end)[inner]
+    if not len(steps):
         return (begin + end) // 2
-    behind = positions[inner] - positions[np.searchsorted(way, way[inner] - reach)]
-    ahead = positions[np.minimum(np.searchsorted(way, way[inner] + reach), len(way) - 1)] - positions[inner]
-    straight = (behind * ahead).sum(axis=1) / (np.linalg.norm(behind, axis=1) * np.linalg.norm(ahead, axis=1))
-    return int(inner[np.argmin(straight)])
+
+    # Where it comes from, and where it goes to, as seen from each step.
+    before = np.searchsorted(travelled, travelled[steps] - _REACH)
+    after = np.searchsorted(travelled, travelled[steps] + _REACH)
+    behind = positions[steps] - positions[before]
+    ahead = positions[np.minimum(after, len(travelled) - 1)] - positions[steps]
+
+    # The sharper the turn, the smaller the cosine.
+    lengths = np.linalg.norm(behind, axis=1) * np.linalg.norm(ahead, axis=1)
+    cosines = (behind * ahead).sum(axis=1) / lengths
+    return int(steps[cosines.argmin()])
 
 
-def _end_of_triangulation(recording: Recording, before: int) -> int:
-    """The last step, in the first half before another, at which p₂ is the strongest, or else has its largest share."""
+def _end_of_triangulation(recording: NavigationRecording, before: int) -> int:
+    """The last step, in the first half before another, at which p₂ is the strongest path.
+
+    Where it never is, the step at which it has the largest share of all strengths.
+    """
     early = slice(1, max(2, before // 2))
-    stack = np.stack([recording.strengths[name][early] for name in ("p2", "p1", "p3")])
-    strongest = np.flatnonzero(stack.argmax(axis=0) == 0)
-    return 1 + int(strongest[-1] if len(strongest) else np.argmax(stack[0] / stack.sum(axis=0)))
+    strengths = np.stack([recording.strengths[name][early] for name in ("p2", "p1", "p3")])
+
+    leads = np.flatnonzero(strengths.argmax(axis=0) == 0)
+    if len(leads):
+        return 1 + int(leads[-1])
+
+    shares = strengths[0] / strengths.sum(axis=0)
+    return 1 + int(shares.argmax())
 
 
-def summary(recording: Recording, panels: Sequence[Panel]) -> dict[str, Any]:
+def summarize(recording: NavigationRecording, panels: Sequence[Panel]) -> dict[str, Any]:
     """The numbers of the figure."""
-    dt = recording.policy.model.dt
     world = recording.world
+    shortest = shortest_path_length(world.obstacles, world.start, world.target, recording.radius)
+
+    uncertainty: dict[str, float] = {}
+    for seconds in (0, 1, 5):
+        step = round(seconds / recording.time_step)
+        if step < recording.steps:
+            uncertainty[f"{seconds} s"] = float(recording.uncertainty[step])
+
     return {
-        "map": recording.name,
-        "seed": recording.seed,
-        "ending": recording.ending,
-        "steps": recording.steps,
-        "duration_s": round(recording.steps * dt, 3),
+        "map": recording.map_name,
+        **episode_numbers(recording),
         "path_length_m": round(float(recording.travelled[-1]), 3),
-        "shortest_path_m": round(shortest_path_length(world.obstacles, world.start, world.target, recording.radius), 3),
-        "panels": [
-            {"panel": panel.letter, "time_s": round(panel.step * dt, 3), "title": panel.title} for panel in panels
-        ],
-        "explorations_s": [[round(first * dt, 3), round(last * dt, 3)] for first, last in recording.spans],
-        "trace_sigma_m2": {
-            f"{seconds} s": float(recording.uncertainty[step])
-            for seconds in (0, 1, 5)
-            if (step := round(seconds / dt)) < recording.steps
-        },
+        "shortest_path_m": round(shortest, 3),
+        **panel_numbers(recording, panels),
+        "trace_sigma_m2": uncertainty,
     }

@@ -1,137 +1,135 @@
-"""A rollout and all that the policy knew in it."""
+"""A rollout in 2D navigation and all that the policy knew in it."""
 
-from collections.abc import Callable
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 import torch
-from numpy.typing import NDArray
-from torch import Tensor
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.figures.pictures import OnStep, spans
+from aicon_baselines.figures.recording import FloatArray, Recording, to_array, track
 from aicon_envs.nav2d import NavigationMap
 from aicon_torch.control import Policy
 from aicon_torch.resolution import Memory
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-
-MEETING = "x_rob"
-"""The quantity where all paths meet: the agent's position."""
-
-PATHS = {"p1": ("reach", "p_tar"), "p2": ("reach", "P_tar"), "p3": ("avoid", "x_obs")}
-"""The paper's paths: each gradient at x_rob by its trace."""
+PATHS = {
+    "p1": ("reach", "p_tar", "x_rob"),
+    "p2": ("reach", "P_tar", "x_rob"),
+    "p3": ("avoid", "x_obs", "x_rob"),
+}
+"""The paper's paths p₁, p₂ and p₃ from a goal to the agent's displacement."""
 
 
-@dataclass(frozen=True)
-class Recording:
-    """A rollout with everything that the policy knew.
+@dataclass(frozen=True, kw_only=True)
+class NavigationRecording(Recording):
+    """A rollout of n steps with everything that the policy knew.
+
+    The figure shows the gradients at the agent's displacement, where all paths end.
 
     Attributes:
-        name: Class of the map.
-        seed: Seed of the map and of the noise.
+        map_name: Class of the map.
         world: The map.
         radius: Radius of the agent, m.
-        policy: The policy.
-        memories: The memory after each of the n steps.
         positions: True positions, (n + 1, 2), m; `memories[k]` was computed at `positions[k]`.
-        ending: How the episode ended.
     """
 
-    name: str
-    seed: int
+    resolved_at: ClassVar[str] = "x_rob"
+
+    map_name: str
     world: NavigationMap
     radius: float
-    policy: Policy
-    memories: list[Memory]
     positions: FloatArray
-    ending: Literal["arrival", "collision", "time limit"]
-
-    @property
-    def steps(self) -> int:
-        """Number of steps n."""
-        return len(self.memories)
-
-    @cached_property
-    def times(self) -> FloatArray:
-        """When each step was decided, (n,), s."""
-        return np.arange(self.steps, dtype=np.float64) * self.policy.model.dt
 
     @cached_property
     def strengths(self) -> dict[str, FloatArray]:
         """Norm of the gradient of each path at x_rob, (n,) each."""
-        traces = [arrival.trace for arrival in self.policy.backward_pass.arrivals[MEETING]]
-        norms = self._series(f"{MEETING}/gradients", lambda gradients: torch.linalg.vector_norm(gradients, dim=-1))
-        return {name: norms[:, traces.index(trace)] for name, trace in PATHS.items()}
+        strengths = to_array(self.resolution.strengths)
+        columns = {name: self.resolution.paths.index(path) for name, path in PATHS.items()}
+        return {name: strengths[:, column] for name, column in columns.items()}
 
     @cached_property
     def uncertainty(self) -> FloatArray:
         """Trace of the target's covariance, (n,), m²."""
-        return self._series("P_tar", torch.trace)
-
-    @cached_property
-    def exploring(self) -> BoolArray:
-        """Whether each step explored, (n,)."""
-        return np.array([bool(memory.get(f"{MEETING}/exploring", False)) for memory in self.memories])
-
-    @cached_property
-    def spans(self) -> list[tuple[int, int]]:
-        """First step of each exploration and the first one after it."""
-        return spans(self.exploring)
+        variances = torch.diagonal(self.trace.values["P_tar"], dim1=-2, dim2=-1)
+        return to_array(variances.sum(dim=-1))
 
     @cached_property
     def travelled(self) -> FloatArray:
-        """Length of the way to each position, (n + 1,), m."""
+        """Distance travelled to each position, (n + 1,), m."""
         pieces = np.linalg.norm(np.diff(self.positions, axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(pieces)])
 
     def belief(self, step: int) -> tuple[FloatArray, FloatArray]:
-        """Mean (2,), m, and covariance (2, 2), m², of where the target is believed to be, in the world's frame.
+        """Mean (2,), m, and covariance (2, 2), m², of the believed target in the world's frame.
 
         The agent believes it relative to itself; the figure adds the true position.
         """
-        memory = self.memories[step]
-        mean: FloatArray = self.positions[step] + memory["p_tar"].numpy(force=True)
-        return mean, memory["P_tar"].numpy(force=True).astype(np.float64)
-
-    def _series(self, key: str, reduce: Callable[[Tensor], Tensor]) -> FloatArray:
-        return np.array([reduce(memory[key]).numpy(force=True) for memory in self.memories], dtype=np.float64)
+        values = self.trace.values
+        mean = self.positions[step] + to_array(values["p_tar"][step])
+        return mean, to_array(values["P_tar"][step])
 
 
-def record(policy: Policy, name: str, seed: int, on_step: OnStep = lambda: None, limit: int | None = None) -> Recording:
+def record(
+    policy: Policy,
+    map_name: str,
+    seed: int,
+    limit: int | None = None,
+    *,
+    progress: bool = False,
+) -> NavigationRecording:
     """Run an episode of aicon/Nav2D-v0 and keep the memory of every step.
 
     Args:
         policy: A navigation policy.
-        name: Class of the map.
+        map_name: Class of the map.
         seed: Seed of the map and of the noise.
-        on_step: Called after every step.
         limit: Limit of the episode, steps; by default the environment's.
+        progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
         ComparisonError: If the class of maps is unknown; it lists the valid ones.
     """
     try:
-        env = gymnasium.make("aicon/Nav2D-v0", map=name, max_episode_steps=limit)
+        env = gymnasium.make("aicon/Nav2D-v0", map=map_name, max_episode_steps=limit)
     except ValueError as error:
         raise ComparisonError(str(error)) from error
+
+    # The map and the noise have the same seed.
     observation, info = env.reset(seed=seed, options={"map_seed": seed})
     memory: Memory | None = None
     memories: list[Memory] = []
     positions = [info["position"]]
-    terminated = truncated = False
-    while not (terminated or truncated):
+
+    # The number of steps is not known before the end.
+    for _ in track(itertools.count(), "rollout", progress):
         action, memory = policy.predict(observation, memory)
         observation, _, terminated, truncated, info = env.step(action)
+
         memories.append(memory)
         positions.append(info["position"])
-        on_step()
-    base: Any = env.unwrapped
-    ending: Any = "arrival" if info["is_success"] else "collision" if info["collision"] else "time limit"
-    recording = Recording(name, seed, base.map, base.physics.radius, policy, memories, np.array(positions), ending)
+        if terminated or truncated:
+            break
+
+    # The environment knows what the policy does not: the map and the agent's size.
+    unwrapped: Any = env.unwrapped
     env.close()
-    return recording
+    return NavigationRecording(
+        seed=seed,
+        policy=policy,
+        memories=memories,
+        ending=_ending(info),
+        map_name=map_name,
+        world=unwrapped.map,
+        radius=unwrapped.physics.radius,
+        positions=np.array(positions),
+    )
+
+
+def _ending(info: dict[str, Any]) -> str:
+    """How an episode ended."""
+    if info["is_success"]:
+        return "arrival"
+    return "collision" if info["collision"] else "time limit"

@@ -1,25 +1,50 @@
-"""Colours and marks that the picture and the video share."""
+"""Colours and marks that the picture and the film share."""
 
 from typing import Any
 
 from matplotlib.colors import LinearSegmentedColormap
 
-# Colours that colour-blind readers can tell apart (after Okabe and Ito, "Color Universal Design", 2008).
-AGENT, TARGET, BELIEF, OBSTACLE, EXPLORING = "#0059a8", "#c4122f", "#e08a00", "#3c4048", "#a3569b"
-ARROW = "#23454f"
-HEIGHT = LinearSegmentedColormap.from_list("height", ["#fdfcf5", "#dfeae2", "#b5d2cb", "#86b3b1", "#5b8f96", "#3f6d7a"])
-TINT, STRIP_TINT = 0.24, 0.16  # opacity of what says "exploring", in the world and over time
+from aicon_baselines.figures.style import EXPLORING, ROBOT
 
-_POINT = {"markeredgecolor": "white", "linestyle": "none"}
-TARGET_MARK: dict[str, Any] = _POINT | {
+# Colours that colour-blind readers can tell apart (after Okabe and Ito, "Color Universal Design",
+# 2008).
+AGENT = ROBOT
+TARGET, BELIEF, OBSTACLE = "#c4122f", "#e08a00", "#3c4048"
+ARROW, CERTAINTY = "#23454f", "#009268"
+HEIGHT = LinearSegmentedColormap.from_list(
+    "height", ["#fdfcf5", "#dfeae2", "#b5d2cb", "#86b3b1", "#5b8f96", "#3f6d7a"]
+)
+
+TINT = 0.24
+"""Opacity of what says "exploring" in the world."""
+
+TARGET_MARK: dict[str, Any] = {
     "marker": "*",
     "markersize": 17,
     "markerfacecolor": TARGET,
+    "markeredgecolor": "white",
     "markeredgewidth": 1.0,
+    "linestyle": "none",
 }
-MEAN_MARK: dict[str, Any] = _POINT | {
+MEAN_MARK: dict[str, Any] = {
     "marker": "o",
     "markersize": 5.5,
     "markerfacecolor": BELIEF,
+    "markeredgecolor": "white",
     "markeredgewidth": 0.9,
+    "linestyle": "none",
 }
+
+__all__ = [
+    "AGENT",
+    "ARROW",
+    "BELIEF",
+    "CERTAINTY",
+    "EXPLORING",
+    "HEIGHT",
+    "MEAN_MARK",
+    "OBSTACLE",
+    "TARGET",
+    "TARGET_MARK",
+    "TINT",
+]

@@ -1,4 +1,4 @@
-"""The six moments that the figure shows, what happens in each moment, and the figure's numbers."""
+"""The six moments that the figure shows, what happens in each, and the figure's numbers."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,134 +6,176 @@ from typing import Any
 import numpy as np
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.figures.pictures import Panel, in_order, spans
-from aicon_baselines.figures.pusht.recording import BoolArray, FloatArray, Recording
+from aicon_baselines.figures.panels import LABELS, Panel, increasing
+from aicon_baselines.figures.pusht.recording import PushRecording
+from aicon_baselines.figures.recording import BoolArray, FloatArray, true_intervals
+from aicon_baselines.figures.summary import episode_numbers, panel_numbers
 from aicon_envs.pusht.simulation import PUSHER_RADIUS
 
 _CORNER = 1.0  # px from a corner within which a contact is at it
 _NEAR = 10.0  # px between pusher and object within which a contact is at stake
 
+_ENDINGS = {"arrival": "Arrival in the goal pose", "time limit": "Out of time"}
 
-def choose_panels(recording: Recording) -> list[Panel]:
+
+def choose_panels(recording: PushRecording) -> list[Panel]:
     """The six moments of the paper's figure, in order of time.
 
-    (a) The first contact; (b) the last moment before (c) in which the pusher descends a detrimental gradient; (c) the
-    strongest conflict on the detour, the way without contact that goes farthest around the object; (d) half of the rest
-    of that way; (e) the first exploration at a corner after it; (f) the end. Where the episode lacks one, it is a
-    moment between the others.
+    (a) The first contact; (b) the last moment before (c) in which the pusher withdraws from a
+    detrimental contact; (c) the strongest conflict on the detour, the trajectory without contact
+    that goes farthest around the object; (d) half of the rest of the detour; (e) the first
+    exploration at a corner after it; (f) the end. Where the episode lacks one, it is a moment
+    between the others.
 
     Raises:
         ComparisonError: If the episode is too short for six panels.
     """
     last = recording.steps
-    if last < 6:
+    if last < len(LABELS):
         raise ComparisonError(f"the episode has {last} steps; six panels need 6 or more")
+
+    # (a) to (d): from the first contact to the far side of the object.
     contact = _first(recording.touched, 0, last, otherwise=last // 6)
     begin, end = _detour(recording, contact)
     conflict = _strongest_conflict(recording, begin, end)
-    bearings = _bearings(recording)[conflict : end + 1]
-    swept = np.abs(bearings - bearings[0])
-    around = conflict + _first(swept >= swept[-1] / 2, 1, len(swept), otherwise=1)
-    before = np.flatnonzero(_withdrawing(recording)[contact + 1 : conflict])
-    harmful = contact + 1 + int(before[-1]) if len(before) else (contact + conflict) // 2
-    corner = _first(recording.exploring & at_corners(recording), end, last, otherwise=(end + last) // 2)
-    moments = in_order([contact, harmful, conflict, around, corner, last], last)
-    return [Panel(*both, _title(recording, *both)) for both in zip("abcdef", moments, strict=True)]
+    withdrawal = _last_withdrawal(recording, contact, conflict)
+    around = _halfway_around(recording, conflict, end)
+
+    # (e): at a corner of the object.
+    conflicts_at_corners = recording.exploring & at_corners(recording)
+    corner = _first(conflicts_at_corners, end, last, otherwise=(end + last) // 2)
+
+    # Each in its order, with what is true of it.
+    moments = increasing([contact, withdrawal, conflict, around, corner, last], last)
+    panels = []
+    for label, moment in zip(LABELS, moments, strict=True):
+        panels.append(Panel(label, moment, _title(recording, label, moment)))
+    return panels
 
 
-def _title(recording: Recording, letter: str, moment: int) -> str:
+def _title(recording: PushRecording, label: str, moment: int) -> str:
     """What a panel shows: the paper's words where they are true, or else the phase."""
     exploring, touched = recording.exploring[moment], recording.touched[moment]
-    if letter == "a" and touched and not exploring:
+
+    if label == "a" and touched and not exploring:
         return "First contact, adjusted in the nullspace"
-    if letter == "b" and _withdrawing(recording)[moment]:
+    if label == "b" and _withdrawing(recording)[moment]:
         return "Contact turned detrimental: withdrawing"
-    if letter == "d" and not touched and not exploring:
+    if label == "d" and not touched and not exploring:
         return "Around the object to its far side"
     return phase(recording, moment)
 
 
-def phase(recording: Recording, moment: int) -> str:
+def phase(recording: PushRecording, moment: int) -> str:
     """What the policy does at a moment, in plain words."""
     if moment == recording.steps:
-        return {"arrival": "PartialPath in the goal pose", "time limit": "Out of time"}[recording.ending]
+        return _ENDINGS[recording.ending]
+
     if recording.exploring[moment]:
-        at_corner = at_corners(recording)[moment]
-        return "Conflict at a corner: exploring" if at_corner else "Conflict: exploring around the object"
+        if at_corners(recording)[moment]:
+            return "Conflict at a corner: exploring"
+        return "Conflict: exploring around the object"
+
     if _withdrawing(recording)[moment]:
         return "Withdrawing from a detrimental contact"
-    return "Pushing a useful contact" if recording.touched[moment] else "Going to a useful contact"
+    if recording.touched[moment]:
+        return "Pushing a useful contact"
+    return "Going to a useful contact"
 
 
-def at_corners(recording: Recording) -> BoolArray:
-    """Whether the pusher is near the object and the contact nearest to it is at a corner, (n + 1,)."""
+def at_corners(recording: PushRecording) -> BoolArray:
+    """Whether the pusher is near the object and its nearest contact is at a corner, (n + 1,)."""
     distances = np.linalg.norm(recording.contacts - recording.pushers[:, np.newaxis], axis=-1)
-    nearest = recording.contacts[np.arange(len(distances)), distances.argmin(axis=1)]
-    corners = np.stack([recording.corners(moment) for moment in range(len(distances))])
-    near_corner = np.linalg.norm(corners - nearest[:, np.newaxis], axis=-1).min(axis=1) < _CORNER
-    at_corner: BoolArray = near_corner & (distances.min(axis=1) < PUSHER_RADIUS + _NEAR)
+    moments = range(len(distances))
+    nearest = recording.contacts[moments, distances.argmin(axis=1)]
+
+    corners = np.stack([recording.corners(moment) for moment in moments])
+    to_corners = np.linalg.norm(corners - nearest[:, np.newaxis], axis=-1)
+
+    # Far from the object no contact is at stake.
+    near_corner = to_corners.min(axis=1) < _CORNER
+    near_object = distances.min(axis=1) < PUSHER_RADIUS + _NEAR
+    at_corner: BoolArray = near_corner & near_object
     return at_corner
 
 
-def summary(recording: Recording, panels: Sequence[Panel]) -> dict[str, Any]:
+def summarize(recording: PushRecording, panels: Sequence[Panel]) -> dict[str, Any]:
     """The numbers of the figure."""
-    dt = recording.policy.model.dt
-    steps = np.linalg.norm(np.diff(recording.pushers, axis=0), axis=1)
+    pieces = np.linalg.norm(np.diff(recording.pushers, axis=0), axis=1)
+    start, end = recording.costs[[0, -1]].tolist()
+
     return {
-        "seed": recording.seed,
-        "ending": recording.ending,
-        "steps": recording.steps,
-        "duration_s": round(recording.steps * dt, 3),
-        "path_length_px": round(float(steps.sum()), 1),
-        "pose_error_px": {"start": round(float(recording.costs[0]), 2), "end": round(float(recording.costs[-1]), 2)},
-        "panels": [
-            {"panel": panel.letter, "time_s": round(panel.step * dt, 3), "title": panel.title} for panel in panels
-        ],
-        "explorations_s": [
-            [round(first * dt, 3), round(end * dt, 3)] for first, end in spans(recording.exploring[:-1])
-        ],
+        **episode_numbers(recording),
+        "path_length_px": round(float(pieces.sum()), 1),
+        "pose_error_px": {"start": round(start, 2), "end": round(end, 2)},
+        **panel_numbers(recording, panels),
     }
 
 
-def _withdrawing(recording: Recording) -> BoolArray:
-    """Whether the pusher descends while the strongest gradient is that of a detrimental contact, (n + 1,)."""
+def _withdrawing(recording: PushRecording) -> BoolArray:
+    """Whether it descends while a detrimental contact's gradient is the strongest, (n + 1,)."""
     strongest = recording.strengths.argmax(axis=1)
-    withdrawing: BoolArray = ~recording.exploring & ~recording.useful[np.arange(len(strongest)), strongest]
+    useful = recording.useful[np.arange(len(strongest)), strongest]
+    withdrawing: BoolArray = ~recording.exploring & ~useful
     return withdrawing
 
 
-def _detour(recording: Recording, contact: int) -> tuple[int, int]:
-    """The last moment of one contact and the first of the next, between which the pusher goes farthest around.
+def _detour(recording: PushRecording, contact: int) -> tuple[int, int]:
+    """The last moment of one contact and the first of the next, farthest apart around the object.
 
-    Only ways on which it explores count; without any, the middle third of the time after the first contact.
+    Only detours on which it explores count; without any, the middle third of the time after the
+    first contact.
     """
     bearings = _bearings(recording)
-    ways = [
-        (first - 1, end)
-        for first, end in spans(~recording.touched)
-        if first > contact and end <= recording.steps and recording.exploring[first - 1 : end].any()
-    ]
     third = (recording.steps - contact) // 3
-    return max(
-        ways,
-        key=lambda way: abs(bearings[way[1]] - bearings[way[0]]),
-        default=(contact + third, contact + 2 * third + 1),
-    )
+    detour = (contact + third, contact + 2 * third + 1)
+    widest = -1.0
+
+    for begin, end in true_intervals(~recording.touched):
+        before = begin - 1
+        between_contacts = begin > contact and end <= recording.steps
+        if not (between_contacts and recording.exploring[before:end].any()):
+            continue
+
+        # The first of the widest.
+        angle = abs(float(bearings[end] - bearings[before]))
+        if angle > widest:
+            detour, widest = (before, end), angle
+
+    return detour
 
 
-def _strongest_conflict(recording: Recording, begin: int, end: int) -> int:
-    """The exploring moment, from one on and before another, with the strongest opposition; the first if none explores.
+def _strongest_conflict(recording: PushRecording, begin: int, end: int) -> int:
+    """The exploring moment, from one on and before another, with the strongest opposition.
 
-    The opposition is as strong as the weaker of its two sides, the useful and the detrimental contacts.
+    The opposition is as strong as the weaker of its two sides, the useful and the detrimental
+    contacts. If no moment explores, it is the first one.
     """
     weaker = np.minimum(recording.strongest(useful=True), recording.strongest(useful=False))
-    return begin + int(np.argmax(np.where(recording.exploring, weaker, -1.0)[begin:end]))
+    opposition = np.where(recording.exploring, weaker, -1.0)
+    return begin + int(opposition[begin:end].argmax())
 
 
-def _bearings(recording: Recording) -> FloatArray:
+def _last_withdrawal(recording: PushRecording, contact: int, conflict: int) -> int:
+    """The last moment between two others in which the pusher withdraws, or else half-way."""
+    withdrawals = np.flatnonzero(_withdrawing(recording)[contact + 1 : conflict])
+    if len(withdrawals):
+        return contact + 1 + int(withdrawals[-1])
+    return (contact + conflict) // 2
+
+
+def _halfway_around(recording: PushRecording, begin: int, end: int) -> int:
+    """The moment between two others by which half of the angle around the object is covered."""
+    bearings = _bearings(recording)[begin : end + 1]
+    angles = np.abs(bearings - bearings[0])
+    return begin + _first(angles >= angles[-1] / 2, 1, len(angles), otherwise=1)
+
+
+def _bearings(recording: PushRecording) -> FloatArray:
     """Direction from the object's centre to the pusher, without jumps, (n + 1,), rad."""
-    centres = np.stack([recording.corners(moment).mean(axis=0) for moment in range(recording.steps + 1)])
-    x, y = (recording.pushers - centres).T
+    moments = range(recording.steps + 1)
+    centers = np.stack([recording.corners(moment).mean(axis=0) for moment in moments])
+    x, y = (recording.pushers - centers).T
     return np.unwrap(np.arctan2(y, x))
 
 

@@ -2,53 +2,45 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from aicon_baselines.figures.recording import BoolArray, FloatArray, Recording, to_array
 from aicon_envs.pusht.geometry import Pose, place
-from aicon_torch.parts.servo import Servo
 from aicon_torch.control import Policy
-from aicon_torch.resolution import Memory
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-
-MEETING = "x_pusher"
-"""The quantity where the gradients of all contacts meet: the pusher's position."""
+from aicon_torch.models.pusht import PIXEL
+from aicon_torch.parts import Servo
 
 
-@dataclass(frozen=True)
-class Recording:
+@dataclass(frozen=True, kw_only=True)
+class PushRecording(Recording):
     """An episode of n steps, seen at the n + 1 moments before, between and after them.
 
+    The last memory was computed after the end, and its action was not carried out. The figure shows
+    the gradients at the pusher's position, one for each of the N sides that may be touched.
+    Lengths are in the environment's pixels.
+
     Attributes:
-        seed: Seed of the episode.
-        policy: The policy.
-        memories: The memory of each moment; the last one was computed after the end, and not followed.
         outline: Corners of the object in its body frame, in order around it, (N, 2), px.
         goal: Pose of the goal, px and rad.
         pushers: True positions of the pusher, (n + 1, 2), px.
         velocities: True velocities of the pusher, (n + 1, 2), px/s.
         poses: True poses of the object's body frame, (n + 1, 3), px and rad.
         touched: Whether anything touched in the step that led to the moment, (n + 1,).
-        ending: How the episode ended.
     """
 
-    seed: int
-    policy: Policy
-    memories: list[Memory]
+    resolved_at: ClassVar[str] = "x_pusher"
+
     outline: FloatArray
     goal: Pose
     pushers: FloatArray
     velocities: FloatArray
     poses: FloatArray
     touched: BoolArray
-    ending: Literal["arrival", "time limit"]
 
     @property
     def steps(self) -> int:
@@ -56,27 +48,27 @@ class Recording:
         return len(self.memories) - 1
 
     @cached_property
-    def times(self) -> FloatArray:
-        """When each moment was, (n + 1,), s."""
-        return np.arange(self.steps + 1, dtype=np.float64) * self.policy.model.dt
+    def trajectory(self) -> FloatArray:
+        """Where the pusher was at the start and in the k sub-steps of each step, (n, k + 1, 2), px.
 
-    @cached_property
-    def ways(self) -> FloatArray:
-        """Where the pusher was in the m sub-steps of each step and just before them, (n, m + 1, 2), px.
-
-        The environment tells where it was at the moments; between them it follows its PD controller.
+        The environment tells where it was at the moments; between them it follows its controller.
         """
         servo = Servo.of()
-        share = np.concatenate([[0.0], servo.follow])[:, np.newaxis]
-        drift = np.concatenate([[0.0], servo.drift])[:, np.newaxis] * self.velocities[:-1, np.newaxis]
+        by_offset = np.array([0.0, *servo.displacement_by_offset])[:, np.newaxis]
+        by_velocity = np.array([0.0, *servo.displacement_by_velocity])[:, np.newaxis]
+
+        # Without an offset of the target the pusher only drifts.
         start, end = self.pushers[:-1, np.newaxis], self.pushers[1:, np.newaxis]
-        ways: FloatArray = start + drift + share / share[-1] * (end - start - drift[:, -1:])
-        return ways
+        drifted = by_velocity * self.velocities[:-1, np.newaxis]
+        followed = end - start - drifted[:, -1:]
+
+        trajectory: FloatArray = start + drifted + by_offset / by_offset[-1] * followed
+        return trajectory
 
     @cached_property
     def costs(self) -> FloatArray:
         """The pose error g as the policy estimates it, (n + 1,), px."""
-        return _array(self._cost(self._values))
+        return _in_pixels(self.trace.costs["push"])
 
     @cached_property
     def gains(self) -> FloatArray:
@@ -84,12 +76,18 @@ class Recording:
 
         A contact with a gain below zero is useful; the policy seeks it. The others are detrimental.
         """
-        likelihood = self._values["p_contact"].detach().requires_grad_()
-        values = self._values | {"p_contact": likelihood}
+        model = self.policy.model
+        likelihood = self.trace.values["p_contact"].detach().requires_grad_()
+        values: dict[str, Any] = {**self.trace.values, "p_contact": likelihood}
+
+        # The two edges from the likelihood to the goal, in one graph.
         with torch.enable_grad():
-            moved = self.policy.model.owners["x_obj"](values, "x_obj")
-            (gains,) = torch.autograd.grad(self._cost(values | {"x_obj": moved}).sum(), likelihood)
-        return _array(gains.sum(-1))  # one of the two likelihoods counts: the other's derivative is zero
+            values["x_obj"] = model.owners["x_obj"](values, "x_obj")
+            cost = model.goals["push"](values).sum()
+        (gains,) = torch.autograd.grad(cost, likelihood)
+
+        # Of the two likelihoods of a contact one counts: the other's derivative is zero.
+        return _in_pixels(gains.sum(-1))
 
     @cached_property
     def useful(self) -> BoolArray:
@@ -99,64 +97,54 @@ class Recording:
     @cached_property
     def contacts(self) -> FloatArray:
         """The closest point of each side, (n + 1, N, 2), px."""
-        return _array(self._values["x_contact"])
+        return _in_pixels(self.trace.values["x_contact"])
 
     @cached_property
     def likelihoods(self) -> FloatArray:
-        """Likelihood of each contact, as one that is sought if it is useful and as one that happens if not, (n + 1, N).
+        """Likelihood of each contact, sought if it is useful and happening if not, (n + 1, N).
 
-        Those of contacts that are sought exceed 1 where the pusher is nearer than at a touch; here they end at 1.
+        Those of contacts that are sought exceed 1 where the pusher is nearer than at a touch; here
+        they end at 1.
         """
-        sought, happens = np.moveaxis(_array(self._values["p_contact"]), -1, 0)
+        sought, happens = np.moveaxis(to_array(self.trace.values["p_contact"]), -1, 0)
         likelihoods: FloatArray = np.minimum(np.where(self.useful, sought, happens), 1.0)
         return likelihoods
 
     @cached_property
     def descents(self) -> FloatArray:
         """−∇ of each contact at the pusher, (n + 1, N, 2), px of g by px of the pusher."""
-        return -_array(self._values[f"{MEETING}/gradients"])
+        return -to_array(self.resolution.gradients)
 
     @cached_property
     def strengths(self) -> FloatArray:
         """Norms of the gradients, (n + 1, N)."""
-        norms: FloatArray = np.linalg.norm(self.descents, axis=-1)
-        return norms
+        return to_array(self.resolution.strengths)
 
     def strongest(self, useful: bool) -> FloatArray:
-        """Strength of the strongest gradient of the useful or the detrimental contacts, (n + 1,); 0 without any."""
+        """Strength of the strongest gradient of useful or detrimental contacts, (n + 1,).
+
+        It is 0 where there is no such contact.
+        """
         strongest: FloatArray = np.where(self.useful == useful, self.strengths, 0.0).max(axis=1)
         return strongest
 
     @cached_property
     def motions(self) -> FloatArray:
-        """Commanded displacement of the pusher in the step that follows each moment, (n + 1, 2), px."""
-        return _array(self._values["a"]) * self.policy.model.dt
-
-    @cached_property
-    def exploring(self) -> BoolArray:
-        """Whether each moment explores, (n + 1,)."""
-        return np.array([bool(memory.get(f"{MEETING}/exploring", False)) for memory in self.memories])
+        """Commanded displacement of the pusher in the step after each moment, (n + 1, 2), px."""
+        return _in_pixels(self.trace.values["a"]) * self.time_step
 
     def corners(self, moment: int) -> FloatArray:
         """Corners of the object in the world, in order around it, (N, 2), px."""
         x, y, angle = self.poses[moment]
         return place(self.outline, (x, y, angle))
 
-    @cached_property
-    def _values(self) -> dict[str, Tensor]:
-        """All memories as one batch."""
-        return {key: torch.stack([memory[key] for memory in self.memories]) for key in self.memories[0]}
 
-    def _cost(self, values: dict[str, Tensor]) -> Tensor:
-        cost: Tensor = self.policy.model.goals["push"](values)
-        return cost
+def _in_pixels(lengths: Tensor) -> FloatArray:
+    """Lengths of the model, m, in the environment's pixels."""
+    return to_array(lengths) / PIXEL
 
 
-def _array(tensor: Tensor) -> FloatArray:
-    return tensor.numpy(force=True).astype(np.float64)
-
-
-def record(policy: Policy, seed: int, limit: int | None = None) -> Recording:
+def record(policy: Policy, seed: int, limit: int | None = None) -> PushRecording:
     """Run an episode of aicon/PushT-v0 and keep the memory of every moment.
 
     Args:
@@ -165,26 +153,31 @@ def record(policy: Policy, seed: int, limit: int | None = None) -> Recording:
         limit: Limit of the episode, steps; by default the environment's.
     """
     env = gymnasium.make("aicon/PushT-v0", max_episode_steps=limit)
+    # The first moment is before the first step.
     observation, info = env.reset(seed=seed)
     action, memory = policy.predict(observation)
     memories, infos = [memory], [info]
     terminated = truncated = False
+
+    # Each step leads to the next moment; the last one decides an action that nobody follows.
     while not (terminated or truncated):
         observation, _, terminated, truncated, info = env.step(action)
         action, memory = policy.predict(observation, memory)
         memories.append(memory)
         infos.append(info)
-    base: Any = env.unwrapped
+
+    # What only the environment knows, and what it told at each moment.
+    unwrapped: Any = env.unwrapped
     env.close()
-    return Recording(
-        seed,
-        policy,
-        memories,
-        outline=base.object.outline,
-        goal=tuple(info["goal_pose"].tolist()),
-        pushers=np.array([each["pos_agent"] for each in infos]),
-        velocities=np.array([each["vel_agent"] for each in infos]),
-        poses=np.array([each["block_pose"] for each in infos]),
-        touched=np.array([each["n_contacts"] > 0 for each in infos]),
+    return PushRecording(
+        seed=seed,
+        policy=policy,
+        memories=memories,
         ending="arrival" if info["is_success"] else "time limit",
+        outline=unwrapped.object.outline,
+        goal=tuple(info["goal_pose"].tolist()),
+        pushers=np.array([info["pos_agent"] for info in infos]),
+        velocities=np.array([info["vel_agent"] for info in infos]),
+        poses=np.array([info["block_pose"] for info in infos]),
+        touched=np.array([info["n_contacts"] > 0 for info in infos]),
     )

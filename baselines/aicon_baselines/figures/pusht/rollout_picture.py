@@ -1,91 +1,109 @@
-"""The picture: six moments of an episode above its pose error and the strengths of its gradients."""
+"""The picture: six moments of an episode above its pose error and its gradients' strengths."""
 
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from aicon_baselines.figures.pictures import OnStep, Panel, mark_panels, save_picture
-from aicon_baselines.figures.pusht.recording import Recording
-from aicon_baselines.figures.pusht.strip import draw_cost, draw_strengths
-from aicon_baselines.figures.pusht.style import (
-    DETRIMENTAL,
-    GOAL,
-    GOAL_TINT,
-    INK,
-    MOTION,
-    OBJECT,
-    OUTLINE,
-    PUSHER,
-    USEFUL,
+from aicon_baselines.figures.panels import (
+    Panel,
+    add_caption,
+    add_legend,
+    draw_panels,
+    mark_panels,
 )
-from aicon_baselines.figures.pusht.view import View
+from aicon_baselines.figures.pusht import style
+from aicon_baselines.figures.pusht.recording import PushRecording
+from aicon_baselines.figures.pusht.timeline import add_timelines
+from aicon_baselines.figures.pusht.view import PushView
+from aicon_baselines.figures.rendering import save_picture
+from aicon_baselines.figures.timeline import add_curve_legend
 
+_PANELS = {
+    "left": 0.012,
+    "right": 0.988,
+    "top": 0.937,
+    "bottom": 0.33,
+    "hspace": 0.1,
+    "wspace": 0.025,
+}
+_COST, _STRENGTHS = (0.068, 0.19, 0.92, 0.085), (0.068, 0.093, 0.92, 0.085)
 _CAPTION = (
-    "Coloured arrows: descent directions of the strongest gradients that meet at the pusher, one for each contact; "
-    "the wider, the stronger. Dots: their contacts, the larger, the likelier.\n"
-    "Large arrow: the motion commanded for the next 0.1 s. Purple ground: it explores. One episode of aicon/PushT-v0."
+    "Coloured arrows: descent directions of the strongest gradients that meet at the pusher, one "
+    "for each contact; the wider, the stronger. Dots: their contacts, the larger, the likelier.\n"
+    "Large arrow: the motion commanded for the next 0.1 s. Purple ground: it explores. One episode "
+    "of aicon/PushT-v0."
 )
 
 
-def draw_rollout(recording: Recording, panels: Sequence[Panel], path: Path, on_step: OnStep = lambda: None) -> None:
-    """Save the figure: six moments, and the pose error and the strengths of the gradients over time.
+def draw_rollout(
+    recording: PushRecording, panels: Sequence[Panel], path: Path, *, progress: bool = False
+) -> None:
+    """Save the figure: six moments above the pose error and the strengths of the gradients.
 
     Args:
         recording: The episode.
         panels: The moments to show.
         path: Where to save the picture.
-        on_step: Called after every panel.
+        progress: Whether to show a progress bar, on a terminal only.
     """
+    # The world.
     figure = Figure(figsize=(14, 10.2), dpi=130)
-    panels_at = {"left": 0.012, "right": 0.988, "top": 0.937, "bottom": 0.33, "hspace": 0.1, "wspace": 0.025}
-    cells = figure.add_gridspec(2, 3, **panels_at)
-    for index, panel in enumerate(panels):
-        view = View(figure.add_subplot(cells[index]), recording)
-        view.show(panel.step)
-        view.entitle(rf"$\mathbf{{{panel.letter}}}$   {panel.title}", size=12)
-        on_step()
-    cost, strengths = figure.add_axes((0.068, 0.19, 0.92, 0.085)), figure.add_axes((0.068, 0.093, 0.92, 0.085))
-    draw_cost(cost, recording)
-    cost.tick_params(labelbottom=False)
-    draw_strengths(strengths, recording)
-    for axes in (cost, strengths):
+
+    def make_view(axes: Axes) -> PushView:
+        return PushView(axes, recording)
+
+    draw_panels(figure, panels, make_view, _PANELS, title_size=12, progress=progress)
+
+    # Two curves over the same time: the panels' labels are above the upper one, the axis' below the
+    # lower one.
+    timelines = add_timelines(figure, recording, _COST, _STRENGTHS)
+    for axes in timelines:
         axes.yaxis.set_label_coords(-0.04, 0.5)
-        for panel in panels:
-            axes.axvline(recording.times[panel.step], color="0.25", linewidth=0.8, linestyle=(0, (2, 2)))
-    mark_panels(cost, panels, recording.policy.model.dt)
-    figure.legend(**_legend(), loc="upper center", bbox_to_anchor=(0.5, 1.004), ncols=6, frameon=False, fontsize=11)
-    strengths.legend(
-        loc="upper right", bbox_to_anchor=(1.005, 2.72), ncols=4, frameon=False, fontsize=11, columnspacing=1.8
+    cost, strengths = timelines
+    cost.tick_params(labelbottom=False)
+    mark_panels(timelines, panels, recording.time_step)
+    add_curve_legend(
+        strengths,
+        loc="upper right",
+        bbox_to_anchor=(1.005, 2.72),
+        ncols=4,
+        fontsize=11,
+        columnspacing=1.8,
     )
-    figure.text(0.012, 0.01, _CAPTION, fontsize=9, color="0.3", linespacing=1.35)
+
+    # How to read it: marks above the panels, words below the timeline.
+    add_legend(figure, _legend_entries(), size=11)
+    add_caption(figure, _CAPTION, height=0.01, size=9)
     save_picture(figure, path)
 
 
-def _legend() -> dict[str, Any]:
-    """Handles and labels of what the panels show."""
-    trail = Line2D([], [], color=to_rgba(PUSHER, 0.6), linewidth=2.2)
-    disc = Line2D([], [], color=PUSHER, marker="o", markersize=10, markeredgecolor="white", linestyle="none")
-    entries: list[tuple[Any, str]] = [
-        ((trail, disc), "pusher and its way"),
-        (Patch(facecolor=OBJECT, edgecolor=OUTLINE), "object"),
-        (Patch(facecolor=to_rgba(GOAL, GOAL_TINT), edgecolor=GOAL, linewidth=2), "goal pose"),
-        (_contact(USEFUL), "useful contact, its gradient"),
-        (_contact(DETRIMENTAL), "detrimental contact, its gradient"),
-        (Patch(facecolor=MOTION, edgecolor=INK, linewidth=1.5), "commanded motion"),
-    ]
+def _legend_entries() -> dict[str, Any]:
+    """Label and handle of what the panels show."""
+    trail = Line2D([], [], color=to_rgba(style.PUSHER, 0.6), linewidth=2.2)
+    goal_area = to_rgba(style.GOAL, style.GOAL_TINT)
+
     return {
-        "handles": [handle for handle, _ in entries],
-        "labels": [label for _, label in entries],
-        "handler_map": {tuple: HandlerTuple(ndivide=1)},
+        "pusher and its way": (trail, _dot(style.PUSHER, 10)),
+        "object": Patch(facecolor=style.OBJECT, edgecolor=style.OUTLINE),
+        "goal pose": Patch(facecolor=goal_area, edgecolor=style.GOAL, linewidth=2),
+        "useful contact, its gradient": _contact(style.USEFUL),
+        "detrimental contact, its gradient": _contact(style.DETRIMENTAL),
+        "commanded motion": Patch(facecolor=style.MOTION, edgecolor=style.INK, linewidth=1.5),
     }
 
 
-def _contact(colour: str) -> Any:
-    dot = Line2D([], [], color=colour, marker="o", markersize=8, markeredgecolor="white", linestyle="none")
-    return Line2D([], [], color=colour, linewidth=2.5), dot
+def _contact(color: str) -> tuple[Line2D, Line2D]:
+    """A contact and its gradient."""
+    return Line2D([], [], color=color, linewidth=2.5), _dot(color, 8)
+
+
+def _dot(color: str, size: float) -> Line2D:
+    return Line2D(
+        [], [], color=color, marker="o", markersize=size, markeredgecolor="white", linestyle="none"
+    )

@@ -1,4 +1,4 @@
-"""The world at one moment: object, goal, pusher, contacts, and the gradients that meet at the pusher."""
+"""The world at one moment: object, goal, pusher, contacts, and the gradients at the pusher."""
 
 from typing import Any
 
@@ -6,165 +6,214 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, FancyArrow, Polygon
 
-from aicon_baselines.figures.pusht.recording import FloatArray, Recording
-from aicon_baselines.figures.pusht.style import (
-    BADGE,
-    DETRIMENTAL,
-    EXPLORING,
-    GOAL,
-    GOAL_TINT,
-    GROUND_TINT,
-    INK,
-    MOTION,
-    OBJECT,
-    OUTLINE,
-    PUSHER,
-    USEFUL,
-    WALL,
-)
+from aicon_baselines.figures.pusht import style
+from aicon_baselines.figures.pusht.recording import PushRecording
+from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.figures.style import blend
+from aicon_baselines.figures.view import WorldView, rectangle_around
 from aicon_envs.pusht.geometry import place
 from aicon_envs.pusht.simulation import PUSHER_RADIUS, WALL_HIGH, WALL_LOW
 
-ASPECT = 1.5  # width of a view over its height
+_ASPECT = 1.5  # width of a view over its height
 _MARGIN = 10.0  # px around what is shown
 _ARROWS = 4  # gradients to show at most
 _WEAKEST = 0.06  # and as strong as this share of the strongest
 _SHORTEST = 16.0  # px that the arrow of the commanded motion is long at least
-_FADING = 12  # steps until the way is pale
+_FADING = 12  # steps until the trajectory is pale
 
 
-class View:
-    """The world at one moment, which can be brought to another.
+class PushView(WorldView):
+    """The world at one moment.
 
     Args:
         axes: Where to draw.
         recording: The episode.
     """
 
-    def __init__(self, axes: Axes, recording: Recording) -> None:
-        self.axes, self._recording = axes, recording
-        self._artists: list[Artist] = []
-        (left, top), (right, bottom) = _frame(recording)
-        axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xticks=[], yticks=[], facecolor=WALL)
-        axes.spines[:].set_color("0.6")
-        floor = [(WALL_LOW, WALL_LOW), (WALL_HIGH, WALL_LOW), (WALL_HIGH, WALL_HIGH), (WALL_LOW, WALL_HIGH)]
+    def __init__(self, axes: Axes, recording: PushRecording) -> None:
+        super().__init__(axes)
+        self._recording = recording
+        self._artists: list[Artist] = []  # of the moment that is shown
+
+        # The walls are what is left of the axes; y points down.
+        (left, top), (right, bottom) = _limits(recording)
+        axes.set(xlim=(left, right), ylim=(bottom, top), facecolor=style.WALL)
+        floor = [
+            (WALL_LOW, WALL_LOW),
+            (WALL_HIGH, WALL_LOW),
+            (WALL_HIGH, WALL_HIGH),
+            (WALL_LOW, WALL_HIGH),
+        ]
         self._floor = Polygon(floor, edgecolor="none", zorder=0)
         axes.add_patch(self._floor)
-        goal = place(recording.outline, recording.goal)
-        axes.add_patch(Polygon(goal, facecolor=_pale(GOAL, GOAL_TINT), edgecolor="none", zorder=1))
-        axes.add_patch(Polygon(goal, fill=False, edgecolor=GOAL, linewidth=2.2, joinstyle="round", zorder=4))
 
-    def show(self, moment: int) -> None:
+        # The goal: its area below the object, its edge above.
+        goal = place(recording.outline, recording.goal)
+        area_color = blend(style.GOAL, style.GOAL_TINT)
+        axes.add_patch(Polygon(goal, facecolor=area_color, edgecolor="none", zorder=1))
+        edge = Polygon(goal, fill=False, edgecolor=style.GOAL, linewidth=2.2, joinstyle="round")
+        edge.set_zorder(4)
+        axes.add_patch(edge)
+
+    def show(self, step: int) -> None:
         """Bring the picture, and the time above it, to a moment."""
         for artist in self._artists:
             artist.remove()
         self._artists = []
-        recording = self._recording
-        exploring = bool(recording.exploring[moment]) and moment < recording.steps
-        self.axes.set_title(f"{recording.times[moment]:.1f} s", loc="right", fontsize=11, color="0.35", pad=4)
-        self._floor.set_facecolor(_pale(EXPLORING, GROUND_TINT) if exploring else "white")
-        object_now = Polygon(recording.corners(moment), facecolor=OBJECT, edgecolor=OUTLINE, linewidth=1.4)
-        self._add(object_now, zorder=2)
-        self._add_way(moment)
-        pusher = Circle(_point(recording.pushers[moment]), PUSHER_RADIUS, facecolor=PUSHER, edgecolor="white")
-        self._add(pusher, zorder=8)
-        self._add_text((0.02, 0.04), f"g = {recording.costs[moment]:.0f} px", color="0.35", va="bottom")
-        if moment < recording.steps:
-            self._add_motion(moment)
-            self._add_gradients(moment)
-            self._add_badge(exploring)
 
-    def entitle(self, title: str, size: float) -> None:
-        """Write a title above the picture."""
-        self.axes.set_title(title, loc="left", fontsize=size, pad=4)
+        # Where it explores, the floor says so.
+        recording = self._recording
+        ended = step == recording.steps
+        exploring = bool(recording.exploring[step]) and not ended
+        ground = blend(style.EXPLORING, style.GROUND_TINT) if exploring else "white"
+        self._floor.set(facecolor=ground)
+        self.set_time(recording.times[step], size=11)
+
+        # What is there.
+        self._add_object(step)
+        self._add_trajectory(step)
+        self._add_pusher(step)
+        cost = f"g = {recording.costs[step]:.0f} px"
+        self._add_text((0.02, 0.04), cost, color="0.35", va="bottom")
+
+        # What the policy is about to do.
+        if not ended:
+            self._add_motion(step)
+            self._add_gradients(step)
+            self._add_badge(exploring)
 
     def _add(self, artist: Any, zorder: float) -> None:
         """Add what the next moment removes."""
         artist.set_zorder(zorder)
         self._artists.append(self.axes.add_artist(artist))
 
-    def _add_way(self, moment: int) -> None:
-        """The pusher's way so far, the paler the longer ago."""
+    def _add_object(self, moment: int) -> None:
+        """The object in its true pose."""
+        corners = self._recording.corners(moment)
+        polygon = Polygon(corners, facecolor=style.OBJECT, edgecolor=style.OUTLINE, linewidth=1.4)
+        self._add(polygon, zorder=2)
+
+    def _add_pusher(self, moment: int) -> None:
+        """The pusher at its true position."""
+        center = _point(self._recording.pushers[moment])
+        disc = Circle(center, PUSHER_RADIUS, facecolor=style.PUSHER, edgecolor="white")
+        self._add(disc, zorder=8)
+
+    def _add_trajectory(self, moment: int) -> None:
+        """Where the pusher has been so far, the paler the longer ago."""
         ages = np.arange(moment)[::-1]
-        colours = [_pale(PUSHER, float(share)) for share in 0.2 + 0.6 * np.clip(1 - ages / _FADING, 0, 1)]
-        ways = list(self._recording.ways[:moment])
-        self._add(LineCollection(ways, colors=colours, linewidths=2.2, capstyle="round", joinstyle="round"), zorder=3)
+        opacities = 0.2 + 0.6 * np.clip(1 - ages / _FADING, 0, 1)
+        colors = [blend(style.PUSHER, opacity) for opacity in opacities]
+
+        pieces = list(self._recording.trajectory[:moment])
+        lines = LineCollection(
+            pieces, colors=colors, linewidths=2.2, capstyle="round", joinstyle="round"
+        )
+        self._add(lines, zorder=3)
 
     def _add_motion(self, moment: int) -> None:
-        """The displacement that is commanded for the step to come, as long as it is in the world."""
+        """The displacement that is commanded for the next step, as long as it is in the world."""
         motion = self._recording.motions[moment]
         length = float(np.linalg.norm(motion))
-        way = motion / max(length, 1e-9) * max(length, _SHORTEST)
-        self._add_arrow(moment, way, 15.0, MOTION, zorder=7, edgecolor=INK, linewidth=1.5)
+        shown = motion / max(length, 1e-9) * max(length, _SHORTEST)
+
+        looks = {"facecolor": style.MOTION, "edgecolor": style.INK, "linewidth": 1.5}
+        self._add_arrow(moment, shown, width=15.0, zorder=7, looks=looks)
 
     def _add_gradients(self, moment: int) -> None:
-        """The strongest gradients as arrows downhill, and their contacts, the larger the likelier."""
-        recording = self._recording
-        strengths = recording.strengths[moment]
-        for rank, side in enumerate(np.argsort(-strengths)[:_ARROWS]):
-            share = strengths[side] / max(strengths.max(), 1e-12)
+        """The strongest gradients as arrows downhill; their contacts, the larger the likelier."""
+        strengths = self._recording.strengths[moment]
+        strongest_first = np.argsort(-strengths)
+
+        for rank, side in enumerate(strongest_first[:_ARROWS]):
+            share = float(strengths[side] / max(strengths.max(), 1e-12))
             if share < _WEAKEST:
                 return
-            colour = USEFUL if recording.useful[moment, side] else DETRIMENTAL
-            way = (18.0 + 38.0 * np.sqrt(share)) * recording.descents[moment, side] / strengths[side]
-            self._add_arrow(moment, way, 1.4 + 5.2 * share, colour, zorder=9 - rank / 10)
-            radius = 2.5 + 6.0 * float(recording.likelihoods[moment, side])
-            dot = Circle(_point(recording.contacts[moment, side]), radius, facecolor=colour, edgecolor="white")
-            self._add(dot, zorder=10 - radius / 100)  # at a corner two contacts coincide: the smaller is on top
+            self._add_gradient(moment, side, share, rank)
+
+    def _add_gradient(self, moment: int, side: int, share: float, rank: int) -> None:
+        """A gradient and its contact.
+
+        Args:
+            moment: The moment.
+            side: Which side of the object is touched.
+            share: Strength over that of the strongest gradient.
+            rank: How many gradients are stronger.
+        """
+        recording = self._recording
+        useful = recording.useful[moment, side]
+        color = style.USEFUL if useful else style.DETRIMENTAL
+
+        # Length and width grow with the strength.
+        direction = recording.descents[moment, side] / recording.strengths[moment, side]
+        arrow = (18.0 + 38.0 * np.sqrt(share)) * direction
+        looks = {"facecolor": color, "edgecolor": "white", "linewidth": 0.8}
+        self._add_arrow(moment, arrow, 1.4 + 5.2 * share, zorder=9 - rank / 10, looks=looks)
+
+        # At a corner two contacts coincide: the smaller dot is on top.
+        radius = 2.5 + 6.0 * float(recording.likelihoods[moment, side])
+        center = _point(recording.contacts[moment, side])
+        dot = Circle(center, radius, facecolor=color, edgecolor="white")
+        self._add(dot, zorder=10 - radius / 100)
 
     def _add_arrow(
-        self, moment: int, way: FloatArray, width: float, colour: str, zorder: float, **outline: Any
+        self, moment: int, arrow: FloatArray, width: float, zorder: float, looks: dict[str, Any]
     ) -> None:
-        """An arrow from the edge of the pusher along a way, px; its width is that of its shaft, px."""
-        length = float(np.linalg.norm(way))
-        start = self._recording.pushers[moment] + PUSHER_RADIUS * way / length
-        head = 1.7 * width + 5.5
-        looks: dict[str, Any] = {"facecolor": colour, "edgecolor": "white", "linewidth": 0.8} | outline
-        arrow = FancyArrow(
-            *start,
-            *way,
+        """An arrow from the edge of the pusher.
+
+        Args:
+            moment: The moment.
+            arrow: From the arrow's tail to its tip, (2,), px.
+            width: Width of the shaft, px.
+            zorder: What is drawn later is on top.
+            looks: Colours and line width.
+        """
+        length = float(np.linalg.norm(arrow))
+        tail = self._recording.pushers[moment] + PUSHER_RADIUS * arrow / length
+        head_width = 1.7 * width + 5.5
+
+        patch = FancyArrow(
+            *tail,
+            *arrow,
             width=width,
-            head_width=head,
-            head_length=min(0.8 * head, 0.9 * length),
+            head_width=head_width,
+            head_length=min(0.8 * head_width, 0.9 * length),
             length_includes_head=True,
             **looks,
         )
-        self._add(arrow, zorder=zorder)
+        self._add(patch, zorder)
 
     def _add_badge(self, exploring: bool) -> None:
         """Whether the pusher explores or descends."""
-        box = {"boxstyle": "round,pad=0.32,rounding_size=0.7", "facecolor": EXPLORING if exploring else BADGE}
-        label = "exploring" if exploring else "descending"
-        self._add_text(
-            (0.02, 0.962), label, color="white", va="top", fontweight="bold", bbox=box | {"edgecolor": "none"}
-        )
+        box = {
+            "boxstyle": "round,pad=0.32,rounding_size=0.7",
+            "facecolor": style.EXPLORING if exploring else style.BADGE,
+            "edgecolor": "none",
+        }
+        text = "exploring" if exploring else "descending"
+        self._add_text((0.02, 0.962), text, color="white", va="top", fontweight="bold", bbox=box)
 
     def _add_text(self, place: tuple[float, float], text: str, **looks: Any) -> None:
         """A line of text at a place, in shares of the picture."""
-        self._artists.append(
-            self.axes.text(*place, text, transform=self.axes.transAxes, fontsize=10, zorder=12, **looks)
+        artist = self.axes.text(
+            *place, text, transform=self.axes.transAxes, fontsize=10, zorder=12, **looks
         )
+        self._artists.append(artist)
 
 
-def _frame(recording: Recording) -> tuple[FloatArray, FloatArray]:
-    """Upper left and lower right corner of the smallest frame of a view's aspect around all that is shown, px."""
-    moments = range(recording.steps + 1)
-    objects = [recording.corners(moment) for moment in moments]
-    discs = [recording.pushers - PUSHER_RADIUS, recording.pushers + PUSHER_RADIUS]
-    points = np.concatenate([place(recording.outline, recording.goal), *objects, *discs])
-    low, high = points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
-    width, height = high - low
-    size = np.array([max(width, ASPECT * height), max(height, width / ASPECT)])
-    return (low + high - size) / 2, (low + high + size) / 2
+def _limits(recording: PushRecording) -> tuple[FloatArray, FloatArray]:
+    """The corners of the smallest rectangle of a view's aspect around all that is shown, px."""
+    points = [
+        place(recording.outline, recording.goal),
+        recording.pushers - PUSHER_RADIUS,
+        recording.pushers + PUSHER_RADIUS,
+    ]
+    for moment in range(recording.steps + 1):
+        points.append(recording.corners(moment))
 
-
-def _pale(colour: str, share: float) -> tuple[float, float, float]:
-    """A colour of some opacity on white, but opaque, so that what overlaps does not show."""
-    red, green, blue = (1 - share * (1 - channel) for channel in to_rgb(colour))
-    return red, green, blue
+    return rectangle_around(np.concatenate(points), _MARGIN, _ASPECT)
 
 
 def _point(vector: FloatArray) -> tuple[float, float]:

@@ -1,0 +1,57 @@
+"""Policies by name: a model, a preset, and options that override it."""
+
+import importlib
+from typing import Any
+
+from aicon_torch.control import Policy
+from aicon_torch.errors import OptionError, choices
+from aicon_torch.models.options import replace_options
+
+MODELS = {
+    "nav2d": "aicon_torch.models.nav2d",
+    "pusht": "aicon_torch.models.pusht",
+    "panda_push": "aicon_torch.models.panda_push",
+}
+"""The package of each model: its ``Options``, its ``PRESETS`` and ``build(options) -> Policy``."""
+
+
+def presets(name: str) -> tuple[str, ...]:
+    """The presets of a model, ``"aicon"`` first.
+
+    Raises:
+        OptionError: If there is no such model; it lists those there are.
+    """
+    return tuple(_package(name).PRESETS)
+
+
+def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
+    """Build one of the paper's policies.
+
+    Args:
+        name: Name of the model, such as ``"nav2d"``.
+        preset: A named set of options: ``"aicon"``, ``"paper_literal"`` (the text and nothing else)
+            or a baseline; :func:`presets` lists them.
+        **options: Fields of the model's ``Options``, which override the preset. A field of a field
+            is named by its path, such as ``"resolution.temperature"``.
+
+    Raises:
+        OptionError: If a name is unknown; it lists the valid ones.
+
+    Example:
+        >>> policy = make_policy("nav2d", max_speed=0.3, **{"resolution.exploration": None})
+    """
+    package = _package(name)
+    if preset not in package.PRESETS:
+        valid = choices(package.PRESETS)
+        raise OptionError(f"{name!r} has no preset {preset!r}. Presets: {valid}.")
+
+    chosen = replace_options(package.Options(), package.PRESETS[preset], repr(name))
+    chosen = replace_options(chosen, options, repr(name))
+    policy: Policy = package.build(chosen)
+    return policy
+
+
+def _package(name: str) -> Any:
+    if name not in MODELS:
+        raise OptionError(f"No model is named {name!r}. Models: {choices(MODELS)}.")
+    return importlib.import_module(MODELS[name])

@@ -1,0 +1,63 @@
+"""Options of the navigation policy."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import torch
+
+from aicon_torch.control import ActionLaw
+from aicon_torch.parts.validation import check_choice, check_positive
+from aicon_torch.resolution import Escape, Exploration, NullspaceProjection, Resolution
+
+ESCAPE = Escape(progress="reach", hold="avoid", along="avoid")
+"""How it leaves a trap: exploration ends only once the target is nearer than when it began, holds
+the level of p_collision, and moves in the nullspace of p₃ even where p₁ dominates."""
+
+RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
+LAW = ActionLaw(gain=20.0)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the navigation policy.
+
+    Attributes:
+        resolution: What happens where gradients meet.
+        law: From the gradient to the action. Its gain is in m/s²: the velocity is −k·dt times the
+            resolved gradient, whose length is at most 1.
+        dtype: Precision of the estimates.
+        dt: Time step, s.
+        max_speed: Largest speed, m/s.
+        sensing: ``"range"``, or ``"range_bearing"`` if the direction of the nearest obstacle is
+            measured as well.
+        bearing_noise: Standard deviation of bearings, rad.
+        range_noise: Standard deviation of the clearance, m.
+        actuation_noise: Standard deviation of each velocity component, m/s.
+        prior_range: Distance at which the target is believed before the first step, m.
+        prior_range_noise: Its standard deviation, m.
+        collision_length: ℓ of p_collision = exp(−d/ℓ), m.
+    """
+
+    resolution: Resolution = RESOLUTION
+    law: ActionLaw = LAW
+    dtype: torch.dtype = torch.float64
+    dt: float = 0.05
+    max_speed: float = 0.5
+    sensing: Literal["range", "range_bearing"] = "range"
+    bearing_noise: float = 0.03
+    range_noise: float = 0.01
+    actuation_noise: float = 0.02
+    prior_range: float = 5.0
+    prior_range_noise: float = 3.0
+    collision_length: float = 0.04
+
+    def __post_init__(self) -> None:
+        """Check what resolution and law do not check themselves.
+
+        Raises:
+            OptionError: If an option is not what it may be.
+        """
+        check_positive(self, ("dt", "max_speed", "prior_range", "collision_length"))
+        check_positive(self, ("bearing_noise", "range_noise"))
+        check_positive(self, ("actuation_noise", "prior_range_noise"))
+        check_choice(self, "sensing", ("range", "range_bearing"))

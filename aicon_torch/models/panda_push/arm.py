@@ -1,0 +1,111 @@
+"""The arm's estimators: joints, end effector, camera, the stick as a pusher, and its height."""
+
+from dataclasses import dataclass
+
+from torch import Tensor, nn
+
+from aicon_torch.estimation import Deterministic, Estimator, KalmanFilter, Measurement
+from aicon_torch.interconnections import Affine
+from aicon_torch.models.panda_push.options import Options
+from aicon_torch.models.panda_push.scene import Scene
+from aicon_torch.parts.camera import CameraFrame
+from aicon_torch.parts.end_effector import EndEffector
+from aicon_torch.parts.self_collision import CapsuleSegments
+from aicon_torch.parts.touch import ContactForce
+
+JOINT_DRIFT = 1e-6
+"""Variance of what turns a joint in a step besides its command, rad²."""
+
+UNKNOWN_JOINT = 10.0
+"""Variance of a joint's angle before it is read, rad²."""
+
+
+def arm(scene: Scene) -> list[Estimator]:
+    """Joints and end effector, the stick as pushT's pusher, and the shape of the arm."""
+    estimators: list[Estimator] = [
+        joints(scene.options),
+        Deterministic("x_ee", scene.end_effector),
+        Deterministic("x_pusher", planar_position),
+        Deterministic("v_pusher", TipVelocity(scene.end_effector)),
+    ]
+    if scene.options.self_collision is not None:
+        segments = CapsuleSegments(scene.end_effector.chain, scene.options.robot.capsules)
+        estimators.append(Deterministic("x_body", segments))
+    return estimators
+
+
+def hand(scene: Scene) -> list[Estimator]:
+    """The camera in the hand, and the force at the wrist."""
+    robot, pose = scene.options.robot, scene.end_effector.pose
+    camera = CameraFrame(pose, robot.camera, scene.options.camera.steering)
+    force = ContactForce(pose, robot.tool_mass)
+    return [Deterministic("x_cam", camera), Deterministic("x_force", force)]
+
+
+def joints(options: Options) -> KalmanFilter:
+    """x_joints: the encoders, filtered."""
+    low, high = options.robot.low, options.robot.high
+    middle = [(lower + upper) / 2 for lower, upper in zip(low, high, strict=True)]
+    agreement = Affine(x_joints=1.0, z_joints=-1.0)
+    return KalmanFilter(
+        "x_joints",
+        "P_joints",
+        predict=Affine(x_joints=1.0, a=options.dt),
+        noise=JOINT_DRIFT,
+        initial=(middle, UNKNOWN_JOINT),
+        correct=[Measurement(agreement, options.joint_noise**2, size=len(middle))],
+    )
+
+
+def planar_position(x_ee: Tensor) -> Tensor:
+    """x_pusher: where the tip is in the plane, ``(*B, 2)``, m."""
+    return x_ee[..., :2]
+
+
+class TipVelocity(nn.Module):
+    """v_pusher: how fast the last action moved the tip in the plane, ``(*B, 2)``, m/s.
+
+    Args:
+        end_effector: Of the arm.
+    """
+
+    def __init__(self, end_effector: EndEffector) -> None:
+        super().__init__()
+        self.end_effector = end_effector
+
+    def forward(self, x_joints: Tensor, a: Tensor) -> Tensor:
+        """The velocity at the joint angles ``(*B, n)``, rad, by the action ``(*B, n)``, rad/s."""
+        # What moved the object is past, so no gradient leads to the next action.
+        jacobian = self.end_effector.jacobian(x_joints.detach())
+        velocity: Tensor = (jacobian @ a.detach().unsqueeze(-1)).squeeze(-1)
+        return velocity[..., :2]
+
+
+@dataclass(frozen=True)
+class HeightOverTable:
+    """x_heights: height of the tip above where it should be, over a table at height 0.
+
+    Attributes:
+        height: Where it should be, m.
+    """
+
+    height: float
+
+    def __call__(self, x_ee: Tensor) -> Tensor:
+        """``(*B, 1)``, m."""
+        return x_ee[..., 2:3] - self.height
+
+
+@dataclass(frozen=True)
+class HeightAtObject:
+    """x_heights: height of the tip above where it should be, so far below the object's top.
+
+    Attributes:
+        depth: How far, m.
+    """
+
+    depth: float
+
+    def __call__(self, x_ee: Tensor, x_top: Tensor) -> Tensor:
+        """``(*B, 1)``, m."""
+        return x_ee[..., 2:3] - x_top + self.depth

@@ -1,0 +1,107 @@
+"""Options of the pushing policy, in SI units."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import torch
+
+from aicon_torch.control import ActionLaw
+from aicon_torch.errors import OptionError
+from aicon_torch.models.pusht.benchmark import GOAL_POSE, PIXEL, SUBSTEP, T_WIDTH
+from aicon_torch.parts.contact_options import (
+    ContactLimitOptions,
+    ContactOptions,
+    SlowApproachOptions,
+)
+from aicon_torch.parts.validation import check_choice, check_positive, numbers
+from aicon_torch.resolution import NullspaceProjection, Resolution
+
+LAW = ActionLaw(gain=1e9 * PIXEL)
+CONTACT = ContactOptions(size=T_WIDTH)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the pushing policy.
+
+    Attributes:
+        resolution: What happens where gradients meet.
+        law: From the gradient to the action. The direction alone matters where the speed is at its
+            limit.
+        dtype: Precision of the estimates.
+        keypoints: Corners of the object in its body frame, in the order of the sensor, m; None for
+            the T.
+        outline_order: Their order around the object; by default as given.
+        center_of_mass: In the body frame, m; by default the polygon's.
+        radius_of_gyration: In m; by default the polygon's.
+        goal_pose: Target of the body frame (x, y, θ), m and rad.
+        observe_goal: Whether the target is observed instead, as ``goal_pose``.
+        dt: Time step, s; a multiple of the PD controller's sub-step of 0.01 s.
+        max_speed: Largest speed, m/s.
+        command: Whether the action is sent as the PD controller's position target or as the
+            velocity itself.
+        compensate_lag: Whether the position target takes the controller's lag into account.
+        keypoint_noise: Standard deviation of each coordinate of a keypoint, m.
+        pusher_noise: Standard deviation of each coordinate of the pusher's position, m.
+        process_noise: Standard deviation of each coordinate of what moves pusher and object in a
+            step besides the model, m.
+        estimation: Whether pusher and object are filtered, or read off the sensors.
+        delay: Age of every reading, steps; without estimation readings are taken as they come.
+        likelihood_path: Whether p₁ is there, which leads over the likelihood of a contact.
+        position_path: Whether p₂ is there, which leads over its position.
+        contact: What a contact does and how likely it is.
+        contact_limits: What limits the motion near contact; None for nothing.
+    """
+
+    resolution: Resolution = field(default_factory=NullspaceProjection)
+    law: ActionLaw = LAW
+    dtype: torch.dtype = torch.float64
+    keypoints: Sequence[Sequence[float]] | None = None
+    outline_order: Sequence[int] | None = None
+    center_of_mass: Sequence[float] | None = None
+    radius_of_gyration: float | None = None
+    goal_pose: Sequence[float] = GOAL_POSE
+    observe_goal: bool = False
+    dt: float = 0.1
+    max_speed: float = 800 * PIXEL
+    command: Literal["position", "velocity"] = "position"
+    compensate_lag: bool = True
+    keypoint_noise: float = 0.1 * PIXEL
+    pusher_noise: float = 0.1 * PIXEL
+    process_noise: float = 0.5 * PIXEL
+    estimation: bool = True
+    delay: int = 0
+    likelihood_path: bool = True
+    position_path: bool = True
+    contact: ContactOptions = CONTACT
+    contact_limits: ContactLimitOptions | SlowApproachOptions | None = field(
+        default_factory=ContactLimitOptions
+    )
+
+    def __post_init__(self) -> None:
+        """Check what the groups do not check themselves.
+
+        Raises:
+            OptionError: If an option is not what it may be.
+        """
+        check_positive(self, ("dt", "max_speed"))
+        check_positive(self, ("keypoint_noise", "pusher_noise", "process_noise"))
+        check_choice(self, "command", ("position", "velocity"))
+        numbers("goal_pose", self.goal_pose, 3)
+        if not (type(self.delay) is int and self.delay >= 0):
+            raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
+        if self.dt < SUBSTEP or abs(self.dt / SUBSTEP - self.substeps) > 1e-6:
+            raise OptionError(
+                f"dt={self.dt!r}: expected a multiple of {SUBSTEP} s, the PD controller's sub-step."
+            )
+
+    @property
+    def substeps(self) -> int:
+        """Number of the PD controller's sub-steps in a step."""
+        return round(self.dt / SUBSTEP)
+
+    @property
+    def is_delayed(self) -> bool:
+        """Whether the estimates are moved on from when the readings were taken."""
+        return self.estimation and self.delay > 0

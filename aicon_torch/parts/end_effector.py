@@ -1,0 +1,179 @@
+"""The end effector: its pose as six lengths, and how a gradient goes from there to the joints."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.errors import OptionError, choices
+from aicon_torch.parts.chain import Chain
+
+Pullback = Literal["natural", "transpose"]
+"""Which joint gradient stands for a gradient of the end effector: see :class:`EndEffector`."""
+
+
+@dataclass(frozen=True)
+class ToolPose:
+    """x_ee: the pose of a long tool that points down, as six lengths ``(*B, 6)``, m.
+
+    They are the position (x, y, z) of the tip, the tilt L·(x, y) of the tool's z axis, and the
+    heading L·ψ of its x axis, ψ being the angle of that axis in the plane. All six have one unit,
+    so gradients of positions and of angles can be compared.
+
+    Attributes:
+        length: Distance of the tip from the origin of the tool along its z axis, m.
+        lever: L: a rotation by one rad counts as much as a motion by this, m.
+    """
+
+    length: float
+    lever: float
+
+    def of_frame(self, tool: Tensor) -> Tensor:
+        """x_ee ``(*B, 6)`` of the tool's transform ``(*B, 4, 4)``."""
+        x_axis, _, z_axis, origin = tool[..., :3, :].unbind(-1)
+        tip = origin + self.length * z_axis
+
+        x, y, _ = torch.split(x_axis, 1, dim=-1)
+        heading = torch.atan2(y, x)
+        return torch.cat((tip, self.lever * z_axis[..., :2], self.lever * heading), dim=-1)
+
+    def to_frame(self, x_ee: Tensor) -> tuple[Tensor, Tensor]:
+        """The inverse: rotation ``(*B, 3, 3)`` and origin ``(*B, 3)`` of the tool, m."""
+        tilt, heading = x_ee[..., 3:5] / self.lever, x_ee[..., 5] / self.lever
+        down = -torch.sqrt((1 - (tilt * tilt).sum(-1, keepdim=True)).clamp(min=0.05))
+        z_axis = torch.cat((tilt, down), dim=-1)
+
+        # The x axis has this heading and is perpendicular to the z axis, which decides its rise.
+        level = torch.stack((torch.cos(heading), torch.sin(heading)), dim=-1)
+        rise = -(tilt * level).sum(-1, keepdim=True) / down
+        x_axis = torch.cat((level, rise), dim=-1)
+        x_axis = x_axis / torch.linalg.vector_norm(x_axis, dim=-1, keepdim=True)
+
+        y_axis = torch.linalg.cross(z_axis, x_axis)
+        rotation = torch.stack((x_axis, y_axis, z_axis), dim=-1)
+        return rotation, x_ee[..., :3] - self.length * z_axis
+
+
+class EndEffector(nn.Module):
+    """x_ee of a chain, and which joint gradient stands for a gradient of x_ee.
+
+    A gradient h says where x_ee is to go. ``"natural"`` asks for the joints that take it there,
+    along J⁺h, the steepest descent in the metric of the table: see :meth:`natural_gradient`.
+    ``"transpose"`` is the chain rule to the letter, Jᵀh, the steepest descent in the metric of the
+    joints, whose motion of the tip points up to 40° away from h.
+
+    Args:
+        chain: From the joints to the tool.
+        pose: From the tool to x_ee.
+        pullback: Which of them.
+        damping: λ of the damped pseudo-inverse, m/rad.
+
+    Raises:
+        OptionError: If there is no such pullback.
+
+    Example:
+        >>> end_effector = EndEffector(chain, ToolPose(length=0.3, lever=0.2))
+        >>> tip = end_effector(q)[..., :3]
+    """
+
+    def __init__(
+        self, chain: Chain, pose: ToolPose, pullback: Pullback = "natural", damping: float = 0.02
+    ) -> None:
+        super().__init__()
+        if pullback not in get_args(Pullback):
+            valid = choices(get_args(Pullback))
+            raise OptionError(f"pullback={pullback!r}: expected one of {valid}.")
+        self.chain, self.pose = chain, pose
+        self.pullback, self.damping = pullback, damping
+
+    def forward(self, x_joints: Tensor) -> Tensor:
+        """x_ee ``(*B, 6)``, m, at the joint angles ``(*B, n)``, rad."""
+        if self.pullback == "transpose" or not x_joints.requires_grad:
+            return self.at(self.chain.frames(x_joints))
+        x_ee: Tensor = _NaturalPullback.apply(x_joints, self)  # type: ignore[no-untyped-call]
+        return x_ee
+
+    def jacobian(self, x_joints: Tensor) -> Tensor:
+        """J = ∂x_ee/∂q, ``(*B, 6, n)``, m/rad, at the joint angles ``(*B, n)``."""
+        return self.jacobian_at(self.chain.frames(x_joints))
+
+    def at(self, frames: Tensor) -> Tensor:
+        """x_ee ``(*B, 6)`` where the chain has these frames ``(*B, n + 1, 4, 4)``."""
+        return self.pose.of_frame(frames[..., -1, :, :])
+
+    def jacobian_at(self, frames: Tensor) -> Tensor:
+        """J ``(*B, 6, n)`` there: joint i turns everything after it about its z axis."""
+        _, _, joint_axes, joint_origins = frames[..., :-1, :3, :].unbind(-1)
+        x_axis, _, z_axis, origin = frames[..., -1:, :3, :].unbind(-1)
+        tip = origin + self.pose.length * z_axis
+
+        # A turn about an axis moves a point by axis × arm and a direction by axis × direction.
+        tip_motion = torch.linalg.cross(joint_axes, tip - joint_origins)
+        x_motion = torch.linalg.cross(joint_axes, x_axis.expand_as(joint_axes))
+        z_motion = torch.linalg.cross(joint_axes, z_axis.expand_as(joint_axes))
+
+        # ψ = atan2(y, x), so dψ = (x dy − y dx)/(x² + y²).
+        x, y, _ = torch.split(x_axis, 1, dim=-1)
+        dx, dy, _ = torch.split(x_motion, 1, dim=-1)
+        heading_motion = (x * dy - y * dx) / (x * x + y * y)
+
+        lever = self.pose.lever
+        rows = (tip_motion, lever * z_motion[..., :2], lever * heading_motion)
+        return torch.cat(rows, dim=-1).mT
+
+    def solve(self, jacobian: Tensor, motion: Tensor) -> Tensor:
+        """J⁺w = Jᵀ(JJᵀ + λ²I)⁻¹ w, the motion of the joints that moves x_ee by w.
+
+        Args:
+            jacobian: J, ``(*B, 6, n)``.
+            motion: w, ``(*B, 6)``.
+
+        Returns:
+            ``(*B, n)``.
+        """
+        square = jacobian @ jacobian.mT
+        identity = torch.eye(square.shape[-1], dtype=square.dtype, device=square.device)
+        damped = square + self.damping**2 * identity
+
+        solution = torch.linalg.solve_ex(damped, motion.unsqueeze(-1)).result
+        joint_motion: Tensor = (jacobian.mT @ solution).squeeze(-1)
+        return joint_motion
+
+    def natural_gradient(self, jacobian: Tensor, gradient: Tensor) -> Tensor:
+        """The joint gradient along J⁺h for a gradient h of x_ee.
+
+        Its length is that of a gradient in this direction, the change of the cost per rad,
+        hᵀJJ⁺h / ‖J⁺h‖. The length of J⁺h itself would say how far the joints must go, and near a
+        singularity outgrow all gradients that it meets.
+
+        Args:
+            jacobian: J, ``(*B, 6, n)``.
+            gradient: h, ``(*B, 6)``.
+
+        Returns:
+            ``(*B, n)``.
+        """
+        joint_motion = self.solve(jacobian, gradient)
+        motion = (jacobian @ joint_motion.unsqueeze(-1)).squeeze(-1)
+
+        change = (gradient * motion).sum(-1, keepdim=True)
+        square = (joint_motion * joint_motion).sum(-1, keepdim=True)
+        return joint_motion * (change / square.clamp(min=torch.finfo(square.dtype).tiny))
+
+
+class _NaturalPullback(torch.autograd.Function):
+    """x_ee forward, the natural gradient backward."""
+
+    @staticmethod
+    def forward(ctx: Any, x_joints: Tensor, end_effector: EndEffector) -> Tensor:
+        frames = end_effector.chain.frames(x_joints)
+        ctx.end_effector = end_effector
+        ctx.save_for_backward(frames)
+        return end_effector.at(frames)
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None]:
+        (frames,) = ctx.saved_tensors
+        jacobian = ctx.end_effector.jacobian_at(frames)
+        return ctx.end_effector.natural_gradient(jacobian, gradients[0]), None

@@ -1,0 +1,27 @@
+"""The cost of coming too near: nothing beyond a margin, growing with the square within it."""
+
+from dataclasses import dataclass
+
+from torch import Tensor
+
+
+@dataclass(frozen=True)
+class SquaredHinge:
+    """g = w Σᵢ max(0, 1 − dᵢ/d₀)² for distances dᵢ: 0 beyond the margin, w where nothing is left.
+
+    Attributes:
+        margin: d₀, in the unit of the distances.
+        weight: w, in the unit of the cost.
+
+    Example:
+        >>> SquaredHinge(margin=0.1, weight=0.5)(torch.tensor([0.2, 0.05]))
+        tensor(0.1250)
+    """
+
+    margin: float
+    weight: float
+
+    def __call__(self, distances: Tensor) -> Tensor:
+        """The cost ``(*B,)`` of distances ``(*B, n)``, negative where a limit is exceeded."""
+        nearness = (1 - distances / self.margin).clamp(min=0.0)
+        return self.weight * (nearness * nearness).sum(-1)

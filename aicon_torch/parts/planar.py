@@ -1,0 +1,55 @@
+"""Geometry of the plane: vectors (x, y), angles, and poses (x, y, θ) of something rigid."""
+
+import math
+
+import torch
+from torch import Tensor
+
+
+def norm(vectors: Tensor) -> Tensor:
+    """√(‖v‖² + ε²): the Euclidean norm ``(*B,)`` of vectors ``(*B, d)``, with a derivative at zero.
+
+    The unit is that of the vectors; ε = 10⁻¹² is lost to rounding anywhere but at zero.
+    """
+    return torch.sqrt((vectors * vectors).sum(-1) + 1e-24)
+
+
+def cross(first: Tensor, second: Tensor) -> Tensor:
+    """The planar cross product x₁y₂ − y₁x₂, ``(*B,)``, of vectors ``(*B, 2)``."""
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+
+
+def rotate(vectors: Tensor, angle: Tensor) -> Tensor:
+    """R(θ) v: vectors turned counterclockwise (x towards y).
+
+    Args:
+        vectors: ``(*B, 2)``.
+        angle: θ, ``(*B,)``, rad; it broadcasts with the leading dimensions of the vectors.
+
+    Returns:
+        ``(*B, 2)``.
+    """
+    cos, sin = torch.cos(angle), torch.sin(angle)
+    x, y = vectors.unbind(-1)
+    return torch.stack((cos * x - sin * y, sin * x + cos * y), dim=-1)
+
+
+def wrap_angle(angle: Tensor) -> Tensor:
+    """The same angle in [−π, π), rad."""
+    return torch.remainder(angle + math.pi, 2 * math.pi) - math.pi
+
+
+def pose_error(pose: Tensor, target: Tensor, rotation_length: float) -> Tensor:
+    """(Δx, Δy, L Δθ): from a target to a pose, the rotation as a length and the shorter way round.
+
+    Args:
+        pose: (x, y, θ), ``(*B, 3)``, m and rad.
+        target: Likewise.
+        rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
+
+    Returns:
+        ``(*B, 3)``, m.
+    """
+    error = pose - target
+    angle = wrap_angle(error[..., 2:])
+    return torch.cat((error[..., :2], rotation_length * angle), dim=-1)

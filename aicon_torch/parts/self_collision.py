@@ -1,0 +1,143 @@
+"""Collisions of the robot with itself as a goal: capsules on its links, and their distances."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.planar import norm
+
+Point = tuple[float, float, float]
+
+FREE_LINKS = 2
+"""Links at most so far apart in the chain are not compared: neighbours always overlap."""
+
+
+class Capsule(NamedTuple):
+    """A segment with a radius, fixed to a link.
+
+    Attributes:
+        link: 0 for the base, i for the link after joint i, n + 1 for the tool.
+        start: One end of the segment in the frame of the link, m.
+        end: The other end, m.
+        radius: m.
+    """
+
+    link: int
+    start: Point
+    end: Point
+    radius: float
+
+
+class CapsuleSegments(nn.Module):
+    """x_body: the segments (start, end) of a robot's capsules in the frame of the base.
+
+    Args:
+        chain: From the joints to the links.
+        capsules: The shape of the robot.
+    """
+
+    ends: Tensor
+
+    def __init__(self, chain: Chain, capsules: Sequence[Capsule]) -> None:
+        super().__init__()
+        self.chain = chain
+        self.links = [capsule.link for capsule in capsules]
+
+        ends = torch.ones(len(capsules), 2, 4, dtype=torch.float64)  # homogeneous
+        for index, capsule in enumerate(capsules):
+            points = (capsule.start, capsule.end)
+            ends[index, :, :3] = torch.tensor(points, dtype=torch.float64)
+        self.register_buffer("ends", ends)
+
+    def forward(self, x_joints: Tensor) -> Tensor:
+        """The C segments ``(*B, C, 6)``, m, at the joint angles ``(*B, n)``, rad."""
+        frames = self.chain.frames(x_joints)
+        base = torch.eye(4, dtype=frames.dtype, device=frames.device)
+        base = base.expand_as(frames[..., :1, :, :])
+
+        of_links = torch.cat((base, frames), dim=-3)[..., self.links, :3, :]
+        ends = self.ends.to(frames) @ of_links.mT
+        return ends.flatten(-2)
+
+
+class SelfCollision(nn.Module):
+    """g = w Σ max(0, 1 − d/d₀)² over the pairs of capsules that can meet, d being their distance.
+
+    The paper's g₄ = p_collision(x_body).
+
+    Args:
+        capsules: The shape of the robot.
+        cost: Margin d₀ (m) and weight w.
+    """
+
+    radii: Tensor
+
+    def __init__(self, capsules: Sequence[Capsule], cost: SquaredHinge) -> None:
+        super().__init__()
+        self.cost = cost
+        self.first: list[int] = []
+        self.second: list[int] = []
+
+        for i, capsule in enumerate(capsules):
+            for j, other in enumerate(capsules[:i]):
+                if abs(capsule.link - other.link) > FREE_LINKS:
+                    self.first.append(i)
+                    self.second.append(j)
+
+        radii = [capsule.radius for capsule in capsules]
+        single = torch.tensor(radii, dtype=torch.float64)
+        self.register_buffer("radii", single[self.first] + single[self.second])
+
+    def forward(self, x_body: Tensor) -> Tensor:
+        """The cost ``(*B,)`` of the segments ``(*B, C, 6)``, m."""
+        return self.cost(self.distances(x_body))
+
+    def distances(self, x_body: Tensor) -> Tensor:
+        """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
+        first, second = x_body[..., self.first, :], x_body[..., self.second, :]
+        return segment_distance(first, second) - self.radii.to(x_body)
+
+
+def segment_distance(first: Tensor, second: Tensor) -> Tensor:
+    """The distance ``(*B,)`` of segments (start, end) ``(*B, 6)``.
+
+    With the points p₁ + s d₁ and p₂ + t d₂: first the s that is nearest on the two lines, then t
+    for this s, then s for this t, each clamped to its segment (Ericson 2005, Real-Time Collision
+    Detection, Sect. 5.1.9).
+    """
+    start_1, end_1 = torch.split(first, 3, dim=-1)
+    start_2, end_2 = torch.split(second, 3, dim=-1)
+    direction_1, direction_2 = end_1 - start_1, end_2 - start_2
+
+    # No derivative of s and t: there the distance is stationary, or they are clamped.
+    with torch.no_grad():
+        s, t = _nearest_parameters(direction_1, direction_2, start_1 - start_2)
+
+    gap = start_1 + s.unsqueeze(-1) * direction_1 - start_2 - t.unsqueeze(-1) * direction_2
+    return norm(gap)
+
+
+def _nearest_parameters(
+    direction_1: Tensor, direction_2: Tensor, offset: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Where the nearest points are: s and t ``(*B,)`` in [0, 1], for vectors ``(*B, 3)``."""
+    square_1, square_2 = _dot(direction_1, direction_1), _dot(direction_2, direction_2)
+    product = _dot(direction_1, direction_2)
+    along_1, along_2 = _dot(direction_1, offset), _dot(direction_2, offset)
+
+    # Parallel segments have a determinant of zero, points a square of zero.
+    smallest = 1e-12
+    determinant = (square_1 * square_2 - product * product).clamp(min=smallest)
+    s = ((product * along_2 - square_2 * along_1) / determinant).clamp(0.0, 1.0)
+    t = ((product * s + along_2) / square_2.clamp(min=smallest)).clamp(0.0, 1.0)
+    s = ((product * t - along_1) / square_1.clamp(min=smallest)).clamp(0.0, 1.0)
+    return s, t
+
+
+def _dot(first: Tensor, second: Tensor) -> Tensor:
+    """The scalar product ``(*B,)`` of vectors ``(*B, 3)``."""
+    return (first * second).sum(-1)

@@ -1,0 +1,63 @@
+"""Checks of options, with errors that name the option and say what it takes."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from aicon_torch.errors import OptionError, choices
+
+
+def numbers(name: str, value: Any, size: int) -> tuple[float, ...]:
+    """The finite numbers of an option.
+
+    Args:
+        name: Name of the option.
+        value: What was given: a number where ``size`` is 1, otherwise a sequence.
+        size: How many numbers are expected.
+
+    Raises:
+        OptionError: If they are not so many or not finite.
+    """
+    try:
+        found = tuple(map(float, value)) if size > 1 else (float(value),)
+    except (TypeError, ValueError):
+        found = ()
+
+    if isinstance(value, str | bool) or len(found) != size or not all(map(math.isfinite, found)):
+        raise OptionError(f"{name}={value!r}: expected {size} finite number{'s' * (size > 1)}.")
+    return found
+
+
+def check_positive(options: object, names: Sequence[str]) -> None:
+    """Check that fields of some options are positive and finite.
+
+    Raises:
+        OptionError: If one is not.
+    """
+    for name in names:
+        value = getattr(options, name)
+        if not numbers(name, value, 1)[0] > 0:
+            raise OptionError(f"{name}={value!r}: expected a positive number.")
+
+
+def check_not_negative(options: object, names: Sequence[str]) -> None:
+    """Check that fields of some options are finite and not negative.
+
+    Raises:
+        OptionError: If one is.
+    """
+    for name in names:
+        value = getattr(options, name)
+        if not numbers(name, value, 1)[0] >= 0:
+            raise OptionError(f"{name}={value!r}: expected a number >= 0.")
+
+
+def check_choice(options: object, name: str, valid: Sequence[str]) -> None:
+    """Check that a field of some options is one of the words that it takes.
+
+    Raises:
+        OptionError: If it is another; it lists the valid ones.
+    """
+    value = getattr(options, name)
+    if value not in valid:
+        raise OptionError(f"{name}={value!r}: expected one of {choices(valid)}.")

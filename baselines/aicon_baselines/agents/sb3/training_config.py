@@ -1,0 +1,113 @@
+"""What an agent was, or is to be, trained for."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Self
+
+from aicon_baselines.evaluation.errors import ComparisonError
+
+ALGORITHMS = ("ppo", "sac")
+"""What `train` trains; `Agent` also loads A2C, DDPG and TD3."""
+
+_LOADABLE_ALGORITHMS = (*ALGORITHMS, "a2c", "ddpg", "td3")
+
+# Where the tasks differ. In navigation, 1000 steps are 50 s: enough to meet most traps and to
+# leave many of them.
+_TASK_DEFAULTS: dict[str, dict[str, Any]] = {
+    "nav2d": {
+        "horizon": 1000,
+        "stack": 8,
+        "reach": None,
+        "discount": 0.995,
+    },
+    "pusht": {
+        "horizon": 300,
+        "epochs": 10,
+        "stack": 1,
+        "reach": 100.0,
+        "approach": 0.2,
+        "discount": 0.99,
+    },
+}
+
+
+@dataclass(frozen=True)
+class TrainingConfig:
+    """What an agent is trained for.
+
+    Attributes:
+        task: Name of the task.
+        algorithm: "ppo" or "sac".
+        steps: Steps of all environments together.
+        seed: Seed of the network, and of the environments: environment i starts with seed + i. At
+            least 1000, because results are reported on the seeds below.
+        envs: Number of environments.
+        rollout: Steps of each environment between two updates of PPO.
+        epochs: How often PPO learns from each rollout.
+        horizon: Steps after which a training episode is cut.
+        stack: Number of successive observations that the agent sees at once, zeros before the
+            first one.
+        reach: See `PusherFrame`, px; None where the agent's actions are the environment's.
+        approach: See `ShapedReward`; without meaning in navigation.
+        discount: Discount factor of the return.
+        normalized: Whether the readings were normalised, with statistics in `vecnormalize.pkl`.
+
+    Raises:
+        ComparisonError: Where this cannot be trained or loaded.
+    """
+
+    task: str
+    algorithm: str
+    steps: int
+    seed: int = 10_000
+    envs: int = 8
+    rollout: int = 512
+    epochs: int = 5
+    horizon: int = 1000
+    stack: int = 1
+    reach: float | None = None
+    approach: float = 0.0
+    discount: float = 0.99
+    normalized: bool = True
+
+    def __post_init__(self) -> None:
+        _check_name("task", self.task, _TASK_DEFAULTS)
+        _check_name("algorithm", self.algorithm, _LOADABLE_ALGORITHMS)
+
+        for name in ("steps", "envs", "rollout", "epochs", "horizon", "stack"):
+            count = getattr(self, name)
+            if count < 1:
+                raise ComparisonError(f"{name} must be 1 or more, not {count}")
+
+        if self.seed < 1000:
+            raise ComparisonError(
+                f"the seed must be 1000 or more, not {self.seed}: "
+                "results are reported on the others"
+            )
+
+    @classmethod
+    def for_task(cls, task: str, algorithm: str, steps: int, **options: Any) -> Self:
+        """Describe a training, with the task's defaults for what is None or not given.
+
+        Args:
+            task: Name of the task.
+            algorithm: One of `ALGORITHMS`.
+            steps: Steps of all environments together.
+            **options: Other attributes.
+        """
+        _check_name("algorithm", algorithm, ALGORITHMS)
+        _check_name("task", task, _TASK_DEFAULTS)
+
+        given = {name: value for name, value in options.items() if value is not None}
+        return cls(task, algorithm, steps, **_TASK_DEFAULTS[task] | given)
+
+
+def training_command(task: str, algorithm: str) -> str:
+    """Return the command that trains an agent."""
+    return f"python scripts/train_sb3.py --task {task} --algorithm {algorithm} --out FOLDER"
+
+
+def _check_name(kind: str, name: str, valid: Iterable[str]) -> None:
+    """Reject what is not valid of a kind, with an error that lists what is."""
+    if name not in valid:
+        raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {', '.join(valid)}")

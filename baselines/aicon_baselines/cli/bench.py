@@ -1,0 +1,88 @@
+"""Time a control step of AICON in each task, compiled and uncompiled side by side.
+
+Example: aicon bench --tasks nav2d pusht
+
+What is timed is `predict`, on one thread, on the observations of an episode that was recorded
+before; in panda_push the object's pose is told, so that no image is read. The two take turns, and
+the times are those of the processor, so that a busy machine slows both alike.
+"""
+
+import argparse
+from typing import Any
+
+import torch
+
+from aicon_baselines.agents.registry import make
+from aicon_baselines.cli.command_line import Command
+from aicon_baselines.evaluation.tables import to_markdown
+from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
+from aicon_baselines.tasks import load, names
+
+_CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
+_RECORDED_STEPS = 100
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the tasks and how long to measure."""
+    parser.add_argument(
+        "--tasks",
+        nargs="+",
+        choices=names(),
+        default=["nav2d", "pusht"],
+        help="default: the 2D ones",
+    )
+    parser.add_argument(
+        "--rounds", type=int, default=30, help="rounds in which the two take turns (default: 30)"
+    )
+    parser.add_argument(
+        "--steps", type=int, default=100, help="steps of each in a round (default: 100)"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Measure the tasks and print a line for each."""
+    torch.set_num_threads(1)
+    lines = []
+    for task in arguments.tasks:
+        times = time_steps(task, arguments.rounds, arguments.steps)
+        uncompiled, compiled = times["uncompiled"], times["compiled"]
+        faster = spread(ratios(uncompiled, compiled))
+        lines.append([task, spread(uncompiled, 1e3), spread(compiled, 1e3), faster])
+
+    print("one control step of one robot, one thread, ms: median (5 % to 95 % of the rounds)\n")
+    print(to_markdown(["task", "uncompiled", "compiled", "times as fast"], lines))
+
+
+def time_steps(task: str, rounds: int, steps: int) -> dict[str, list[float]]:
+    """Return the seconds per step in each round, "uncompiled" and "compiled"."""
+    condition = _CONDITIONS.get(task, load(task).conditions[0])
+    observations = record_observations(task, condition, _RECORDED_STEPS)
+
+    policy: Any = make(task, "aicon", condition)
+    to_compile: Any = make(task, "aicon", condition)
+    programs = {
+        "uncompiled": replay(policy, observations),
+        "compiled": replay(to_compile.compile(), observations),
+    }
+    return take_turns(programs, rounds, steps, task)
+
+
+def record_observations(task: str, condition: str, steps: int, seed: int = 1000) -> list[Any]:
+    """Return what AICON observes in the first steps of an episode, each a batch of one."""
+    content = load(task)
+    policy = make(task, "aicon", condition)
+    env = content.make_env(1, condition, steps)
+
+    try:
+        observation, _ = env.reset(**content.reset_arguments([content.episode(seed)]))
+        observations, memory = [], None
+        for _ in range(steps):
+            observations.append(observation)
+            action, memory = policy.predict(observation, memory)
+            observation, *_ = env.step(action)
+        return observations
+    finally:
+        env.close()
+
+
+COMMAND = Command(__doc__, add_arguments, run)

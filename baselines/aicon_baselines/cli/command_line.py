@@ -1,0 +1,94 @@
+"""The skeleton of every command line: parse, run, and tell in one sentence what went wrong.
+
+Import this module before torch: it sets the number of threads, which is read when torch is loaded.
+
+It is argparse, not tyro: a command has a dozen flat flags, most of which need a sentence of help
+anyway, and no tree of dataclasses that tyro would spare us writing out.
+"""
+
+import argparse
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from aicon_baselines.extras import extra_of, pip_command
+
+# The policies and networks are small: more threads than one would only wait for each other. The
+# processes that a comparison starts inherit it.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command line.
+
+    Attributes:
+        description: What it does, for its help; usually the docstring of its module.
+        add_arguments: Declares its arguments.
+        run: Does it, and prints the results.
+        when_stopped: What is said to a user who stops it.
+    """
+
+    description: str | None
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], None]
+    when_stopped: str = "stopped"
+
+
+RESUMABLE = "stopped; the same command goes on from here"
+"""What is said to a user who stops a command that saves what it has."""
+
+
+def run_command(
+    command: Command, arguments: Sequence[str] | None = None, program: str | None = None
+) -> None:
+    """Parse the arguments and run a command; what a user can mend ends it with a sentence.
+
+    Args:
+        command: The command.
+        arguments: Its arguments; by default those of this process.
+        program: What usage and errors call it; by default the name of the script.
+    """
+    parser = make_parser(command.description, program)
+    command.add_arguments(parser)
+    parsed = parser.parse_args(arguments)
+
+    with errors_as_sentences(parser, command.when_stopped):
+        command.run(parsed)
+
+
+def make_parser(description: str | None, program: str | None = None) -> argparse.ArgumentParser:
+    """Return a parser whose help has the description as it is written."""
+    return argparse.ArgumentParser(
+        prog=program,
+        description=description,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+
+@contextmanager
+def errors_as_sentences(
+    parser: argparse.ArgumentParser, when_stopped: str = "stopped"
+) -> Iterator[None]:
+    """End the process with one sentence, not a traceback, where the user can mend the cause.
+
+    That is exit status 2 for a wrong or missing thing, and 130 where the user stopped it.
+    """
+    # Imported late, so that help is quick: they load torch and gymnasium.
+    from gymnasium.error import DependencyNotInstalled
+
+    from aicon_baselines.evaluation.errors import ComparisonError
+    from aicon_torch.errors import OptionError
+
+    try:
+        yield
+    except (ComparisonError, OptionError, DependencyNotInstalled) as error:
+        parser.error(str(error))
+    except ModuleNotFoundError as error:
+        extra = extra_of(error.name)
+        if extra is None:
+            raise
+        parser.error(f"{error}; this needs: {pip_command(extra)}")
+    except KeyboardInterrupt:
+        parser.exit(130, f"\n{when_stopped}\n")

@@ -1,0 +1,60 @@
+"""Draw the paper's figures from real rollouts.
+
+Example: aicon figures nav2d --out runs/figures
+
+nav2d saves nav2d_rollout.png (six moments of the evolving potential), nav2d_rollout.json (the
+figure's numbers) and nav2d_rollout.mp4 or .gif. pusht saves the same as pusht_rollout: six moments
+of an episode, and the gradients that arrive at the pusher. panda_push saves panda_push_film.mp4 or
+.gif, an episode of the arm from outside and from its hand above the strengths of its gradients, and
+panda_push_film.png, a picture from the middle of it.
+"""
+
+import argparse
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from aicon_baselines.cli.command_line import Command
+from aicon_baselines.figures import VIDEO_FORMATS, FigureSummary
+
+_FIGURES = {
+    "nav2d": "2D navigation: the evolving potential",
+    "pusht": "pushing: the gradients that arrive at the pusher",
+    "panda_push": "pushing with an arm: its views and its gradients",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the figures, each with its own arguments."""
+    figures = parser.add_subparsers(dest="figure", required=True, metavar="FIGURE")
+    for name, title in _FIGURES.items():
+        figure = figures.add_parser(name, help=title, description=title)
+        figure.add_argument(
+            "--seed", type=int, help="seed of the episode (default: one that shows it all)"
+        )
+        figure.add_argument(
+            "--out", type=Path, default=Path("runs/figures"), help="default: runs/figures"
+        )
+        figure.add_argument(
+            "--video", choices=VIDEO_FORMATS, default="mp4", help="kind of video (default: mp4)"
+        )
+        if name == "nav2d":
+            figure.add_argument("--map", metavar="NAME", help="class of maps (default: a trap)")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Draw and save the figure, and say what it shows."""
+    # What is left out is for the figure to decide.
+    options: dict[str, Any] = {}
+    if arguments.seed is not None:
+        options["seed"] = arguments.seed
+    if getattr(arguments, "map", None) is not None:
+        options["map_name"] = arguments.map
+
+    # Imported by name: a figure needs its task's environment, which may come with an extra.
+    module = import_module(f"aicon_baselines.figures.{arguments.figure}")
+    summary: FigureSummary = module.make_figure(arguments.out, video=arguments.video, **options)
+    print(summary)
+
+
+COMMAND = Command(__doc__, add_arguments, run)

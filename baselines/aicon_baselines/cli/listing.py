@@ -1,0 +1,55 @@
+"""List the tasks with their policies and conditions, the environments and the extras."""
+
+import argparse
+import shutil
+import textwrap
+from collections.abc import Iterable
+
+import gymnasium
+
+import aicon_envs  # noqa: F401  # registers the environments
+from aicon_baselines import agents, extras, tasks
+from aicon_baselines.cli.command_line import Command
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_torch import presets
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare nothing: there is nothing to choose."""
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print what there is, and how to install what is missing."""
+    for task in tasks.names():
+        print(f"task {task}")
+        _print_task(task)
+
+    environments = [name for name in gymnasium.registry if name.startswith("aicon/")]
+    print("environments of gymnasium, after `import aicon_envs`")
+    _print_line("", environments)
+
+    print("extras")
+    for extra in extras.EXTRAS:
+        missing = extras.missing_modules(extra)
+        state = f"not installed: {extras.pip_command(extra)}" if missing else "installed"
+        _print_line(extra, [state])
+
+
+def _print_task(name: str) -> None:
+    """Print the policies and conditions of a task, or what it needs."""
+    _print_line("presets", presets(name))
+    try:
+        _print_line("ablations", agents.ablations(name))
+        _print_line("conditions", tasks.load(name).conditions)
+    except ComparisonError as error:
+        _print_line("", [str(error)])
+
+
+def _print_line(title: str, entries: Iterable[str]) -> None:
+    """Print entries beside their title, as wide as the terminal."""
+    width = shutil.get_terminal_size().columns
+    text = ", ".join(entries)
+    print(textwrap.fill(text, width, initial_indent=f"  {title:12}", subsequent_indent=" " * 14))
+
+
+COMMAND = Command(__doc__, add_arguments, run)

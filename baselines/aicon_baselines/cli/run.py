@@ -1,0 +1,194 @@
+"""Run one episode of a task, and tell how it ended and what the policy decided in its last step.
+
+Example: aicon run --task nav2d --policy steepest --seed 3 --video runs/steepest.mp4
+
+An episode is that of `aicon compare` with the same seed, but for rounding: there it is one of a
+batch.
+"""
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium.vector import VectorEnv, VectorWrapper
+from numpy.typing import NDArray
+from PIL import Image
+
+from aicon_baselines.agents.registry import compiled, factory
+from aicon_baselines.agents.variants import REFERENCE, parse_variant
+from aicon_baselines.cli.command_line import Command
+from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.rollout import Outcome, rollout
+from aicon_baselines.evaluation.task import Task
+from aicon_baselines.tasks import load
+from aicon_torch import Policy
+
+_PICTURES_PER_SECOND = 20  # of a video, at most; it runs as fast as the episode did
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the episode, the policy and what to save."""
+    parser.add_argument("--task", required=True, help="name of the task; see aicon list")
+    parser.add_argument(
+        "--policy",
+        default=REFERENCE,
+        metavar="TEXT",
+        help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
+    )
+    parser.add_argument("--condition", metavar="NAME", help="variant of the task (default: first)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the episode (default: 0)")
+    parser.add_argument(
+        "--horizon", type=int, metavar="STEPS", help="limit of the episode (default: the task's)"
+    )
+    parser.add_argument("--compile", action="store_true", help="compile the policy's step")
+    parser.add_argument("--render", type=Path, metavar="FILE", help="save the last view, as png")
+    parser.add_argument("--video", type=Path, metavar="FILE", help="save a film, as mp4 or gif")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run the episode; print its outcome and the policy's last decision."""
+    torch.set_num_threads(1)
+    conditions = [arguments.condition] if arguments.condition else None
+    config = configure(
+        load(arguments.task),
+        seed=arguments.seed,
+        episodes=1,
+        conditions=conditions,
+        horizon=arguments.horizon,
+    )
+    task, condition = config.apply(load(arguments.task)), config.conditions[0]
+
+    name, options = parse_variant(arguments.policy)
+    build = factory(task.name, name, **options)
+    policy = _Remembering((compiled(build) if arguments.compile else build)(condition))
+
+    with _filmed(task, arguments.render, arguments.video) as filmed_task:
+        episodes = [filmed_task.episode(arguments.seed)]
+        outcome = rollout(policy, filmed_task, condition, episodes, [arguments.seed])
+
+    print(describe_outcome(task, outcome))
+    print(f"\nits last step:\n{policy.explain()}")
+    for path in (arguments.render, arguments.video):
+        if path:
+            print(f"saved: {path}")
+
+
+def describe_outcome(task: Task, outcome: Outcome) -> str:
+    """Say in a line how the one episode of an outcome ended."""
+    ending = "success" if outcome.success[0] else "no success"
+    if outcome.collision[0]:
+        ending += ", with a collision"
+
+    unit = task.length_unit
+    parts = [
+        f"{ending} after {task.duration(int(outcome.steps[0]))}",
+        f"path {outcome.path_length[0]:.4g} {unit}",
+        f"{outcome.distance[0]:.3g} {unit} left",
+    ]
+    for measure in task.measures:
+        value = measure.form.format(measure.scale * outcome.measures[measure.key][0])
+        parts.append(f"{measure.key} {value}")
+    return "; ".join(parts)
+
+
+class _Remembering:
+    """A policy that can tell afterwards what its last step decided."""
+
+    def __init__(self, policy: Any) -> None:
+        self._policy: Policy = policy
+        self._memory: Any = None
+
+    def predict(
+        self,
+        observation: dict[str, NDArray[Any]],
+        state: Any = None,
+        episode_start: NDArray[np.bool_] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Any, Any]:
+        """Choose the next action, and keep the memory."""
+        action, self._memory = self._policy.predict(observation, state, episode_start)
+        return action, self._memory
+
+    def explain(self) -> str:
+        """Tell what the last step decided."""
+        return str(self._policy.explain(self._memory, 0))
+
+
+class _Camera:
+    """Takes pictures of an episode, and saves the last one and a film of them."""
+
+    def __init__(self, time_step: float, writer: Any) -> None:
+        self._writer = writer
+        self._every = max(1, round(1.0 / (_PICTURES_PER_SECOND * time_step)))
+        self._steps = 0
+        self.last: NDArray[np.uint8] | None = None
+
+    def look(self, env: VectorEnv[Any, Any, Any]) -> None:
+        """Look at the only episode of an environment, at those steps that the film shows."""
+        if self._steps % self._every == 0:
+            (self.last,) = env.render() or ()
+            if self._writer:
+                self._writer.append_data(self.last)
+        self._steps += 1
+
+
+class _Watched(VectorWrapper):
+    """An environment that a camera looks at after every step."""
+
+    def __init__(self, env: VectorEnv[Any, Any, Any], camera: _Camera) -> None:
+        super().__init__(env)
+        self._camera = camera
+
+    def step(self, actions: Any) -> Any:
+        """Step, and be looked at."""
+        result = self.env.step(actions)
+        self._camera.look(self.env)
+        return result
+
+
+@contextmanager
+def _filmed(task: Task, picture: Path | None, video: Path | None) -> Iterator[Task]:
+    """Give a task whose episodes are filmed; the files are there when the context ends."""
+    if picture is None and video is None:
+        yield task
+        return
+
+    with _open_video(video, task.time_step) as writer:
+        camera = _Camera(task.time_step, writer)
+
+        def make_env(*arguments: Any, **options: Any) -> VectorEnv[Any, Any, Any]:
+            env = task.make_env(*arguments, render_mode="rgb_array", **options)
+            return _Watched(env, camera)
+
+        yield replace(task, make_env=make_env)
+
+    if picture is not None and camera.last is not None:
+        picture.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(camera.last).save(picture)
+
+
+@contextmanager
+def _open_video(path: Path | None, time_step: float) -> Iterator[Any]:
+    """Give what writes pictures into a film; None without a path."""
+    if path is None:
+        yield None
+        return
+    if path.suffix not in (".mp4", ".gif"):
+        raise ComparisonError(f"a video ends in .mp4 or .gif, not {path.suffix!r}")
+
+    import imageio.v2 as imageio  # with the extra [compare]
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))
+    options = {"duration": 1000 / rate, "loop": 0} if path.suffix == ".gif" else {"fps": rate}
+    with imageio.get_writer(path, **options) as writer:
+        yield writer
+
+
+COMMAND = Command(__doc__, add_arguments, run)

@@ -1,0 +1,34 @@
+"""The extras of the wheel: which optional modules belong to which, and what to say without them."""
+
+from collections.abc import Mapping
+from importlib.util import find_spec
+
+EXTRAS: Mapping[str, tuple[str, ...]] = {
+    "compare": ("imageio", "joblib", "matplotlib", "tqdm"),
+    "pusht": ("pymunk", "pygame"),
+    "panda": ("mujoco", "example_robot_data"),
+    "upstream": ("gym_pusht",),
+    "sb3": ("stable_baselines3",),
+    "lerobot": ("lerobot", "diffusers"),
+    "cluster": ("distributed",),
+}
+"""The modules that each extra brings."""
+
+
+def missing_modules(extra: str) -> tuple[str, ...]:
+    """Name those modules of an extra that are not installed."""
+    return tuple(module for module in EXTRAS[extra] if find_spec(module) is None)
+
+
+def extra_of(module: str | None) -> str | None:
+    """Name the extra that brings a module, such as "matplotlib.figure"; None if no extra does."""
+    root = (module or "").partition(".")[0]
+    for extra, modules in EXTRAS.items():
+        if root in modules:
+            return extra
+    return None
+
+
+def pip_command(extra: str) -> str:
+    """Return the command that installs an extra."""
+    return f"pip install 'aicon-torch[{extra}]'"

@@ -1,0 +1,60 @@
+"""The navigation figure: from the episode to the files."""
+
+from pathlib import Path
+
+from aicon_baselines.figures.nav2d.film import draw_film
+from aicon_baselines.figures.nav2d.panels import choose_panels, summarize
+from aicon_baselines.figures.nav2d.recording import record
+from aicon_baselines.figures.nav2d.rollout_picture import draw_rollout
+from aicon_baselines.figures.rendering import check_video
+from aicon_baselines.figures.summary import FigureSummary, save_numbers
+from aicon_torch import make_policy
+
+
+def make_figure(
+    out: Path,
+    seed: int = 1006,
+    video: str = "mp4",
+    *,
+    map_name: str = "u_trap_2",
+    spacing: float = 0.04,
+    progress: bool = True,
+) -> FigureSummary:
+    """Roll the policy out and save `nav2d_rollout.png`, `.json` and, unless "none", the video.
+
+    Args:
+        out: Folder, made if it does not exist.
+        seed: Seed of the map and of the noise.
+        video: One of `aicon_baselines.figures.VIDEO_FORMATS`.
+        map_name: Class of the map.
+        spacing: Distance of the sampled positions in the picture, m; the video's are 1.5 times as
+            far apart.
+        progress: Whether to show progress bars, on a terminal only.
+
+    Raises:
+        ComparisonError: If the class of maps or the format of the video is unknown, the rollout is
+            too short for six panels, or imageio is not installed and the video is an mp4.
+    """
+    check_video(video)
+    out.mkdir(parents=True, exist_ok=True)
+    picture, numbers_file = out / "nav2d_rollout.png", out / "nav2d_rollout.json"
+
+    # The episode, and what the figure is to show of it.
+    recording = record(make_policy("nav2d"), map_name, seed, progress=progress)
+    panels = choose_panels(recording)
+    numbers = summarize(recording, panels)
+
+    # The picture and its numbers.
+    save_numbers(numbers, numbers_file)
+    draw_rollout(recording, panels, picture, spacing, progress=progress)
+    files = [picture, numbers_file]
+
+    # The film, of the whole episode.
+    if video != "none":
+        film = picture.with_suffix(f".{video}")
+        draw_film(recording, film, 1.5 * spacing, progress=progress)
+        files.append(film)
+
+    length = f"{numbers['path_length_m']} m"
+    headline = f"{recording.ending} after {numbers['duration_s']} s and {length}"
+    return FigureSummary(headline, numbers, tuple(files))

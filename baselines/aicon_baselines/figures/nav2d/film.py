@@ -1,0 +1,134 @@
+"""The film: the world step by step above the strengths of the paths."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from aicon_baselines.figures.film import Film
+from aicon_baselines.figures.nav2d import style
+from aicon_baselines.figures.nav2d.grid import Grid, grid_around
+from aicon_baselines.figures.nav2d.recording import NavigationRecording
+from aicon_baselines.figures.nav2d.timeline import draw_strengths
+from aicon_baselines.figures.nav2d.view import NavigationView
+from aicon_baselines.figures.recording import FloatArray, track
+from aicon_baselines.figures.rendering import save_video
+from aicon_baselines.figures.style import TIMELINE_TINT, blend
+from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
+
+_DURATION = 22.0  # s that a film lasts at most
+_PHASES = {"p1": "Approaching the target", "p2": "Triangulating", "p3": "Keeping clear"}
+
+
+class NavigationFilm(Film):
+    """The world above the strengths of the paths.
+
+    Args:
+        recording: The rollout.
+        grid: Where to sample the field.
+        dpi: Resolution, dots per inch.
+    """
+
+    def __init__(self, recording: NavigationRecording, grid: Grid, dpi: float) -> None:
+        self.figure = Figure(figsize=(8, 5.28), dpi=dpi)
+        self._recording = recording
+
+        # The world.
+        self._view = NavigationView(
+            self.figure.add_axes((0.015, 0.225, 0.97, 0.715)), recording, grid
+        )
+
+        # Time passes in the picture above: the axis needs no numbers.
+        timeline = self.figure.add_axes((0.04, 0.035, 0.92, 0.12))
+        draw_strengths(timeline, recording)
+        timeline.set(yticks=[], xticks=[], xlabel="", ylabel="")
+        add_curve_legend(
+            timeline,
+            loc="lower left",
+            bbox_to_anchor=(-0.01, 0.93),
+            ncols=5,
+            fontsize=8,
+            columnspacing=1.4,
+        )
+        self._cursor = TimeCursor([timeline], style.AGENT)
+
+    def show(self, step: int) -> None:
+        """Bring the world and the cursor to a step, 1 or later."""
+        self._view.show(step)
+        self._view.set_title(_phase(self._recording, step), size=10)
+        self._cursor.move(self._recording.times[step])
+
+
+def draw_film(
+    recording: NavigationRecording, path: Path, spacing: float = 0.06, *, progress: bool = False
+) -> None:
+    """Save the rollout as a video, mp4 or gif by the name of the file.
+
+    The last frame rests for a second.
+
+    Args:
+        recording: The rollout.
+        path: Where to save the video.
+        spacing: Distance of the sampled positions, m.
+        progress: Whether to show a progress bar, on a terminal only.
+
+    Raises:
+        ComparisonError: If imageio is not installed and the video is no gif.
+    """
+    dpi = 60 if path.suffix == ".gif" else 100
+    film = NavigationFilm(recording, grid_around(recording, spacing), dpi)
+
+    rate = _frame_rate(path)
+    steps = track(film_steps(recording, path), "video", progress)
+    save_video(film.frames(steps, hold=rate), path, rate, _palette())
+
+
+def film_steps(recording: NavigationRecording, path: Path) -> range:
+    """The steps that a film shows; a long one skips some, to last 22 s at most."""
+    stride = math.ceil(recording.steps / (_DURATION * _frame_rate(path)))
+    return range(1, recording.steps, stride)
+
+
+def _frame_rate(path: Path) -> int:
+    """Frames per second; a gif stores every frame almost in full."""
+    return 5 if path.suffix == ".gif" else 15
+
+
+def _phase(recording: NavigationRecording, step: int) -> str:
+    """What the agent does, in plain words."""
+    if recording.exploring[step]:
+        return "Conflict: exploring along the obstacle"
+
+    strengths = {name: values[step] for name, values in recording.strengths.items()}
+    strongest = max(strengths, key=strengths.__getitem__)
+    return _PHASES[strongest]
+
+
+def _palette() -> FloatArray:
+    """The colours of a gif: the heights, tinted ones where it would explore, and the marks."""
+    # The ground: heights, and the same where it would explore.
+    heights = style.HEIGHT(np.linspace(0, 1, 40))[:, :3]
+    tinted = blend(style.EXPLORING, style.TINT, heights)
+
+    # The timeline.
+    white = np.ones(3)
+    colors = [white, blend(style.EXPLORING, TIMELINE_TINT)]
+
+    # The soft edges of the marks lie half-way to what is behind them.
+    marks = (
+        style.AGENT,
+        style.TARGET,
+        style.BELIEF,
+        style.OBSTACLE,
+        style.EXPLORING,
+        style.ARROW,
+        style.CERTAINTY,
+        "black",
+    )
+    for mark in marks:
+        colors.append(blend(mark, 1.0))
+        colors.append(blend(mark, 0.5, white))
+        colors.append(blend(mark, 0.5, heights[20]))
+
+    return np.concatenate([heights, tinted, colors])

@@ -1,0 +1,54 @@
+"""The pushing figure: from the episode to the files."""
+
+from pathlib import Path
+
+from aicon_baselines.figures.pusht.film import draw_film
+from aicon_baselines.figures.pusht.panels import choose_panels, summarize
+from aicon_baselines.figures.pusht.recording import record
+from aicon_baselines.figures.pusht.rollout_picture import draw_rollout
+from aicon_baselines.figures.rendering import check_video
+from aicon_baselines.figures.summary import FigureSummary, save_numbers
+from aicon_torch import make_policy
+
+DEFAULT_SEED = 1050
+"""Of 1000 to 1059 the shortest episode that shows all six moments of the paper's figure."""
+
+
+def make_figure(
+    out: Path, seed: int = DEFAULT_SEED, video: str = "mp4", *, progress: bool = True
+) -> FigureSummary:
+    """Roll the policy out and save `pusht_rollout.png`, `.json` and, unless "none", the video.
+
+    Args:
+        out: Folder, made if it does not exist.
+        seed: Seed of the episode.
+        video: One of `aicon_baselines.figures.VIDEO_FORMATS`.
+        progress: Whether to show progress bars, on a terminal only.
+
+    Raises:
+        ComparisonError: If the format of the video is unknown, the episode is too short for six
+            panels, or imageio is not installed and the video is an mp4.
+    """
+    check_video(video)
+    out.mkdir(parents=True, exist_ok=True)
+    picture, numbers_file = out / "pusht_rollout.png", out / "pusht_rollout.json"
+
+    # The episode, and what the figure is to show of it.
+    recording = record(make_policy("pusht"), seed)
+    panels = choose_panels(recording)
+    numbers = summarize(recording, panels)
+
+    # The picture and its numbers.
+    save_numbers(numbers, numbers_file)
+    draw_rollout(recording, panels, picture, progress=progress)
+    files = [picture, numbers_file]
+
+    # The film, of the whole episode.
+    if video != "none":
+        film = picture.with_suffix(f".{video}")
+        draw_film(recording, film, progress=progress)
+        files.append(film)
+
+    length = f"{numbers['path_length_px']} px"
+    headline = f"{recording.ending} after {numbers['duration_s']} s and {length}"
+    return FigureSummary(headline, numbers, tuple(files))

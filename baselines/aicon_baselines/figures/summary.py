@@ -1,0 +1,65 @@
+"""What a figure shows, in numbers and in words."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aicon_baselines.figures.panels import Panel
+from aicon_baselines.figures.recording import Recording
+
+
+@dataclass(frozen=True)
+class FigureSummary:
+    """What a figure shows and where it was saved; `print` says both.
+
+    Attributes:
+        headline: How the episode ended, in one line.
+        numbers: The figure's numbers; those of a figure with panels are in its JSON file.
+        files: What was saved.
+    """
+
+    headline: str
+    numbers: dict[str, Any]
+    files: tuple[Path, ...]
+
+    def __str__(self) -> str:
+        """The headline, a line for each panel, and the files."""
+        lines = [self.headline]
+        for panel in self.numbers.get("panels", []):
+            lines.append(f"  ({panel['panel']}) {panel['time_s']:6.2f} s  {panel['title']}")
+
+        names = ", ".join(path.name for path in self.files)
+        lines.append(f"saved in {self.files[0].parent}: {names}")
+        return "\n".join(lines)
+
+
+def episode_numbers(recording: Recording) -> dict[str, Any]:
+    """How an episode ended, and how long it took."""
+    return {
+        "seed": recording.seed,
+        "ending": recording.ending,
+        "steps": recording.steps,
+        "duration_s": round(recording.steps * recording.time_step, 3),
+    }
+
+
+def panel_numbers(recording: Recording, panels: Sequence[Panel]) -> dict[str, Any]:
+    """When the panels and the explorations were."""
+    dt = recording.time_step
+
+    shown = []
+    for panel in panels:
+        time = round(panel.step * dt, 3)
+        shown.append({"panel": panel.label, "time_s": time, "title": panel.title})
+
+    explorations = [
+        [round(begin * dt, 3), round(end * dt, 3)] for begin, end in recording.explorations
+    ]
+    return {"panels": shown, "explorations_s": explorations}
+
+
+def save_numbers(numbers: dict[str, Any], path: Path) -> None:
+    """Save numbers as a JSON file."""
+    path.write_text(json.dumps(numbers, indent=2) + "\n")

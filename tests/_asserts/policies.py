@@ -1,0 +1,66 @@
+"""Memories of policies: run, compared, and taken apart by rows."""
+
+from collections.abc import Mapping, Sequence
+
+import torch
+from torch import Tensor
+
+from aicon_torch import Policy
+
+Memory = dict[str, Tensor]
+Readings = Sequence[dict[str, Tensor]]
+
+
+def rollout(policy: Policy, observations: Readings) -> list[Memory]:
+    """The memory after each of some recorded readings."""
+    memories: list[Memory] = []
+
+    for observation in observations:
+        _, memory = policy.predict(observation, memories[-1] if memories else None)
+        memories.append(memory)
+
+    return memories
+
+
+def stacked(memories: Sequence[Mapping[str, Tensor]]) -> Memory:
+    """Memories of several steps as one, along a new leading dimension.
+
+    They are faster to compare.
+    """
+    return {name: torch.stack([memory[name] for memory in memories]) for name in memories[0]}
+
+
+def assert_same_memory(
+    first: Mapping[str, Tensor], second: Mapping[str, Tensor], tolerance: float
+) -> None:
+    """Two memories hold the same, to a tolerance."""
+    assert first.keys() == second.keys()
+
+    for name in first:
+
+        def named(text: str, name: str = name) -> str:
+            return f"{name}: {text}"
+
+        torch.testing.assert_close(
+            first[name], second[name], rtol=tolerance, atol=tolerance, msg=named
+        )
+
+
+def assert_rows_stand_alone(policy: Policy, observations: Readings, rows: Sequence[int]) -> None:
+    """The rows of a batch ``(N,)`` of recorded readings are what each gives alone."""
+    together = stacked(rollout(policy, observations))
+
+    for row in rows:
+        readings = [
+            {name: value[row] for name, value in reading.items()} for reading in observations
+        ]
+        alone = stacked(rollout(policy, readings))
+
+        expected = {name: value[:, row] for name, value in together.items()}
+        assert_same_memory(alone, expected, 1e-12)
+
+
+def arrived(policy: Policy, memory: Memory, quantity: str) -> Memory:
+    """The gradients ``(*B, d)`` that arrived at a quantity in a step, by the path of each."""
+    there = policy.trace(memory).quantities[quantity]
+    return dict(zip(there.labels, there.gradients.unbind(-2), strict=True))

@@ -1,0 +1,27 @@
+import numpy as np
+
+from aicon_baselines.agents.diffusion.frames import Frames, shuffled_batches
+
+
+def test_windows_stay_in_their_episode() -> None:
+    frames = Frames(
+        columns={"action": np.arange(7.0), "observation.state": 10.0 * np.arange(7.0)},
+        first=np.array([0, 0, 0, 3, 3, 3, 3]),
+        last=np.array([2, 2, 2, 6, 6, 6, 6]),
+        statistics={},
+        features={},
+    )
+    offsets = {"action": [-1, 0, 1, 2], "observation.state": [-1, 0]}
+
+    values, paddings = frames.windows(np.array([0, 1, 5]), offsets)
+
+    assert np.array_equal(values["action"], [[0, 0, 1, 2], [0, 1, 2, 2], [4, 5, 6, 6]])
+    assert np.array_equal(paddings["action"], [[1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 0, 1]])
+    assert np.array_equal(values["observation.state"], [[0, 0], [0, 10], [40, 50]])
+
+
+def test_every_epoch_has_each_frame_once() -> None:
+    batches = shuffled_batches(count=6, batch_size=4, seed=0)
+    indices = np.concatenate([next(batches) for _ in range(6)])
+    for epoch in indices.reshape(4, 6):
+        assert np.array_equal(np.sort(epoch), np.arange(6))

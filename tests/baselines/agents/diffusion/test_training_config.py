@@ -1,0 +1,28 @@
+import re
+from typing import Any
+
+import pytest
+
+from aicon_baselines.agents.diffusion.training_config import TrainingConfig
+from aicon_baselines.evaluation import ComparisonError
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"steps": 0}, "steps must be 1 or more, not 0"),
+        ({"observation": "sound"}, "unknown observation 'sound'; valid: keypoints, pixels"),
+        ({"action_steps": 16}, "action_steps must be at most 15, not 16"),
+        ({"horizon": 12}, "horizon must be a multiple of 8, 2 for each of down_dims, not 12"),
+        (
+            {"normalization": "MIN_MAX"},
+            "shift needs normalization MEAN_STD: take shift 0, not 2.0",
+        ),
+        ({"prediction": "x"}, "unknown prediction 'x'; valid: sample, epsilon"),
+    ],
+)
+def test_a_training_that_makes_no_sense_is_an_error(
+    arguments: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ComparisonError, match=re.escape(message)):
+        TrainingConfig(**{"steps": 10} | arguments)

@@ -1,0 +1,91 @@
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+
+pytest.importorskip("lerobot")
+
+from lerobot.policies.diffusion.modeling_diffusion import DiffusionPolicy
+from lerobot.policies.factory import make_pre_post_processors
+
+from aicon_baselines.agents.diffusion.checkpoint import load, save
+from aicon_baselines.agents.diffusion.dataset import read_frames
+from aicon_baselines.agents.diffusion.policy_config import make_policy_config
+from aicon_baselines.agents.diffusion.training import train
+from aicon_baselines.agents.diffusion.training_config import TrainingConfig
+from aicon_baselines.evaluation import ComparisonError
+
+
+def test_a_stopped_training_ends_like_one_that_was_not(
+    demos: Path, small: dict[str, Any], tmp_path: Path
+) -> None:
+    config = TrainingConfig(8, **small)
+    train(config, demos, tmp_path / "whole")
+
+    lines: list[str] = []
+    assert train(config, demos, tmp_path / "parts", stop_after=0.0) == 1
+    assert train(config, demos, tmp_path / "parts", checkpoint=4, report=lines.append) == 8
+
+    assert len(lines) == 2
+    for name in ("policy/model.safetensors", "policy/config.json"):
+        whole, parts = tmp_path / "whole" / name, tmp_path / "parts" / name
+        assert whole.read_bytes() == parts.read_bytes()
+
+
+def test_another_training_is_not_overwritten(
+    demos: Path, small: dict[str, Any], policy: Path
+) -> None:
+    other = TrainingConfig(8, **small | {"batch": 16})
+    message = "another training: batch is 8 there and 16 here. Choose another folder"
+    with pytest.raises(ComparisonError, match=message):
+        train(other, demos, policy.parent)
+
+
+def test_a_training_goes_on_with_more_steps(
+    demos: Path, small: dict[str, Any], tmp_path: Path
+) -> None:
+    train(TrainingConfig(4, **small), demos, tmp_path)
+    assert train(TrainingConfig(6, **small), demos, tmp_path) == 6
+    assert json.loads((tmp_path / "training.json").read_text())["steps"] == 6
+
+
+def test_observations_are_shifted_by_standard_deviations(demos: Path, policy: Path) -> None:
+    frames = read_frames(demos, "keypoints")
+    names = ("observation.state", "observation.environment_state")
+    columns = {name: torch.from_numpy(frames.columns[name]) for name in names}
+
+    seen = load(policy).preprocess(columns)
+
+    for name in names:
+        assert torch.allclose(seen[name].mean(dim=0), torch.tensor(2.0), atol=1e-2)
+        assert torch.allclose(seen[name].std(dim=0), torch.tensor(1.0), atol=1e-2)
+
+
+def test_training_lowers_the_loss(demos: Path, small: dict[str, Any], tmp_path: Path) -> None:
+    config = TrainingConfig(200, **small | {"batch": 32}, learning_rate=3e-3)
+    train(config, demos, tmp_path)
+
+    text = (tmp_path / "loss.csv").read_text()
+    header, first, second = [line.split(",") for line in text.splitlines()]
+    assert header == ["step", "loss", "learning_rate", "seconds"]
+    assert (first[0], second[0]) == ("100", "200")
+    assert float(second[1]) < 0.95 * float(first[1])
+
+
+def test_pixel_policies_keep_their_options(
+    demos: Path, small: dict[str, Any], tmp_path: Path
+) -> None:
+    frames = read_frames(demos, "pixels")
+    training = TrainingConfig(1, observation="pixels", **small)
+    config = make_policy_config(training, frames.features)
+    assert config.crop_shape == (84, 84) and config.use_group_norm
+
+    processors = make_pre_post_processors(config, dataset_stats=frames.statistics)
+    save(DiffusionPolicy(config), *processors, tmp_path / "policy")
+
+    loaded = load(tmp_path / "policy").policy.config
+    assert loaded.crop_shape == (84, 84)
+    assert loaded.down_dims == (8, 16)
+    assert loaded.use_group_norm

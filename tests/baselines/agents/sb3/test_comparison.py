@@ -1,0 +1,64 @@
+"""Agents in a comparison, by way of the command lines."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("stable_baselines3")
+pytest.importorskip("pymunk")
+
+import train_sb3
+
+from aicon_baselines.cli.command_line import run_command
+from aicon_baselines.cli.main import main
+from aicon_baselines.evaluation.run_folder import read_rows
+
+
+def compare(folder: Path, *arguments: object) -> list[Any]:
+    """Return the rows of a comparison."""
+    main(["compare", "--out", str(folder), *map(str, arguments)])
+    return read_rows(folder / "episodes.csv")
+
+
+def test_rows_are_appended_to_the_same_run(
+    agent_folders: dict[tuple[str, str], Path], tmp_path: Path
+) -> None:
+    short = ("--task", "pusht", "--episodes", 2, "--horizon", 20)
+    paths = agent_folders["pusht", "ppo"], agent_folders["pusht", "sac"]
+
+    before = compare(tmp_path, *short, "--policies", "steepest")
+    after = compare(tmp_path, *short, "--policies", "sb3", "--sb3-path", *paths)
+
+    assert [row for row in after if row.policy == "steepest"] == before
+    agents = {row.policy for row in after} - {"steepest"}
+    assert len(agents) == 2
+    for name in agents:
+        assert re.fullmatch(r"(ppo|sac)_\d+_[0-9a-f]{4}", name)
+        assert [row.seed for row in after if row.policy == name] == [row.seed for row in before]
+
+
+def test_the_comparison_takes_what_the_script_trained(
+    tmp_path: Path, small: dict[str, int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The command that the training prints at its end, with fewer episodes."""
+    arguments = ["--task", "nav2d", "--steps", "128", "--out", str(tmp_path / "agent")]
+    for name, value in small.items():
+        arguments += [f"--{name}", str(value)]
+
+    run_command(train_sb3.COMMAND, arguments)
+
+    printed = capsys.readouterr().out.split("aicon compare ")[1].split("--out")[0].split()
+    rows = compare(tmp_path / "run", *printed, "--episodes", 2, "--horizon", 5)
+    assert len(rows) == 4
+
+
+@pytest.mark.parametrize("arguments", [("sb3",), ("aicon", "--sb3-path", "agent")])
+def test_sb3_and_its_path_belong_together(
+    arguments: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        compare(tmp_path, "--task", "nav2d", "--policies", *arguments)
+    assert "python scripts/train_sb3.py --task nav2d" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,70 @@
+"""Policies by task and name."""
+
+import pickle
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from aicon_baselines import agents, tasks
+from aicon_baselines.evaluation import ComparisonError
+from aicon_torch import Policy, presets
+
+TASKS = [
+    "nav2d",
+    pytest.param(
+        "pusht", marks=pytest.mark.skipif(find_spec("pymunk") is None, reason="needs pymunk")
+    ),
+]
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_policies_of_a_task_are_the_presets_of_its_model_and_its_ablations(task: str) -> None:
+    expected = (*presets(task), *agents.ablations(task))
+    assert agents.names(task) == expected
+    assert expected[0] == "aicon" and "without_exploration" in expected
+    assert len(set(expected)) == len(expected)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_every_policy_can_be_built_and_steps(task: str) -> None:
+    content = tasks.load(task)
+    for condition in content.conditions[:2]:
+        env = content.make_env(2, condition, 5)
+        observation, _ = env.reset(**content.reset_arguments(content.chunk(0, repeat=0)[:2]))
+
+        for name in agents.names(task):
+            policy = agents.make(task, name, condition)
+            action, state = policy.predict(observation, episode_start=np.ones(2, np.bool_))
+            assert action.shape == (2, 2) and np.isfinite(action).all() and state is not None
+        env.close()
+
+
+def test_an_ablation_is_ours_without_one_part() -> None:
+    ours, without = agents.make("nav2d", "aicon"), agents.make("nav2d", "without_exploration")
+    assert isinstance(ours, Policy) and isinstance(without, Policy)
+    assert ours.resolution.exploration is not None and without.resolution.exploration is None
+    assert without.law == ours.law
+
+
+def test_options_override_those_of_the_name_and_of_the_condition() -> None:
+    options = {"law.gain": 3.0, "sensing": "range_bearing", "max_speed": 0.3}
+    policy = agents.factory("nav2d", "without_softmax", **options)("range")
+    assert isinstance(policy, Policy)
+    assert policy.resolution.temperature is None and policy.law.gain == 3.0
+    assert policy.model.actuators["a"].limit == 0.3
+    assert "z_dir" in policy.model.sensors
+
+
+def test_what_builds_a_policy_can_be_sent_to_a_worker() -> None:
+    build = agents.compiled(agents.factory("nav2d", "steepest", max_speed=0.3))
+    assert pickle.loads(pickle.dumps(build)) == build
+
+
+def test_unknown_names_list_the_valid_ones() -> None:
+    for build in (agents.make, agents.factory):
+        message = "unknown policy 'oracle' for task 'nav2d'; valid policies: aicon, paper.*without_"
+        with pytest.raises(ComparisonError, match=message):
+            build("nav2d", "oracle")
+    with pytest.raises(ComparisonError, match="valid tasks: nav2d, pusht"):
+        agents.names("chess")

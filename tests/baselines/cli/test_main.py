@@ -1,0 +1,104 @@
+"""The command `aicon` as a whole: choosing a command, listing, and errors as sentences."""
+
+import argparse
+import os
+import subprocess
+import sys
+
+import pytest
+
+from aicon_baselines import agents, extras
+from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.main import main
+from aicon_baselines.evaluation import ComparisonError
+from aicon_torch import OptionError
+
+
+def test_list_names_tasks_policies_conditions_environments_and_extras(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    main(["list"])
+    printed = capsys.readouterr().out
+    assert "task nav2d\n  presets     aicon, paper_literal, steepest, potential_field\n" in printed
+    assert f"ablations   {', '.join(agents.ablations('nav2d'))}\n" in printed
+    assert "conditions  range, range_bearing\n" in printed
+    assert "aicon/Nav2D-v0, aicon/PushT-v0, aicon/PandaPush-v0" in printed
+    assert "compare     installed\n" in printed
+
+
+def test_list_says_how_to_install_what_is_missing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(extras.EXTRAS, "cluster", ("no_such_module",))
+    main(["list"])
+    expected = "cluster     not installed: pip install 'aicon-torch[cluster]'"
+    assert expected in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", [[], ["fly"]])
+def test_an_unknown_command_is_refused_with_the_list(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert "{list,run,compare,figures,bench}" in capsys.readouterr().err
+
+
+def add_nothing(parser: argparse.ArgumentParser) -> None:
+    """Declare no arguments."""
+
+
+def run_with(error: BaseException) -> Command:
+    """A command that ends with an error."""
+
+    def run(arguments: argparse.Namespace) -> None:
+        raise error
+
+    return Command("What it does.", add_nothing, run, when_stopped="stopped; go on later")
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "sentence"),
+    [
+        (ComparisonError("no such task"), 2, "error: no such task"),
+        (OptionError("no such option"), 2, "error: no such option"),
+        (
+            ModuleNotFoundError("No module named 'joblib'", name="joblib.parallel"),
+            2,
+            "error: No module named 'joblib'; this needs: pip install 'aicon-torch[compare]'",
+        ),
+        (KeyboardInterrupt(), 130, "stopped; go on later"),
+    ],
+    ids=["comparison", "option", "extra", "stopped"],
+)
+def test_what_a_user_can_mend_is_a_sentence(
+    error: BaseException, status: int, sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ending:
+        run_command(run_with(error), [], "aicon test")
+    assert ending.value.code == status
+    assert sentence in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "error",
+    [ValueError("a bug"), ModuleNotFoundError("a bug", name="aicon_torch.missing")],
+    ids=["value", "module"],
+)
+def test_what_is_a_bug_stays_a_traceback(error: Exception) -> None:
+    with pytest.raises(type(error), match="a bug"):
+        run_command(run_with(error), [])
+
+
+def test_commands_use_one_thread_unless_told_otherwise() -> None:
+    program = "import aicon_baselines.cli.main, torch; print(torch.get_num_threads())"
+    for told, expected in (({}, "1"), ({"OMP_NUM_THREADS": "2"}, "2")):
+        environment = {**os.environ, **told}
+        if not told:
+            environment.pop("OMP_NUM_THREADS", None)
+        command = [sys.executable, "-c", program]
+        result = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True
+        )
+        assert result.stdout.strip() == expected

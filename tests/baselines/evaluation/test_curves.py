@@ -1,0 +1,79 @@
+"""The success curves and the files of a report."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from _inputs.comparison import POINTS, STEPS, handmade_rows, rows_by_steps
+from matplotlib.figure import Figure
+
+from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.curves import draw_success_curves, line_style, success_curve
+from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.evaluation.report import write_report
+from aicon_baselines.evaluation.row import Row
+from aicon_baselines.evaluation.run_folder import RunFolder
+from aicon_baselines.evaluation.statistics import summarize
+from aicon_baselines.evaluation.tables import to_table
+from aicon_baselines.evaluation.task import Task
+
+
+def test_success_curve_of_handmade_rows() -> None:
+    curve = success_curve(handmade_rows()[:4], time_step=0.1)
+    np.testing.assert_allclose(curve.times, [10.0, 30.0])
+    expected = [[0.5, *wilson_interval(2, 4)], [0.75, *wilson_interval(3, 4)]]
+    np.testing.assert_allclose(curve.shares, expected)
+    assert (curve.policy, curve.final_share, curve.median_time) == ("a", 0.75, 10.0)
+
+
+def test_a_policy_without_success_has_a_curve_without_points() -> None:
+    curve = success_curve(handmade_rows()[4:], time_step=0.1)
+    assert curve.times.shape == (0,) and curve.shares.shape == (0, 3)
+    assert (curve.final_share, curve.median_time) == (0.0, np.inf)
+
+
+def test_the_legend_has_the_order_in_which_the_curves_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures: list[Figure] = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
+    rows = [
+        *rows_by_steps("a fails", [None, None]),
+        *rows_by_steps("b is late", [300, 300]),
+        *rows_by_steps("c is early", [200, 200]),
+        *rows_by_steps("d does half", [100, None]),
+    ]
+    draw_success_curves(rows, STEPS, tmp_path / "curves.png")
+
+    (figure,) = figures
+    legend = figure.axes[0].get_legend()
+    assert legend is not None
+    names = [text.get_text().split("  ")[0] for text in legend.get_texts()]
+    assert names == ["c is early", "b is late", "d does half", "a fails"]
+
+
+def test_no_two_policies_look_the_same() -> None:
+    styles = [line_style(index) for index in range(60)]
+    assert len({colour for colour, _ in styles[:16]}) == 16
+    assert len(set(styles)) == 60
+
+
+@pytest.mark.parametrize("task", [POINTS, STEPS], ids=["seconds", "steps"])
+@pytest.mark.parametrize(
+    "rows", [handmade_rows(), handmade_rows()[4:]], ids=["some succeed", "none succeeds"]
+)
+def test_report_files(tmp_path: Path, rows: list[Row], task: Task) -> None:
+    # More than one line of panels.
+    rows = [*rows, *(rows[0]._replace(condition=name) for name in ("w", "x", "y"))]
+    folder = RunFolder(tmp_path, configure(task, episodes=4))
+    folder.append(rows)
+
+    assert write_report(task, folder) == to_table(summarize(rows, task.milestones), task)
+    assert (tmp_path / "success_curve.png").read_bytes().startswith(b"\x89PNG")
+
+    content = json.loads((tmp_path / "summary.json").read_text())
+    assert content["config"]["episodes"] == 4
+    first = content["summaries"][0]
+    same = [row for row in rows if (row.condition, row.policy) == ("usual", first["policy"])]
+    assert first["maps"]["u"]["episodes"] == sum(row.map == "u" for row in same)

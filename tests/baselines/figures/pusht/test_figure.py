@@ -1,0 +1,70 @@
+"""All files of the pushing figure are written, and its timelines can be read."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import imageio.v2 as imageio
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from PIL import Image
+
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.figures.pusht import PushRecording, draw_film, figure, make_figure, record
+from aicon_baselines.figures.pusht.timeline import add_timelines
+from aicon_torch import make_policy
+
+SEED = 1050
+
+
+def record_briefly(policy: Any, seed: int) -> PushRecording:
+    return record(policy, seed, limit=8)
+
+
+def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(figure, "record", record_briefly)
+    folder = tmp_path / "figures"
+    summary = make_figure(folder, video="gif", progress=False)
+    numbers = summary.numbers
+
+    assert json.loads((folder / "pusht_rollout.json").read_text()) == numbers
+    expected = {"seed", "ending", "steps", "duration_s", "path_length_px", "panels"}
+    assert expected | {"explorations_s"} <= numbers.keys()
+
+    with Image.open(folder / "pusht_rollout.png") as image:
+        assert image.size == (1820, 1326)
+    assert (folder / "pusht_rollout.png").stat().st_size < 3e5
+    assert len(imageio.mimread(folder / "pusht_rollout.gif")) > 3
+    assert all(path.exists() for path in summary.files)
+
+
+def test_summary_says_what_the_figure_shows(tmp_path: Path) -> None:
+    summary = str(make_figure(tmp_path, video="none", progress=False))
+    assert summary.startswith("arrival after")
+    assert "(f)" in summary
+    assert (tmp_path / "pusht_rollout.png").stat().st_size < 3e5
+
+
+def test_mp4(tmp_path: Path) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    path = tmp_path / "rollout.mp4"
+    draw_film(record(make_policy("pusht"), SEED, limit=2), path)
+
+    reader: Any
+    with imageio.get_reader(path) as reader:
+        assert reader.get_meta_data()["fps"] == 10
+        assert reader.get_data(0).shape == (704, 800, 3)
+        assert reader.get_meta_data()["duration"] == pytest.approx(0.3 + 1.0)
+
+
+def test_no_colour_stands_for_two_curves(episode: PushRecording) -> None:
+    upper, lower = (0.0, 0.5, 1.0, 0.5), (0.0, 0.0, 1.0, 0.5)
+    for axes in add_timelines(Figure(), episode, upper, lower):
+        colors = [to_hex(line.get_color()) for line in axes.lines]
+        assert len(set(colors)) == len(colors)
+
+
+def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:
+    with pytest.raises(ComparisonError, match="mp4, gif, none"):
+        make_figure(tmp_path, SEED, "avi", progress=False)

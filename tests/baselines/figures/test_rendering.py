@@ -1,0 +1,88 @@
+"""Pictures and videos: their size, their colours and their errors."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import imageio.v2 as imageio
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.figures.film import Film
+from aicon_baselines.figures.rendering import (
+    Frame,
+    check_video,
+    render,
+    save_picture,
+    save_video,
+)
+
+PALETTE = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+class Slides(Film):
+    """A figure that notes what it shows."""
+
+    def __init__(self) -> None:
+        self.figure = Figure(figsize=(1, 1), dpi=20)
+        self.shown: list[int] = []
+
+    def show(self, step: int) -> None:
+        self.shown.append(step)
+        self.figure.set_facecolor("red" if step % 2 else "blue")
+
+
+def frames(count: int) -> Iterator[Frame]:
+    for index in range(count):
+        frame = np.zeros((160, 320, 3), np.uint8)
+        frame[..., 0 if index % 2 else 2] = 250
+        yield frame
+
+
+def test_film_holds_its_last_frame() -> None:
+    film = Slides()
+    rendered = list(film.frames([4, 7], hold=2))
+    assert film.shown == [4, 7]
+    assert len(rendered) == 4
+    np.testing.assert_equal(rendered[1:], [rendered[1]] * 3)
+    assert (rendered[0] != rendered[1]).any()
+
+
+def test_saved_picture_looks_like_the_rendered_one(tmp_path: Path) -> None:
+    figure = Figure(figsize=(2, 1), dpi=50, facecolor="#123457")
+    save_picture(figure, tmp_path / "picture.png")
+
+    with Image.open(tmp_path / "picture.png") as image:
+        assert image.size == (100, 50)
+        difference = np.asarray(image).astype(int) - render(figure)
+    assert np.abs(difference).max() <= 2
+
+
+def test_gif_has_the_colours_of_its_palette(tmp_path: Path) -> None:
+    path = tmp_path / "video.gif"
+    save_video(frames(3), path, 5, PALETTE)
+
+    with Image.open(path) as image:
+        assert image.n_frames == 3
+        first = np.asarray(image.convert("RGB"))
+    np.testing.assert_equal(first[0, 0], [0, 0, 255])
+
+
+def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    path = tmp_path / "video.mp4"
+    save_video(frames(20), path, 10, PALETTE)
+
+    reader: Any
+    with imageio.get_reader(path) as reader:
+        assert reader.get_meta_data()["fps"] == 10
+        assert reader.get_data(0).shape == (160, 320, 3)
+        assert reader.get_meta_data()["duration"] == pytest.approx(2.0)
+
+
+def test_unknown_format_is_an_error_that_lists_the_valid_ones() -> None:
+    with pytest.raises(ComparisonError, match="mp4, gif, none"):
+        check_video("avi")

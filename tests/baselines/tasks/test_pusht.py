@@ -1,0 +1,44 @@
+"""The task "pusht"."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pymunk")
+
+from aicon_baselines.tasks.pusht import TASK
+from aicon_torch.models.pusht import PIXEL
+
+
+@pytest.mark.parametrize("condition", ["deterministic", "noise_2", "upstream"])
+def test_starts_are_those_of_gym_pusht_and_repeats_differ_in_noise(condition: str) -> None:
+    gym_pusht = pytest.importorskip("gym_pusht.envs")
+    upstream = gym_pusht.PushTEnv(obs_type="environment_state_agent_pos")
+    ends = []
+    for repeat in (0, 1):
+        env = TASK.make_env(2, condition, 5)
+        episodes = TASK.chunk(2, repeat)[7:9]
+        observation, _ = env.reset(**TASK.reset_arguments(episodes))
+
+        for row, episode in enumerate(episodes):
+            expected, _ = upstream.reset(seed=episode.seed)
+            for key, value in expected.items():
+                np.testing.assert_allclose(observation[key][row], value, rtol=1e-12)
+
+        *_, info = env.step(np.full((2, 2), 256, np.float32))
+        ends.append(info["position"])
+        env.close()
+    assert (ends[0] == ends[1]).all() == (condition in TASK.noiseless)
+
+
+def test_the_policy_is_told_lengths_in_metres() -> None:
+    assert TASK.policy_options("deterministic") == {}
+    assert TASK.policy_options("half_speed") == {"max_speed": pytest.approx(0.4)}
+    assert TASK.policy_options("delay") == {"delay": 3}
+    assert TASK.policy_options("keypoint_noise") == {"keypoint_noise": 2.0 * PIXEL}
+    assert TASK.policy_options("goal_jumps") == {"observe_goal": True}
+
+    told = TASK.policy_options("object_L")
+    corners = np.array(told["keypoints"])
+    assert set(told) == {"keypoints", "outline_order"}
+    assert 0.05 < np.ptp(corners, axis=0).max() < 0.3
+    assert sorted(told["outline_order"]) == list(range(len(corners)))

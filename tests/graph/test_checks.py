@@ -1,0 +1,113 @@
+"""What cannot work is refused at construction, each with its culprit: names and structure."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+import torch
+from _inputs import MOVE, TRACK, move, near, tracked_point, tracking_model
+from torch import Tensor
+
+from aicon_torch import Actuator, Deterministic, Goal, GraphError, Measurement, Sensor
+
+
+def misspelt(p: Tensor, speed: Tensor) -> Tensor:
+    return p - speed
+
+
+MISNAMED: dict[str, tuple[Callable[[], Any], str]] = {
+    "misspelt in a function": (
+        lambda: tracking_model(Deterministic("x", lambda aa: aa), TRACK),
+        r"'x' reads 'aa'.*Known: 'z', 'a', 'x', 'p', 'P', 'dt'",
+    ),
+    "misspelt in a filter": (
+        lambda: tracking_model(MOVE, tracked_point(predict=misspelt)),
+        r"'p' reads 'speed'.*'z', 'a', 'x'",
+    ),
+    "misspelt in a measurement": (
+        lambda: tracking_model(
+            MOVE, tracked_point(correct=[Measurement(lambda p, z_tar: p - z_tar, 0.1, size=2)])
+        ),
+        r"'p' reads 'z_tar'.*'z', 'a'",
+    ),
+    "misspelt covariance of a partner": (
+        lambda: tracking_model(
+            MOVE,
+            tracked_point(
+                correct=[Measurement(lambda p, x: p - x, 0.1, uncertain={"x": "P_x"}, size=2)]
+            ),
+        ),
+        r"'p' reads 'P_x'",
+    ),
+    "misspelt in a goal": (
+        lambda: tracking_model(goals=[Goal("near", lambda q: q.sum(-1))]),
+        r"'near' reads 'q'.*'p', 'P'",
+    ),
+    "a name twice": (
+        lambda: tracking_model(MOVE, Deterministic("x", move), TRACK),
+        r"'x' is declared 2 times",
+    ),
+    "a sensor's name for an estimate": (
+        lambda: tracking_model(MOVE, TRACK, Deterministic("z", move)),
+        r"'z' is declared 2 times",
+    ),
+    "a goal twice": (
+        lambda: tracking_model(goals=[Goal("near", near), Goal("near", near)]),
+        r"'near' is declared 2 times",
+    ),
+    "the time step's name": (
+        lambda: tracking_model(MOVE, TRACK, Deterministic("dt", lambda a: a)),
+        r"'dt' is taken",
+    ),
+    "a name of the memory": (
+        lambda: tracking_model(goals=[Goal("near/by", near)]),
+        r"'near/by' is taken",
+    ),
+    "a flag's name": (
+        lambda: tracking_model(sensors={"z": Sensor(2, "m"), "z.present": Sensor(1, "1")}),
+        r"'z.present' is taken",
+    ),
+}
+
+
+INCOMPLETE: dict[str, tuple[Callable[[], Any], str]] = {
+    "a type without fractions": (
+        lambda: tracking_model(dtype=torch.int64),
+        r"torch.int64.*floating-point",
+    ),
+    "no goals": (lambda: tracking_model(goals=[]), "at least one goal"),
+    "no actuators": (lambda: tracking_model(actuators={}), "at least one actuator"),
+    "no sensors": (lambda: tracking_model(sensors={}), "at least one sensor"),
+    "functions in a circle": (
+        lambda: tracking_model(
+            Deterministic("x", lambda y: y),
+            Deterministic("y", lambda x: x),
+            goals=[Goal("g", lambda x: x.sum(-1))],
+        ),
+        r"circle: (x → y → x|y → x → y)",
+    ),
+    "a goal that no actuator moves": (
+        lambda: tracking_model(goals=[Goal("near", near), Goal("idle", lambda z: z.sum(-1))]),
+        r"Goal 'idle' depends on no actuator. It reads 'z'",
+    ),
+    "an actuator that moves no goal": (
+        lambda: tracking_model(actuators={"a": Actuator(2, "m/s"), "b": Actuator(1, "m/s")}),
+        r"No goal depends on the actuator 'b'. Goals: 'near'",
+    ),
+}
+
+
+@pytest.mark.parametrize(("make", "culprit"), MISNAMED.values(), ids=MISNAMED.keys())
+def test_names_that_do_not_fit_are_refused(make: Callable[[], Any], culprit: str) -> None:
+    with pytest.raises(GraphError, match=culprit):
+        make()
+
+
+@pytest.mark.parametrize(("make", "culprit"), INCOMPLETE.values(), ids=INCOMPLETE.keys())
+def test_a_graph_that_cannot_work_is_refused(make: Callable[[], Any], culprit: str) -> None:
+    with pytest.raises(GraphError, match=culprit):
+        make()
+
+
+def test_the_same_parts_make_a_model_that_works() -> None:
+    assert [str(path) for path in tracking_model().paths()] == ["near → p → x → a"]

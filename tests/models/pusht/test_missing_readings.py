@@ -1,0 +1,123 @@
+"""Readings that are missing: the estimates predict and go on; an episode must begin with them."""
+
+import numpy as np
+import pytest
+import torch
+from _asserts import rollout
+from _inputs.pushing import RADIUS, body_of, wandering, without
+
+from aicon_torch import ObservationError, make_policy
+from aicon_torch.models import pusht
+from aicon_torch.models.pusht import PIXEL
+from aicon_torch.parts import PoseMotion
+
+POLICY = make_policy("pusht")
+BODY = body_of()
+
+
+def registered(reading: dict[str, torch.Tensor]) -> torch.Tensor:
+    return BODY.registration(PIXEL * reading["environment_state"].unflatten(-1, (-1, 2)))
+
+
+@pytest.mark.parametrize("lost", ["all keypoints", "one coordinate", "the key"])
+def test_without_keypoints_it_predicts_and_goes_on(lost: str) -> None:
+    """The pose is where the pushes have moved it; the next reading corrects it."""
+    motion = PoseMotion(pusht.Options().contact.dynamics(BODY), RADIUS)
+    memory = None
+    for step, reading in enumerate(wandering(8, 3)):
+        seen, blind = dict(reading), step in (3, 4, 5)
+        if blind and lost == "the key":
+            seen = without(reading, "environment_state")
+        elif blind:
+            hidden = seen["environment_state"].clone()
+            hidden[:, slice(None) if lost == "all keypoints" else 3] = torch.nan
+            seen["environment_state"] = hidden
+
+        before = memory
+        action, memory = POLICY.predict(seen, memory)
+        assert action.isfinite().all()
+        assert all(value.isfinite().all() for value in memory.values())
+
+        if not blind:
+            error = (memory["x_pose"] - registered(reading))[:, :2]
+            assert (error.abs() < 0.0002).all()
+            continue
+        assert before is not None
+        predicted = motion(before["x_pose"], memory["x_pusher"], before["a"], 0.1)
+        torch.testing.assert_close(memory["x_pose"], predicted)
+        growth = (memory["P_pose"] - before["P_pose"]).diagonal(dim1=-2, dim2=-1)
+        assert growth.min() > 0
+
+
+def test_without_its_own_place_it_reckons_from_what_it_did() -> None:
+    memory = rollout(POLICY, wandering(3, 3))[-1]
+    blind = wandering(4, 3)[3] | {"agent_pos": torch.full((3, 2), torch.nan, dtype=torch.float64)}
+    _, after = POLICY.predict(blind, memory)
+    torch.testing.assert_close(after["x_pusher"], memory["x_pusher"] + 0.1 * memory["a"])
+
+
+def test_rows_may_drop_out_alone() -> None:
+    """A row that loses its reading is one that lost it alone, and the others do not notice."""
+    first, second = wandering(2, 3)
+    _, memory = POLICY.predict(first)
+    hidden = second["environment_state"].clone()
+    hidden[1] = torch.nan
+
+    some, none, everything = (
+        POLICY.predict(reading, memory)[1]
+        for reading in (
+            second | {"environment_state": hidden},
+            second,
+            without(second, "environment_state"),
+        )
+    )
+    for name in ("a", "x_pose", "P_pose"):
+        torch.testing.assert_close(some[name][[0, 2]], none[name][[0, 2]])
+        torch.testing.assert_close(some[name][1], everything[name][1])
+
+
+MISSING = [("agent_pos",), ("environment_state",), ("agent_pos", "environment_state")]
+each_missing = pytest.mark.parametrize("missing", MISSING, ids=str)
+
+
+@each_missing
+def test_an_episode_that_begins_blind_is_refused(missing: tuple[str, ...]) -> None:
+    """The estimates start at the first readings; a row that starts anew needs them as well."""
+    reading = {name: value.numpy() for name, value in wandering(1, 3)[0].items()}
+    blind, some = dict(reading), dict(reading)
+    for name in missing:
+        blind[name] = np.full_like(reading[name], np.nan)
+        some[name] = np.where([[False], [True], [False]], np.nan, reading[name])
+    absent = {name: value for name, value in reading.items() if name not in missing}
+
+    for bad in (absent, blind, some):
+        with pytest.raises(ObservationError, match=f"first observation.*{missing[0]!r}"):
+            POLICY.predict(bad)
+
+    _, memory = POLICY.predict(reading)
+    POLICY.predict(some, memory, episode_start=np.array([True, False, True]))
+    with pytest.raises(ObservationError, match=f"first observation.*{missing[0]!r}"):
+        POLICY.predict(some, memory, episode_start=np.array([False, True, False]))
+
+
+@each_missing
+def test_tensors_are_not_checked_and_the_first_reading_tells(missing: tuple[str, ...]) -> None:
+    """Nothing waits for the device; nothing breaks either."""
+    readings = wandering(4, 2)
+    memory = None
+    for reading in readings[:2]:
+        blind = dict(reading)
+        for name in missing:
+            blind[name] = torch.full_like(reading[name], torch.nan)
+        action, memory = POLICY.predict(blind, memory)
+        assert action.isfinite().all()
+        assert all(value.isfinite().all() for value in memory.values())
+
+    for reading in readings[2:]:
+        action, memory = POLICY.predict(reading, memory)
+        assert action.isfinite().all()
+    assert memory is not None
+    place = PIXEL * readings[3]["agent_pos"]
+    assert (memory["x_pusher"] - place).norm(dim=-1).max() < 0.005
+    error = (memory["x_pose"] - registered(readings[3]))[:, :2]
+    assert error.norm(dim=-1).max() < 0.001

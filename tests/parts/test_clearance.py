@@ -1,0 +1,68 @@
+"""A clearance with its direction: how it slides along a wall, and its residuals."""
+
+import math
+
+import pytest
+import torch
+from _inputs import normal
+from torch import Tensor
+
+from aicon_torch import Interconnection
+from aicon_torch.parts import (
+    ClearancePrior,
+    CollisionLikelihood,
+    direction_residual,
+    range_residual,
+    slide,
+    slide_jacobian,
+    unit_gradient_jacobian,
+    unit_gradient_residual,
+)
+
+
+def at(*components: float) -> Tensor:
+    return torch.tensor(components, dtype=torch.float64)
+
+
+def test_along_a_wall_the_clearance_is_what_it_was_and_towards_it_less() -> None:
+    """A wall to the right: ∇d points to the left."""
+    before = at(0.5, -1.0, 0.0)
+    assert slide(before, at(0.0, 0.2)).tolist() == [0.5, -1.0, 0.0]
+    assert slide(before, at(0.2, 0.0)).tolist() == pytest.approx([0.3, -1.0, 0.0])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_jacobians_are_the_derivatives(seed: int) -> None:
+    x_obs, x_rob = normal(3, seed=seed), normal(2, seed=seed + 10)
+    moved = Interconnection(slide, x_obs=slide_jacobian)
+    moved.verify({"x_obs": x_obs, "x_rob": x_rob}, 3)
+    unit = Interconnection(unit_gradient_residual, x_obs=unit_gradient_jacobian)
+    unit.verify({"x_obs": x_obs}, 1)
+
+
+def test_the_residuals_are_zero_where_the_readings_agree() -> None:
+    x_obs = at(0.4, 0.6, 0.8)
+    opposite = at(math.atan2(-0.8, -0.6))
+    residuals = (
+        range_residual().double()({"x_obs": x_obs, "z_obs": at(0.4)}),
+        unit_gradient_residual(x_obs),
+        direction_residual(x_obs, opposite),
+    )
+    for residual in residuals:
+        torch.testing.assert_close(residual, torch.zeros_like(residual), rtol=0, atol=1e-12)
+
+
+def test_without_a_direction_the_unit_gradient_has_no_slope() -> None:
+    assert unit_gradient_jacobian(at(0.4, 0.0, 0.0)).tolist() == [[0.0, 0.0, 0.0]]
+
+
+def test_the_prior_is_the_first_reading_in_any_direction() -> None:
+    mean, covariance = ClearancePrior(noise=0.01)(at(0.7))
+    assert mean.tolist() == [0.7, 0.0, 0.0]
+    assert covariance.diagonal().tolist() == pytest.approx([1e-4, 0.5, 0.5])
+
+
+def test_a_collision_is_certain_at_contact_and_falls_with_the_clearance() -> None:
+    clearances = torch.stack([at(0.04, 1.0, 0.0), at(0.0, 0.0, 1.0)])
+    found = CollisionLikelihood(0.04)(clearances).tolist()
+    assert found == pytest.approx([math.exp(-1.0), 1.0])

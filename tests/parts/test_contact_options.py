@@ -1,0 +1,82 @@
+"""The numbers of the contact model, as shares of a size."""
+
+import dataclasses
+import math
+from typing import Any
+
+import pytest
+import torch
+from _inputs.pushing import body_of
+
+from aicon_torch import OptionError
+from aicon_torch.parts import (
+    ContactLimitOptions,
+    ContactOptions,
+    Servo,
+    SlowApproachOptions,
+)
+
+CONTACT = ContactOptions(size=0.12)
+
+
+def test_lengths_are_shares_of_the_size() -> None:
+    """The numbers of the T that is 120 px wide, at 1 mm a px."""
+    likelihood = CONTACT.likelihood(radius=0.015)
+    lengths = (likelihood.reach, likelihood.reaction, likelihood.aim, likelihood.radius)
+    assert lengths == pytest.approx((0.03, 0.01, 0.008, 0.015))
+
+    dynamics = CONTACT.dynamics(body_of())
+    assert dynamics.rotation_length == pytest.approx(1.55 * 0.001 * 3000**0.5)
+    assert dynamics.step == pytest.approx(0.001)
+
+    limits = ContactLimitOptions().limits(dynamics, 0.015, CONTACT.size)
+    assert limits.push == pytest.approx((0.0005, 0.04))
+    assert (limits.harm, limits.slide_gap) == pytest.approx((0.002, 0.015))
+    assert limits.end_step == pytest.approx(0.003)
+
+    slow = SlowApproachOptions().limit(dynamics.rotation_length, 0.015, CONTACT.size)
+    lengths = (slow.open_step, slow.near_step, slow.near_length, slow.slow_distance)
+    assert lengths == pytest.approx((0.06, 0.03, 0.02, 0.03))
+
+
+def test_a_world_twice_as_large_has_lengths_twice_as_long() -> None:
+    small, large = CONTACT, dataclasses.replace(CONTACT, size=0.24)
+    first, second = small.likelihood(radius=0.01), large.likelihood(radius=0.02)
+    pusher, side = torch.tensor([0.05, -0.04]), torch.tensor([0.0, 0.0, 0.1, 0.0])
+    point = torch.tensor([0.05, 0.0])
+    torch.testing.assert_close(first(pusher, point, side), second(2 * pusher, 2 * point, 2 * side))
+
+
+def test_without_limits_within_steps_the_servo_is_left_out() -> None:
+    dynamics, servo = CONTACT.dynamics(body_of()), Servo.of()
+    for within in (True, False):
+        options = ContactLimitOptions(within_steps=within)
+        limits = options.limits(dynamics, 0.015, CONTACT.size, servo)
+        assert (limits.servo is servo) == within
+
+
+NUMBERS = (0.0, -1.0, math.nan, math.inf, "a")
+BAD: list[tuple[type, dict[str, Any]]] = [
+    *((ContactOptions, {"size": value}) for value in NUMBERS),
+    *(
+        (ContactOptions, {"size": 0.1, name: value})
+        for name in ("rotation", "reach", "reaction", "step")
+        for value in NUMBERS
+    ),
+    *((ContactOptions, {"size": 0.1, "aim": value}) for value in NUMBERS[1:]),
+    *((ContactOptions, {"size": 0.1, "intent": value}) for value in NUMBERS[1:]),
+    (ContactOptions, {"size": 0.1, "effect": "best"}),
+    *((ContactLimitOptions, {"slide_gap": value}) for value in NUMBERS[1:]),
+    *((ContactLimitOptions, {"harm": value}) for value in NUMBERS[1:]),
+    *((ContactLimitOptions, {"push": push}) for push in ((3.0, 1.0), (-1.0, 1.0), (1.0,), 5.0)),
+    *((ContactLimitOptions, {"push": (0.0, value)}) for value in (math.nan, math.inf)),
+    *((SlowApproachOptions, {"near_step": value}) for value in NUMBERS),
+]
+
+
+@pytest.mark.parametrize(("group", "options"), BAD, ids=str)
+def test_a_number_that_cannot_be_is_named(group: Any, options: dict[str, Any]) -> None:
+    *_, (name, value) = options.items()
+    with pytest.raises(OptionError) as error:
+        group(**options)
+    assert f"{name}={value!r}" in str(error.value)
