@@ -5,11 +5,11 @@ import importlib
 
 import pytest
 from _documents import ROOT, ShellCommand, shell_commands
-from aicon_baselines.agents.variants import parse_variant
-from aicon_baselines.cli.command_line import Command
 
 from aicon_baselines import tasks
 from aicon_baselines.agents import registry
+from aicon_baselines.agents.variants import parse_variant
+from aicon_baselines.cli.command_line import Command
 from aicon_torch.models import MODELS, replace_options
 
 COMMANDS = shell_commands()

@@ -7,6 +7,11 @@ import pytest
 from _documents import DOCUMENTS, NAMES, ROOT, headings
 
 every_document = pytest.mark.parametrize("document", DOCUMENTS, ids=NAMES)
+every_present_document = pytest.mark.parametrize(
+    "document",
+    [path for path in DOCUMENTS if path.name != "CHANGELOG.md"],
+    ids=lambda path: path.name,
+)
 
 # Files are named from the root, or from where the code of the library lies.
 FOLDERS = (ROOT, ROOT / "aicon_torch", ROOT / "baselines" / "aicon_baselines")
@@ -24,9 +29,11 @@ def test_links_lead_somewhere(document: Path) -> None:
             assert anchor in headings(path), f"{target} has no heading #{anchor}"
 
 
-@every_document
+@every_present_document
 def test_files_that_are_named_are_there(document: Path) -> None:
     for name in FILE.findall(document.read_text()):
+        if "NAME" in name:
+            continue  # stands for any task
         assert any((folder / name).exists() for folder in FOLDERS), f"{name} is not there"
 
 
@@ -35,10 +42,10 @@ def test_no_placeholder_was_left(document: Path) -> None:
     assert not re.search(r"^[A-Z]{4,}$|\bTODO\b|\bXXX\b", document.read_text(), re.MULTILINE)
 
 
-@every_document
+@every_present_document
 def test_targets_of_make_are_there(document: Path) -> None:
-    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-    commands = re.findall(r"(?:^|`)make ([a-z][a-z -]*[a-z])", document.read_text(), re.MULTILINE)
+    targets = set(re.findall(r"^([a-z_-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    commands = re.findall(r"(?:^|`)make ([a-z][a-z_ -]*[a-z])", document.read_text(), re.MULTILINE)
     for command in commands:
         assert set(command.split()) <= targets, f"make {command}"
 
