@@ -117,9 +117,7 @@ def main() -> None:
     print("\nbeside it")
     near_before, near_after = compare(before, after, door, near)
 
-    old_paths = set(str(before.model.paths()).splitlines())
-    new_paths = set(str(after.model.paths()).splitlines())
-
+    old_paths, new_paths = set(before.model.paths()), set(after.model.paths())
     is_silent_elsewhere = torch.allclose(far_after, far_before)
     turns_aside = near_after[1] < near_before[1] - 0.1
 

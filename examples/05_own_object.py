@@ -26,7 +26,7 @@ def main() -> None:
     corners = [[x * PIXEL, y * PIXEL] for x, y in ARROW]
     policy = make_policy("pusht", keypoints=corners)
 
-    paths = str(policy.model.paths()).splitlines()
+    paths = list(policy.model.paths())
     print(f"{len(ARROW)} sides, and two paths through each: {len(paths)} paths, such as")
     print(f"  {paths[0]}\n  {paths[-1]}\n")
 
