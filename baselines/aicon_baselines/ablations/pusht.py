@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from aicon_torch.models.pusht import PIXEL
+
 _ONE_LIKELIHOOD = {"contact.aim": 0.0, "contact.facing": False}
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -17,8 +19,8 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         # What is believed of the world: readings as they come, a T of uniform density.
         "without_estimation": {"estimation": False},
         "uniform_density": {
-            "center_of_mass": (0.0, 0.285 / 7),
-            "radius_of_gyration": 0.0439447,
+            "center_of_mass": (0.0, 285 / 7 * PIXEL),
+            "radius_of_gyration": 43.9447 * PIXEL,
         },
         # The resolution of conflicts.
         "without_exploration": {"resolution.exploration": None},
