@@ -11,6 +11,7 @@ from _inputs.pushing import RADIUS, Corners, outside, poses, uniform
 from _inputs.random_numbers import normal
 from _inputs.servo import sub_steps
 from aicon_torch import make_policy
+from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import ContactLimits, Servo, closest_point
 
 
@@ -65,7 +66,7 @@ class NearContact(NamedTuple):
 
 
 def near_contact(
-    limits: ContactLimits, count: int = 2000, farthest: float = 0.06, seed: int = 0
+    limits: ContactLimits, count: int = 2000, farthest: float = 60 * PIXEL, seed: int = 0
 ) -> NearContact:
     """Random states up to ``farthest`` from an object, and what limits make of random wishes."""
     body = limits.dynamics.body
@@ -74,9 +75,9 @@ def near_contact(
     sides = body.sides(body.keypoints_at(pose))
 
     angle = 2 * math.pi * uniform(count, 1, seed=seed + 2)
-    speed = 0.8 * uniform(count, 1, seed=seed + 3)
+    speed = 800 * PIXEL * uniform(count, 1, seed=seed + 3)
     wish = speed * torch.cat((angle.cos(), angle.sin()), dim=-1)
-    velocity = 0.3 * normal(count, 2, seed=seed + 4)
+    velocity = 300 * PIXEL * normal(count, 2, seed=seed + 4)
 
     points = closest_point(pusher.unsqueeze(-2), sides)
     to_contact = points - pusher.unsqueeze(-2)

@@ -8,14 +8,20 @@ import torch
 from torch import Tensor
 
 from _inputs.random_numbers import normal
-from aicon_torch.models.pusht import PIXEL, Options, rigid_object
+from aicon_torch.models.pusht import PIXEL, Options, benchmark, rigid_object
 from aicon_torch.parts import RigidObject
 
 Corners = Sequence[Sequence[float]]
 
-RADIUS = 0.015
-TRIANGLE = ((-0.05, -0.03), (0.07, -0.02), (-0.01, 0.06))
-NOTCHED = ((0.0, 0.0), (0.04, 0.08), (0.08, 0.0), (0.11, 0.0), (0.04, 0.14), (-0.03, 0.0))
+
+def from_pixels(*corners: tuple[float, float]) -> Corners:
+    """Corners in m of an object that is drawn in px."""
+    return tuple((x * PIXEL, y * PIXEL) for x, y in corners)
+
+
+RADIUS = benchmark.PUSHER_RADIUS
+TRIANGLE = from_pixels((-50, -30), (70, -20), (-10, 60))
+NOTCHED = from_pixels((0, 0), (40, 80), (80, 0), (110, 0), (40, 140), (-30, 0))
 """A V upside down, whose notch is sharper than a right angle."""
 
 SHAPES: dict[str, Corners | None] = {"T": None, "triangle": TRIANGLE, "notched": NOTCHED}
@@ -34,7 +40,7 @@ def body_of(keypoints: Corners | None = None) -> RigidObject:
 
 def poses(count: int, seed: int = 0) -> Tensor:
     """Poses (x, y, θ) around the middle of the world, ``(count, 3)``."""
-    place = 0.256 + 0.12 * (uniform(count, 2, seed=seed) - 0.5)
+    place = PIXEL * (256 + 120 * (uniform(count, 2, seed=seed) - 0.5))
     angle = 2 * math.pi * uniform(count, 1, seed=seed + 1)
     return torch.cat((place, angle), dim=-1)
 
@@ -79,13 +85,13 @@ def wandering(
     """Readings, in px, of a pusher that wanders around an object that moves a little."""
     body = body_of(keypoints)
     pose = poses(batch, seed)
-    pusher = outside(body, pose, 0.06, seed + 5)
-    spread = torch.tensor([0.002, 0.002, 0.05], dtype=torch.float64)
+    pusher = outside(body, pose, 60 * PIXEL, seed + 5)
+    spread = torch.tensor([2 * PIXEL, 2 * PIXEL, 0.05], dtype=torch.float64)
 
     readings = []
     for step in range(steps):
         readings.append(in_pixels(body, pose, pusher))
-        pusher = pusher + 0.008 * normal(batch, 2, seed=seed + 10 + step)
+        pusher = pusher + 8 * PIXEL * normal(batch, 2, seed=seed + 10 + step)
         pose = pose + spread * normal(batch, 3, seed=seed + 50 + step)
     return readings
 

@@ -5,6 +5,7 @@ import dataclasses
 import pytest
 
 from aicon_torch.models import panda_push, pusht
+from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import ContactLimitOptions
 
 
@@ -12,7 +13,7 @@ def test_both_worlds_have_the_same_numbers() -> None:
     arm, disc = panda_push.Options().contact, pusht.Options().contact
     assert dataclasses.replace(arm, size=disc.size) == disc
     assert arm.size == pytest.approx(0.2)
-    assert disc.size == pytest.approx(0.12)
+    assert disc.size == pytest.approx(120 * PIXEL)
 
 
 def test_the_limits_differ_in_how_far_a_contact_is_pushed() -> None:

@@ -14,9 +14,10 @@ from _inputs.pushing import RADIUS, SHAPES, body_of, poses
 import aicon_envs  # noqa: F401  (registers the environments)
 from aicon_envs.pusht import OBJECTS
 from aicon_torch.models.pusht import PIXEL
+from aicon_torch.models.pusht.benchmark import T_WIDTH
 from aicon_torch.parts import ContactDynamics, ContactOptions, PoseMotion
 
-CONTACT = ContactOptions(size=0.12)
+CONTACT = ContactOptions(size=T_WIDTH)
 
 
 @pytest.mark.parametrize("keypoints", SHAPES.values(), ids=SHAPES.keys())
@@ -27,7 +28,7 @@ def test_a_push_moves_the_contact_with_it(keypoints: Any) -> None:
     """
     body = body_of(keypoints)
     pose, turn = poses(20), normal(20, 7, 1, seed=1)
-    points = pose[:, None, :2] + 0.06 * normal(20, 7, 2, seed=2)
+    points = pose[:, None, :2] + 60 * PIXEL * normal(20, 7, 2, seed=2)
     normals = torch.cat((turn.cos(), turn.sin()), dim=-1)
     response = CONTACT.dynamics(body).response(pose, points, normals)
 
@@ -43,11 +44,11 @@ def test_a_push_moves_the_contact_with_it(keypoints: Any) -> None:
 
 
 def test_the_effects_differ_in_how_far_they_turn() -> None:
-    """A contact 0.03 m beside the line through the centre, 0.04 m before it."""
+    """A contact 30 px beside the line through the centre, 40 px before it."""
     body = body_of()
     length, gyration = CONTACT.rotation_length(body), body.radius_of_gyration
     pose = torch.zeros(3, dtype=torch.float64)
-    points = torch.tensor([[0.03, -0.04]], dtype=torch.float64)
+    points = PIXEL * torch.tensor([[30.0, -40.0]], dtype=torch.float64)
     normals = torch.tensor([[0.0, 1.0]], dtype=torch.float64)
 
     def turn_by(effect: Any) -> float:
@@ -55,9 +56,9 @@ def test_the_effects_differ_in_how_far_they_turn() -> None:
         effects = dynamics.effects(pose, points, normals)
         return float(effects[0, 2] / effects[0, 1])
 
-    assert turn_by("quasi_static") == pytest.approx(0.03 / gyration**2)
+    assert turn_by("quasi_static") == pytest.approx(30 * PIXEL / gyration**2)
     assert turn_by("sine") == pytest.approx(0.6 / length)
-    assert turn_by("angle") == pytest.approx(math.atan2(0.03, 0.04) / length)
+    assert turn_by("angle") == pytest.approx(math.atan2(30, 40) / length)
 
 
 def test_contacts_give_the_gradient_and_the_pose_stays_where_it_is() -> None:
@@ -84,11 +85,11 @@ def test_contacts_give_the_gradient_and_the_pose_stays_where_it_is() -> None:
 
 @pytest.mark.parametrize("name", ["T", "L"])
 def test_the_object_goes_where_the_model_believes(name: str) -> None:
-    """Pushed in the environment's physics, a few mm at a time, at places of several sides."""
+    """Pushed in the environment's physics, a few px at a time, at places of several sides."""
     env = gym.make("aicon/PushT-v0", object=name, action_mode="velocity")
     body = body_of(None if name == "T" else (OBJECTS[name].keypoints * PIXEL).tolist())
-    motion = PoseMotion(ContactDynamics(body, rotation_length=1.0, step=0.001), RADIUS)
-    frame = torch.tensor([0.25, 0.23, 0.4], dtype=torch.float64)
+    motion = PoseMotion(ContactDynamics(body, rotation_length=1.0, step=PIXEL), RADIUS)
+    frame = torch.tensor([250 * PIXEL, 230 * PIXEL, 0.4], dtype=torch.float64)
     before = body.pose_of_frame(frame)
     scale = torch.tensor([1.0, 1.0, body.radius_of_gyration], dtype=torch.float64)
     to_pixels = np.array([1 / PIXEL, 1 / PIXEL, 1.0])
@@ -98,8 +99,8 @@ def test_the_object_goes_where_the_model_believes(name: str) -> None:
         for share in (0.2, 0.5, 0.8):
             start, along = side[:2], side[2:] - side[:2]
             inward = torch.stack((-along[1], along[0])) / along.norm()
-            pusher = start + share * along - (RADIUS + 0.002) * inward
-            action = 0.07 * inward + 0.01 * along / along.norm()
+            pusher = start + share * along - (RADIUS + 2 * PIXEL) * inward
+            action = PIXEL * (70 * inward + 10 * along / along.norm())
 
             state = [*(pusher / PIXEL).tolist(), *(frame.numpy() * to_pixels)]
             env.reset(options={"reset_to_state": state})
@@ -110,6 +111,6 @@ def test_the_object_goes_where_the_model_believes(name: str) -> None:
             errors.append(float((scale * (believed - after)).norm()))
             moves.append(float((scale * (after - before)).norm()))
 
-    assert min(moves) > 0.002
-    assert np.median(errors) < 0.0006
+    assert min(moves) > 2 * PIXEL
+    assert np.median(errors) < 0.6 * PIXEL
     assert np.median(np.array(errors) / np.array(moves)) < 0.15

@@ -7,7 +7,7 @@ import pytest
 import scipy.optimize
 import torch
 from _inputs.contact_limits import limits_of, near_contact
-from _inputs.pushing import NOTCHED, RADIUS, TRIANGLE, body_of, poses
+from _inputs.pushing import NOTCHED, RADIUS, TRIANGLE, body_of, from_pixels, poses
 
 from aicon_envs.pusht import OBJECTS
 from aicon_torch import make_policy
@@ -30,7 +30,7 @@ def test_a_step_ends_no_deeper_in_a_side_than_it_may(keypoints: Any, within_step
     assert (near.excess_at_the_end() <= 1e-12).all()
 
     wished = near.excess(near.pusher + 0.1 * near.wish)
-    share = (wished > 0.001).double().mean()
+    share = (wished > PIXEL).double().mean()
     assert 0.05 < share < 0.95  # the limits have something to do
 
 
@@ -84,15 +84,14 @@ def test_the_most_helpful_push_brings_the_error_nearest_to_zero() -> None:
     assert (helpful > 0).any() and (helpful < 0).any()
 
 
-SQUARE = [(-0.03, -0.03), (0.03, -0.03), (0.03, 0.03), (-0.03, 0.03)]
+SQUARE = from_pixels((-30, -30), (30, -30), (30, 30), (-30, 30))
 
 
-@pytest.mark.parametrize(
-    ("ahead", "pushed"), [(0.02, 0.02), (0.0001, 0.0005), (0.3, 0.04), (-0.02, 0.002)]
-)
+@pytest.mark.parametrize(("ahead", "pushed"), [(20, 20), (0.1, 0.5), (300, 40), (-20, 2)])
 def test_a_contact_is_pushed_as_far_as_it_helps(ahead: float, pushed: float) -> None:
-    """A square, its target ahead or behind, the pusher 5 mm behind the middle of its side."""
-    goal = (0.2 + ahead, 0.2, 0.0)
+    """A square, its target ahead or behind, the pusher 5 px behind the middle of its side."""
+    x, y = 200 * PIXEL, 200 * PIXEL
+    goal = (x + ahead * PIXEL, y, 0.0)
     policy = make_policy(
         "pusht", keypoints=SQUARE, goal_pose=goal, command="velocity", **WHOLE_STEP
     )
@@ -100,20 +99,23 @@ def test_a_contact_is_pushed_as_far_as_it_helps(ahead: float, pushed: float) -> 
 
     pose, target, pusher, wish = (
         torch.tensor(values, dtype=torch.float64)
-        for values in ((0.2, 0.2, 0.0), goal, (0.2 - 0.03 - RADIUS - 0.005, 0.2), (0.8, 0.0))
+        for values in ((x, y, 0.0), goal, (x - 35 * PIXEL - RADIUS, y), (800 * PIXEL, 0.0))
     )
     sides = body.sides(body.keypoints_at(pose))
     points = closest_point(pusher.unsqueeze(-2), sides)
     at_rest = torch.zeros_like(wish)
     action = limits(wish, pusher, at_rest, points, sides, pose, body.pose_of_frame(target), 0.1)
-    expected = torch.tensor([0.005 + pushed, 0.0], dtype=torch.float64)
+    expected = torch.tensor([(5 + pushed) * PIXEL, 0.0], dtype=torch.float64)
     torch.testing.assert_close(0.1 * action, expected)
 
 
 def test_the_pusher_does_not_slide_off_a_side_that_it_pushes() -> None:
-    """Near a useful side, no farther along it than 0.7 of what is left of it and 3 mm."""
+    """Near a useful side, no farther along it than 0.7 of what is left of it and 3 px."""
+    farthest = 20 * PIXEL
     free, held = (
-        near_contact(limits_of(**WHOLE_STEP, **{"contact_limits.slide_gap": gap}), farthest=0.02)
+        near_contact(
+            limits_of(**WHOLE_STEP, **{"contact_limits.slide_gap": gap}), farthest=farthest
+        )
         for gap in (0.0, 1 / 8)
     )
     nearest = held.gaps.argmin(-1, keepdim=True)
@@ -126,11 +128,11 @@ def test_the_pusher_does_not_slide_off_a_side_that_it_pushes() -> None:
         values.take_along_dim(nearest, -1).squeeze(-1) for values in (held.gaps, held.helpful)
     )
     inside = (before > 1e-9) & (left > 1e-9)
-    acts = inside & (gap < 0.015) & (helpful > 0)
+    acts = inside & (gap < 15 * PIXEL) & (helpful > 0)
     assert 0.05 < acts.double().mean() < 0.95
 
     for near, bounded in ((held, True), (free, False)):
         slide = 0.1 * (near.action * along).sum(-1)
-        room = 0.7 * torch.where(slide > 0, left, before) + 0.003
+        room = 0.7 * torch.where(slide > 0, left, before) + 3 * PIXEL
         assert bool((slide.abs()[acts] <= room[acts] + 1e-12).all()) == bounded
     torch.testing.assert_close(held.action[~acts], free.action[~acts])

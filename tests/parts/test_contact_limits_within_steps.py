@@ -32,7 +32,7 @@ def corners(name: str) -> Any:
 def test_no_sub_step_is_deeper_in_a_side_than_it_may_be(keypoints: Any) -> None:
     within, end = largest_excesses(keypoints)
     assert within.max() <= 1e-12
-    assert end.max() > 0.001
+    assert end.max() > PIXEL
 
 
 @pytest.mark.parametrize("keypoints", [None, corners("U")], ids=["T", "U"])

@@ -9,6 +9,7 @@ import torch
 from _inputs.pushing import body_of
 
 from aicon_torch import OptionError
+from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_RADIUS, T_WIDTH
 from aicon_torch.parts import (
     ContactLimitOptions,
     ContactOptions,
@@ -16,31 +17,35 @@ from aicon_torch.parts import (
     SlowApproachOptions,
 )
 
-CONTACT = ContactOptions(size=0.12)
+CONTACT = ContactOptions(size=T_WIDTH)
+
+
+def in_pixels(*lengths: float) -> tuple[float, ...]:
+    return tuple(length / PIXEL for length in lengths)
 
 
 def test_lengths_are_shares_of_the_size() -> None:
-    """The numbers of the T that is 120 px wide, at 1 mm a px."""
-    likelihood = CONTACT.likelihood(radius=0.015)
+    """The numbers of the T that is 120 px wide, in px."""
+    likelihood = CONTACT.likelihood(radius=PUSHER_RADIUS)
     lengths = (likelihood.reach, likelihood.reaction, likelihood.aim, likelihood.radius)
-    assert lengths == pytest.approx((0.03, 0.01, 0.008, 0.015))
+    assert in_pixels(*lengths) == pytest.approx((30, 10, 8, 15))
 
     dynamics = CONTACT.dynamics(body_of())
-    assert dynamics.rotation_length == pytest.approx(1.55 * 0.001 * 3000**0.5)
-    assert dynamics.step == pytest.approx(0.001)
+    assert dynamics.rotation_length == pytest.approx(1.55 * 3000**0.5 * PIXEL)
+    assert dynamics.step == pytest.approx(PIXEL)
 
-    limits = ContactLimitOptions().limits(dynamics, 0.015, CONTACT.size)
-    assert limits.push == pytest.approx((0.0005, 0.04))
-    assert (limits.harm, limits.slide_gap) == pytest.approx((0.002, 0.015))
-    assert limits.end_step == pytest.approx(0.003)
+    limits = ContactLimitOptions().limits(dynamics, PUSHER_RADIUS, CONTACT.size)
+    assert in_pixels(*limits.push) == pytest.approx((0.5, 40))
+    assert in_pixels(limits.harm, limits.slide_gap) == pytest.approx((2, 15))
+    assert limits.end_step == pytest.approx(3 * PIXEL)
 
-    slow = SlowApproachOptions().limit(dynamics.rotation_length, 0.015, CONTACT.size)
+    slow = SlowApproachOptions().limit(dynamics.rotation_length, PUSHER_RADIUS, CONTACT.size)
     lengths = (slow.open_step, slow.near_step, slow.near_length, slow.slow_distance)
-    assert lengths == pytest.approx((0.06, 0.03, 0.02, 0.03))
+    assert in_pixels(*lengths) == pytest.approx((60, 30, 20, 30))
 
 
 def test_a_world_twice_as_large_has_lengths_twice_as_long() -> None:
-    small, large = CONTACT, dataclasses.replace(CONTACT, size=0.24)
+    small, large = CONTACT, dataclasses.replace(CONTACT, size=2 * T_WIDTH)
     first, second = small.likelihood(radius=0.01), large.likelihood(radius=0.02)
     pusher, side = torch.tensor([0.05, -0.04]), torch.tensor([0.0, 0.0, 0.1, 0.0])
     point = torch.tensor([0.05, 0.0])
@@ -51,7 +56,7 @@ def test_without_limits_within_steps_the_servo_is_left_out() -> None:
     dynamics, servo = CONTACT.dynamics(body_of()), Servo.of()
     for within in (True, False):
         options = ContactLimitOptions(within_steps=within)
-        limits = options.limits(dynamics, 0.015, CONTACT.size, servo)
+        limits = options.limits(dynamics, PUSHER_RADIUS, CONTACT.size, servo)
         assert (limits.servo is servo) == within
 
 

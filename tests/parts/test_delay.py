@@ -4,6 +4,7 @@ import torch
 from _inputs import normal
 from _inputs.pushing import RADIUS, body_of, outside, poses
 
+from aicon_torch.models.pusht.benchmark import PIXEL, T_WIDTH
 from aicon_torch.parts import (
     ActionHistory,
     ContactOptions,
@@ -15,7 +16,7 @@ from aicon_torch.parts import (
 )
 
 BODY = body_of()
-MOTION = PoseMotion(ContactOptions(size=0.12).dynamics(BODY), RADIUS)
+MOTION = PoseMotion(ContactOptions(size=T_WIDTH).dynamics(BODY), RADIUS)
 
 
 def test_the_history_begins_at_rest_and_forgets_the_oldest() -> None:
@@ -51,7 +52,7 @@ def test_only_the_next_action_moves_a_position_to_come() -> None:
 
 def test_a_pose_is_moved_on_action_by_action() -> None:
     pose = poses(20)
-    pusher, actions = outside(BODY, pose, 0.02), 0.3 * normal(20, 3, 2, seed=1)
+    pusher, actions = outside(BODY, pose, 20 * PIXEL), 300 * PIXEL * normal(20, 3, 2, seed=1)
     past = actions.flatten(-2)
 
     arrived = pusher + 0.1 * actions[:, 0]

@@ -4,9 +4,10 @@ import math
 
 import pytest
 import torch
-from _inputs.pushing import RADIUS, body_of, poses
+from _inputs.pushing import RADIUS, body_of, from_pixels, poses
 from torch import Tensor
 
+from aicon_torch.models.pusht.benchmark import PIXEL, T_WIDTH
 from aicon_torch.parts import (
     ContactOptions,
     FixedTarget,
@@ -17,33 +18,35 @@ from aicon_torch.parts import (
     resting_pose,
 )
 
-SQUARE = RigidObject.of([(-0.03, -0.03), (0.03, -0.03), (0.03, 0.03), (-0.03, 0.03)])
-MOTION = PoseMotion(ContactOptions(size=0.12).dynamics(SQUARE), RADIUS)
+SQUARE = RigidObject.of(from_pixels((-30, -30), (30, -30), (30, 30), (-30, 30)))
+MOTION = PoseMotion(ContactOptions(size=T_WIDTH).dynamics(SQUARE), RADIUS)
+BESIDE = -30 - RADIUS / PIXEL
+"""Where the pusher touches the left side of the square, px."""
 
 
 def pushed(start: tuple[float, float], velocity: tuple[float, float]) -> Tensor:
-    """The pose of a square at the origin after a pusher has moved from a place for 0.1 s."""
-    a = torch.tensor(velocity, dtype=torch.float64)
-    arrived = torch.tensor(start, dtype=torch.float64) + 0.1 * a
+    """The pose of a square at the origin after a pusher has moved from a place, px, for 0.1 s."""
+    a = PIXEL * torch.tensor(velocity, dtype=torch.float64)
+    arrived = PIXEL * torch.tensor(start, dtype=torch.float64) + 0.1 * a
     return MOTION(torch.zeros(3, dtype=torch.float64), arrived, a, 0.1)
 
 
 def test_an_object_is_pushed_as_far_as_the_pusher_goes_beyond_the_gap() -> None:
-    """Head on, 0.005 m before the side: of 0.02 m the object gets 0.015."""
-    moved = pushed((-0.03 - RADIUS - 0.005, 0.0), (0.2, 0.0))
-    expected = torch.tensor([0.015, 0.0, 0.0], dtype=torch.float64)
+    """Head on, 5 px before the side: of 20 px the object gets 15."""
+    moved = pushed((BESIDE - 5, 0), (200, 0))
+    expected = torch.tensor([15 * PIXEL, 0.0, 0.0], dtype=torch.float64)
     torch.testing.assert_close(moved, expected, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("velocity", [(0.04, 0.0), (-0.5, 0.0), (0.0, 0.5)])
+@pytest.mark.parametrize("velocity", [(40, 0), (-500, 0), (0, 500)])
 def test_nothing_moves_what_is_not_reached(velocity: tuple[float, float]) -> None:
-    moved = pushed((-0.03 - RADIUS - 0.005, 0.0), velocity)
+    moved = pushed((BESIDE - 5, 0), velocity)
     assert moved.tolist() == [0.0, 0.0, 0.0]
 
 
 def test_a_push_beside_the_centre_turns_the_object() -> None:
-    above = pushed((-0.03 - RADIUS, 0.02), (0.1, 0.0))
-    below = pushed((-0.03 - RADIUS, -0.02), (0.1, 0.0))
+    above = pushed((BESIDE, 20), (100, 0))
+    below = pushed((BESIDE, -20), (100, 0))
     assert float(above[2]) < 0 < float(below[2])
     torch.testing.assert_close(above[:1], below[:1])
 
@@ -51,7 +54,9 @@ def test_a_push_beside_the_centre_turns_the_object() -> None:
 def test_the_belief_moves_as_it_is_and_leads_no_gradient_to_the_push() -> None:
     pose = poses(1)[0].requires_grad_()
     pusher, a = (torch.ones(2, dtype=torch.float64, requires_grad=True) for _ in range(2))
-    moved = PoseMotion(ContactOptions(size=0.12).dynamics(body_of()), RADIUS)(pose, pusher, a, 0.1)
+    moved = PoseMotion(ContactOptions(size=T_WIDTH).dynamics(body_of()), RADIUS)(
+        pose, pusher, a, 0.1
+    )
 
     jacobian = torch.stack([torch.autograd.grad(x, pose, retain_graph=True)[0] for x in moved])
     torch.testing.assert_close(jacobian, pose_jacobian(pusher))

@@ -88,15 +88,15 @@ def test_objects_are_those_of_the_environment(name: str) -> None:
 def test_the_t_is_given_where_nothing_is() -> None:
     body = body_of()
     assert body.outline_order == (0, 1, 2, 5, 6, 7, 4, 3)
-    assert body.center_of_mass.tolist() == [0.0, 0.045]
-    assert body.radius_of_gyration == pytest.approx(0.001 * 3000**0.5)
+    assert body.center_of_mass.tolist() == [0.0, 45 * PIXEL]
+    assert body.radius_of_gyration == pytest.approx(3000**0.5 * PIXEL)
     other_sense = rigid_object(Options(outline_order=(3, 4, 7, 6, 5, 2, 1, 0)))
     assert other_sense.outline_order == body.outline_order
 
     corners = (body.keypoints + body.center_of_mass)[list(body.outline_order)]
     ring = shapely.Polygon(corners)
     assert ring.is_valid
-    assert ring.area == pytest.approx(0.12 * 0.03 + 0.09 * 0.03)
+    assert ring.area == pytest.approx((120 * 30 + 90 * 30) * PIXEL**2)
 
 
 CROSSING = [(0, 0), (0.1, 0.1), (0.1, 0), (0, 0.12)]

@@ -14,6 +14,7 @@ from torch import Tensor
 import aicon_envs  # noqa: F401  (registers the environments)
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
+from aicon_torch.models.pusht.benchmark import WORKSPACE
 from aicon_torch.parts import PositionTarget, Servo
 
 each_gain = pytest.mark.parametrize("gains", GAINS, ids=str)
@@ -36,12 +37,13 @@ def test_the_servo_is_the_loop_of_its_sub_steps(gains: dict[str, Any]) -> None:
 @each_gain
 def test_the_target_yields_the_velocity_that_was_asked_for(gains: dict[str, Any]) -> None:
     servo = Servo.of(**gains)
-    a, velocity = 0.06 * normal(20, 2), 0.06 * normal(20, 2, seed=1)
-    pusher = 0.256 + 0.02 * normal(20, 2, seed=2)
+    a, velocity = 60 * PIXEL * normal(20, 2), 60 * PIXEL * normal(20, 2, seed=1)
+    pusher = PIXEL * (256 + 20 * normal(20, 2, seed=2))
+    lowest, highest = WORKSPACE
 
-    target = PositionTarget(servo, (0.0, 0.512))(a, pusher, velocity, 0.1)
-    assert ((target >= 0.0) & (target <= 0.512)).all()
-    inside = ((target > 0.0) & (target < 0.512)).all(-1)
+    target = PositionTarget(servo, WORKSPACE)(a, pusher, velocity, 0.1)
+    assert ((target >= lowest) & (target <= highest)).all()
+    inside = ((target > lowest) & (target < highest)).all(-1)
     assert inside.double().mean() > 0.5
 
     places, final = sub_steps(target - pusher, velocity, **gains)
@@ -51,9 +53,9 @@ def test_the_target_yields_the_velocity_that_was_asked_for(gains: dict[str, Any]
 
 
 def test_without_a_servo_the_target_is_where_the_pusher_will_be() -> None:
-    a, pusher = 0.06 * normal(20, 2), 0.256 + 0.02 * normal(20, 2, seed=2)
-    target = PositionTarget(None, (0.0, 0.512))(a, pusher, normal(20, 2, seed=3), 0.1)
-    torch.testing.assert_close(target, (pusher + 0.1 * a).clamp(0.0, 0.512))
+    a, pusher = 60 * PIXEL * normal(20, 2), PIXEL * (256 + 20 * normal(20, 2, seed=2))
+    target = PositionTarget(None, WORKSPACE)(a, pusher, normal(20, 2, seed=3), 0.1)
+    torch.testing.assert_close(target, (pusher + 0.1 * a).clamp(*WORKSPACE))
 
 
 @each_gain

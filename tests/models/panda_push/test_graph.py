@@ -2,6 +2,7 @@ import pytest
 
 from aicon_torch import make_policy
 from aicon_torch.models.panda_push import PANDA, Options, world_model
+from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts.contact import ContactLikelihood, closest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 
@@ -24,7 +25,7 @@ def test_the_pushing_model_is_that_of_pusht_itself():
 def test_its_contacts_are_those_of_pusht_but_for_the_size_of_the_object():
     ours = relation_of(world_model(Options()), "p_contact")
     theirs = relation_of(make_policy("pusht").model, "p_contact")
-    ratio = 0.2 / 0.12
+    ratio = 0.2 / (120 * PIXEL)
     for name in ("reach", "reaction", "aim"):
         assert getattr(ours, name) == pytest.approx(ratio * getattr(theirs, name))
     assert ours.radius == PANDA.stick_radius

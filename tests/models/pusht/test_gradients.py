@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from aicon_torch import make_policy
 from aicon_torch.models import pusht, replace_options
-from aicon_torch.models.pusht import rigid_object
+from aicon_torch.models.pusht import PIXEL, rigid_object
 from aicon_torch.parts import RigidObject
 
 Vector = NDArray[Any]
@@ -113,8 +113,8 @@ FORMS: dict[str, dict[str, Any]] = {
     "a notch": {"keypoints": NOTCHED, "contact.effect": "sine", "contact.rotation": 0.7},
     "off its middle": {
         "keypoints": TRIANGLE,
-        "center_of_mass": (0.01, 0.005),
-        "radius_of_gyration": 0.025,
+        "center_of_mass": (10 * PIXEL, 5 * PIXEL),
+        "radius_of_gyration": 25 * PIXEL,
     },
 }
 
@@ -127,7 +127,7 @@ def test_gradients_at_the_pusher_are_those_written_by_hand(
     policy = make_policy("pusht", **changes, **{"resolution.by_row": by_row})
     options = replace_options(pusht.Options(), changes)
     body, pose = rigid_object(options), poses(30, seed=3)
-    reading = in_pixels(body, pose, outside(body, pose, 0.06, seed=4))
+    reading = in_pixels(body, pose, outside(body, pose, 60 * PIXEL, seed=4))
     trace = policy.trace(policy.predict(reading)[1])
 
     # Each gradient came over one contact, or over the two of one side.
@@ -156,13 +156,13 @@ def test_the_cost_is_the_distance_of_the_poses() -> None:
     """√(|Δc|² + (Lθ)²), θ the shorter way round; the target is a pose of the body frame."""
     body, pose = rigid_object(pusht.Options()), poses(50, seed=1)
     policy = make_policy("pusht")
-    far = torch.full((50, 2), 0.02, dtype=torch.float64)
+    far = torch.full((50, 2), 20 * PIXEL, dtype=torch.float64)
     trace = policy.trace(policy.predict(in_pixels(body, pose, far))[1])
 
-    frame = torch.tensor([0.256, 0.256, math.pi / 4], dtype=torch.float64)
+    frame = torch.tensor([256 * PIXEL, 256 * PIXEL, math.pi / 4], dtype=torch.float64)
     error = pose - body.pose_of_frame(frame)
     turn = (error[:, 2] + math.pi) % (2 * math.pi) - math.pi
-    length = 1.55 * 0.001 * 3000**0.5
+    length = 1.55 * 3000**0.5 * PIXEL
     expected = (error[:, :2].square().sum(-1) + (length * turn) ** 2).sqrt()
     torch.testing.assert_close(trace.costs["push"], expected, rtol=0, atol=1e-9)
 

@@ -9,9 +9,9 @@ from _asserts import assert_rows_stand_alone, rollout
 from _inputs.pushing import body_of, in_pixels, wandering
 
 from aicon_torch import make_policy
-from aicon_torch.models.pusht import PIXEL
+from aicon_torch.models.pusht import PIXEL, benchmark
 
-GOAL = (0.2, 0.31, -2.0)
+GOAL = (200 * PIXEL, 310 * PIXEL, -2.0)
 
 
 @pytest.mark.parametrize("delay", [1, 3])
@@ -19,8 +19,8 @@ GOAL = (0.2, 0.31, -2.0)
 def test_late_readings_are_moved_on_by_what_was_done_since(delay: int, command: Any) -> None:
     """In the open, without noise: where the pusher is, though readings say where it was."""
     policy, body, memory = make_policy("pusht", delay=delay, command=command), body_of(), None
-    pose = torch.tensor([0.4, 0.4, 0.5], dtype=torch.float64)
-    places = [torch.tensor([0.02, 0.02], dtype=torch.float64)]
+    pose = torch.tensor([400 * PIXEL, 400 * PIXEL, 0.5], dtype=torch.float64)
+    places = [torch.full((2,), 20 * PIXEL, dtype=torch.float64)]
 
     for step in range(8):
         late = in_pixels(body, pose, places[max(step - delay, 0)])
@@ -28,7 +28,7 @@ def test_late_readings_are_moved_on_by_what_was_done_since(delay: int, command: 
         torch.testing.assert_close(memory["x_pusher"], places[-1], rtol=0, atol=1e-9)
         torch.testing.assert_close(memory["x_pose"], pose, rtol=0, atol=1e-9)
 
-        away = [0.06 * math.sin(step), 0.05]  # so that it stays in the open
+        away = [60 * PIXEL * math.sin(step), 50 * PIXEL]  # so that it stays in the open
         memory["a"] = torch.tensor(away, dtype=torch.float64)
         places.append(places[-1] + 0.1 * memory["a"])
 
@@ -59,8 +59,9 @@ def test_an_observed_goal_is_the_fixed_one(preset: str) -> None:
 
 
 def test_a_whole_turn_of_the_goal_is_none() -> None:
+    x, y, _ = benchmark.GOAL_POSE
     first, second = (
-        rollout(make_policy("pusht", goal_pose=(0.256, 0.256, angle)), wandering(3, 4))[-1]
+        rollout(make_policy("pusht", goal_pose=(x, y, angle)), wandering(3, 4))[-1]
         for angle in (0.8, 0.8 + 2 * math.pi)
     )
     torch.testing.assert_close(first["a"], second["a"], rtol=1e-8, atol=1e-9)

@@ -40,7 +40,7 @@ def test_without_keypoints_it_predicts_and_goes_on(lost: str) -> None:
 
         if not blind:
             error = (memory["x_pose"] - registered(reading))[:, :2]
-            assert (error.abs() < 0.0002).all()
+            assert (error.abs() < 0.2 * PIXEL).all()
             continue
         assert before is not None
         predicted = motion(before["x_pose"], memory["x_pusher"], before["a"], 0.1)
@@ -118,6 +118,6 @@ def test_tensors_are_not_checked_and_the_first_reading_tells(missing: tuple[str,
         assert action.isfinite().all()
     assert memory is not None
     place = PIXEL * readings[3]["agent_pos"]
-    assert (memory["x_pusher"] - place).norm(dim=-1).max() < 0.005
+    assert (memory["x_pusher"] - place).norm(dim=-1).max() < 5 * PIXEL
     error = (memory["x_pose"] - registered(readings[3]))[:, :2]
-    assert error.norm(dim=-1).max() < 0.001
+    assert error.norm(dim=-1).max() < PIXEL
