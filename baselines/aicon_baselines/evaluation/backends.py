@@ -27,6 +27,7 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
     if scheduler is not None and name != "dask":
         raise ComparisonError(f"a scheduler belongs to the dask backend, not to {name!r}")
 
+    # What is opened here is closed with the context, in the opposite order.
     with ExitStack() as stack:
         if name == "dask":
             _connect(stack, jobs, scheduler)
