@@ -45,8 +45,9 @@ def _connect(stack: ExitStack, jobs: int, scheduler: str | None) -> None:
         ) from error
 
     if scheduler is None:
+        # Port 0 is any free one: its usual port may be taken by another cluster of this machine.
         cluster = distributed.LocalCluster(
-            n_workers=jobs, threads_per_worker=1, dashboard_address=None
+            n_workers=jobs, threads_per_worker=1, dashboard_address="localhost:0"
         )
         scheduler = stack.enter_context(cluster)
 
