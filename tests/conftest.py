@@ -2,9 +2,11 @@
 
 import os
 
+import pytest
 import torch
 from hypothesis import HealthCheck, settings
 
+pytest.register_assert_rewrite("_asserts")  # what failed is shown there, too
 torch.set_num_threads(1)
 
 settings.register_profile(

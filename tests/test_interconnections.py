@@ -101,9 +101,8 @@ def test_a_differentiable_jacobian_can_be_differentiated_again(rows: int) -> Non
         return residual(p, z)[..., :rows]
 
     def jacobian(p: Tensor, z: Tensor) -> Tensor:
-        return Interconnection(relation).linearize(
-            {"p": p, "z": z}, "p", rows, differentiable=True
-        )[1]
+        values = {"p": p, "z": z}
+        return Interconnection(relation).linearize(values, "p", rows, differentiable=True)[1]
 
     leaves = tuple(value.requires_grad_() for value in inputs.values())
     assert torch.autograd.gradcheck(jacobian, leaves)
@@ -117,10 +116,12 @@ def test_a_plain_jacobian_keeps_no_graph() -> None:
 
 def test_a_module_may_be_the_function() -> None:
     learned = Learned()
-    value, jacobian = Interconnection(learned).linearize({"x": normal(3, 2)}, "x", 2)
+    relation = Interconnection(learned)
+    value, jacobian = relation.linearize({"x": normal(3, 2)}, "x", 2)
+
     torch.testing.assert_close(value, learned(normal(3, 2)))
     torch.testing.assert_close(jacobian, learned.layer.weight.expand(3, 2, 2).detach())
-    assert len(list(Interconnection(learned).parameters())) == 2
+    assert len(list(relation.parameters())) == 2
 
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
@@ -132,21 +133,25 @@ def test_affine_is_the_sum_of_products(batch: tuple[int, ...]) -> None:
         "z": normal(*batch, 2, seed=3),
     }
     relation = Affine(x=0.5, u=matrix, z=-1.0)
-    expected = 0.5 * values["x"] + torch.einsum("ij,...j->...i", matrix, values["u"]) - values["z"]
+    moved = torch.einsum("ij,...j->...i", matrix, values["u"])
+    expected = 0.5 * values["x"] + moved - values["z"]
     torch.testing.assert_close(relation(values), expected)
-    for name, factor in (("x", 0.5 * torch.eye(2)), ("u", matrix), ("z", -torch.eye(2))):
+
+    def function(x: Tensor, u: Tensor, z: Tensor) -> Tensor:
+        return relation({"x": x, "u": u, "z": z})
+
+    identity = torch.eye(2, dtype=torch.float64)
+    for name, factor in (("x", 0.5 * identity), ("u", matrix), ("z", -identity)):
         value, jacobian = relation.linearize(values, name, 2)
+        jacobian = jacobian.expand(*batch, 2, -1)
         torch.testing.assert_close(value, expected)
-        torch.testing.assert_close(
-            jacobian.expand(*batch, 2, -1), factor.double().expand(*batch, 2, -1)
-        )
-        by_autograd = Interconnection(
-            lambda x, u, z: Affine(x=0.5, u=matrix, z=-1.0)({"x": x, "u": u, "z": z})
-        )
-        torch.testing.assert_close(
-            by_autograd.linearize(values, name, 2)[1], jacobian.expand(*batch, 2, -1)
-        )
-    assert not relation.linearize({**values, "q": normal(*batch, 4)}, "q", 2)[1].any()
+        torch.testing.assert_close(jacobian, factor.expand(*batch, 2, -1))
+
+        _, by_autograd = Interconnection(function).linearize(values, name, 2)
+        torch.testing.assert_close(by_autograd, jacobian)
+
+    _, by_unread = relation.linearize({**values, "q": normal(*batch, 4)}, "q", 2)
+    assert not by_unread.any()
 
 
 def test_affine_matrices_follow_the_precision() -> None:

@@ -223,11 +223,13 @@ class Policy(nn.Module):
         episode_start: ArrayLike | Tensor | None,
     ) -> Mapping[str, Any]:
         """The observation with what the perception makes of it."""
-        values = None if state is None else last_values(self.model, state)
-        if isinstance(episode_start, Tensor):
-            episode_start = episode_start.numpy(force=True)
-        starts = None if episode_start is None else np.asarray(episode_start, dtype=bool)
-        return perception(observation, values, starts)
+        if state is None:
+            return perception(observation, None, None)
+
+        values = last_values(self.model, state)
+        batch = tuple(values[next(iter(self.model.actuators))].shape[:-1])
+        starts = starting_rows(episode_start, batch, self.model.like.device)
+        return perception(observation, values, None if starts is None else starts.numpy(force=True))
 
     def _check_executed(self, executed: Mapping[str, Tensor]) -> None:
         for name, action in executed.items():

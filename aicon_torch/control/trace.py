@@ -37,7 +37,7 @@ class QuantityTrace:
 
     name: str
     paths: tuple[tuple[str, ...], ...]
-    goals: tuple[frozenset[str], ...]
+    goals: tuple[tuple[str, ...], ...]
     gradients: Tensor
     strengths: Tensor
     weights: Tensor
@@ -53,7 +53,10 @@ class QuantityTrace:
         return tuple(" → ".join(path) for path in self.paths)
 
     def goals_in_conflict(self, row: int | tuple[int, ...] = ()) -> tuple[str, str] | None:
-        """Goals of the leader and of its opponent while the quantity explores; None if it does not.
+        """Goals of the leader and of the gradient that opposes it, while the quantity explores.
+
+        None where it does not explore, or where it only waits for progress and nothing opposes the
+        leader any more.
 
         Args:
             row: Which row of the batch.
@@ -62,7 +65,7 @@ class QuantityTrace:
         if not bool(self.exploring[row]) or opponent == UNUSED:
             return None
         leader = int(self.leader[row])
-        return "+".join(sorted(self.goals[leader])), "+".join(sorted(self.goals[opponent]))
+        return "+".join(self.goals[leader]), "+".join(self.goals[opponent])
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,8 @@ def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
             own = {key: memory[f"{name}/{key}"] for key in backward.remembered_at(name)}
             quantities[name] = _where_gradients_met(backward, name, paths, own)
         elif name in model.actuators:
-            quantities[name] = _where_one_arrived(name, paths[0], memory[f"{name}/gradient"])
+            gradient = memory[f"{name}/gradient"]
+            quantities[name] = _where_one_arrived(backward, name, paths[0], gradient)
     return StepTrace(values, costs, quantities)
 
 
@@ -114,7 +118,7 @@ def _where_gradients_met(
     return QuantityTrace(
         name=name,
         paths=tuple((*path.names, name) for path in paths),
-        goals=tuple(path.goals for path in paths),
+        goals=tuple(_in_order(path.goals, backward) for path in paths),
         gradients=gradients,
         strengths=strengths,
         weights=backward.resolution.weigh(strengths),
@@ -126,13 +130,15 @@ def _where_gradients_met(
     )
 
 
-def _where_one_arrived(name: str, path: PartialPath, gradient: Tensor) -> QuantityTrace:
+def _where_one_arrived(
+    backward: BackwardPass, name: str, path: PartialPath, gradient: Tensor
+) -> QuantityTrace:
     strengths = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
     first = torch.zeros_like(strengths[..., 0], dtype=torch.long)
     return QuantityTrace(
         name=name,
         paths=((*path.names, name),),
-        goals=(path.goals,),
+        goals=(_in_order(path.goals, backward),),
         gradients=gradient.unsqueeze(-2),
         strengths=strengths,
         weights=torch.ones_like(strengths),
@@ -142,6 +148,11 @@ def _where_one_arrived(name: str, path: PartialPath, gradient: Tensor) -> Quanti
         cosine=torch.ones_like(strengths[..., 0]),
         exploring=torch.zeros_like(first, dtype=torch.bool),
     )
+
+
+def _in_order(goals: frozenset[str], backward: BackwardPass) -> tuple[str, ...]:
+    """Goals in the order of the model."""
+    return tuple(goal for goal in backward.model.goals if goal in goals)
 
 
 def _leader(strengths: Tensor, memory: Mapping[str, Tensor]) -> Tensor:

@@ -50,9 +50,8 @@ class Declaration:
             GraphError: If a name is unknown, taken or given twice, or something is no function.
         """
         check_names(sensors, actuators, estimators, goals)
-        known = [*sensors, *actuators, "dt"]
-        for estimator in estimators:
-            known.extend(estimator.outputs)
+        estimates = [name for estimator in estimators for name in estimator.outputs]
+        known = [*sensors, *actuators, *estimates, "dt"]
 
         constraints: dict[str, tuple[Interconnection, ...]] = {}
         commands: dict[str, Interconnection] = {}

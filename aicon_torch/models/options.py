@@ -26,21 +26,27 @@ def replace_options(options: Options, changes: Mapping[str, Any], owner: str = "
         >>> replace_options(Options(), {"law.gain": 10.0, "resolution.exploration": None})
     """
     valid = tuple(field.name for field in dataclasses.fields(options))  # type: ignore[arg-type]
+
+    # Which fields are replaced as a whole, and which in part.
     whole: dict[str, Any] = {}
     partial: dict[str, dict[str, Any]] = {}
     for path, value in changes.items():
         name, _, rest = path.partition(".")
         if name not in valid:
             raise OptionError(f"{owner} has no option {name!r}. Options: {choices(valid)}.")
+
         if rest:
             partial.setdefault(name, {})[rest] = value
         else:
             whole[name] = value
 
+    # A part is replaced in what its field now is.
     for name, inner in partial.items():
         group = whole.get(name, getattr(options, name))
         if not dataclasses.is_dataclass(group):
             first = next(iter(inner))
             raise OptionError(f"{name!r} of {owner} is {group!r}; it has no option {first!r}.")
+
         whole[name] = replace_options(group, inner, f"{name!r} of {owner}")
+
     return dataclasses.replace(options, **whole)  # type: ignore[type-var]

@@ -1,5 +1,14 @@
 """What graphs are made of: in SI units, each usable alone."""
 
+from aicon_torch.parts.camera import (
+    STEERED_COMPONENTS,
+    CameraFrame,
+    Intrinsics,
+    Visibility,
+    split_frame,
+    to_world,
+)
+from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.clearance import (
     ClearancePrior,
     CollisionLikelihood,
@@ -32,6 +41,11 @@ from aicon_torch.parts.delay import (
     current_position,
     delayed_position,
 )
+from aicon_torch.parts.end_effector import EndEffector, ToolPose
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.image_registration import Detection, ImageRegistration
+from aicon_torch.parts.image_segmentation import RGBDImage, TopFace, TopFaceSegmentation
+from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.landmark import (
     BearingPrior,
     approach,
@@ -49,30 +63,60 @@ from aicon_torch.parts.pose import (
     resting_pose,
 )
 from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.parts.self_collision import (
+    Capsule,
+    CapsuleSegments,
+    SelfCollision,
+    segment_distance,
+)
 from aicon_torch.parts.servo import PositionTarget, Servo
 from aicon_torch.parts.slow_approach import SlowApproach
+from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
+from aicon_torch.parts.workspace import Workspace
 
 __all__ = [
+    "STEERED_COMPONENTS",
     "ActionHistory",
     "BearingPrior",
+    "CameraFrame",
+    "Capsule",
+    "CapsuleSegments",
+    "Chain",
     "ClearancePrior",
     "CollisionLikelihood",
     "ContactDynamics",
+    "ContactForce",
     "ContactLikelihood",
     "ContactLimitOptions",
     "ContactLimits",
     "ContactOptions",
     "CurrentPose",
     "DelayedPoseMotion",
+    "Detection",
+    "EndEffector",
     "FixedTarget",
+    "ForceThreshold",
+    "ImageRegistration",
+    "Intrinsics",
+    "JointLimits",
     "KeypointRegistration",
     "PoseDistance",
     "PoseMotion",
     "PositionTarget",
+    "RGBDImage",
     "RigidObject",
+    "SelfCollision",
     "Servo",
     "SlowApproach",
     "SlowApproachOptions",
+    "SquaredHinge",
+    "ToolPose",
+    "TopFace",
+    "TopFaceSegmentation",
+    "TouchedSide",
+    "TouchedTop",
+    "Visibility",
+    "Workspace",
     "approach",
     "bearing_jacobian",
     "bearing_residual",
@@ -91,9 +135,12 @@ __all__ = [
     "range_residual",
     "resting_pose",
     "rotate",
+    "segment_distance",
     "slide",
     "slide_jacobian",
+    "split_frame",
     "tangent",
+    "to_world",
     "unit_gradient_jacobian",
     "unit_gradient_residual",
     "wrap_angle",

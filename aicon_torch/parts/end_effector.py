@@ -31,10 +31,12 @@ class ToolPose:
 
     def of_frame(self, tool: Tensor) -> Tensor:
         """x_ee ``(*B, 6)`` of the tool's transform ``(*B, 4, 4)``."""
-        axis = tool[..., :3, 2]
-        tip = tool[..., :3, 3] + self.length * axis
-        heading = torch.atan2(tool[..., 1, 0], tool[..., 0, 0]).unsqueeze(-1)
-        return torch.cat((tip, self.lever * axis[..., :2], self.lever * heading), dim=-1)
+        x_axis, _, z_axis, origin = tool[..., :3, :].unbind(-1)
+        tip = origin + self.length * z_axis
+
+        x, y, _ = torch.split(x_axis, 1, dim=-1)
+        heading = torch.atan2(y, x)
+        return torch.cat((tip, self.lever * z_axis[..., :2], self.lever * heading), dim=-1)
 
     def to_frame(self, x_ee: Tensor) -> tuple[Tensor, Tensor]:
         """The inverse: rotation ``(*B, 3, 3)`` and origin ``(*B, 3)`` of the tool, m."""
@@ -102,23 +104,23 @@ class EndEffector(nn.Module):
 
     def jacobian_at(self, frames: Tensor) -> Tensor:
         """J ``(*B, 6, n)`` there: joint i turns everything after it about its z axis."""
-        joint_axes, joint_origins = frames[..., :-1, :3, 2], frames[..., :-1, :3, 3]
-        tool = frames[..., -1, :, :]
-        x_axis, z_axis = tool[..., :3, 0].unsqueeze(-2), tool[..., :3, 2].unsqueeze(-2)
-        tip = tool[..., :3, 3].unsqueeze(-2) + self.pose.length * z_axis
+        _, _, joint_axes, joint_origins = frames[..., :-1, :3, :].unbind(-1)
+        x_axis, _, z_axis, origin = frames[..., -1:, :3, :].unbind(-1)
+        tip = origin + self.pose.length * z_axis
 
         # A turn about an axis moves a point by axis × arm and a direction by axis × direction.
         tip_motion = torch.linalg.cross(joint_axes, tip - joint_origins)
-        z_motion = torch.linalg.cross(joint_axes, z_axis.expand_as(joint_axes))
         x_motion = torch.linalg.cross(joint_axes, x_axis.expand_as(joint_axes))
+        z_motion = torch.linalg.cross(joint_axes, z_axis.expand_as(joint_axes))
 
         # ψ = atan2(y, x), so dψ = (x dy − y dx)/(x² + y²).
-        x, y = x_axis[..., 0], x_axis[..., 1]
-        heading_motion = (x * x_motion[..., 1] - y * x_motion[..., 0]) / (x * x + y * y)
+        x, y, _ = torch.split(x_axis, 1, dim=-1)
+        dx, dy, _ = torch.split(x_motion, 1, dim=-1)
+        heading_motion = (x * dy - y * dx) / (x * x + y * y)
 
         lever = self.pose.lever
-        columns = (tip_motion, lever * z_motion[..., :2], lever * heading_motion.unsqueeze(-1))
-        return torch.cat(columns, dim=-1).mT
+        rows = (tip_motion, lever * z_motion[..., :2], lever * heading_motion)
+        return torch.cat(rows, dim=-1).mT
 
     def solve(self, jacobian: Tensor, motion: Tensor) -> Tensor:
         """J⁺w = Jᵀ(JJᵀ + λ²I)⁻¹ w, the motion of the joints that moves x_ee by w.

@@ -27,12 +27,14 @@ def signed_distance(points: Array, corners: Array) -> tuple[Array, Array]:
         less than the distance to that end; and the unit normal, ``(n, 2)``, on the right of the
         side from its start to its end.
     """
-    along, gaps = _gaps(points, corners)
+    sides, gaps = _gaps(points, corners)
     nearest = (gaps * gaps).sum(-1).argmin(1)
     gap = gaps[np.arange(len(points)), nearest]
+    side = sides[nearest]
 
-    tangent = along[nearest] / np.linalg.norm(along[nearest], axis=1, keepdims=True)
-    normal = np.column_stack((tangent[:, 1], -tangent[:, 0]))
+    length = np.linalg.norm(side, axis=1, keepdims=True)
+    tangent_x, tangent_y = (side / length).T
+    normal = np.column_stack((tangent_y, -tangent_x))
     return (gap * normal).sum(-1), normal
 
 
@@ -46,28 +48,36 @@ def contains(points: Array, corners: Array, margin: float) -> Mask:
     """
     _, gaps = _gaps(points, corners)
     distance = np.sqrt((gaps**2).sum(-1)).min(1)
-
     inside = _crossings(points, corners) % 2 == 1
-    kept: Mask = inside & (distance > -margin) if margin < 0 else inside | (distance < margin)
+
+    kept: Mask
+    if margin < 0:
+        kept = inside & (distance > -margin)
+    else:
+        kept = inside | (distance < margin)
     return kept
 
 
 def _crossings(points: Array, corners: Array) -> NDArray[np.int_]:
     """How many sides a ray from each point in the direction of x crosses, ``(n,)``."""
-    x, y = points[:, 0, None], points[:, 1, None]
-    start, end = corners, np.roll(corners, -1, axis=0)
-    spans = (start[:, 1] > y) != (end[:, 1] > y)
+    x, y = points[:, :1], points[:, 1:]
+    start_x, start_y = corners.T
+    end_x, end_y = np.roll(corners, -1, axis=0).T
 
-    rise = end[:, 1] - start[:, 1]
-    rise = np.where(rise == 0, 1.0, rise)  # a level side spans no y
-    crossing = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
+    # A level side spans no y, so that what it is divided by does not matter.
+    spans = (start_y > y) != (end_y > y)
+    rise = np.where(end_y == start_y, 1.0, end_y - start_y)
+    crossing = start_x + (y - start_y) / rise * (end_x - start_x)
+
     crossings: NDArray[np.int_] = (spans & (x < crossing)).sum(1)
     return crossings
 
 
 def _gaps(points: Array, corners: Array) -> tuple[Array, Array]:
     """The sides ``(N, 2)``, and from the nearest point of each to each point, ``(n, N, 2)``."""
-    start, along = corners, np.roll(corners, -1, axis=0) - corners
-    relative = points[:, None] - start
-    share = ((relative * along).sum(-1) / (along * along).sum(-1)).clip(0.0, 1.0)
-    return along, relative - share[..., None] * along
+    sides = np.roll(corners, -1, axis=0) - corners
+    relative = points[:, None] - corners
+
+    share = (relative * sides).sum(-1) / (sides * sides).sum(-1)
+    nearest = share.clip(0.0, 1.0)[..., None] * sides
+    return sides, relative - nearest

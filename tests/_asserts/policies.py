@@ -58,3 +58,9 @@ def assert_rows_stand_alone(policy: Policy, observations: Readings, rows: Sequen
 
         expected = {name: value[:, row] for name, value in together.items()}
         assert_same_memory(alone, expected, 1e-12)
+
+
+def arrived(policy: Policy, memory: Memory, quantity: str) -> Memory:
+    """The gradients ``(*B, d)`` that arrived at a quantity in a step, by the path of each."""
+    there = policy.trace(memory).quantities[quantity]
+    return dict(zip(there.labels, there.gradients.unbind(-2), strict=True))

@@ -58,7 +58,7 @@ def _anticipate(
     known = {**values, **actions, "dt": model.dt}
     ahead: dict[str, Tensor] = {}
 
-    for node in model.nodes:
+    for node in model.estimators:
         for name in node.outputs:
             if name in model.edges:
                 ahead[name] = node(known, name).detach()
@@ -77,7 +77,7 @@ def _offsets(model: WorldModel, values: Values, actions: Values) -> dict[str, Te
     """
     offsets: dict[str, Tensor] = {}
 
-    for node in model.nodes:
+    for node in model.estimators:
         for name in node.outputs:
             if name in model.edges:
                 offsets[name] = values[name] - _anticipate(model, values, actions, offsets)[name]

@@ -17,7 +17,16 @@ from _inputs.gradients import (
     lengths,
     pair,
 )
-from _inputs.navigation import as_arrays, drifting, navigation, observation_with, with_goal
+from _inputs.navigation import (
+    as_arrays,
+    drifting,
+    navigation,
+    navigation_in_text,
+    observation_with,
+    with_goal,
+    with_law,
+    with_rule,
+)
 from _inputs.random_graphs import DERIVATIVES, blueprints, graphs
 from _inputs.random_numbers import BATCHES, DTYPES, normal, random_covariance
 from _inputs.rows import Row, anchors, bent, distances, plain_sum, rowed_model, rows_of
@@ -112,6 +121,7 @@ __all__ = [
     "move",
     "moved",
     "navigation",
+    "navigation_in_text",
     "near",
     "normal",
     "observation_with",
@@ -144,4 +154,6 @@ __all__ = [
     "weighted",
     "where_to",
     "with_goal",
+    "with_law",
+    "with_rule",
 ]

@@ -63,9 +63,9 @@ def gradient_stack(
     motion: Tensor | None = None,
     goals: Sequence[str] | None = None,
     costs: Mapping[str, Tensor] | None = None,
-    displaced: Callable[[str, Tensor], Tensor] | None = None,
+    displaced_cost: Callable[[str, Tensor], Tensor] | None = None,
     dt: float = 0.05,
-    final: bool = True,
+    is_last: bool = True,
 ) -> GradientStack:
     """Gradients ``(*B, n, d)`` at a quantity at rest, of goals ``g0``, ``g1``, ….
 
@@ -80,9 +80,9 @@ def gradient_stack(
         goals=tuple(frozenset(name.split("+")) for name in names),
         motion=at_rest if motion is None else motion,
         costs=dict.fromkeys(names, zero) if costs is None else dict(costs),
-        displaced=displaced or (lambda goal, shift: zero),
+        displaced_cost=displaced_cost or (lambda goal, shift: zero),
         dt=dt,
-        final=final,
+        is_last=is_last,
     )
 
 

@@ -1,5 +1,6 @@
 """The navigation's policies, and readings to run them on."""
 
+import dataclasses
 import functools
 from collections.abc import Mapping
 from typing import Any
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from _inputs.random_numbers import normal
+from _inputs.rules import exploration_in_paper
 from aicon_torch import Goal, Policy, WorldModel, make_policy
 
 
@@ -17,6 +19,28 @@ from aicon_torch import Goal, Policy, WorldModel, make_policy
 def navigation(preset: str = "aicon") -> Policy:
     """One of the navigation's policies; a policy keeps nothing, so one serves all tests."""
     return make_policy("nav2d", preset=preset)
+
+
+def with_rule(policy: Policy, **options: Any) -> Policy:
+    """The policy with some options of its resolution changed."""
+    rule: Any = policy.resolution
+    return Policy(policy.model, dataclasses.replace(rule, **options), policy.law)
+
+
+def with_law(policy: Policy, **options: Any) -> Policy:
+    """The policy with some options of its action law changed."""
+    return Policy(policy.model, policy.resolution, dataclasses.replace(policy.law, **options))
+
+
+@functools.cache
+def navigation_in_text() -> Policy:
+    """The navigation's policy with conflicts as the text has them.
+
+    The leader is compared with the second strongest, by weights.
+    """
+    ours: Any = navigation().resolution
+    exploration = exploration_in_paper(escape=ours.exploration.escape)
+    return with_rule(navigation(), relative=False, exploration=exploration)
 
 
 def with_goal(goal: Goal) -> Policy:
@@ -27,7 +51,7 @@ def with_goal(goal: Goal) -> Policy:
     model = WorldModel(
         sensors=base.sensors,
         actuators=base.actuators,
-        estimators=base.nodes,
+        estimators=base.estimators,
         goals=[*base.goals.values(), goal],
         dt=base.dt,
         dtype=torch.float64,

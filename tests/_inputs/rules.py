@@ -2,6 +2,7 @@
 gradients.
 """
 
+import dataclasses
 from typing import Any
 
 from torch import Tensor
@@ -15,12 +16,12 @@ PROJECTORS: tuple[Any, ...] = ("orthogonal", "qr", "pinv")
 
 def projection_in_paper(**options: Any) -> NullspaceProjection:
     """The paper's nullspace projection, with some of its options changed."""
-    return NullspaceProjection(**options)
+    return dataclasses.replace(NullspaceProjection.as_in_paper(), **options)
 
 
 def exploration_in_paper(**options: Any) -> Exploration:
     """The paper's exploration, with some of its options changed."""
-    return Exploration(**options)
+    return dataclasses.replace(Exploration.as_in_paper(), **options)
 
 
 def weighted(**options: Any) -> NullspaceProjection:
@@ -38,7 +39,7 @@ def literal(escape: Escape | None = None, **options: Any) -> NullspaceProjection
 
     So the stack says exactly what is in conflict.
     """
-    exploration = exploration_in_paper(escape=escape, **options)
+    exploration = exploration_in_paper(escape=escape or Escape(), **options)
     return projection_in_paper(temperature=None, margin=0.0, exploration=exploration)
 
 
@@ -76,4 +77,4 @@ def explores(rule: Resolution, gradients: Tensor, memory: Memory | None = None) 
 
 def selected(rule: NullspaceProjection, gradients: Tensor) -> tuple[Tensor, Tensor]:
     """The projected gradient of each rank, ``(*B, k, d)``, and the candidates ``(*B, k)``."""
-    return rule.resolve(gradients, lengths(gradients), fresh(rule, gradients)["rank"])
+    return rule.project_in_order(gradients, lengths(gradients), fresh(rule, gradients)["rank"])

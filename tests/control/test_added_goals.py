@@ -4,10 +4,11 @@ from collections.abc import Callable
 
 import pytest
 import torch
-from _inputs import drifting, with_goal
+from _inputs import drifting, navigation, with_goal
 from torch import Tensor
+from torch.nn.functional import normalize
 
-from aicon_torch import Goal, make_policy
+from aicon_torch import Goal
 
 GOALS: dict[str, Callable[..., Tensor]] = {
     "p_tar": lambda p_tar: 0.0 * p_tar[..., 0],
@@ -24,25 +25,24 @@ def test_a_goal_that_asks_for_nothing_changes_nothing(quantity: str) -> None:
 
     At x_rob it takes a share in the softmax, which shortens the sum and does not turn it.
     """
-    plain, more = make_policy("nav2d"), with_goal(Goal("nothing", GOALS[quantity]))
+    plain, more = navigation(), with_goal(Goal("nothing", GOALS[quantity]))
+    compared = "a/gradient" if quantity == "x_rob" else "a"
     memory = other = None
     explored = False
 
     for readings in drifting(200):
-        if (
-            memory is not None and other is not None
-        ):  # compared step by step: rounding errors must not add up
+        # Compared step by step: rounding errors must not add up.
+        if memory is not None and other is not None:
             other |= {name: memory[name] for name in plain.model.quantities}
-        action, memory = plain.predict(readings, memory)
-        same, other = more.predict(readings, other)
-        if quantity == "x_rob":
-            same, action = (
-                torch.nn.functional.normalize(m["a/gradient"], dim=-1) for m in (other, memory)
-            )
 
-        torch.testing.assert_close(same, action, rtol=1e-7, atol=1e-9)
-
+        _, memory = plain.predict(readings, memory)
+        _, other = more.predict(readings, other)
         explored |= bool(memory["x_rob/exploring"])
+
+        expected, found = memory[compared], other[compared]
+        if quantity == "x_rob":
+            expected, found = (normalize(gradient, dim=-1) for gradient in (expected, found))
+        torch.testing.assert_close(found, expected, rtol=1e-7, atol=1e-9)
 
     assert explored
 
@@ -53,6 +53,8 @@ def test_a_repelling_goal_on_the_clearance_keeps_more_distance() -> None:
         "bearing": torch.zeros(1, dtype=torch.float64),
         "range": torch.tensor([0.5], dtype=torch.float64),
     }
-    (_, plain), (_, wide) = make_policy("nav2d").predict(still), careful.predict(still)
+
+    _, plain = navigation().predict(still)
+    _, wide = careful.predict(still)
     assert "x_obs/gradients" in wide
     assert "x_obs/gradients" not in plain

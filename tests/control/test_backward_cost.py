@@ -10,11 +10,11 @@ from aicon_torch import (
     ActionLaw,
     Actuator,
     Deterministic,
-    Exploration,
     Goal,
     Interconnection,
     NullspaceProjection,
     Policy,
+    Resolution,
     Sensor,
     Sum,
     WorldModel,
@@ -46,36 +46,44 @@ def ladder(rungs: int) -> WorldModel:
     )
 
 
-@pytest.mark.parametrize(
-    "rule", [Sum(), NullspaceProjection(exploration=Exploration())], ids=["sum", "nullspace"]
-)
-def test_a_sweep_costs_edges_though_paths_double_with_every_rung(
-    rule: Sum | NullspaceProjection, monkeypatch: pytest.MonkeyPatch
+class CountedGrad:
+    """``torch.autograd.grad``, which counts its calls and their leaves."""
+
+    def __init__(self) -> None:
+        self.grad = torch.autograd.grad
+        self.calls = 0
+        self.leaves = 0
+
+    def __call__(self, outputs: Any, inputs: Any, *args: Any, **options: Any) -> Any:
+        self.calls += 1
+        self.leaves += len(inputs) if isinstance(inputs, list | tuple) else 1
+        return self.grad(outputs, inputs, *args, **options)
+
+
+def cost_of_a_step(rungs: int, rule: Resolution, monkeypatch: pytest.MonkeyPatch) -> CountedGrad:
+    policy = Policy(ladder(rungs), rule, ActionLaw(1.0))
+    counted = CountedGrad()
+
+    with monkeypatch.context() as patch:
+        patch.setattr(torch.autograd, "grad", counted)
+        policy.predict({"z": torch.zeros(1, dtype=torch.float64)})
+
+    return counted
+
+
+@pytest.mark.parametrize("rule", [Sum(), NullspaceProjection()], ids=["sum", "nullspace"])
+def test_a_backward_pass_costs_edges_though_paths_double_with_every_rung(
+    rule: Resolution, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pulls: dict[int, int] = {}
-    leaves: dict[int, int] = {}
-    original = torch.autograd.grad
+    calls: dict[int, int] = {}
 
     for rungs in (6, 12, 24):
-        model = ladder(rungs)
-        assert len(model.paths()) == 2 ** (rungs + 1)
+        assert len(ladder(rungs).paths()) == 2 ** (rungs + 1)
 
-        policy = Policy(model, rule, ActionLaw(1.0))
-        counted: list[int] = []
+        cost = cost_of_a_step(rungs, rule, monkeypatch)
+        edges = 4 * rungs + 4
+        assert cost.leaves == edges
+        assert cost.calls <= edges
+        calls[rungs] = cost.calls
 
-        def count(
-            outputs: Any, inputs: Any, *args: Any, counted: list[int] = counted, **kwargs: Any
-        ) -> Any:
-            counted.append(len(inputs) if isinstance(inputs, list | tuple) else 1)
-            return original(outputs, inputs, *args, **kwargs)
-
-        with monkeypatch.context() as patch:
-            patch.setattr(torch.autograd, "grad", count)
-            policy.predict({"z": torch.zeros(1, dtype=torch.float64)})
-
-        pulls[rungs], leaves[rungs] = len(counted), sum(counted)
-
-    edges = {rungs: 4 * rungs + 4 for rungs in pulls}
-    assert leaves == edges
-    assert all(pulls[rungs] <= edges[rungs] for rungs in pulls)
-    assert pulls[24] - pulls[12] == 2 * (pulls[12] - pulls[6])
+    assert calls[24] - calls[12] == 2 * (calls[12] - calls[6])

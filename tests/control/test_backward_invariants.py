@@ -3,7 +3,8 @@
 What never matters, and what holds always.
 """
 
-from typing import Any
+from collections import Counter
+from random import Random
 
 import torch
 from _asserts import assert_rows_stand_alone, rollout
@@ -11,55 +12,50 @@ from _inputs import Blueprint, built, graphs, readings
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aicon_torch import ActionLaw, Exploration, NullspaceProjection, Policy
+from aicon_torch import ActionLaw, Exploration, NullspaceProjection, Policy, WorldModel
 
 
-def full_rule() -> NullspaceProjection:
-    """Projection, ordering with hysteresis, and exploration at the slightest conflict, so that
-    there is much of it.
-    """
-    return NullspaceProjection(
-        exploration=Exploration(enter_cosine=-0.1, exit_cosine=0.0, ratio=10.0)
-    )
+def eager(model: WorldModel, by_row: bool = True) -> Policy:
+    """The shipped rule, which explores at the slightest conflict, so that there is much of it."""
+    exploration = Exploration(enter_cosine=-0.1, exit_cosine=0.0, ratio=10.0)
+    rule = NullspaceProjection(by_row=by_row, exploration=exploration)
+    return Policy(model, rule, ActionLaw(gain=0.5))
 
 
 @given(graphs())
 def test_singles_are_rows_of_a_batch(blueprint: Blueprint) -> None:
-    model = built(blueprint)
-    policy = Policy(model, full_rule(), ActionLaw(gain=0.5))
-    assert_rows_stand_alone(policy, [readings((3,), seed) for seed in range(3)], rows=(0, 2))
+    recorded = [readings((3,), seed) for seed in range(3)]
+    assert_rows_stand_alone(eager(built(blueprint)), recorded, rows=(0, 2))
 
 
 @given(graphs(), st.randoms(use_true_random=False))
-def test_order_of_the_goals_does_not_matter(blueprint: Blueprint, random: Any) -> None:
+def test_order_of_the_goals_does_not_matter(blueprint: Blueprint, random: Random) -> None:
     model = built(blueprint)
     names = list(model.goals)
     random.shuffle(names)
-    other = blueprint.build(goals=names)
-    recorded = [readings((), seed) for seed in range(4)]
+    shuffled = blueprint.build(goals=names)
 
-    for first, second in zip(
-        rollout(Policy(model, full_rule(), ActionLaw(0.5)), recorded),
-        rollout(Policy(other, full_rule(), ActionLaw(0.5)), recorded),
-        strict=True,
-    ):
+    recorded = [readings((), seed) for seed in range(4)]
+    memories = rollout(eager(model), recorded)
+    others = rollout(eager(shuffled), recorded)
+
+    for memory, other in zip(memories, others, strict=True):
         for actuator in model.actuators:
-            torch.testing.assert_close(first[actuator], second[actuator], rtol=1e-9, atol=1e-12)
+            torch.testing.assert_close(memory[actuator], other[actuator], rtol=1e-9, atol=1e-12)
 
 
 @given(graphs())
 def test_gradients_are_finite_and_meet_where_the_memory_says(blueprint: Blueprint) -> None:
     model = built(blueprint)
-    policy = Policy(model, full_rule(), ActionLaw(gain=0.5))
-    memory = rollout(policy, [readings((2,), seed) for seed in range(3)])[-1]
-
+    recorded = [readings((2,), seed) for seed in range(3)]
+    memory = rollout(eager(model, by_row=False), recorded)[-1]
     assert all(value.isfinite().all() for value in memory.values())
 
-    readers: dict[str, int] = {}
+    arriving: Counter[str] = Counter()
     for edges in model.edges.values():
         for edge in edges:
-            readers[edge.source] = readers.get(edge.source, 0) + len(edge.labels)
+            arriving[edge.source] += len(edge.labels)
 
-    assert {key.split("/")[0] for key in memory if key.endswith("/gradients")} == {
-        q for q, n in readers.items() if n > 1
-    }
+    suffix = "/gradients"
+    remembered = {key.removesuffix(suffix) for key in memory if key.endswith(suffix)}
+    assert remembered == {quantity for quantity, count in arriving.items() if count > 1}

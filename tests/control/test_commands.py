@@ -23,14 +23,15 @@ def test_the_memory_holds_the_constrained_action_and_the_robot_gets_the_command(
 def test_commands_are_of_the_kind_of_the_observation() -> None:
     policy = steered([slower], where_to)
     (reading,) = walled(1)
-    command, memory = policy.predict(as_arrays(reading))
 
+    command, memory = policy.predict(as_arrays(reading))
     assert isinstance(command, np.ndarray) and command.dtype == np.float32
 
-    expected, same = policy.predict(reading)
+    expected, remembered = policy.predict(reading)
     assert isinstance(expected, Tensor) and expected.dtype == torch.float64
     assert np.array_equal(command, expected.numpy().astype(np.float32))
-    assert_same_memory(memory, same, 0.0)
+    assert_same_memory(memory, remembered, 0.0)
+
     assert np.array_equal(policy.act(as_arrays(reading)), command)
 
 

@@ -11,28 +11,27 @@ from aicon_torch import ActionLaw, Actuator, Deterministic, Goal, Policy, Sensor
 
 def test_constraints_act_one_after_the_other() -> None:
     (reading,) = walled(1)
-    free = steered().predict(reading)[0]
-
-    assert torch.equal(steered([slower]).predict(reading)[0], 0.5 * free)
-
-    one, other = (
-        steered(pair).predict(reading)[0] for pair in ([slower, rightward], [rightward, slower])
-    )
+    free, _ = steered().predict(reading)
     right = torch.tensor([1.0, 0.0], dtype=torch.float64)
 
-    torch.testing.assert_close(one, 0.5 * free + right)
-    torch.testing.assert_close(other, 0.5 * (free + right))
+    halved, _ = steered([slower]).predict(reading)
+    assert torch.equal(halved, 0.5 * free)
+
+    halved_first, _ = steered([slower, rightward]).predict(reading)
+    torch.testing.assert_close(halved_first, 0.5 * free + right)
+
+    shifted_first, _ = steered([rightward, slower]).predict(reading)
+    torch.testing.assert_close(shifted_first, 0.5 * (free + right))
 
 
 def test_a_constraint_reads_what_the_step_has_estimated() -> None:
-    """The estimate after this reading, not the last one, and a sensor's reading that no estimator
-    reads.
-    """
+    """The estimate after this reading, and the reading of a sensor that no estimator reads."""
     policy = steered([off_the_wall])
     memory, active = None, []
 
     for reading in walled(30):
         action, memory = policy.predict(reading, memory)
+
         room = (reading["wall"] - memory["x"][:1]) / 0.1
         assert action[:1] <= room
         active.append(bool(action[:1] == room))
@@ -45,13 +44,13 @@ def test_the_next_step_starts_from_the_constrained_action() -> None:
     policy = steered([slower])
     first, second = walled(2)
     _, memory = policy.predict(first)
-    done, _ = policy.predict(second, memory)
-    wish = steered().predict(second, memory)[0]  # without constraint from the same memory
 
-    torch.testing.assert_close(done, 0.5 * wish)
+    done, after = policy.predict(second, memory)
+    unconstrained, _ = steered().predict(second, memory)
+    torch.testing.assert_close(done, 0.5 * unconstrained)
 
-    faked = policy.predict(second, memory | {"a": 2.0 * memory["a"]})[1]
-    assert not torch.allclose(faked["x"], policy.predict(second, memory)[1]["x"])
+    _, faked = policy.predict(second, memory | {"a": 2.0 * memory["a"]})
+    assert not torch.allclose(faked["x"], after["x"])
 
 
 def test_constrained_singles_are_rows_of_a_batch() -> None:
@@ -74,13 +73,11 @@ def test_constraints_hold_for_what_the_policy_does_and_not_for_what_was_done() -
         memory = policy.estimate(recorded[0], None, executed)
         assert torch.equal(memory["a"], executed["a"])
 
-    watched = [
-        policy.estimate(recorded[1], policy.estimate(recorded[0]), executed)
-        for policy in (plain, limited)
-    ]
-    assert_same_memory(watched[0], watched[1], 0.0)
+    expected = plain.estimate(recorded[1], plain.estimate(recorded[0]), executed)
+    watched = limited.estimate(recorded[1], limited.estimate(recorded[0]), executed)
+    assert_same_memory(watched, expected, 0.0)
 
-    memory = limited.predict(recorded[0])[1]
+    _, memory = limited.predict(recorded[0])
     assert torch.equal(limited.estimate(recorded[1], memory)["a"], memory["a"])
 
 
@@ -102,10 +99,13 @@ def test_each_actuator_has_its_own() -> None:
         dtype=torch.float64,
     )
 
-    action, memory = Policy(model, Sum(), ActionLaw(1.0, smoothing=0.0)).predict({"z": np.zeros(2)})
+    policy = Policy(model, Sum(), ActionLaw(1.0, smoothing=0.0))
+    action, memory = policy.predict({"z": np.zeros(2)})
+
     assert memory["a"].tolist() == [1.0, 1.0]
     assert memory["b"].tolist() == [-0.5, -0.5]
-    assert action["a"].tolist() == [1.0, 1.0] and action["b"].tolist() == [-5.0, -5.0]
+    assert action["a"].tolist() == [1.0, 1.0]
+    assert action["b"].tolist() == [-5.0, -5.0]
 
 
 def test_a_constraint_with_parameters_leaves_no_graph_in_the_memory() -> None:
@@ -119,7 +119,6 @@ def test_a_constraint_with_parameters_leaves_no_graph_in_the_memory() -> None:
 
     policy = steered([Learned()])
     _, memory = policy.predict(walled(1)[0])
-
     assert not [name for name, value in memory.items() if value.requires_grad]
 
 
@@ -132,10 +131,9 @@ def test_a_constraint_follows_the_precision_of_the_model() -> None:
         def forward(self, a: Tensor) -> Tensor:
             return a + self.shift  # type: ignore[operator]  # a buffer
 
-    policy = steered([Shifted()])
-    assert [buffer.dtype for name, buffer in policy.named_buffers() if name.endswith("shift")] == [
-        torch.float64
-    ]
+    buffers = dict(steered([Shifted()]).named_buffers())
+    shifts = [buffer for name, buffer in buffers.items() if name.endswith("shift")]
+    assert [shift.dtype for shift in shifts] == [torch.float64]
 
 
 def test_a_reading_that_requires_a_gradient_leaves_no_graph_in_the_memory() -> None:

@@ -13,8 +13,8 @@ def test_cuda_gives_the_actions_of_the_cpu() -> None:
     memory = other = None
 
     for readings in drifting(50, (3,)):
-        action, memory = here.predict(readings, memory)
-        same, other = there.predict(
-            {key: value.to("cuda") for key, value in readings.items()}, other
-        )
-        torch.testing.assert_close(same.cpu(), action, rtol=1e-6, atol=1e-8)
+        moved = {key: value.to("cuda") for key, value in readings.items()}
+        expected, memory = here.predict(readings, memory)
+        action, other = there.predict(moved, other)
+
+        torch.testing.assert_close(action.cpu(), expected, rtol=1e-6, atol=1e-8)

@@ -11,17 +11,12 @@ from _inputs import drifting, navigation
 from aicon_torch import ObservationError
 
 
-@pytest.mark.parametrize("kind", ["numpy", "list", "tensor"])
-def test_only_the_rows_that_start_forget(kind: str) -> None:
-    policy, recorded = navigation("aicon"), drifting(41, (3,))
+@pytest.mark.parametrize("kind", [np.array, list, torch.tensor])
+def test_only_the_rows_that_start_forget(kind: Any) -> None:
+    policy, recorded = navigation(), drifting(41, (3,))
     memory = rollout(policy, recorded[:40])[-1]
 
-    start: Any = {
-        "numpy": np.array([False, True, False]),
-        "list": [False, True, False],
-        "tensor": torch.tensor([False, True, False]),
-    }[kind]
-
+    start = kind([False, True, False])
     _, after = policy.predict(recorded[40], memory, episode_start=start)
     _, going_on = policy.predict(recorded[40], memory)
     _, anew = policy.predict(recorded[40])
@@ -38,36 +33,34 @@ def test_only_the_rows_that_start_forget(kind: str) -> None:
     "start", [True, np.True_, np.array(True), np.array([True]), torch.tensor(True)], ids=repr
 )
 def test_a_single_robot_may_start_anew(start: Any) -> None:
-    """Without batch dimensions too, and with the one-row array that a loop over one environment
-    has.
-    """
-    policy, recorded = navigation("aicon"), drifting(21)
+    """Without batch dimensions too, and with the one-row array that one environment's loop has."""
+    policy, recorded = navigation(), drifting(21)
     memory = rollout(policy, recorded[:20])[-1]
+
     _, after = policy.predict(recorded[20], memory, episode_start=start)
     assert_same_memory(after, policy.predict(recorded[20])[1], 0.0)
 
 
 @pytest.mark.parametrize("start", [False, np.array([False]), [False], None])
 def test_without_a_start_it_goes_on(start: Any) -> None:
-    policy, recorded = navigation("aicon"), drifting(21)
+    policy, recorded = navigation(), drifting(21)
     memory = rollout(policy, recorded[:20])[-1]
+
     _, after = policy.predict(recorded[20], memory, episode_start=start)
     assert_same_memory(after, policy.predict(recorded[20], memory)[1], 0.0)
 
 
 def test_the_first_memory_ignores_episode_start() -> None:
-    recorded = drifting(1, (3,))[0]
+    (reading,) = drifting(1, (3,))
+    _, expected = navigation().predict(reading)
+
     for start in (np.ones(3, bool), np.zeros(3, bool), None):
-        assert_same_memory(
-            navigation("aicon").predict(recorded, None, start)[1],
-            navigation("aicon").predict(recorded)[1],
-            0.0,
-        )
+        _, memory = navigation().predict(reading, None, start)
+        assert_same_memory(memory, expected, 0.0)
 
 
 def test_a_start_of_another_batch_is_named() -> None:
-    _, memory = navigation("aicon").predict(drifting(1, (3,))[0])
+    (reading,) = drifting(1, (3,))
+    _, memory = navigation().predict(reading)
     with pytest.raises(ObservationError, match=r"episode_start.*\(3,\).*\(2,\)"):
-        navigation("aicon").predict(
-            drifting(1, (3,))[0], memory, episode_start=np.ones(2, dtype=bool)
-        )
+        navigation().predict(reading, memory, episode_start=np.ones(2, dtype=bool))

@@ -23,7 +23,7 @@ from aicon_torch import (
 
 
 def test_estimates_without_acting_are_those_of_predict() -> None:
-    policy, recorded = navigation("aicon"), drifting(60, (2,))
+    policy, recorded = navigation(), drifting(60, (2,))
     memory = watching = None
 
     for reading in recorded:
@@ -37,25 +37,24 @@ def test_estimates_without_acting_are_those_of_predict() -> None:
 
 
 def test_acting_can_begin_after_watching() -> None:
-    policy, recorded = navigation("aicon"), drifting(20)
+    policy, recorded = navigation(), drifting(20)
+    executed = {"a": torch.tensor([0.1, 0.0], dtype=torch.float64)}
+
     memory = None
     for reading in recorded[:10]:
-        memory = policy.estimate(
-            reading, memory, {"a": torch.tensor([0.1, 0.0], dtype=torch.float64)}
-        )
-    _, after = policy.predict(recorded[10], memory)
+        memory = policy.estimate(reading, memory, executed)
 
+    _, after = policy.predict(recorded[10], memory)
     assert after["a"].isfinite().all()
     assert memory is not None and after.keys() == memory.keys()
 
 
 def test_the_given_action_moves_the_estimates() -> None:
-    policy, recorded = navigation("aicon"), drifting(2)
+    policy, recorded = navigation(), drifting(2)
     start = policy.estimate(recorded[0])
-    moved = policy.estimate(
-        recorded[1], start, {"a": torch.tensor([0.5, 0.0], dtype=torch.float64)}
-    )
 
+    executed = {"a": torch.tensor([0.5, 0.0], dtype=torch.float64)}
+    moved = policy.estimate(recorded[1], start, executed)
     assert torch.equal(moved["x_rob"], torch.tensor([0.025, 0.0], dtype=torch.float64))
 
     at_rest = policy.estimate(recorded[1], start)
@@ -63,18 +62,25 @@ def test_the_given_action_moves_the_estimates() -> None:
 
 
 def test_estimation_starts_episodes_too() -> None:
-    policy, recorded = navigation("aicon"), drifting(11, (2,))
-    memory = None
-    for reading in recorded[:10]:
-        memory = policy.estimate(reading, memory)
-    after = policy.estimate(recorded[10], memory, episode_start=np.array([True, False]))
+    policy, recorded = navigation(), drifting(11, (2,))
+    last = recorded.pop()
 
-    torch.testing.assert_close(after["p_tar"][0], policy.estimate(recorded[10])["p_tar"][0])
-    torch.testing.assert_close(after["p_tar"][1], policy.estimate(recorded[10], memory)["p_tar"][1])
+    memory = None
+    for reading in recorded:
+        memory = policy.estimate(reading, memory)
+
+    after = policy.estimate(last, memory, episode_start=np.array([True, False]))
+    anew, going_on = policy.estimate(last), policy.estimate(last, memory)
+    torch.testing.assert_close(after["p_tar"][0], anew["p_tar"][0])
+    torch.testing.assert_close(after["p_tar"][1], going_on["p_tar"][1])
+
+
+LAWS = [ActionLaw(1.0), ActionLaw(1.0, accumulate=True), ActionLaw(1.0, smoothing=0.0)]
 
 
 @pytest.mark.parametrize("limit", [0.5, (0.5, 0.3)], ids=str)
-def test_the_limit_holds_after_somebody_else_was_faster(limit: Any) -> None:
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_the_limit_holds_after_somebody_else_was_faster(limit: Any, law: ActionLaw) -> None:
     model = WorldModel(
         sensors={"z": Sensor(2, "m")},
         actuators={"a": Actuator(2, "m/s", limit)},
@@ -83,20 +89,19 @@ def test_the_limit_holds_after_somebody_else_was_faster(limit: Any) -> None:
         dtype=torch.float64,
     )
 
-    for law in (ActionLaw(1.0), ActionLaw(1.0, accumulate=True), ActionLaw(1.0, smoothing=0.0)):
-        policy = Policy(model, Sum(), law)
-        pushed = policy.estimate(
-            {"z": np.ones(2)}, action={"a": torch.tensor([30.0, -40.0], dtype=torch.float64)}
-        )
-        action, _ = policy.predict({"z": np.ones(2)}, pushed)
-        assert (np.abs(action) <= 0.5).all() and np.linalg.norm(action) <= np.linalg.norm(
-            limit
-        ) + 1e-6
+    policy, reading = Policy(model, Sum(), law), {"z": np.ones(2)}
+
+    executed = {"a": torch.tensor([30.0, -40.0], dtype=torch.float64)}
+    pushed = policy.estimate(reading, action=executed)
+    action, _ = policy.predict(reading, pushed)
+
+    assert (np.abs(action) <= 0.5).all()
+    assert np.linalg.norm(action) <= np.linalg.norm(limit) + 1e-6
 
 
 def test_an_unknown_actuator_is_named() -> None:
     with pytest.raises(OptionError, match=r"'v'.*'a'"):
-        navigation("aicon").estimate(observation_with(), action={"v": torch.zeros(2)})
+        navigation().estimate(observation_with(), action={"v": torch.zeros(2)})
 
 
 @pytest.mark.parametrize(
@@ -104,4 +109,4 @@ def test_an_unknown_actuator_is_named() -> None:
 )
 def test_an_executed_action_that_cannot_be_is_named(action: Tensor) -> None:
     with pytest.raises(ObservationError, match=r"'a'.*finite values of shape \(\*batch, 2\)"):
-        navigation("aicon").estimate(observation_with(), action={"a": action})
+        navigation().estimate(observation_with(), action={"a": action})

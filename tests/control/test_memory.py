@@ -7,28 +7,29 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_rows_stand_alone, assert_same_memory, rollout
-from _inputs import as_arrays, drifting, navigation, observation_with
+from _inputs import as_arrays, drifting, navigation, observation_with, with_rule
 from torch import Tensor
 
 from aicon_torch import ObservationError, make_policy
 from aicon_torch.models import presets
 
 
-@pytest.mark.parametrize(
-    "preset", ["aicon", "paper_literal", "steepest", "potential_field", "no_softmax"]
-)
+@pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
 def test_singles_are_rows_of_a_batch(preset: str) -> None:
     assert_rows_stand_alone(navigation(preset), drifting(100, (3,)), rows=(0, 2))
 
 
+def test_singles_are_rows_of_a_batch_without_a_softmax() -> None:
+    policy = with_rule(navigation(), temperature=None)
+    assert_rows_stand_alone(policy, drifting(100, (3,)), rows=(0, 2))
+
+
 def test_the_batch_may_have_any_number_of_dimensions() -> None:
     recorded = drifting(20, (2, 3))
-    grid = rollout(navigation("aicon"), recorded)[-1]
-    flat = rollout(
-        navigation("aicon"),
-        [{k: v.reshape(6, 1) for k, v in reading.items()} for reading in recorded],
-    )[-1]
+    flattened = [{k: v.reshape(6, 1) for k, v in reading.items()} for reading in recorded]
 
+    grid = rollout(navigation(), recorded)[-1]
+    flat = rollout(navigation(), flattened)[-1]
     for key, value in grid.items():
         assert value.shape[:2] == (2, 3)
         torch.testing.assert_close(value.flatten(0, 1), flat[key], rtol=1e-12, atol=1e-12)
@@ -36,7 +37,7 @@ def test_the_batch_may_have_any_number_of_dimensions() -> None:
 
 def test_the_recorded_readings_make_it_explore() -> None:
     """Else the tests above and below would show little."""
-    memories = rollout(navigation("aicon"), drifting(120, (3,)))
+    memories = rollout(navigation(), drifting(120, (3,)))
     exploring = torch.stack([memory["x_rob/exploring"] for memory in memories])
     assert 0.05 < exploring.double().mean() < 0.95
 
@@ -45,31 +46,33 @@ def test_the_recorded_readings_make_it_explore() -> None:
 def test_an_episode_goes_on_after_saving_and_loading(preset: str) -> None:
     policy, recorded = navigation(preset), drifting(80)
     straight = rollout(policy, recorded)
+
     saved = io.BytesIO()
     torch.save(straight[39], saved)
     saved.seek(0)
     memory = torch.load(saved, weights_only=True)
+
     other = make_policy("nav2d", preset=preset)
-
-    for step in range(40, 80):
-        _, memory = other.predict(recorded[step], memory)
-        for key, value in straight[step].items():
-            assert torch.equal(memory[key], value)
+    for reading, expected in zip(recorded[40:], straight[40:], strict=True):
+        _, memory = other.predict(reading, memory)
+        assert_same_memory(memory, expected, 0.0)
 
 
-def test_the_memory_is_flat_and_carries_no_graph() -> None:
-    for preset in presets("nav2d"):
-        for memory in rollout(navigation(preset), drifting(3, (2,))):
-            for value in memory.values():
-                assert isinstance(value, Tensor) and not value.requires_grad and value.shape[0] == 2
+@pytest.mark.parametrize("preset", presets("nav2d"))
+def test_the_memory_is_flat_and_carries_no_graph(preset: str) -> None:
+    for memory in rollout(navigation(preset), drifting(3, (2,))):
+        for value in memory.values():
+            assert isinstance(value, Tensor) and not value.requires_grad
+            assert value.shape[0] == 2
 
 
 def test_predict_does_not_change_what_it_is_given() -> None:
     recorded = drifting(30, (2,))
-    memory = rollout(navigation("aicon"), recorded)[-1]
+    memory = rollout(navigation(), recorded)[-1]
     before = {key: value.clone() for key, value in memory.items()}
-    navigation("aicon").predict(recorded[0], memory, episode_start=torch.tensor([True, False]))
-    navigation("aicon").switch(memory, reach=False)
+
+    navigation().predict(recorded[0], memory, episode_start=torch.tensor([True, False]))
+    navigation().switch(memory, reach=False)
 
     assert_same_memory(memory, before, 0.0)
 
@@ -82,12 +85,13 @@ def test_act_and_reset_are_predict_with_the_memory_kept() -> None:
         for reading in drifting(30):
             action, memory = policy.predict(as_arrays(reading), memory)
             assert np.array_equal(policy.act(as_arrays(reading)), action)
+
         policy.reset()
 
 
 def test_one_policy_serves_several_episodes_at_once() -> None:
     """No step leaves anything behind in the policy."""
-    policy, first, second = navigation("aicon"), drifting(40, seed=1), drifting(40, seed=5)
+    policy, first, second = navigation(), drifting(40, seed=1), drifting(40, seed=5)
     alone = rollout(policy, first)
     memories: list[Any] = [None, None]
 
@@ -104,16 +108,16 @@ def test_one_policy_serves_several_episodes_at_once() -> None:
     ("batch", "other"), [((), (3,)), ((3,), ()), ((3,), (2,)), ((2, 3), (6,))], ids=str
 )
 def test_a_memory_of_another_batch_is_named(batch: tuple[int, ...], other: tuple[int, ...]) -> None:
-    _, memory = navigation("aicon").predict(drifting(1, batch)[0])
+    _, memory = navigation().predict(drifting(1, batch)[0])
     with pytest.raises(ObservationError, match=r"state.*\(.*\).*\(.*\)"):
-        navigation("aicon").predict(drifting(1, other)[0], memory)
+        navigation().predict(drifting(1, other)[0], memory)
 
 
 def test_a_memory_of_another_policy_is_named() -> None:
     _, memory = navigation("steepest").predict(observation_with())
     with pytest.raises(ObservationError, match=r"state.*lacks .*'x_rob/exploring'.*'a/gradients'"):
-        navigation("aicon").predict(observation_with(), memory)
+        navigation().predict(observation_with(), memory)
+
+    incomplete = {key: value for key, value in memory.items() if key != "p_tar"}
     with pytest.raises(ObservationError, match="'p_tar'"):
-        navigation("aicon").predict(
-            observation_with(), {key: value for key, value in memory.items() if key != "p_tar"}
-        )
+        navigation().predict(observation_with(), incomplete)

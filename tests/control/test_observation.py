@@ -1,7 +1,4 @@
-"""Observations.
-
-Bad ones are refused by sensor, missing ones are allowed where they are announced.
-"""
+"""Observations: bad ones are refused by sensor, missing ones allowed where that is announced."""
 
 from typing import Any
 
@@ -9,15 +6,13 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_memory
-from _inputs import navigation, observation_with
+from _inputs import BATCHES, navigation, normal, observation_with, point
 
 from aicon_torch import (
     ActionLaw,
     Actuator,
-    Affine,
+    Deterministic,
     Goal,
-    KalmanFilter,
-    Measurement,
     ObservationError,
     Policy,
     Sensor,
@@ -34,10 +29,7 @@ from aicon_torch import (
         (observation_with(bearing=np.array([-np.inf])), r"'z_tar'"),
         ({"range": np.array([1.0])}, r"'z_tar'.*no 'bearing'.*'range'.*\(\*batch, 1\) in rad"),
         ({}, r"'z_tar'.*no 'bearing'"),
-        (
-            observation_with(range=np.array([1.0, 2.0])),
-            r"'z_obs'.*expected shape \(.*1\), got \(2,\)",
-        ),
+        (observation_with(range=np.ones(2)), r"'z_obs'.*expected shape \(.*1\), got \(2,\)"),
         (observation_with(range=np.array(1.0)), r"'z_obs'.*got \(\)"),
         (observation_with(range=np.array([[1.0]])), r"'z_obs'.*got \(1, 1\)"),
         (observation_with(range=np.ones((3, 1))), r"'z_obs'.*got \(3, 1\)"),
@@ -52,57 +44,73 @@ from aicon_torch import (
     ],
 )
 def test_a_bad_observation_is_refused_by_sensor(observation: Any, culprit: str) -> None:
-    _, memory = navigation("aicon").predict(observation_with())
+    _, memory = navigation().predict(observation_with())
 
     for state in (None, memory):
         with pytest.raises(ObservationError, match=culprit):
-            navigation("aicon").predict(observation, state)
+            navigation().predict(observation, state)
         with pytest.raises(ObservationError, match=culprit):
-            navigation("aicon").estimate(observation, state)
+            navigation().estimate(observation, state)
 
 
 def test_bad_rows_of_a_batch_are_refused() -> None:
     with pytest.raises(ObservationError, match="'z_obs'"):
-        navigation("aicon").predict(
-            observation_with(bearing=np.zeros((2, 1)), range=np.array([[1.0], [np.nan]]))
-        )
+        navigation().predict({"bearing": np.zeros((2, 1)), "range": np.array([[1.0], [np.nan]])})
 
 
 def test_optional_readings_may_be_anything_that_is_no_number() -> None:
-    reach = Goal("reach", lambda x: (x**2).sum(-1))
-
     model = WorldModel(
         sensors={"z": Sensor(2, "m", key="camera", optional=True), "w": Sensor(1, "m")},
         actuators={"a": Actuator(2, "m/s")},
-        estimators=[
-            KalmanFilter("x", "P", predict=Affine(x=1.0, a=0.1), noise=0.1, initial=((1.0, 1.0), 1.0), correct=[
-                Measurement(Affine(x=1.0, z=-1.0), 0.1, size=2)
-            ])
-        ],
-        goals=[reach],
-    )  # fmt: skip
-
+        estimators=[point()],
+        goals=[Goal("reach", lambda x: ((x - 1.0) ** 2).sum(-1))],
+    )
     policy = Policy(model, Sum(), ActionLaw(1.0))
     here = {"w": np.zeros(1)}
-    expected = policy.predict(here)[0]
-    for nothing in (np.array([np.nan, np.nan]), np.array([np.inf, 0.0]), np.array([0.0, np.nan])):
-        assert np.array_equal(policy.predict(here | {"camera": nothing})[0], expected)
+    expected, _ = policy.predict(here)
+
+    for nothing in ([np.nan, np.nan], [np.inf, 0.0], [0.0, np.nan]):
+        action, _ = policy.predict(here | {"camera": np.array(nothing)})
+        assert np.array_equal(action, expected)
 
     with pytest.raises(ObservationError, match=r"'z'.*got \(3,\)"):
         policy.predict(here | {"camera": np.zeros(3)})
 
 
 def test_readings_saturate_at_the_sensor_s_range() -> None:
-    far, farther = (
-        navigation("aicon").predict(observation_with(range=np.array([r])))[1] for r in (1e3, 1e30)
-    )
+    _, far = navigation().predict(observation_with(range=np.array([1e3])))
+    _, farther = navigation().predict(observation_with(range=np.array([1e30])))
     assert_same_memory(far, farther, 0.0)
 
 
 def test_what_no_sensor_reads_is_ignored() -> None:
     more = observation_with(position=np.array([np.nan, 1.0]), target="there")
-    assert_same_memory(
-        navigation("aicon").predict(observation_with())[1],
-        navigation("aicon").predict(more)[1],
-        0.0,
+
+    _, memory = navigation().predict(more)
+    _, expected = navigation().predict(observation_with())
+    assert_same_memory(memory, expected, 0.0)
+
+
+# --- units
+
+
+@pytest.mark.parametrize("scale", [1e-3, (1e-3, 2e-3)], ids=str)
+@pytest.mark.parametrize("kind", [np.asarray, torch.as_tensor])
+@pytest.mark.parametrize("batch", BATCHES, ids=str)
+def test_a_sensor_s_scale_leads_to_the_graph_s_unit(
+    scale: Any, kind: Any, batch: tuple[int, ...]
+) -> None:
+    model = WorldModel(
+        sensors={"z": Sensor(2, "px", range=(-100.0, 100.0), scale=scale)},
+        actuators={"a": Actuator(2, "m")},
+        estimators=[Deterministic("x", lambda a, z: a + z)],
+        goals=[Goal("reach", lambda x: (x**2).sum(-1))],
+        dtype=torch.float64,
     )
+    pixels = 200.0 * normal(*batch, 2)
+    _, memory = Policy(model, Sum()).predict({"z": kind(pixels)})
+
+    # Readings saturate in the unit of the instrument.
+    expected = pixels.clamp(-100.0, 100.0) * torch.tensor(scale, dtype=torch.float64)
+    torch.testing.assert_close(memory["z"], expected)
+    torch.testing.assert_close(memory["x"], expected)

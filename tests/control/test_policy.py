@@ -4,13 +4,25 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_memory, rollout
-from _inputs import DTYPES, drifting, navigation, normal, observation_with, two_robots
+from _inputs import (
+    DTYPES,
+    direction,
+    drifting,
+    lengths,
+    navigation,
+    normal,
+    observation_with,
+    two_robots,
+    with_law,
+    with_rule,
+)
 from torch import Tensor
 
 from aicon_torch import (
     ActionLaw,
     Actuator,
     Deterministic,
+    Escape,
     Exploration,
     Goal,
     NullspaceProjection,
@@ -25,34 +37,27 @@ from aicon_torch import (
 
 @pytest.mark.parametrize("projector", ["orthogonal", "qr", "pinv"])
 def test_to_first_order_the_motion_never_raises_what_leads(projector: str) -> None:
-    """Resolved where the paths meet.
+    """Where the paths meet, the leading path's cost falls, or stays while exploring.
 
-    The leading path's cost falls, or stays while exploring, the second's too.
-
-    Without the low-pass the action is −k dt times the resolved gradient at x_rob.
+    The second's does not rise in the space that the first leaves to it. Without the low-pass the
+    action is −k dt times the resolved gradient at x_rob.
     """
-    policy = make_policy(
-        "nav2d", preset="paper_literal", projector=projector, accumulate=False, smoothing=0.0
-    )
+    policy = with_rule(navigation("paper_literal"), projector=projector)
+    policy = with_law(policy, accumulate=False, smoothing=0.0)
     explored = []
 
     for memory in rollout(policy, drifting(150, (4,))):
-        rank, gradients = memory["x_rob/rank"], memory["x_rob/gradients"]
-        lengths = gradients.norm(dim=-1, keepdim=True)
-        units = gradients / lengths.clamp(min=1e-300)
-        first = units.take_along_dim(rank[:, :1, None], dim=-2).squeeze(-2)
-        direction = memory["a"] / memory["a"].norm(dim=-1, keepdim=True)
-        change = (first * direction).sum(-1)
-        exploring = memory["x_rob/exploring"]
+        gradients, exploring = memory["x_rob/gradients"], memory["x_rob/exploring"]
+        units = gradients / lengths(gradients).clamp(min=1e-300).unsqueeze(-1)
+        first, second = units.take_along_dim(memory["x_rob/rank"][..., None], dim=-2).unbind(-2)
+        motion = direction(memory["a"])
 
+        change = (first * motion).sum(-1)
         assert (change[exploring].abs() < 1e-6).all()
         assert (change[~exploring] < 0).all()
 
-        second = units.take_along_dim(rank[:, 1:2, None], dim=-2).squeeze(-2)
         free = second - (second * first).sum(-1, keepdim=True) * first
-
-        assert ((free * direction).sum(-1)[~exploring] <= 1e-9).all()
-
+        assert ((free * motion).sum(-1)[~exploring] <= 1e-9).all()
         explored.append(exploring)
 
     assert 0.02 < torch.stack(explored).double().mean() < 0.98
@@ -61,20 +66,21 @@ def test_to_first_order_the_motion_never_raises_what_leads(projector: str) -> No
 def test_several_actuators_give_a_dict_of_actions() -> None:
     policy = Policy(two_robots(), Sum(), ActionLaw(1.0))
     action, _ = policy.predict({"z": np.zeros(2)})
-    assert set(action) == {"a", "b"} and all(
-        isinstance(value, np.ndarray) for value in action.values()
-    )
+    assert set(action) == {"a", "b"}
+    assert all(isinstance(value, np.ndarray) for value in action.values())
 
 
 def test_the_rule_names_unknown_goals_when_the_policy_is_built() -> None:
-    from aicon_torch import Escape
-
+    rule = NullspaceProjection(exploration=Exploration(escape=Escape(hold="home")))
     with pytest.raises(OptionError, match="'home'"):
-        Policy(
-            two_robots(),
-            NullspaceProjection(exploration=Exploration(escape=Escape(hold="home"))),
-            ActionLaw(1.0),
-        )
+        Policy(two_robots(), rule)
+
+
+def test_by_default_a_policy_projects_at_full_speed() -> None:
+    policy = Policy(two_robots())
+    assert policy.resolution == NullspaceProjection()
+    assert policy.law == ActionLaw()
+    assert policy.perception is None
 
 
 def test_a_graph_of_functions_alone_is_a_policy() -> None:
@@ -85,9 +91,8 @@ def test_a_graph_of_functions_alone_is_a_policy() -> None:
         goals=[Goal("reach", lambda x: (x**2).sum(-1))],
     )
 
-    action, memory = Policy(model, NullspaceProjection(), ActionLaw(0.25, smoothing=0.0)).predict(
-        {"z": normal(2).numpy()}
-    )
+    policy = Policy(model, law=ActionLaw(0.25, smoothing=0.0))
+    action, memory = policy.predict({"z": normal(2).numpy()})
 
     assert np.allclose(action, -0.5 * normal(2).numpy(), atol=1e-6)
     assert memory["x"].dtype == torch.get_default_dtype()
@@ -97,18 +102,18 @@ def test_a_graph_of_functions_alone_is_a_policy() -> None:
 
 
 def test_actions_are_of_the_kind_of_the_observation() -> None:
-    action, memory = navigation("aicon").predict(observation_with())
+    action, memory = navigation().predict(observation_with())
     assert isinstance(action, np.ndarray) and action.dtype == np.float32 and action.shape == (2,)
 
-    action, again = navigation("aicon").predict(
-        {key: torch.as_tensor(value) for key, value in observation_with().items()}
-    )
+    tensors = {key: torch.as_tensor(value) for key, value in observation_with().items()}
+    action, again = navigation().predict(tensors)
     assert isinstance(action, Tensor) and action.dtype == torch.float64
     assert_same_memory(memory, again, 0.0)
 
+    expected, _ = navigation().predict(observation_with(range=[1.0]))
     for kind in (np.float32, np.int64, bool):
-        action, _ = navigation("aicon").predict(observation_with(range=np.array([1], dtype=kind)))
-        assert np.array_equal(action, navigation("aicon").predict(observation_with(range=[1.0]))[0])
+        action, _ = navigation().predict(observation_with(range=np.array([1], dtype=kind)))
+        assert np.array_equal(action, expected)
 
 
 @pytest.mark.parametrize("dtype", DTYPES, ids=str)
@@ -121,14 +126,16 @@ def test_float32_follows_float64() -> None:
     """At the start; a closed loop would drift apart later."""
     recorded = drifting(10)
     single = rollout(make_policy("nav2d", dtype=torch.float32), recorded)[-1]
-    double = rollout(navigation("aicon"), recorded)[-1]
+    double = rollout(navigation(), recorded)[-1]
+
     for key in ("p_tar", "P_tar", "x_obs", "a"):
         torch.testing.assert_close(single[key].double(), double[key], rtol=2e-3, atol=2e-3)
 
 
 def test_the_ambient_gradient_mode_does_not_matter() -> None:
     recorded = drifting(5)
-    expected = rollout(navigation("aicon"), recorded)[-1]
+    expected = rollout(navigation(), recorded)[-1]
+
     for mode in (torch.no_grad(), torch.enable_grad(), torch.inference_mode()):
         with mode:
-            assert_same_memory(rollout(navigation("aicon"), recorded)[-1], expected, 0.0)
+            assert_same_memory(rollout(navigation(), recorded)[-1], expected, 0.0)

@@ -100,13 +100,12 @@ def same_step(policy: Policy, steps: int) -> Record:
     return record
 
 
-def next_step(policy: Policy, steps: int) -> Record:
+def gymnasium_loop(policy: Policy, envs: Any, steps: int, seed: int) -> Record:
     """Gymnasium's loop.
 
     The last observation comes first; the step after it, whose action is ignored, starts anew.
     """
-    envs = SyncVectorEnv([maker(limit) for limit in LIMITS], autoreset_mode=AutoresetMode.NEXT_STEP)
-    observation, _ = envs.reset(seed=0)
+    observation, _ = envs.reset(seed=seed)
     memory: Any = None
     done, before = np.zeros(3, dtype=bool), np.ones(3, dtype=bool)
     record: Record = []
@@ -120,15 +119,37 @@ def next_step(policy: Policy, steps: int) -> Record:
     return record
 
 
-def episodes(record: Record, row: int) -> list[list[tuple[dict[str, NDArray[Any]], NDArray[Any]]]]:
-    pieces: list[list[tuple[dict[str, NDArray[Any]], NDArray[Any]]]] = []
+def next_step(policy: Policy, steps: int) -> Record:
+    """The same, in a vector environment that starts anew in the step after the last."""
+    makers = [maker(limit) for limit in LIMITS]
+    envs = SyncVectorEnv(makers, autoreset_mode=AutoresetMode.NEXT_STEP)
+    return gymnasium_loop(policy, envs, steps, seed=0)
+
+
+Episode = list[tuple[dict[str, NDArray[Any]], NDArray[Any]]]
+"""Observation and action of each step."""
+
+
+def episodes(record: Record, row: int) -> list[Episode]:
+    """The episodes of one row."""
+    pieces: list[Episode] = []
 
     for observation, start, action in record:
         if start[row]:
             pieces.append([])
-        pieces[-1].append(({key: value[row] for key, value in observation.items()}, action[row]))
+        alone = {key: value[row] for key, value in observation.items()}
+        pieces[-1].append((alone, action[row]))
 
     return pieces
+
+
+def assert_starts_afresh(policy: Policy, episode: Episode) -> None:
+    """The actions are those of a single robot that starts at the first observation."""
+    memory: Any = None
+
+    for observation, action in episode:
+        alone, memory = policy.predict(observation, memory)
+        assert np.allclose(alone, action, rtol=1e-6, atol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -138,9 +159,6 @@ def episodes(record: Record, row: int) -> list[list[tuple[dict[str, NDArray[Any]
 )
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal"])
 def test_each_episode_starts_from_a_fresh_memory_once(loop: Any, extra: int, preset: str) -> None:
-    """Every episode of every row gives the actions of a single robot that starts at its first
-    observation.
-    """
     policy = make_policy("nav2d", preset=preset)
     record = loop(policy, 40)
 
@@ -149,65 +167,52 @@ def test_each_episode_starts_from_a_fresh_memory_once(loop: Any, extra: int, pre
         assert {len(piece) for piece in pieces[:-1]} == {limit + extra}
 
         for piece in pieces:
-            memory: Any = None
-            for observation, action in piece:
-                alone, memory = policy.predict(observation, memory)
-                assert np.allclose(alone, action, rtol=1e-6, atol=1e-7)
+            assert_starts_afresh(policy, piece)
 
 
 def test_the_native_vector_environment_gives_the_same() -> None:
     """The environment's own batch, whose episodes are cut by a time limit of 9 steps."""
     policy = make_policy("nav2d")
     envs = gym.make_vec(ID, num_envs=3, max_episode_steps=9, map="long_wall")
-    observation, _ = envs.reset(seed=3)
-    memory: Any = None
-    done, before = np.zeros(3, dtype=bool), np.ones(3, dtype=bool)
-    record: Record = []
-
-    for _ in range(25):
-        action, memory = policy.predict(observation, memory, episode_start=before)
-        record.append((copy.deepcopy(observation), before.copy(), action))
-        observation, _, terminated, truncated, _ = envs.step(action)
-        before, done = done, terminated | truncated
+    record = gymnasium_loop(policy, envs, steps=25, seed=3)
 
     for row in range(3):
         pieces = episodes(record, row)
         assert [len(piece) for piece in pieces] == [10, 10, 5]
 
         for piece in pieces:
-            memory = None
-            for reading, expected in piece:
-                alone, memory = policy.predict(reading, memory)
-                assert np.allclose(alone, expected, rtol=1e-6, atol=1e-7)
+            assert_starts_afresh(policy, piece)
+
+
+def scramble(attributes: dict[str, Any], rng: np.random.Generator) -> None:
+    """Overwrite every array of numbers."""
+    for value in attributes.values():
+        if isinstance(value, np.ndarray) and value.dtype.kind == "f":
+            value[...] = rng.normal(size=value.shape)
 
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
 def test_what_the_policy_does_not_sense_does_not_change_what_it_does(preset: str) -> None:
-    """Everything in info, and everything that the environment hides, is changed before each
-    decision.
-    """
+    """Everything in info, and all that the environment hides, is changed before each decision."""
     rng = np.random.default_rng(0)
     policy, disturbed = make_policy("nav2d", preset=preset), make_policy("nav2d", preset=preset)
     env = small()
+    hidden = env.unwrapped.__dict__
     observation, info = env.reset(seed=0)
     memory: Any = None
     other: Any = None
 
     for _ in range(60):
         action, memory = policy.predict(observation, memory)
-        seen = copy.deepcopy(observation)
-        hidden = env.unwrapped.__dict__
-        kept = copy.deepcopy(hidden["_simulation"])
 
-        for value in vars(hidden["_simulation"]).values():
-            if isinstance(value, np.ndarray) and value.dtype.kind == "f":
-                value[...] = rng.normal(size=value.shape)
-
-        for key, value in list(info.items()):
+        seen, kept = copy.deepcopy(observation), copy.deepcopy(hidden["_simulation"])
+        scramble(vars(hidden["_simulation"]), rng)
+        for key, value in info.items():
             info[key] = rng.normal(size=np.shape(value))
-        same, other = disturbed.predict(seen | {"info": info, "position": info["position"]}, other)
 
-        assert np.array_equal(action, same)
+        more = {"info": info, "position": info["position"]}
+        found, other = disturbed.predict(seen | more, other)
+        assert np.array_equal(found, action)
 
         hidden["_simulation"] = kept
         observation, _, terminated, _, info = env.step(action)

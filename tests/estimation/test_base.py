@@ -39,20 +39,18 @@ class Learned(nn.Module):
 
 
 def test_parameters_of_the_user_leave_no_graph_in_the_memory() -> None:
+    track = EKF(
+        "x",
+        "P",
+        predict=drive,
+        noise=Learned(),
+        initial=((0.5, -0.5), 2.0),
+        correct=[Measurement(residual, 1.0, size=2)],
+    )
     model = WorldModel(
         sensors={"z": Sensor(2, "m")},
         actuators={"a": Actuator(2, "m")},
-        estimators=[
-            EKF(
-                "x",
-                "P",
-                predict=drive,
-                noise=Learned(),
-                initial=((0.5, -0.5), 2.0),
-                correct=[Measurement(residual, 1.0, size=2)],
-            ),
-            Deterministic("y", Interconnection(Learned(), inputs=("x",))),
-        ],
+        estimators=[track, Deterministic("y", Interconnection(Learned(), inputs=("x",)))],
         goals=[Goal("g", lambda x, y: (x * y).sum(-1))],
         dtype=torch.float64,
     )

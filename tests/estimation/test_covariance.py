@@ -20,9 +20,8 @@ from aicon_torch.estimation import Covariance
     ],
 )
 def test_constant_noise_is_a_diagonal(noise: Any, size: int, expected: list[float]) -> None:
-    torch.testing.assert_close(
-        Covariance(noise, size)({}), torch.diag(torch.tensor(expected, dtype=torch.float64))
-    )
+    diagonal = torch.diag(torch.tensor(expected, dtype=torch.float64))
+    torch.testing.assert_close(Covariance(noise, size)({}), diagonal)
 
 
 @pytest.mark.parametrize("noise", [-1.0, (1.0, 2.0, 3.0), (1.0, -2.0), float("nan"), [[1.0]]])
@@ -35,5 +34,6 @@ def test_noise_may_be_a_function_of_quantities() -> None:
     """Such as of the age of a late reading."""
     noise = Covariance(lambda age: (0.1 + age) ** 2, 1)
     assert noise.inputs == ("age",)
+
     ages = torch.tensor([[0.0], [0.9]], dtype=torch.float64)
     assert noise({"age": ages}).tolist() == [[[pytest.approx(0.01)]], [[pytest.approx(1.0)]]]

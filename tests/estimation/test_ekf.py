@@ -30,9 +30,7 @@ def test_a_nonlinear_step_agrees_with_the_formula(batch: tuple[int, ...]) -> Non
     torch.testing.assert_close(updated["P"], expected.covariance)
 
 
-def test_the_derivative_of_the_mean_is_that_of_the_model_the_update_or_the_update_with_its_gain_held() -> (
-    None
-):
+def test_the_derivative_of_the_mean_is_that_of_model_update_or_update_with_held_gain() -> None:
     values = beacon_values()
     by_model = central_differences(lambda v: drive(v["x"], v["a"]), values)
     by_update = central_differences(lambda v: beacon_step(v).mean, values)

@@ -28,18 +28,15 @@ def test_the_uncertainty_of_another_estimate_adds_to_the_noise(batch: tuple[int,
 
     residual, jacobian, noise = measurement.innovation(values, "x")
     torch.testing.assert_close(residual, offset(values["x"], values["hand"], values["z"]))
-    torch.testing.assert_close(
-        jacobian, (2.0 * torch.eye(2, dtype=torch.float64)).expand(*batch, 2, 2)
-    )
+    identity = torch.eye(2, dtype=torch.float64)
+    torch.testing.assert_close(jacobian, (2.0 * identity).expand(*batch, 2, 2))
+    torch.testing.assert_close(noise, 0.3 * identity + 4.0 * values["P_hand"])
 
-    expected = 0.3 * torch.eye(2, dtype=torch.float64) + 4.0 * values["P_hand"]
-    torch.testing.assert_close(noise, expected)
-
-    affine = Measurement(
-        Affine(x=2.0, hand=-2.0, z=-1.0), 0.3, uncertain={"hand": "P_hand"}, size=2
-    )
-    for got, want in zip(affine.innovation(values, "x"), (residual, jacobian, noise), strict=True):
-        torch.testing.assert_close(got.expand_as(want), want)
+    relation = Affine(x=2.0, hand=-2.0, z=-1.0)
+    affine = Measurement(relation, 0.3, uncertain={"hand": "P_hand"}, size=2)
+    found = affine.innovation(values, "x")
+    for value, expected in zip(found, (residual, jacobian, noise), strict=True):
+        torch.testing.assert_close(value.expand_as(expected), expected)
 
 
 def test_an_uncertain_estimate_that_is_not_read_is_named() -> None:
@@ -53,11 +50,9 @@ def test_what_is_accepted_depends_on_the_gate_and_on_presence() -> None:
 
     gated = Measurement(offset, 1.0, gate=9.0)
     accepted = gated.accepted({}, lambda: distance)
-
     assert accepted is not None and accepted.tolist() == [True, True, False, False, False]
 
     gated.optional = ("z.present",)
     present = torch.tensor([False, True, True, True, True])
     accepted = gated.accepted({"z.present": present}, lambda: distance)
-
     assert accepted is not None and accepted.tolist() == [False, True, False, False, False]

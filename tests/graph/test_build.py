@@ -45,7 +45,7 @@ def test_in_a_cycle_one_reads_the_value_of_the_last_step() -> None:
     after, _ = graph.step(values)
 
     x = 0.1 * values["a"]
-    first, second = (name for node in graph.nodes for name in node.outputs if name in "pq")
+    first, second = (name for node in graph.estimators for name in node.outputs if name in "pq")
     relations = {"p": rotate, "q": follow}
 
     torch.testing.assert_close(after[first], relations[first](values[first], values[second], x))

@@ -1,21 +1,14 @@
 """Functions that are written for one row."""
 
-from typing import Any
-
 import torch
 from _inputs import CORNERS, MOVE, far, normal, of_corner, tracking_model
 
 from aicon_torch import Deterministic, Goal, WorldModel
 
 
-def cornered(**options: Any) -> WorldModel:
-    return tracking_model(
-        MOVE,
-        CORNERS,
-        Deterministic("y", of_corner, each=["corners"]),
-        goals=[Goal("far", far)],
-        **options,
-    )
+def cornered() -> WorldModel:
+    y = Deterministic("y", of_corner, each=["corners"])
+    return tracking_model(MOVE, CORNERS, y, goals=[Goal("far", far)])
 
 
 def test_a_function_of_each_row_is_written_for_one() -> None:
@@ -26,14 +19,13 @@ def test_a_function_of_each_row_is_written_for_one() -> None:
     for batch in ((), (4,), (3,), (2, 3)):
         values = graph.initial({"z": normal(*batch, 2)}, batch) | {"a": normal(*batch, 2, seed=1)}
         after, _ = graph.step(values)
+
         expected = [0.1 * values["a"] * i * values["z"] for i in (1, 2, 3)]
         torch.testing.assert_close(after["y"], torch.stack(expected, dim=-2))
 
 
 def test_functions_of_rows_may_read_rows_and_constants() -> None:
-    """A second rowed function of the same rows, read as a whole by a third, with ``dt`` among the
-    inputs.
-    """
+    """A second rowed function of the same rows reads ``dt``; a third reads it as a whole."""
     graph = tracking_model(
         MOVE,
         CORNERS,
@@ -43,25 +35,23 @@ def test_functions_of_rows_may_read_rows_and_constants() -> None:
         goals=[Goal("near", lambda s: (s**2).sum(-1))],
     )
 
-    assert [str(path) for path in graph.paths()] == [
-        *(f"near → s → w → y[{i}] → x → a" for i in range(3)),
-        *(f"near → s → w[{i}] → a" for i in range(3)),
-    ]
-
+    long = [f"near → s → w → y[{i}] → x → a" for i in range(3)]
+    short = [f"near → s → w[{i}] → a" for i in range(3)]
+    assert [str(path) for path in graph.paths()] == long + short
     assert len(graph.paths()) == 6
-    assert [str(path) for path in graph.paths(max_length=3)] == [
-        f"near → s → w[{i}] → a" for i in range(3)
-    ]
+    assert [str(path) for path in graph.paths(max_length=3)] == short
 
 
 def test_a_rowed_quantity_can_be_displaced() -> None:
     graph = cornered()
-    values, _ = graph.step(graph.initial({"z": normal(5, 2)}, (5,)) | {"a": normal(5, 2, seed=1)})
+    start = graph.initial({"z": normal(5, 2)}, (5,)) | {"a": normal(5, 2, seed=1)}
+    values, _ = graph.step(start)
+
     shift = normal(5, 3, 2, seed=2)
+    cost = graph.displaced_cost("far", "y", shift, values)
+    torch.testing.assert_close(cost, far(values["y"] + shift))
 
-    torch.testing.assert_close(
-        graph.displaced_cost("far", "y", shift, values), far(values["y"] + shift)
-    )
-
-    moved = (values["x"] + shift[:, 0]).unsqueeze(-2) * values["corners"]
-    torch.testing.assert_close(graph.displaced_cost("far", "x", shift[:, 0], values), far(moved))
+    shift = shift[:, 0]
+    cost = graph.displaced_cost("far", "x", shift, values)
+    moved = (values["x"] + shift).unsqueeze(-2) * values["corners"]
+    torch.testing.assert_close(cost, far(moved))

@@ -27,7 +27,7 @@ def walk(
         here = torch.tensor([distance, 0.0], dtype=torch.float64)
         motion = torch.tensor([distance - last, 0.0], dtype=torch.float64)
 
-        def displaced(goal: str, shift: Tensor, here: Tensor = here) -> Tensor:
+        def displaced_cost(goal: str, shift: Tensor, here: Tensor = here) -> Tensor:
             return (here + shift).norm()
 
         _, memory = resolve(
@@ -37,7 +37,7 @@ def walk(
             motion=motion,
             goals=["far", "near"],
             costs={"far": here.norm(), "near": torch.zeros_like(here[0])},
-            displaced=displaced,
+            displaced_cost=displaced_cost,
         )
         exploring.append(bool(memory["exploring"]))
         last = distance
@@ -75,7 +75,7 @@ def test_progress_is_measured_under_the_current_belief() -> None:
     for belief in (1.0, 9.0):
         here = torch.tensor([belief, 0.0], dtype=torch.float64)
 
-        def displaced(goal: str, shift: Tensor, here: Tensor = here) -> Tensor:
+        def displaced_cost(goal: str, shift: Tensor, here: Tensor = here) -> Tensor:
             return (here + shift).norm()
 
         _, memory = resolve(
@@ -85,7 +85,7 @@ def test_progress_is_measured_under_the_current_belief() -> None:
             motion=motion,
             goals=["far", "near"],
             costs={"far": here.norm()},
-            displaced=displaced,
+            displaced_cost=displaced_cost,
         )
         torch.testing.assert_close(memory["displacement"], displacement + motion)
         assert not memory["exploring"]

@@ -74,7 +74,7 @@ def test_selection_agrees_with_plain_loops(stack: Tensor, margin: float) -> None
         -1, stack.shape[-2], (len(rows), min(stack.shape[-2:])), generator=generator
     )
 
-    taken, order = unweighted(margin=margin).resolve(rows, lengths(rows), held)
+    taken, order = unweighted(margin=margin).project_in_order(rows, lengths(rows), held)
 
     for row, gradients in enumerate(rows):
         vectors, chosen = selection(gradients, held[row], margin)

@@ -143,28 +143,28 @@ def test_between_meetings_the_leading_gradient_keeps_its_magnitude(stack: Tensor
     """
     rule = weighted()
     memory = fresh(rule, stack)
-    onward, state = rule(gradient_stack(stack, final=False), memory)
+    onward, state = rule(gradient_stack(stack, is_last=False), memory)
 
     first = stack.take_along_dim(state["rank"][..., :1, None], -2).squeeze(-2)
     length = lengths(first)
     torch.testing.assert_close((onward * first).sum(-1) / length, length)
 
-    last, _ = rule(gradient_stack(stack, final=True), memory)
+    last, _ = rule(gradient_stack(stack, is_last=True), memory)
     weight = rule.weigh(lengths(stack)).amax(-1)
     torch.testing.assert_close(onward, last * (length / weight).unsqueeze(-1))
 
     plain = weighted(restore_magnitude=False)
-    for final in (True, False):
-        assert torch.equal(plain(gradient_stack(stack, final=final), memory)[0], last)
+    for is_last in (True, False):
+        assert torch.equal(plain(gradient_stack(stack, is_last=is_last), memory)[0], last)
 
 
-@pytest.mark.parametrize(("final", "length"), [(True, 1.0), (False, 2.0)])
+@pytest.mark.parametrize(("is_last", "length"), [(True, 1.0), (False, 2.0)])
 def test_between_meetings_exploration_is_as_strong_as_what_led_there(
-    final: bool, length: float
+    is_last: bool, length: float
 ) -> None:
     stack = torch.tensor([[2.0, 0.0], [-1.9, 0.3]], dtype=torch.float64)
     rule = projection_in_paper()
-    total, state = rule(gradient_stack(stack, final=final), fresh(rule, stack))
+    total, state = rule(gradient_stack(stack, is_last=is_last), fresh(rule, stack))
 
     assert state["exploring"]
     assert float(total.norm()) == pytest.approx(length)
@@ -173,5 +173,5 @@ def test_between_meetings_exploration_is_as_strong_as_what_led_there(
 @every_degenerate_stack
 def test_restored_magnitudes_are_finite(stack: Tensor) -> None:
     for rule in (weighted(), *RELATIVE.values(), projection_in_paper()):
-        total, _ = rule(gradient_stack(stack, final=False), fresh(rule, stack))
+        total, _ = rule(gradient_stack(stack, is_last=False), fresh(rule, stack))
         assert total.isfinite().all()

@@ -80,6 +80,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         "z_tar": Sensor(1, "rad", key="bearing", range=turn),
         "z_obs": Sensor(1, "m", key="range", range=(-1.0, 1e3)),
     }
+
     if options.sensing == "range_bearing":
         sensors["z_dir"] = Sensor(1, "rad", key="obstacle_bearing", range=turn)
     return sensors
@@ -93,6 +94,7 @@ def _target(options: Options) -> EKF:
         across=options.prior_range * options.bearing_noise,
         along=options.prior_range_noise,
     )
+
     return EKF(
         "p_tar",
         "P_tar",
@@ -111,6 +113,7 @@ def _obstacle(options: Options) -> EKF:
         Measurement(range_residual(), options.range_noise**2),
         Measurement(unit_gradient, UNIT_GRADIENT_VARIANCE),
     ]
+
     if options.sensing == "range_bearing":
         measurements.append(Measurement(direction_residual, options.bearing_noise**2, size=2))
 

@@ -18,7 +18,6 @@ KEYPOINTS, BLOB = "z_keypoints", "z_blob"
 """The readings: keypoints, and the middle of what is seen where these are not found."""
 
 IMAGES = ("rgb", "depth")
-STATE = ("image_age", "q", "dq")
 
 
 class CameraPerception:
@@ -61,13 +60,12 @@ class CameraPerception:
         Raises:
             ObservationError: If an image, its age or the joints are missing.
         """
-        for key in (*IMAGES, *STATE):
-            if key not in observation:
-                valid = choices(observation)
-                raise ObservationError(f"the observation has no {key!r}; it has {valid}.")
-        rgb, depth = (np.asarray(observation[key]) for key in IMAGES)
-        age, joints, velocities = (np.asarray(observation[key]) for key in STATE)
+        _check_present(observation)
+        rgb, depth = np.asarray(observation["rgb"]), np.asarray(observation["depth"])
+        joints, velocities = np.asarray(observation["q"]), np.asarray(observation["dq"])
+        age = np.asarray(observation["image_age"])[..., 0]
 
+        # Which images are to be read, and where nothing is known yet.
         batch = joints.shape[:-1]
         forgotten = np.full(batch, values is None)
         if starts is not None:
@@ -78,13 +76,14 @@ class CameraPerception:
         keypoints = np.full((*batch, 3 * len(self.registration.corners)), np.nan)
         blob = np.full((*batch, 3), np.nan)
         for row in map(tuple, np.argwhere(new)):
-            at_exposure = self.camera(joints[row] - velocities[row] * age[row][0])
+            at_exposure = self.camera(joints[row] - velocities[row] * age[row])
             image = RGBDImage(rgb[row], depth[row], at_exposure[:3, :3], at_exposure[:3, 3])
             prior = None
             if values is not None and not forgotten[row]:
                 prior = values["x_pose"][row].numpy(force=True)
-
             corners, middle = self.look(image, prior)
+
+            # What it shows, in the frame of the camera as it is now.
             camera = self.camera(joints[row])
             if corners is not None:
                 keypoints[row] = _in_frame(camera, corners).ravel()
@@ -126,11 +125,18 @@ class CameraPerception:
     @staticmethod
     def _is_new(age: NDArray[Any], values: Mapping[str, Tensor] | None, forgotten: Mask) -> Mask:
         """Which images ``(*B,)`` are new: one that was read before is older than it was then."""
-        age = age[..., 0]
         new: Mask = forgotten | (age <= 0)
         if values is not None:
             new |= age < values["z_age"].numpy(force=True)[..., 0]
         return new
+
+
+def _check_present(observation: Mapping[str, Any]) -> None:
+    """Check that an observation has all that is read here."""
+    for key in (*IMAGES, "image_age", "q", "dq"):
+        if key not in observation:
+            valid = choices(observation)
+            raise ObservationError(f"the observation has no {key!r}; it has {valid}.")
 
 
 def _in_frame(frame: Array, points: Array) -> Array:

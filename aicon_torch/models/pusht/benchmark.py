@@ -1,12 +1,16 @@
 """The benchmark pushT in SI: its world, its pusher and its object.
 
-The environment is a picture, with y pointing down and px as its unit. One px stands for 1 mm.
+The environment is a picture, with y pointing down and px as its unit. Its board of 512 px is taken
+for half a metre.
 """
 
 import math
 
-PIXEL = 1e-3
-"""Size of a px, m. Everything below depends on it, and nothing else knows of px."""
+PIXEL = 0.5 / 512
+"""Size of a px, m: about a millimetre, and a power of two, so that a change of unit rounds nothing.
+
+Everything below depends on it, and nothing else knows of px.
+"""
 
 WORKSPACE = (0.0, 512 * PIXEL)
 """Lowest and highest coordinate of a position target, m."""

@@ -37,7 +37,7 @@ class Slides(Film):
 
 def frames(count: int) -> Iterator[Frame]:
     for index in range(count):
-        frame = np.zeros((16, 32, 3), np.uint8)
+        frame = np.zeros((160, 320, 3), np.uint8)
         frame[..., 0 if index % 2 else 2] = 250
         yield frame
 
@@ -74,13 +74,13 @@ def test_gif_has_the_colours_of_its_palette(tmp_path: Path) -> None:
 def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
     pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / "video.mp4"
-    save_video(frames(5), path, 10, PALETTE)
+    save_video(frames(20), path, 10, PALETTE)
 
     reader: Any
     with imageio.get_reader(path) as reader:
         assert reader.get_meta_data()["fps"] == 10
-        assert reader.get_data(0).shape == (16, 32, 3)
-        assert reader.get_meta_data()["duration"] == pytest.approx(0.5)
+        assert reader.get_data(0).shape == (160, 320, 3)
+        assert reader.get_meta_data()["duration"] == pytest.approx(2.0)
 
 
 def test_unknown_format_is_an_error_that_lists_the_valid_ones() -> None:

@@ -13,7 +13,6 @@ pytest.importorskip("pymunk")
 
 import collect_demos
 import train_diffusion
-
 from aicon_baselines.agents.diffusion import hub
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.command_line import run_command

@@ -10,7 +10,6 @@ pytest.importorskip("stable_baselines3")
 pytest.importorskip("pymunk")
 
 import train_sb3
-
 from aicon_baselines.cli.command_line import run_command
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation.run_folder import read_rows

@@ -1,0 +1,150 @@
+"""One goal more: a graph grows without a change to what is there.
+
+What you learn: an estimator and a goal are added to a graph by adding them to its lists. Nothing
+that stands there is touched, no weight is tuned, no order of priorities is written down. The paths
+that were there stay, one comes to them, and the action changes only as far as the new goal has
+something to say.
+
+A robot goes to a door. Then it is told of a puddle to the left of its way, which it is to keep
+away from. Far from the puddle both graphs do the same; beside it the new one turns aside.
+
+    python examples/03_add_a_goal.py
+"""
+
+from collections.abc import Sequence
+
+import torch
+from torch import Tensor
+
+from aicon_torch import (
+    ActionLaw,
+    Actuator,
+    Affine,
+    Deterministic,
+    Estimator,
+    Goal,
+    KalmanFilter,
+    Measurement,
+    Policy,
+    Sensor,
+    WorldModel,
+)
+
+
+def move(v: Tensor, dt: float) -> Tensor:
+    """How far the robot gets in one step, m."""
+    return v * dt
+
+
+def landmark(name: str, reading: str) -> KalmanFilter:
+    """Where something is, relative to the robot, m."""
+    shift = Affine(**{name: 1.0, "x": -1.0})
+    agreement = Affine(**{name: 1.0, reading: -1.0})
+
+    return KalmanFilter(
+        name,
+        f"P_{name}",
+        predict=shift,
+        noise=1e-4,
+        initial=((1.0, 0.0), 9.0),
+        correct=[Measurement(agreement, noise=0.01**2, size=2)],
+    )
+
+
+# What there is: the way to the door.
+
+
+def far_from_the_door(door: Tensor) -> Tensor:
+    """Cost of the goal "arrive", m."""
+    return door.norm(dim=-1)
+
+
+def make_policy(
+    sensors: dict[str, Sensor] | None = None,
+    estimators: Sequence[Estimator] = (),
+    goals: Sequence[Goal] = (),
+) -> Policy:
+    """The way to the door, and whatever is added to it."""
+    model = WorldModel(
+        sensors={"z_door": Sensor(2, "m"), **(sensors or {})},
+        actuators={"v": Actuator(2, "m/s", limit=1.0)},
+        estimators=[
+            Deterministic("x", move, is_motion=True),
+            landmark("door", "z_door"),
+            *estimators,
+        ],
+        goals=[Goal("arrive", far_from_the_door), *goals],
+        dt=0.1,
+    )
+    return Policy(model, law=ActionLaw(smoothing=0.0))
+
+
+# What is added: the puddle.
+
+
+def near_the_puddle(puddle: Tensor) -> Tensor:
+    """Cost of the goal "stay dry": it rises toward the middle, and is nothing from 1 m on.
+
+    Nothing means exactly zero, not next to it: what counts is how strong a gradient is beside the
+    others, so that even a weak one has a say.
+    """
+    return torch.relu(1.0 - puddle.norm(dim=-1)) ** 2
+
+
+def make_policy_that_stays_dry() -> Policy:
+    """The same policy with a sensor, an estimator and a goal more."""
+    return make_policy(
+        sensors={"z_puddle": Sensor(2, "m")},
+        estimators=[landmark("puddle", "z_puddle")],
+        goals=[Goal("stay dry", near_the_puddle)],
+    )
+
+
+def main() -> None:
+    """Compare paths and actions of the two graphs."""
+    before, after = make_policy(), make_policy_that_stays_dry()
+
+    print("paths before")
+    print(before.model.paths())
+    print("\npaths after")
+    print(after.model.paths())
+
+    door = torch.tensor([5.0, 0.0])
+    far, near = torch.tensor([1.5, 1.0]), torch.tensor([0.3, 0.6])
+
+    print("\nfar from the puddle")
+    far_before, far_after = compare(before, after, door, far)
+    print("\nbeside it")
+    near_before, near_after = compare(before, after, door, near)
+
+    old_paths, new_paths = set(before.model.paths()), set(after.model.paths())
+    is_silent_elsewhere = torch.allclose(far_after, far_before)
+    turns_aside = near_after[1] < near_before[1] - 0.1
+
+    if not (old_paths < new_paths and is_silent_elsewhere and turns_aside):
+        raise SystemExit("\nThe new goal did not do what was announced.")
+    print("\nThe new goal acts where it has something to say, and nothing else has changed.")
+
+
+def compare(before: Policy, after: Policy, door: Tensor, puddle: Tensor) -> tuple[Tensor, Tensor]:
+    """The velocities of both policies on the same readings, and what met in the new one."""
+    old_velocity, _ = before.predict({"z_door": door})
+    new_velocity, memory = after.predict({"z_door": door, "z_puddle": puddle})
+
+    print(f"  velocity before {as_text(old_velocity)} m/s, after {as_text(new_velocity)} m/s")
+    meeting = after.trace(memory).quantities["x"]
+    strengths, weights = meeting.strengths.tolist(), meeting.weights.tolist()
+    for path, strength, weight in zip(meeting.labels, strengths, weights, strict=True):
+        print(f"  {path}: strength {strength:.2f}, weight {weight:.2f}")
+
+    return old_velocity, new_velocity
+
+
+def as_text(velocity: Tensor) -> str:
+    """(x, y) with two digits."""
+    x, y = (round(component, 2) + 0.0 for component in velocity.tolist())  # no -0.00
+    return f"({x:+.2f}, {y:+.2f})"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,33 @@
+"""Python in the documents: what is complete runs, and the rest is Python.
+
+A block of ```python that imports something is a program. Fragments import nothing, or are ```py.
+"""
+
+import contextlib
+import importlib.util
+import io
+
+import pytest
+from _documents import Block, all_blocks
+
+BLOCKS = all_blocks("python")
+PROGRAMS = [block for block in BLOCKS if "import " in block.code]
+FRAGMENTS = [block for block in BLOCKS if "import " not in block.code] + all_blocks("py")
+
+NEEDED = {"aicon/PushT": "pymunk", "aicon/PandaPush": "mujoco"}
+
+
+@pytest.mark.parametrize("block", FRAGMENTS, ids=str)
+def test_a_fragment_is_python(block: Block) -> None:
+    compile(block.code, str(block), "exec")
+
+
+@pytest.mark.parametrize("block", PROGRAMS, ids=str)
+def test_a_program_runs(block: Block) -> None:
+    for environment, module in NEEDED.items():
+        if environment in block.code and importlib.util.find_spec(module) is None:
+            pytest.skip(f"{module} is not installed")
+
+    program = compile(block.code, str(block), "exec")
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(program, {"__name__": "__main__"})

@@ -1,0 +1,52 @@
+"""Every example runs from a clone, and comes to the end that it announces."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+
+# The last line that each prints where its claim holds, and what it needs besides the library.
+CLAIMS = {
+    "01_own_graph": "The robot follows its leader.",
+    "02_navigation": "The robot arrived after",
+    "03_add_a_goal": "The new goal acts where it has something to say",
+    "04_compare_resolutions": "The shipped rule solves the episode.",
+    "05_own_object": "The arrow is in place each time.",
+    "06_many_robots": "The robots arrive, and none noticed",
+}
+NEEDED = {"04_compare_resolutions": ["pymunk"], "05_own_object": ["pymunk"]}
+
+
+def test_every_example_has_a_claim_here() -> None:
+    assert [example.stem for example in EXAMPLES] == list(CLAIMS)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.stem)
+def test_an_example_does_what_it_announces(example: Path) -> None:
+    for module in NEEDED.get(example.stem, []):
+        if importlib.util.find_spec(module) is None:
+            pytest.skip(f"{module} is not installed")
+
+    finished = run(example)
+
+    assert finished.returncode == 0, finished.stderr
+    last_line = finished.stdout.strip().splitlines()[-1]
+    assert last_line.startswith(CLAIMS[example.stem])
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.stem)
+def test_an_example_says_what_one_learns_and_how_to_run_it(example: Path) -> None:
+    docstring = example.read_text().split('"""')[1]
+    assert "What you learn:" in docstring
+    assert f"python examples/{example.name}" in docstring
+
+
+def run(example: Path) -> subprocess.CompletedProcess[str]:
+    """The example in a process of its own, from the root of the repository."""
+    command = [sys.executable, f"examples/{example.name}"]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
