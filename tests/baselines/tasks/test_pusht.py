@@ -32,7 +32,7 @@ def test_starts_are_those_of_gym_pusht_and_repeats_differ_in_noise(condition: st
 
 def test_the_policy_is_told_lengths_in_metres() -> None:
     assert TASK.policy_options("deterministic") == {}
-    assert TASK.policy_options("half_speed") == {"max_speed": pytest.approx(0.4)}
+    assert TASK.policy_options("half_speed") == {"max_speed": 400 * PIXEL}
     assert TASK.policy_options("delay") == {"delay": 3}
     assert TASK.policy_options("keypoint_noise") == {"keypoint_noise": 2.0 * PIXEL}
     assert TASK.policy_options("goal_jumps") == {"observe_goal": True}
