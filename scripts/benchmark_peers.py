@@ -138,7 +138,7 @@ def _to_stack(arrival: QuantityTrace) -> GradientStack:
     nothing = gradients.new_zeros(gradients.shape[:-2])
     return GradientStack(
         gradients=gradients,
-        goals=arrival.goals,
+        goals=tuple(frozenset(goals) for goals in arrival.goals),
         motion=torch.zeros_like(gradients[..., 0, :]),
         costs=dict.fromkeys(frozenset[str]().union(*arrival.goals), nothing),
         displaced_cost=lambda goal, shift: nothing,

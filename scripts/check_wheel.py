@@ -130,14 +130,14 @@ def check_pushing() -> None:
 def check_command() -> None:
     """``aicon list`` works, ``aicon compare`` where its extra is installed; else it is named."""
     listed = _run_aicon("list")
-    _check("task nav2d" in listed.stdout, f"aicon list names the tasks {listed.stderr}")
+    _check("task nav2d" in listed.stdout, f"aicon list names the tasks{listed.stderr}")
 
     with tempfile.TemporaryDirectory() as folder:
         words = ["--task", "pusht", "--policies", "aicon", "--episodes", "2", "--out", folder]
         compared = _run_aicon("compare", *words)
 
     if _has("pymunk") and _has("joblib"):
-        _check("| aicon | 2/2" in compared.stdout, f"aicon compare compares {compared.stderr}")
+        _check("| aicon | 2/2" in compared.stdout, f"aicon compare compares{compared.stderr}")
     else:
         sentence = compared.stderr.strip().splitlines()[-1]
         _check("pip install 'aicon-torch[" in sentence, f"without extras, {sentence}")

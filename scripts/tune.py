@@ -20,6 +20,7 @@ from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.report import write_report
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.tasks import load
+from aicon_torch.models.pusht import PIXEL
 
 FIRST_SEED = 1000
 """Seeds below this are for reporting."""
@@ -42,8 +43,8 @@ SEARCHES = {
         episodes=128,
     ),
     "pusht": Search(
-        gains=(4.0, 16.0, 64.0, 256.0, 1e3, 1e6),
-        speeds=(0.1, 0.2, 0.4, 0.8),
+        gains=tuple(PIXEL * gain for gain in (4e3, 16e3, 64e3, 256e3, 1e6, 1e9)),
+        speeds=tuple(PIXEL * speed for speed in (100.0, 200.0, 400.0, 800.0)),
         seed=1000,
         episodes=100,
     ),

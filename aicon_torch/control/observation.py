@@ -130,6 +130,8 @@ def _reading(
 
     if sensor.scale == 1:
         return reading
+    if isinstance(sensor.scale, int | float):
+        return reading * sensor.scale
     return reading * reading.new_tensor(sensor.scale)
 
 

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "compare": ("imageio", "joblib", "matplotlib", "tqdm"),
     "pusht": ("pymunk", "pygame"),
-    "panda": ("mujoco", "example_robot_data"),
+    "panda": ("mujoco",),  # and example-robot-data, which is files without a module
     "upstream": ("gym_pusht",),
     "sb3": ("stable_baselines3",),
     "lerobot": ("lerobot", "diffusers"),

@@ -8,6 +8,7 @@ import pytest
 import tune
 from aicon_baselines.evaluation import ComparisonError
 from aicon_torch import Policy
+from aicon_torch.models.pusht import PIXEL, Options
 
 
 def parse(*words: str) -> argparse.Namespace:
@@ -19,7 +20,10 @@ def parse(*words: str) -> argparse.Namespace:
 
 @pytest.mark.parametrize(
     ("task", "speeds", "seed"),
-    [("nav2d", (0.25, 0.5), 1024), ("pusht", (0.1, 0.2, 0.4, 0.8), 1000)],
+    [
+        ("nav2d", (0.25, 0.5), 1024),
+        ("pusht", (100 * PIXEL, 200 * PIXEL, 400 * PIXEL, 800 * PIXEL), 1000),
+    ],
 )
 def test_it_searches_what_belongs_to_the_task(
     task: str, speeds: tuple[float, ...], seed: int
@@ -29,6 +33,11 @@ def test_it_searches_what_belongs_to_the_task(
 
     asked = tune.choose_search(parse("--task", task, "--speeds", "3"))
     assert (asked.speeds, asked.gains, asked.seed) == ([3.0], usual.gains, seed)
+
+
+def test_it_searches_around_what_is_shipped() -> None:
+    search, shipped = tune.SEARCHES["pusht"], Options()
+    assert shipped.law.gain in search.gains and shipped.max_speed in search.speeds
 
 
 def test_seeds_for_reporting_are_refused() -> None:

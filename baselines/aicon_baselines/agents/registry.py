@@ -14,15 +14,15 @@ from typing import Any
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory, Predictor
 from aicon_baselines.extras import pip_command
-from aicon_baselines.tasks.registry import load
+from aicon_baselines.tasks.registry import check_name, load
 
 
 def ablations(task: str) -> Mapping[str, Mapping[str, Any]]:
     """Return the ablations of a task: the options that each changes in the preset "aicon"."""
-    content: Mapping[str, Mapping[str, Any]] = import_module(
-        f"aicon_baselines.ablations.{load(task).name}"
-    ).ABLATIONS
-    return content
+    check_name(task)
+    module = import_module(f"aicon_baselines.ablations.{task}")
+    by_name: Mapping[str, Mapping[str, Any]] = module.ABLATIONS
+    return by_name
 
 
 def names(task: str) -> tuple[str, ...]:
@@ -32,7 +32,8 @@ def names(task: str) -> tuple[str, ...]:
     """
     from aicon_torch import presets
 
-    return (*presets(load(task).name), *ablations(task))
+    check_name(task)
+    return (*presets(task), *ablations(task))
 
 
 def factory(task: str, name: str, **options: Any) -> Factory:
@@ -48,6 +49,7 @@ def factory(task: str, name: str, **options: Any) -> Factory:
         valid = ", ".join(names(task))
         raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {valid}")
 
+    # An ablation changes options of ours; a preset is named as it is.
     if name in ablations(task):
         return ModelPolicy(task, "aicon", {**ablations(task)[name], **options})
     return ModelPolicy(task, name, options)

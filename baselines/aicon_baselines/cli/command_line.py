@@ -86,6 +86,10 @@ def errors_as_sentences(
     except (ComparisonError, OptionError, DependencyNotInstalled) as error:
         parser.error(str(error))
     except ModuleNotFoundError as error:
+        # Without a name it was raised by hand, and is a sentence already.
+        if error.name is None:
+            parser.error(str(error))
+
         extra = extra_of(error.name)
         if extra is None:
             raise

@@ -38,8 +38,8 @@ def run(arguments: argparse.Namespace) -> None:
 def _print_task(name: str) -> None:
     """Print the policies and conditions of a task, or what it needs."""
     _print_line("presets", presets(name))
+    _print_line("ablations", agents.ablations(name))
     try:
-        _print_line("ablations", agents.ablations(name))
         _print_line("conditions", tasks.load(name).conditions)
     except ComparisonError as error:
         _print_line("", [str(error)])

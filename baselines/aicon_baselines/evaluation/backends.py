@@ -27,6 +27,7 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
     if scheduler is not None and name != "dask":
         raise ComparisonError(f"a scheduler belongs to the dask backend, not to {name!r}")
 
+    # What is opened here is closed with the context, in the opposite order.
     with ExitStack() as stack:
         if name == "dask":
             _connect(stack, jobs, scheduler)
@@ -44,8 +45,9 @@ def _connect(stack: ExitStack, jobs: int, scheduler: str | None) -> None:
         ) from error
 
     if scheduler is None:
+        # Port 0 is any free one: its usual port may be taken by another cluster of this machine.
         cluster = distributed.LocalCluster(
-            n_workers=jobs, threads_per_worker=1, dashboard_address=None
+            n_workers=jobs, threads_per_worker=1, dashboard_address="localhost:0"
         )
         scheduler = stack.enter_context(cluster)
 

@@ -98,6 +98,7 @@ def configure(
     Returns:
         The configuration; an unknown condition or map is an error that lists the valid ones.
     """
+    # The repeats of an episode differ in their noise only.
     conditions = _check_names("condition", conditions or task.conditions[:1], task.conditions)
     noiseless = [name for name in conditions if name in task.noiseless]
     if repeats > 1 and noiseless:

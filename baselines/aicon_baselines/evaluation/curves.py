@@ -107,12 +107,14 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
         task: The task; episodes end without success at its horizon, its last milestone is marked.
         path: Where to save the picture.
     """
+    # A policy looks the same in all panels.
     conditions = group_rows(rows, _condition)
     policies = sorted({row.policy for row in rows})
     styles = {policy: line_style(index) for index, policy in enumerate(policies)}
     # The axis starts at the first success of any policy.
     start = min(row.steps or task.horizon / 2 for row in rows)
 
+    # A panel for each condition, in lines of three.
     columns = min(len(conditions), _PANELS_PER_LINE)
     lines = ceil(len(conditions) / columns)
     figure = Figure(figsize=(7.5 * columns, 4.5 * lines), layout="constrained")
@@ -180,6 +182,7 @@ def _rank(curve: SuccessCurve) -> tuple[float, float, str]:
 
 def _draw_curve(axes: Axes, curve: SuccessCurve, style: tuple[str, str], task: Task) -> None:
     """Draw one policy, from a share of 0 at the first step to the horizon."""
+    # Before the first success there is none, and after the last one nothing changes.
     nothing_yet = np.array([[0.0, *wilson_interval(0, curve.episodes)]])
     shares = np.concatenate([nothing_yet, curve.shares])
     shares = np.concatenate([shares, shares[-1:]])

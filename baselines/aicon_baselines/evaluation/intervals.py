@@ -29,6 +29,7 @@ def bootstrap_interval(differences: NDArray[np.float64]) -> tuple[float, float]:
     computed again. Where all n are equal the interval has no width, and says nothing about rarer
     episodes.
     """
+    # SciPy wants two: one alone says nothing about its spread.
     if len(differences) == 1:
         return float(differences[0]), float(differences[0])
 

@@ -79,6 +79,7 @@ def _step_until_ended(
     outcome = _begin(len(episodes), info, task.measures)
     position = np.array(info["position"], np.float64)
 
+    # All episodes start, and none is known to have ended.
     running = np.ones(len(episodes), np.bool_)
     starts, state = running, None
 
@@ -95,9 +96,11 @@ def _step_until_ended(
 
         ended = running & (terminated | truncated)
         running = running & ~ended
+
         # An ended episode stays in the batch; it begins afresh at every step, so that its memory
         # cannot run away.
         starts = ~running
+
         if (ended & wanted).any():
             on_finished(int((ended & wanted).sum()))
 
@@ -126,14 +129,15 @@ def _record(
     measures: tuple[Measure, ...],
 ) -> None:
     """Add one step to the episodes still running; `position` (B, 2) is that before the step."""
+    # What adds up, and what only the latest step says.
     lengths = np.linalg.norm(info["position"] - position, axis=-1)
-
     outcome.steps[running] += 1
     outcome.success[running] = info["is_success"][running]
     outcome.collision[running] |= info["collision"][running]
     outcome.path_length[running] += lengths[running]
     outcome.distance[running] = info["distance"][running]
 
+    # Of some measures the least of the episode counts.
     for measure in measures:
         values, latest = outcome.measures[measure.key], info[measure.key]
         if measure.least:

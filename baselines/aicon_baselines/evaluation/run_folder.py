@@ -77,6 +77,7 @@ def read_rows(path: Path) -> list[Row]:
     if header != list(Row._fields):
         raise ComparisonError(f"{path} has the columns {header}; expected {list(Row._fields)}")
 
+    # The header is line 1.
     rows = []
     for number, fields in enumerate(lines, start=2):
         try:

@@ -89,10 +89,10 @@ def summarize(
         milestones: Numbers of steps within which successes are counted as well.
         measures: What else the rows hold.
     """
-    summaries = [
-        _summarize_policy(policy, condition, group, milestones, measures)
-        for (condition, policy), group in group_rows(rows, condition_and_policy).items()
-    ]
+    summaries = []
+    for (condition, policy), group in group_rows(rows, condition_and_policy).items():
+        summary = _summarize_policy(policy, condition, group, milestones, measures)
+        summaries.append(summary)
 
     def rank(summary: Summary) -> tuple[str, float, str]:
         return summary.condition, -summary.success_rate, summary.policy
@@ -133,9 +133,17 @@ def _summarize_policy(
     milestones: Sequence[int],
     measures: Sequence[Measure],
 ) -> Summary:
+    # How often, and how fast.
     successes = [row for row in rows if row.success]
+    failed_seeds = sorted(row.seed for row in rows if not row.success)
     steps = [row.steps for row in successes if row.steps is not None]
-    by_map = group_rows(sorted(rows, key=_map), _map)
+
+    # How well, and where.
+    distances = [row.distance for row in successes]
+    measured = {measure.key: _sum_up_measure(measure, rows) for measure in measures}
+    maps = {}
+    for name, group in group_rows(sorted(rows, key=_map), _map).items():
+        maps[name] = _summarize_map(group)
 
     return Summary(
         policy=policy,
@@ -145,15 +153,15 @@ def _summarize_policy(
         success_rate=len(successes) / len(rows),
         interval=wilson_interval(len(successes), len(rows)),
         milestones=[reached_within(rows, milestone) for milestone in milestones],
-        failed_seeds=sorted(row.seed for row in rows if not row.success),
+        failed_seeds=failed_seeds,
         collisions=sum(row.collision for row in rows),
         median_steps=median_of(steps),
         percentile_95_steps=float(np.percentile(steps, 95)) if steps else None,
         longest_steps=max(steps, default=None),
         median_path_ratio=median_of(_path_ratios(successes)),
-        median_distance=median_of(row.distance for row in successes),
-        measures={measure.key: _sum_up_measure(measure, rows) for measure in measures},
-        maps={name: _summarize_map(group) for name, group in by_map.items()},
+        median_distance=median_of(distances),
+        measures=measured,
+        maps=maps,
     )
 
 
@@ -174,7 +182,9 @@ def _sum_up_measure(measure: Measure, rows: list[Row]) -> float | None:
     """Return the least value of all episodes, or the median of the successes."""
     if measure.least:
         return min(row.measures[measure.key] for row in rows)
-    return median_of(row.measures[measure.key] for row in rows if row.success)
+
+    values = [row.measures[measure.key] for row in rows if row.success]
+    return median_of(values)
 
 
 def _summarize_map(rows: list[Row]) -> MapSummary:

@@ -74,6 +74,7 @@ def _compare(rows: Sequence[Row], reference: Sequence[Row], task: Task) -> Varia
     more_steps = _steps(rows, task.horizon) - _steps(reference, task.horizon)
     more_successes = _within(rows, limit) - _within(reference, limit)
 
+    # Pair by pair: the same episode of the variant and of the reference.
     return Variant(
         name=rows[0].policy,
         within=reached_within(rows, limit),
@@ -86,9 +87,11 @@ def _compare(rows: Sequence[Row], reference: Sequence[Row], task: Task) -> Varia
 
 def _steps(rows: Sequence[Row], horizon: int) -> NDArray[np.float64]:
     """Return the steps that each episode took, (n,); an unsolved one took all."""
-    return np.array([horizon if row.steps is None else row.steps for row in rows], np.float64)
+    steps = [horizon if row.steps is None else row.steps for row in rows]
+    return np.array(steps, np.float64)
 
 
 def _within(rows: Sequence[Row], limit: int) -> NDArray[np.float64]:
     """Return 1 for each episode that succeeded in so many steps and 0 for the others, (n,)."""
-    return np.array([row.steps is not None and row.steps <= limit for row in rows], np.float64)
+    succeeded = [row.steps is not None and row.steps <= limit for row in rows]
+    return np.array(succeeded, np.float64)

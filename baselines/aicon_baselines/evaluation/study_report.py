@@ -43,11 +43,17 @@ def draw_study(variants: Sequence[Variant], path: Path) -> None:
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2, sharey=True)
 
-    _draw(left, [variant.within_difference for variant in variants], scale=100.0)
+    # Successes on the left, as percentage points.
+    more_successes = [variant.within_difference for variant in variants]
+    _draw(left, more_successes, scale=100.0)
     left.set_xlabel(f"success within {variants[0].within.steps} steps (points more)")
-    _draw(right, [variant.steps_difference for variant in variants], scale=1.0)
+
+    # Steps on the right.
+    more_steps = [variant.steps_difference for variant in variants]
+    _draw(right, more_steps, scale=1.0)
     right.set_xlabel("steps (more)")
 
+    # A line for each variant, from the top.
     left.set_yticks(range(len(variants)), [variant.name for variant in variants])
     left.set_ylim(len(variants) - 0.5, -0.5)
     figure.savefig(path, dpi=160)

@@ -50,6 +50,7 @@ def to_percent(rate: float, interval: tuple[float, float]) -> str:
 
 def _cells(summary: Summary, task: Task) -> dict[str, str]:
     """Return what the line of a summary says, by the heading of the column."""
+    # Whose episodes, and how many succeeded, in all and in fewer steps.
     success = to_percent(summary.success_rate, summary.interval)
     cells = {
         "condition": summary.condition,
@@ -64,6 +65,7 @@ def _cells(summary: Summary, task: Task) -> dict[str, str]:
     if task.shortest_path_length or task.measures:
         cells["collisions"] = str(summary.collisions)
 
+    # Time, of the successes.
     if task.time_unit == "s":
         cells["median time"] = to_text(summary.median_steps, "{:.1f} s", task.time_step)
     else:
@@ -71,12 +73,12 @@ def _cells(summary: Summary, task: Task) -> dict[str, str]:
         cells["95th percentile"] = to_text(summary.percentile_95_steps, "{:.0f}")
         cells["longest"] = to_text(summary.longest_steps, "{:g}")
 
+    # Lengths, and what else is measured.
     if task.shortest_path_length:
         cells["median path / shortest"] = to_text(summary.median_path_ratio, "{:.2f}")
     if task.measures:
         distance = to_text(summary.median_distance, f"{{:.4f}} {task.length_unit}")
         cells["median distance at the end"] = distance
-
     for measure in task.measures:
         cells[measure.title] = to_text(summary.measures[measure.key], measure.form, measure.scale)
     return cells

@@ -3,12 +3,12 @@
 So a busy machine slows all of them alike, and their ratios hold.
 """
 
-import statistics
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import cycle
 from typing import Any
 
+import numpy as np
 from tqdm import tqdm
 
 from aicon_baselines.evaluation.predictor import Predictor
@@ -48,9 +48,8 @@ def ratios(numerators: Iterable[float], denominators: Iterable[float]) -> list[f
 
 def spread(values: Iterable[float], factor: float = 1.0) -> str:
     """Write median (5 % to 95 %) of the values times a factor."""
-    scaled = [value * factor for value in values]
-    cuts = statistics.quantiles(scaled, n=20, method="inclusive")
-    return f"{statistics.median(scaled):.3g} ({cuts[0]:.3g} to {cuts[-1]:.3g})"
+    low, middle, high = factor * np.percentile(np.fromiter(values, np.float64), (5, 50, 95))
+    return f"{middle:.3g} ({low:.3g} to {high:.3g})"
 
 
 def replay(policy: Predictor, observations: Sequence[Any]) -> Step:

@@ -93,12 +93,14 @@ def save(numbers: Iterable[EpisodeNumbers], path: Path) -> None:
 
 def in_words(numbers: Sequence[EpisodeNumbers]) -> str:
     """A few lines on several episodes."""
+    # How many, and which not.
     solved = [row for row in numbers if row.success]
     longest = max((row.time for row in solved), default=math.nan)
     failures = ", ".join(_name_failure(row) for row in numbers if not row.success) or "none"
+
+    # Between what, and how near to what.
     conflicts = conflicts_of(numbers).most_common()
     listed = ", ".join(f"{name} {count}" for name, count in conflicts) or "none"
-
     joint_margin = min(row.limit_margin for row in numbers)
     body_margin = 1e3 * min(row.self_distance for row in numbers)
     collided = sum(row.collisions > 0 for row in numbers)

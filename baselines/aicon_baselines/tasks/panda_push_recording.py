@@ -58,6 +58,7 @@ def watch(
     seeds = [episode.seed for episode in episodes]
     missing = set(seeds if wanted is None else wanted)
     histories = [_History(seed) for seed in seeds]
+
     found: dict[int, EpisodeNumbers] = {}
 
     env = TASK.make_env(len(episodes), condition, horizon)
@@ -71,6 +72,7 @@ def watch(
             facts = read_facts(policy.trace(memory))
             observation, _, terminated, truncated, info = env.step(action)
 
+            # Each episode that was still going on takes its numbers of this step.
             for row in np.flatnonzero(~ended):
                 own_info = {name: values[row] for name, values in info.items()}
                 histories[row].add(own_info, facts, int(row))
@@ -188,11 +190,13 @@ class _History:
 
     def add(self, info: dict[str, Any], facts: StepFacts, row: int) -> None:
         """Take the numbers of a step, from the environment's info and row `row` of the facts."""
+        # Where the tip is, and how far the object is from where it is believed.
         true_pose = info["object_pose"]
         error = np.hypot(*(facts.position[row] - true_pose[:2]))
         self.pose_errors.append(_MILLIMETRES * float(error))
         self.heights.append(_MILLIMETRES * float(info["tip"][2]))
 
+        # What the robot came near to.
         self.limit_margin = min(self.limit_margin, float(info["limit_margin"]))
         self.self_distance = min(self.self_distance, float(info["self_distance"]))
         self.collisions += int(info["collision"])

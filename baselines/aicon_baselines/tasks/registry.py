@@ -27,12 +27,18 @@ def load(name: str) -> Task:
     An unknown name is an error that lists the names; where the environment is not installed, the
     error says what to install.
     """
-    if name not in _MODULES:
-        raise ComparisonError(f"unknown task {name!r}; valid tasks: {', '.join(_MODULES)}")
-
+    check_name(name)
     try:
         task: Task = import_module(_MODULES[name]).TASK
-    except (ModuleNotFoundError, DependencyNotInstalled) as error:
+    except DependencyNotInstalled as error:
+        raise ComparisonError(str(error)) from error  # the environment says how to get it
+    except ModuleNotFoundError as error:
         needed = pip_command(_EXTRAS[name])
         raise ComparisonError(f"{error}; the task {name!r} needs: {needed}") from error
     return task
+
+
+def check_name(name: str) -> None:
+    """Refuse a name that is none of a task, with the list of those that are."""
+    if name not in _MODULES:
+        raise ComparisonError(f"unknown task {name!r}; valid tasks: {', '.join(_MODULES)}")

@@ -14,6 +14,7 @@ def test_programs_take_turns_after_a_warm_up() -> None:
 
 def test_spread_is_median_and_percentiles() -> None:
     assert spread(range(101), factor=2.0) == "100 (10 to 190)"
+    assert spread([0.5]) == "0.5 (0.5 to 0.5)"
     assert ratios([4.0, 9.0], [2.0, 3.0]) == [2.0, 3.0]
 
 

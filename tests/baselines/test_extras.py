@@ -1,0 +1,41 @@
+"""The extras of the wheel."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from aicon_baselines.extras import EXTRAS, extra_of, missing_modules, pip_command
+
+PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
+
+
+def test_every_extra_is_one_of_the_wheel() -> None:
+    project = tomllib.loads(PYPROJECT.read_text())["project"]
+    declared = project["optional-dependencies"]
+    for extra, modules in EXTRAS.items():
+        brought = re.sub(r"[-_]", "", " ".join(declared[extra])).lower()
+        missing = [module for module in modules if module.replace("_", "") not in brought]
+        # dask[distributed] and lerobot[diffusion] bring a module of another name.
+        assert set(missing) <= {"diffusers"}, extra
+
+
+@pytest.mark.parametrize(
+    ("module", "extra"),
+    [
+        ("matplotlib.figure", "compare"),
+        ("pymunk", "pusht"),
+        ("distributed", "cluster"),
+        ("aicon_torch.missing", None),
+        (None, None),
+    ],
+)
+def test_a_module_names_the_extra_that_brings_it(module: str | None, extra: str | None) -> None:
+    assert extra_of(module) == extra
+
+
+def test_what_is_missing_has_a_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(EXTRAS, "cluster", ("json", "no_such_module"))
+    assert missing_modules("cluster") == ("no_such_module",)
+    assert pip_command("cluster") == "pip install 'aicon-torch[cluster]'"
