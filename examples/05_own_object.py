@@ -4,7 +4,7 @@ What you learn: the environment and the policy take any simple polygon. The poli
 it needs from the corners: sides, centre of mass, radius of gyration. No constant changes.
 
 One thing to mind is the unit. The environment is the benchmark's, a picture of 512 px; the library
-counts in metres, and one px stands for one millimetre.
+counts in metres, and takes the picture for half a metre: PIXEL is the size of one px.
 
     python examples/05_own_object.py
 """
