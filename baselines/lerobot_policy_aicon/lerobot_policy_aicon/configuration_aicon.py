@@ -14,11 +14,12 @@ class AiconConfig(PreTrainedConfig):
 
     Attributes:
         preset: One of `aicon_torch.presets("pusht")`.
-        max_speed: Largest speed of the pusher, m/s; a pixel of the environment is 1 mm.
+        max_speed: Largest speed of the pusher, m/s, where 512 px of the environment are half a
+            metre; None for the preset's own.
     """
 
     preset: str = "aicon"
-    max_speed: float = 0.8
+    max_speed: float | None = None
     push_to_hub: bool = False
 
     def validate_features(self) -> None:

@@ -25,7 +25,8 @@ class AiconPolicy(PreTrainedPolicy):
         super().__init__(config)
         config.validate_features()
 
-        self._policy: Any = make_policy("pusht", preset=config.preset, max_speed=config.max_speed)
+        options = {} if config.max_speed is None else {"max_speed": config.max_speed}
+        self._policy: Any = make_policy("pusht", preset=config.preset, **options)
         self.reset()
 
     def reset(self) -> None:
