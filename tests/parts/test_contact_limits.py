@@ -111,10 +111,9 @@ def test_a_contact_is_pushed_as_far_as_it_helps(ahead: float, pushed: float) -> 
 
 def test_the_pusher_does_not_slide_off_a_side_that_it_pushes() -> None:
     """Near a useful side, no farther along it than 0.7 of what is left of it and 3 px."""
-    farthest = 20 * PIXEL
     free, held = (
         near_contact(
-            limits_of(**WHOLE_STEP, **{"contact_limits.slide_gap": gap}), farthest=farthest
+            limits_of(**WHOLE_STEP, **{"contact_limits.slide_gap": gap}), farthest=20 * PIXEL
         )
         for gap in (0.0, 1 / 8)
     )
