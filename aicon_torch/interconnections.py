@@ -136,9 +136,10 @@ class Interconnection(Node):
     ) -> tuple[Tensor, Tensor]:
         """:meth:`linearize` by autograd, all rows in one backward pass."""
         with torch.enable_grad():
+            # A leaf of its own, unless the Jacobian must lead on to what the point depends on.
             point = cast(Tensor, values[name])
             if not (differentiable and point.requires_grad):
-                point = point.detach().requires_grad_()  # only the Jacobian here is asked for
+                point = point.detach().requires_grad_()  # stops what led to the point
             inputs = {key: values[key] for key in self.inputs} | {name: point}
 
             if rows == 1:
@@ -167,6 +168,7 @@ class Interconnection(Node):
         The inputs are repeated along a new leading dimension, and copy i is differentiated for
         component i.
         """
+        # One copy of every input for each component of the value.
         copies: dict[str, Tensor | float] = {}
         for key, value in inputs.items():
             if isinstance(value, Tensor):

@@ -72,9 +72,13 @@ class BackwardPass:
                     f"The resolution names the goal {goal!r}. Goals: {choices(model.goals)}."
                 )
         self.model, self.resolution = model, resolution
+
+        # What arrives where, and along which paths.
         self.levels = _levels(model)
         self._arrivals = self._follow_edges()
         self.paths = {name: _paths_of(arrivals) for name, arrivals in self._arrivals.items()}
+
+        # Where gradients are resolved, and what is remembered there.
         self._is_last = self._find_last_mergers()
         self._remembered = {
             name: tuple(self._initial_at(name)) for name in self.paths if self.resolves_at(name)
@@ -154,6 +158,7 @@ class BackwardPass:
         for goal in self.model.goals:
             leaving[goal] = [PartialPath((goal,), frozenset([goal]))]
 
+        # Level by level, so that everything has arrived at a quantity before anything leaves it.
         for level in self.levels:
             for name in level:
                 if name in arrivals:

@@ -102,10 +102,12 @@ def _goal_reports(
     backward: BackwardPass, values: Memory, actions: dict[str, Tensor]
 ) -> dict[str, GoalReport]:
     """Each goal's cost, and the product of its gradient with the action."""
+    # The whole graph as one function of the actions, nothing cut.
     leaves = {name: action.detach().requires_grad_() for name, action in actions.items()}
     with torch.enable_grad():
         costs = backward.model.uncut(values, leaves)
 
+    # To first order, an action a changes the goal g by ∇ₐg · a.
     reports: dict[str, GoalReport] = {}
     for goal, cost in costs.items():
         gradients = torch.autograd.grad(

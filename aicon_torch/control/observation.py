@@ -72,6 +72,7 @@ def hold(
         if not sensor.optional:
             continue
 
+        # Zero stands for a reading that never came.
         last = torch.zeros_like(readings[name]) if memory is None else memory[name]
         if starts is not None:
             last = torch.where(starts.unsqueeze(-1), 0.0, last)

@@ -94,6 +94,7 @@ class Policy(nn.Module):
             memory, readings = self._begin(observation, state, episode_start)
             commands, memory = self._step(readings, memory)
 
+        # An action is of the observation's kind, and alone where there is one actuator.
         takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
         actions = commands if takes_tensors else _as_numpy(commands)
         if len(actions) == 1:
@@ -120,6 +121,7 @@ class Policy(nn.Module):
             OptionError: If there is no such actuator.
             ObservationError: If the action has another shape, or is not finite.
         """
+        # What somebody else did takes the place of the action in the memory.
         executed = dict(action or {})
         self._check_executed(executed)
 

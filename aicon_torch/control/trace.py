@@ -181,6 +181,7 @@ def _opponent(
     if "opponent" in memory:
         return memory["opponent"][..., 0], memory["cosine"]
 
+    # A rule that compares nothing has no opponent of its own: take the second strongest.
     others = strengths.scatter(-1, leader.unsqueeze(-1), -1.0)
     opponent = others.argmax(-1)
     first, second = (unit(select(gradients, i.unsqueeze(-1))) for i in (leader, opponent))

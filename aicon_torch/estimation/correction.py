@@ -24,7 +24,8 @@ class Correction(NamedTuple):
     @classmethod
     def by(cls, covariance: Tensor, jacobian: Tensor, noise: Tensor) -> "Correction":
         """The correction of P ``(*B, n, n)`` by H ``(*B, m, n)`` and R ``(*B, m, m)``."""
-        if jacobian.shape[-2] == 1:  # products with a row are faster than with a matrix
+        # With one component S is a number, and products with a row are faster than with a matrix.
+        if jacobian.shape[-2] == 1:
             cross = (covariance * jacobian).sum(-1).unsqueeze(-2)
             spread = (cross * jacobian).sum(-1, keepdim=True) + noise
             return cls(cross, spread, cross / spread)

@@ -95,9 +95,11 @@ class EKF(Estimator):
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """Predict and correct; readings that are absent or beyond the gate are left out, by row."""
+        # Predict.
         mean, transition = self._predicted_mean(values)
         covariance = self._predicted_covariance(values, transition)
 
+        # Correct, one measurement after the other, each from the belief that the last one left.
         for measurement in self._measurements:
             belief = {**values, self.mean: mean, self.covariance: covariance}
             residual, jacobian, noise = measurement.innovation(belief, self.mean)
@@ -105,6 +107,7 @@ class EKF(Estimator):
             mean_change = correction.of_mean(residual)
             covariance_change = correction.of_covariance()
 
+            # A reading that is absent or refused changes nothing in its row.
             distance = partial(correction.squared_distance, residual)
             accepted = measurement.accepted(values, distance)
             if accepted is not None:
@@ -117,9 +120,11 @@ class EKF(Estimator):
 
     def forward(self, values: Values, output: str) -> Tensor:
         """The belief one step ahead: the moved mean, or the covariance after measuring there."""
+        # The mean as the model alone moves it: the correction to come counts as noise.
         if output == self.mean and self.derivative == "model":
             return cast(Tensor, self.predict(values))
 
+        # The belief after the next prediction and the next measurements.
         mean, transition = self._predicted_mean(values, differentiable=True)
         covariance = self._predicted_covariance(values, transition)
         for measurement in self._measurements:

@@ -165,6 +165,7 @@ class WorldModel(nn.Module):
         graphs: LocalGraphs = {}
         for estimator in self.estimators:
             name = estimator.outputs[0]
+            # Where a value is its own anticipation, one evaluation serves both.
             if name in self.graph.evaluated_once:
                 graphs[name] = self._record(name, new)
                 new[name] = graphs[name].output.detach()  # as a number: graphs are one hop long
@@ -226,12 +227,14 @@ class WorldModel(nn.Module):
             displacement: ``(*B, n)``; of a quantity that is a motion it is the motion itself.
             values: Values after a step.
         """
+        # Displace the quantity, ...
         inputs = with_dt(values, self.dt)
         if self.quantities[quantity].is_motion:
             inputs[quantity] = displacement
         else:
             inputs[quantity] = values[quantity] + displacement
 
+        # ... and let follow what lies between it and the goal.
         for name in self._between(goal, quantity):
             inputs[name] = self.owners[name](inputs, name)
         return cast(Tensor, self.goals[goal](inputs))

@@ -60,9 +60,9 @@ class ContactDynamics:
 
         sought, happening = p_contact.unbind(-1)
         motion = self.step * by_gain(effects, sought, happening, self.step * self.intent)
-        return straight_through(
-            pose, motion
-        )  # the contacts give the gradient; the pose is where it is
+
+        # The contacts to come give the gradient; the pose is where it is.
+        return straight_through(pose, motion)
 
     def effects(self, pose: Tensor, points: Tensor, normals: Tensor) -> Tensor:
         """Direction of the object's motion by each contact.
