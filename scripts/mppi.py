@@ -34,12 +34,12 @@ class Mppi:
         goal = torch.tensor(options.goal_pose, dtype=torch.float64)
         self._goal = self._body.pose_of_frame(goal)
 
-        speed = torch.full((2,), 0.4, dtype=torch.float64)
+        speed = torch.full((2,), 400.0 * PIXEL, dtype=torch.float64)
         self._mppi = MPPI(
             self._dynamics,
             self._cost,
             nx=5,
-            noise_sigma=torch.eye(2, dtype=torch.float64) * 0.3**2,
+            noise_sigma=torch.eye(2, dtype=torch.float64) * (300.0 * PIXEL) ** 2,
             num_samples=samples,
             horizon=horizon,
             lambda_=0.005,
@@ -70,7 +70,7 @@ class Mppi:
 
     def _cost(self, state: Tensor, action: Tensor) -> Tensor:
         """Pose error, and a tenth of what the pusher is farther than 6 cm away, m."""
-        away = (norm(state[..., 3:] - state[..., :2]) - 0.06).clamp(min=0.0)
+        away = (norm(state[..., 3:] - state[..., :2]) - 60.0 * PIXEL).clamp(min=0.0)
         error = pose_error(state[..., :3], self._goal, self._body.radius_of_gyration)
         return norm(error) + 0.1 * away
 
