@@ -47,7 +47,8 @@ class Sensor:
         unit: Unit of each component, for people and error messages.
         key: The observation's key; by default the sensor's name in the graph.
         optional: Whether a reading may be absent. NaN, or a missing key, then means "no reading":
-            the estimators predict and correct again when the next one comes.
+            the estimators predict and correct again when the next one comes. What reads it without
+            a measurement reads the last one again.
         range: Lowest and highest value that the instrument can report; readings saturate there.
         scale: Factor from the observation's unit to the graph's, one for all components or one
             each: a sensor that reports px in a graph of metres has the size of a px here.

@@ -38,13 +38,13 @@ def main() -> None:
         step += 1
 
         # All gradients meet at x_rob, the displacement in one step: there a conflict shows.
-        meeting = policy.trace(memory).quantities["x_rob"]
-        exploring = bool(meeting.exploring)
+        displacement = policy.trace(memory).quantities["x_rob"]
+        exploring = bool(displacement.exploring)
 
         if exploring != was_exploring:
             time = step * policy.model.dt
             if exploring:
-                print(f"{time:6.2f} s  explores: {describe_conflict(meeting)}")
+                print(f"{time:6.2f} s  explores: {describe_conflict(displacement)}")
             else:
                 print(f"{time:6.2f} s  goes for the target again, {info['distance']:.1f} m away")
         was_exploring = exploring
@@ -59,14 +59,14 @@ def main() -> None:
         raise SystemExit(1)
 
 
-def describe_conflict(meeting: QuantityTrace) -> str:
+def describe_conflict(displacement: QuantityTrace) -> str:
     """Which goals oppose each other at a quantity, and how much."""
-    goals = meeting.goals_in_conflict()
+    goals = displacement.goals_in_conflict()
     if goals is None:
         return "one gradient alone is left, and the way is not open yet"
 
     leader, opponent = goals
-    return f"{leader} against {opponent}, cosine {float(meeting.cosine):+.2f}"
+    return f"{leader} against {opponent}, cosine {float(displacement.cosine):+.2f}"
 
 
 if __name__ == "__main__":

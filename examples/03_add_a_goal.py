@@ -132,9 +132,9 @@ def compare(before: Policy, after: Policy, door: Tensor, puddle: Tensor) -> tupl
     new_velocity, memory = after.predict({"z_door": door, "z_puddle": puddle})
 
     print(f"  velocity before {as_text(old_velocity)} m/s, after {as_text(new_velocity)} m/s")
-    meeting = after.trace(memory).quantities["x"]
-    strengths, weights = meeting.strengths.tolist(), meeting.weights.tolist()
-    for path, strength, weight in zip(meeting.labels, strengths, weights, strict=True):
+    displacement = after.trace(memory).quantities["x"]
+    strengths, weights = displacement.strengths.tolist(), displacement.weights.tolist()
+    for path, strength, weight in zip(displacement.labels, strengths, weights, strict=True):
         print(f"  {path}: strength {strength:.2f}, weight {weight:.2f}")
 
     return old_velocity, new_velocity

@@ -31,7 +31,7 @@ class PartialPath(NamedTuple):
         return " → ".join(self.names)
 
 
-class Arrival(NamedTuple):
+class IncomingEdge(NamedTuple):
     """What one edge brings to a quantity: a gradient, or one for each row.
 
     Attributes:
@@ -75,8 +75,8 @@ class BackwardPass:
 
         # What arrives where, and along which paths.
         self.levels = _levels(model)
-        self._arrivals = self._follow_edges()
-        self.paths = {name: _paths_of(arrivals) for name, arrivals in self._arrivals.items()}
+        self._incoming = self._follow_edges()
+        self.paths = {name: _paths_of(incoming) for name, incoming in self._incoming.items()}
 
         # Where gradients are resolved, and what is remembered there.
         self._is_last = self._find_last_mergers()
@@ -151,9 +151,9 @@ class BackwardPass:
             new_memory[f"{name}/gradient"] = gradient
         return actions, new_memory
 
-    def _follow_edges(self) -> dict[str, list[Arrival]]:
+    def _follow_edges(self) -> dict[str, list[IncomingEdge]]:
         """What arrives at each quantity, in the order of the pass."""
-        arrivals: dict[str, list[Arrival]] = {}
+        incoming: dict[str, list[IncomingEdge]] = {}
         leaving: dict[str, list[PartialPath]] = {}
         for goal in self.model.goals:
             leaving[goal] = [PartialPath((goal,), frozenset([goal]))]
@@ -161,23 +161,23 @@ class BackwardPass:
         # Level by level, so that everything has arrived at a quantity before anything leaves it.
         for level in self.levels:
             for name in level:
-                if name in arrivals:
-                    leaving[name] = self._leaving(name, _paths_of(arrivals[name]))
+                if name in incoming:
+                    leaving[name] = self._leaving(name, _paths_of(incoming[name]))
             for turn in _turns(level, leaving):
                 for name, index in turn.items():
                     for edge in self.model.edges[name]:
-                        here = arrivals.setdefault(edge.source, [])
+                        here = incoming.setdefault(edge.source, [])
                         group = self._group_of(edge, here)
-                        here.append(Arrival(edge, leaving[name][index], group))
-        return arrivals
+                        here.append(IncomingEdge(edge, leaving[name][index], group))
+        return incoming
 
-    def _group_of(self, edge: Edge, earlier: Sequence[Arrival]) -> int:
+    def _group_of(self, edge: Edge, earlier: Sequence[IncomingEdge]) -> int:
         """Gradients of the same rows are summed if the resolution says so; others stand alone."""
         if self.resolution.by_row and edge.rows:
-            for arrival in earlier:
-                if arrival.edge.rows and arrival.edge.rows_of == edge.rows_of:
-                    return arrival.group
-        return 1 + max((arrival.group for arrival in earlier), default=-1)
+            for arriving in earlier:
+                if arriving.edge.rows and arriving.edge.rows_of == edge.rows_of:
+                    return arriving.group
+        return 1 + max((arriving.group for arriving in earlier), default=-1)
 
     def _leaving(self, name: str, paths: list[PartialPath]) -> list[PartialPath]:
         """The paths that leave a quantity: one where its gradients are merged, else all."""
@@ -214,7 +214,7 @@ class BackwardPass:
 
     def _unresolved(self, name: str, arrived: Sequence[Tensor]) -> list[Tensor]:
         """The gradients ``(*B, *shape)`` one by one; those that came row by row are taken apart."""
-        if not any(arrival.edge.rows for arrival in self._arrivals.get(name, ())):
+        if not any(arriving.edge.rows for arriving in self._incoming.get(name, ())):
             return list(arrived)
 
         shape = self.model.quantities[name].shape
@@ -250,17 +250,17 @@ class BackwardPass:
     def _stacked(self, name: str, arrived: Sequence[Tensor]) -> Tensor:
         """The gradients that arrived as rows ``(*B, n, d)``; those of one group are summed."""
         quantity = self.model.quantities[name]
-        arrivals = self._arrivals[name]
-        if not any(arrival.edge.rows for arrival in arrivals):
+        incoming = self._incoming[name]
+        if not any(arriving.edge.rows for arriving in incoming):
             return torch.stack([quantity.flatten(gradient) for gradient in arrived], dim=-2)
 
         blocks: dict[int, Tensor] = {}
-        for arrival, gradient in zip(arrivals, arrived, strict=True):
-            if not arrival.edge.rows:
+        for arriving, gradient in zip(incoming, arrived, strict=True):
+            if not arriving.edge.rows:
                 gradient = quantity.flatten(gradient).unsqueeze(-2)
-            if arrival.group in blocks:
-                gradient = blocks[arrival.group] + gradient
-            blocks[arrival.group] = gradient
+            if arriving.group in blocks:
+                gradient = blocks[arriving.group] + gradient
+            blocks[arriving.group] = gradient
         return torch.cat(list(blocks.values()), dim=-2)
 
     @staticmethod
@@ -279,10 +279,10 @@ class BackwardPass:
         return torch.autograd.grad(outputs, leaves, seeds, retain_graph=True)
 
 
-def _paths_of(arrivals: Sequence[Arrival]) -> list[PartialPath]:
+def _paths_of(incoming: Sequence[IncomingEdge]) -> list[PartialPath]:
     """The path of each gradient of a stack; in a sum, those of its terms joined."""
     blocks: dict[int, list[PartialPath]] = {}
-    for edge, path, group in arrivals:
+    for edge, path, group in incoming:
         paths = [path]
         if edge.rows:
             paths = [PartialPath((*path.names[:-1], row), path.goals) for row in edge.labels]

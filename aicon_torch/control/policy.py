@@ -32,10 +32,8 @@ class Policy(nn.Module):
     """Reactive control: estimate, pull the goals' gradients back to the actuators, descend.
 
     All that lives from step to step is in the memory, a flat ``dict[str, Tensor]`` with leading
-    batch
-    dimensions: it goes in and comes out, can be saved with ``torch.save``, and one policy serves
-        any
-    number of robots.
+    batch dimensions. It goes in and comes out, can be saved with ``torch.save``, and one policy
+    serves any number of robots.
 
     Args:
         model: The world model.

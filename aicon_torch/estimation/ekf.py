@@ -43,6 +43,7 @@ class EKF(Estimator):
             correction were noise; ``"update"``, that of the whole next update, readings held;
             ``"detached_gain"``, the same with K held.
         size: Number n of components, needed where ``initial`` is a function.
+        is_motion: Whether the mean is itself a motion, such as a velocity that odometry measures.
 
     Example:
         >>> EKF("p_tar", "P_tar", predict=approach, noise=1e-6, initial=((5.0, 0.0), 9.0),
@@ -60,8 +61,10 @@ class EKF(Estimator):
         correct: Sequence[Measurement] = (),
         derivative: Derivative = "model",
         size: int | None = None,
+        is_motion: bool = False,
     ) -> None:
         super().__init__()
+        self.is_motion = is_motion
         self.mean, self.covariance = mean, covariance
         self.outputs = (mean, covariance)
         self.covariances = (covariance,)

@@ -19,6 +19,7 @@ class KalmanFilter(EKF):
         noise: Variances of Q, per step.
         initial: Mean and variances before the first step.
         correct: Measurements whose residual is Affine, such as ``Affine(x=1.0, z=-1.0)``.
+        is_motion: Whether the mean is itself a motion, such as a velocity that odometry measures.
 
     Example:
         >>> KalmanFilter(
@@ -36,6 +37,7 @@ class KalmanFilter(EKF):
         noise: Noise,
         initial: tuple[Sequence[float], float | Sequence[float]],
         correct: Sequence[Measurement] = (),
+        is_motion: bool = False,
     ) -> None:
         relations = [predict, *(measurement.residual for measurement in correct)]
         if not all(isinstance(relation, Affine) for relation in relations):
@@ -44,5 +46,11 @@ class KalmanFilter(EKF):
                 "any function."
             )
         super().__init__(
-            mean, covariance, predict=predict, noise=noise, initial=initial, correct=correct
+            mean,
+            covariance,
+            predict=predict,
+            noise=noise,
+            initial=initial,
+            correct=correct,
+            is_motion=is_motion,
         )

@@ -29,8 +29,8 @@ def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
 
     Args:
         name: Name of the model, such as ``"nav2d"``.
-        preset: A named set of options: ``"aicon"``, ``"paper_literal"`` (the text and nothing else)
-            or a baseline; :func:`presets` lists them.
+        preset: A named set of options: ``"aicon"``, ``"paper_literal"`` (nearest to the text; the
+            model's presets say what is left of ours) or a baseline; :func:`presets` lists them.
         **options: Fields of the model's ``Options``, which override the preset. A field of a field
             is named by its path, such as ``"resolution.temperature"``.
 

@@ -2,7 +2,7 @@
 
 Not that of pytorch-kinematics: its URDF loader rounds to float32 (2.4e-8 m), and a chain that is
 built from numbers is as long as the product here, makes a step a tenth slower and needs four more
-packages. docs/arm.md has the figures.
+packages. docs/research/panda_push.md has the figures.
 """
 
 from collections.abc import Sequence

@@ -60,7 +60,7 @@ class EndEffector(nn.Module):
 
     A gradient h says where x_ee is to go. ``"natural"`` asks for the joints that take it there,
     along J⁺h, the steepest descent in the metric of the table: see :meth:`natural_gradient`.
-    ``"transpose"`` is the chain rule to the letter, Jᵀh, the steepest descent in the metric of the
+    ``"transpose"`` is the chain rule itself, Jᵀh, the steepest descent in the metric of the
     joints, whose motion of the tip points up to 40° away from h.
 
     Args:

@@ -114,9 +114,9 @@ class TopFaceSegmentation:
             inside &= (next_row >= 0) & (next_row < image_height)
 
             neighbours = next_row[inside], next_column[inside]
-            border = ~face[neighbours] & ~blocked[neighbours]
-            u = columns[inside][border] + 0.5 * right
-            v = rows[inside][border] + 0.5 * down
+            edge = ~face[neighbours] & ~blocked[neighbours]
+            u = columns[inside][edge] + 0.5 * right
+            v = rows[inside][edge] + 0.5 * down
             points.append(self._on_plane(u, v, image, height))
 
         edges = np.concatenate(points)

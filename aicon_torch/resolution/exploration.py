@@ -30,11 +30,18 @@ class Comparison(NamedTuple):
 class Exploration:
     """Conflict detection and nullspace exploration (Sect. "Escaping Local Minima").
 
-    A conflict begins when the cosine of the two strongest gradients falls below ``enter_cosine``,
-    and ends when it rises above ``exit_cosine`` or one exceeds all others by ``ratio``. Meanwhile
-    the quantity moves along t = N m/‖N m‖, where N projects into the nullspace of the dominant
-    gradient and m is the moving average of the quantity's motion. Where m has no component there,
-    the descent directions decide, then the coordinate axes.
+    It is decided for each quantity where gradients meet, and for each row of the batch. The leader
+    is compared with a partner, the second strongest gradient or the strongest that opposes it:
+
+    - it begins when their cosine is below ``enter_cosine`` and the leader is not more than
+      ``ratio`` times as strong as its partner;
+    - it goes on while their cosine is at most ``exit_cosine`` and the leader is not more than
+      ``ratio`` times as strong, or, beyond the text, while ``escape`` waits for progress;
+    - it ends when neither holds, or when a new episode begins.
+
+    Meanwhile the quantity moves along t = N m/‖N m‖, where N projects into the nullspace of the
+    leader and m is the moving average of the quantity's motion. Where m has no component there, the
+    descent directions decide, then the coordinate axes.
 
     The defaults are what the library ships; :meth:`as_in_paper` gives the text's.
 

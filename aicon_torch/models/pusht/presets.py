@@ -6,7 +6,9 @@
 - ``slow_approach_ungrouped``: besides, each path a candidate of its own, and the second strongest
   as partner;
 - ``paper_literal``: besides, one likelihood for all contacts, the angle for the effect, the softmax
-  over magnitudes as they are, and no limits.
+  over magnitudes as they are, and no limits. What is left of ours: the gradient sets the velocity
+  where Eq. 2 changes it, λ compares magnitudes, and the motion average takes 0.4 s. Nothing is left
+  with ``resolution=NullspaceProjection.as_in_paper()`` and ``law=ActionLaw.as_in_paper(gain)``.
 
 Gain and speed are the best of the same search for each policy (``scripts/tune.py --task pusht``).
 """

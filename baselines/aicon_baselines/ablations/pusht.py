@@ -15,6 +15,8 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "symmetric_far": {**_ONE_LIKELIHOOD, "contact.reaction": 1 / 4},
         "soft_intent": {"contact.intent": 0.1},
         "without_facing": {"contact.facing": False},
+        # The two paths of a contact: p₁ leads over its likelihood, p₂ over its position.
+        "without_likelihood_path": {"likelihood_path": False},
         "without_position_path": {"position_path": False},
         # What is believed of the world: readings as they come, a T of uniform density.
         "without_estimation": {"estimation": False},

@@ -4,6 +4,7 @@ A task's policies are the presets of its model (ours, the paper's text and the b
 ablations of the task (ours without one part); agents that were trained come from their folder.
 """
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -55,6 +56,20 @@ def factory(task: str, name: str, **options: Any) -> Factory:
     return ModelPolicy(task, name, options)
 
 
+def own_policy(source: str) -> Factory:
+    """Return what builds a policy of the user's own.
+
+    It is imported once here, so that what is missing is an error before anything runs.
+
+    Args:
+        source: "module:function", the function being a :data:`Factory`: it takes the name of the
+            condition and returns a policy with `predict`. The module may lie in this folder.
+    """
+    build = OwnPolicy(*source.split(":", 1))
+    build.find()
+    return build
+
+
 def compiled(build: Factory) -> Factory:
     """Return what builds the same policy of the library with its step compiled."""
     return CompiledPolicy(build)
@@ -70,6 +85,36 @@ def make(task: str, name: str, condition: str | None = None) -> Predictor:
     """
     build = factory(task, name)
     return build(condition or load(task).conditions[0])
+
+
+@dataclass(frozen=True)
+class OwnPolicy:
+    """Builds a policy of the user's own: see :func:`own_policy`."""
+
+    module: str
+    function: str
+
+    def find(self) -> Factory:
+        """Import what builds it.
+
+        Raises:
+            ComparisonError: If there is no such module or function.
+        """
+        here = str(Path.cwd())
+        if here not in sys.path:
+            sys.path.append(here)
+        try:
+            build: Factory = getattr(import_module(self.module), self.function)
+        except (ImportError, AttributeError) as error:
+            raise ComparisonError(
+                f"policy '{self.module}:{self.function}': {error}; expected MODULE:FUNCTION, a "
+                "function of the condition that returns a policy"
+            ) from error
+        return build
+
+    def __call__(self, condition: str) -> Predictor:
+        """Build it for a condition."""
+        return self.find()(condition)
 
 
 @dataclass(frozen=True)

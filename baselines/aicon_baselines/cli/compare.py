@@ -10,7 +10,13 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from aicon_baselines.agents.registry import compiled, diffusion_policy, factory, saved_agent
+from aicon_baselines.agents.registry import (
+    compiled,
+    diffusion_policy,
+    factory,
+    own_policy,
+    saved_agent,
+)
 from aicon_baselines.cli.command_line import RESUMABLE, Command
 from aicon_baselines.evaluation.backends import BACKENDS
 from aicon_baselines.evaluation.comparison import compare
@@ -72,6 +78,9 @@ def choose_policies(task: Task, arguments: argparse.Namespace) -> dict[str, Fact
                 )
                 policies[label] = build
 
+        elif ":" in name:
+            policies[name] = own_policy(name)
+
         elif task.compiles:
             policies[name] = compiled(factory(task.name, name))
         elif arguments.compile:
@@ -106,7 +115,8 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         nargs="+",
         required=True,
         metavar="NAME",
-        help="policies of the task, and trained ones: sb3, diffusion",
+        help="policies of the task; trained ones: sb3, diffusion; your own: MODULE:FUNCTION, a "
+        "function of the condition that returns something with predict",
     )
     group.add_argument(
         "--compile",
