@@ -25,7 +25,8 @@ def replace_options(options: Options, changes: Mapping[str, Any], owner: str = "
     Example:
         >>> replace_options(Options(), {"law.gain": 10.0, "resolution.exploration": None})
     """
-    valid = tuple(field.name for field in dataclasses.fields(options))  # type: ignore[arg-type]
+    fields = dataclasses.fields(options)  # type: ignore[arg-type]  # a dataclass, says the docstring
+    valid = tuple(field.name for field in fields)
 
     # Which fields are replaced as a whole, and which in part.
     whole: dict[str, Any] = {}
@@ -49,4 +50,4 @@ def replace_options(options: Options, changes: Mapping[str, Any], owner: str = "
 
         whole[name] = replace_options(group, inner, f"{name!r} of {owner}")
 
-    return dataclasses.replace(options, **whole)  # type: ignore[type-var]
+    return dataclasses.replace(options, **whole)  # type: ignore[type-var]  # likewise
