@@ -70,7 +70,9 @@ def by_gain(effects: Tensor, sought: Tensor, incidental: Tensor, softness: float
     Returns:
         ``(*B, d)``.
     """
-    return cast(Tensor, _ByGain.apply(effects, sought, incidental, softness))  # type: ignore[no-untyped-call]
+    weigh = _ByGain.apply
+    motion = weigh(effects, sought, incidental, softness)  # type: ignore[no-untyped-call]  # as above
+    return cast(Tensor, motion)
 
 
 class _ByGain(torch.autograd.Function):

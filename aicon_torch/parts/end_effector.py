@@ -91,7 +91,9 @@ class EndEffector(nn.Module):
         """x_ee ``(*B, 6)``, m, at the joint angles ``(*B, n)``, rad."""
         if self.pullback == "transpose" or not x_joints.requires_grad:
             return self.at(self.chain.frames(x_joints))
-        x_ee: Tensor = _NaturalPullback.apply(x_joints, self)  # type: ignore[no-untyped-call]
+
+        pull_back = _NaturalPullback.apply
+        x_ee: Tensor = pull_back(x_joints, self)  # type: ignore[no-untyped-call]  # torch's is untyped
         return x_ee
 
     def jacobian(self, x_joints: Tensor) -> Tensor:

@@ -55,6 +55,7 @@ def policy_with(wheels: KalmanFilter) -> Policy:
         initial=((3.0, 0.0), 1.0),
         correct=[seen],
     )
+
     model = WorldModel(
         sensors={"z_wheel": Sensor(2, "m/s", optional=True), "z_target": Sensor(2, "m")},
         actuators={"a": Actuator(2, "m/s", limit=1.0)},

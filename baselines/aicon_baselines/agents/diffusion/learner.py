@@ -73,7 +73,7 @@ class Learner:
         batch = self._preprocess(self._load_batch(next(self._batches)))
         loss = self._loss(batch)
 
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()  # type: ignore[no-untyped-call]  # torch leaves it untyped
         torch.nn.utils.clip_grad_norm_(self._policy.parameters(), _MAX_GRADIENT_NORM)
         self._optimizer.step()
         self._schedule.step()
