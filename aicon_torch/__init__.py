@@ -1,6 +1,14 @@
 """Reactive control by adaptive nullspace projection on a graph of recursive estimators (AICON)."""
 
-from aicon_torch.control import ActionLaw, Explanation, Perception, Policy, StepTrace
+from aicon_torch.control import (
+    ActionLaw,
+    DirectDescent,
+    Explanation,
+    Foresight,
+    Perception,
+    Policy,
+    StepTrace,
+)
 from aicon_torch.errors import AiconError, GraphError, ObservationError, OptionError
 from aicon_torch.estimation import EKF, Deterministic, Estimator, KalmanFilter, Measurement
 from aicon_torch.goals import Goal
@@ -25,10 +33,12 @@ __all__ = [
     "Affine",
     "AiconError",
     "Deterministic",
+    "DirectDescent",
     "Escape",
     "Estimator",
     "Explanation",
     "Exploration",
+    "Foresight",
     "Goal",
     "GraphError",
     "Interconnection",

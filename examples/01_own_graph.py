@@ -14,7 +14,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
@@ -98,7 +98,7 @@ def observe(robot: Tensor, leader: Tensor, noise: torch.Generator) -> dict[str, 
 def main() -> None:
     """Follow the leader for a minute."""
     model = make_model()
-    policy = Policy(model, NullspaceProjection(), ActionLaw(gain=10.0))
+    policy = Policy(model, NullspaceProjection(), DirectDescent(gain=10.0))
 
     print("Every goal reaches the actuator by a path of its own:")
     print(model.paths())

@@ -17,7 +17,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
@@ -76,7 +76,7 @@ def make_policy(
         goals=[Goal("arrive", far_from_the_door), *goals],
         dt=0.1,
     )
-    return Policy(model, law=ActionLaw(smoothing=0.0))
+    return Policy(model, law=DirectDescent(smoothing=0.0))
 
 
 # What is added: the puddle.

@@ -27,7 +27,7 @@ from tqdm import tqdm
 
 from aicon_baselines.evaluation.timing import Step, replay, take_turns
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
@@ -116,7 +116,7 @@ def landmarks(goals: int) -> Step:
         dt=0.1,
         dtype=torch.float64,
     )
-    policy = Policy(model, NullspaceProjection(), ActionLaw(gain=1.0))
+    policy = Policy(model, NullspaceProjection(), DirectDescent(gain=1.0))
 
     readings = {f"z_{name}": torch.randn(2, dtype=torch.float64) for name in names}
     return replay(policy, [readings])

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Goal,
@@ -43,7 +43,7 @@ def build(rungs: int) -> Policy:
         estimators=estimators,
         goals=[Goal("rest", Interconnection(_distance, top))],
     )
-    return Policy(model, Sum(), ActionLaw(gain=1.0))
+    return Policy(model, Sum(), DirectDescent(gain=1.0))
 
 
 def _blend(u: Tensor, v: Tensor) -> Tensor:

@@ -2,7 +2,9 @@
 
 from aicon_torch.control.action_law import ActionLaw
 from aicon_torch.control.backward import BackwardPass, PartialPath
+from aicon_torch.control.direct import DirectDescent
 from aicon_torch.control.explanation import Explanation
+from aicon_torch.control.foresight import Foresight
 from aicon_torch.control.perception import Perception
 from aicon_torch.control.policy import Policy
 from aicon_torch.control.step import ControlStep
@@ -12,7 +14,9 @@ __all__ = [
     "ActionLaw",
     "BackwardPass",
     "ControlStep",
+    "DirectDescent",
     "Explanation",
+    "Foresight",
     "PartialPath",
     "Perception",
     "Policy",

@@ -1,6 +1,6 @@
 """The action law: from the gradient at an actuator to the next action."""
 
-from dataclasses import dataclass
+from typing import Protocol
 
 import torch
 from torch import Tensor
@@ -9,54 +9,70 @@ from aicon_torch.errors import OptionError
 from aicon_torch.quantities import Actuator
 
 
-@dataclass(frozen=True)
-class ActionLaw:
-    """a* = −k∇, or a* = a − k∇ where it accumulates (Eq. 2); then a ← a + α (clip(a*) − a).
+class ActionLaw(Protocol):
+    """How the gradient at an actuator becomes its next action.
 
-    The low-pass of Sect. "Stabilizing the Control Signal" has α = dt/(dt + T). With the default
-    gain the action is as large as its limit allows, wherever the gradient is not next to zero: the
-    gradient gives the direction.
+    A control step calls it so: the descent begins at :meth:`start`, :meth:`descend` takes one
+    gradient after the other, and :meth:`finish` makes an action of what came out.
 
     Attributes:
-        gain: k, in the action's unit squared over the cost's.
-        accumulate: Whether the gradient changes the action (Eq. 2) or sets it.
-        smoothing: T, time constant of the low-pass, s; 0 switches it off.
+        iterations: K, the number of gradients in a control step.
+        foresees: Whether each gradient is taken where the model foresees that the descent so far
+            leads, or at the estimates as they are.
     """
 
-    gain: float = 1e9
-    accumulate: bool = False
-    smoothing: float = 0.1
+    @property
+    def iterations(self) -> int:
+        """K, the number of gradients in a control step."""
+        ...
 
-    def __post_init__(self) -> None:
-        """Check the constants."""
-        if not self.gain > 0:
-            raise OptionError(f"gain={self.gain!r}: expected a number > 0.")
-        if not self.smoothing >= 0:
-            raise OptionError(f"smoothing={self.smoothing!r}: expected a time >= 0 (s).")
+    @property
+    def foresees(self) -> bool:
+        """Whether gradients are taken at the state that the model foresees."""
+        ...
 
-    @classmethod
-    def as_in_paper(cls, gain: float) -> "ActionLaw":
-        """Eq. 2, which changes the action by −k∇; the text leaves k to the reader."""
-        return cls(gain=gain, accumulate=True)
+    def start(self, last: Tensor) -> Tensor:
+        """Where the descent begins, ``(*B, size)``, from the last action ``(*B, size)``."""
+        ...
 
-    def __call__(self, gradient: Tensor, action: Tensor, actuator: Actuator, dt: float) -> Tensor:
-        """The next action.
+    def descend(
+        self, action: Tensor, gradient: Tensor, iteration: Tensor, actuator: Actuator
+    ) -> Tensor:
+        """The action after one more gradient, within the actuator's limit, ``(*B, size)``.
 
         Args:
+            action: The action so far, ``(*B, size)``.
             gradient: ∇ at the actuator, ``(*B, size)``.
-            action: The last action, ``(*B, size)``.
+            iteration: k = 1 … K, a scalar.
             actuator: Whose limit holds.
-            dt: Time step, s.
-
-        Returns:
-            ``(*B, size)``, within the limit.
         """
-        descent = -self.gain * gradient
-        if self.accumulate:
-            descent = action + descent
-        target = actuator.clip(descent).nan_to_num(nan=0.0)  # a cost that overflows moves nothing
+        ...
 
-        if self.smoothing == 0:
-            return target
-        rate = dt / (dt + self.smoothing)
-        return actuator.clip(torch.lerp(action, target, rate))
+    def finish(self, action: Tensor, last: Tensor, actuator: Actuator, dt: float) -> Tensor:
+        """The next action ``(*B, size)``, from where the descent ended and the last action."""
+        ...
+
+
+def low_pass(action: Tensor, last: Tensor, smoothing: float, actuator: Actuator, dt: float) -> Tensor:
+    """a ← a + dt/(dt + T) (a* − a), ``(*B, size)`` (Sect. "Stabilizing the Control Signal").
+
+    Args:
+        action: a*, ``(*B, size)``.
+        last: The last action a, ``(*B, size)``.
+        smoothing: T, s; 0 switches it off.
+        actuator: Whose limit holds.
+        dt: Time step, s.
+    """
+    if smoothing == 0:
+        return action
+    return actuator.clip(torch.lerp(last, action, dt / (dt + smoothing)))
+
+
+def check_smoothing(smoothing: float) -> None:
+    """Check a time constant.
+
+    Raises:
+        OptionError: If it is negative.
+    """
+    if not smoothing >= 0:
+        raise OptionError(f"smoothing={smoothing!r}: expected a time >= 0 (s).")

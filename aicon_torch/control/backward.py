@@ -105,19 +105,20 @@ class BackwardPass:
         values: Mapping[str, Tensor],
         memory: Mapping[str, Tensor],
         goal_factors: Tensor,
+        costs: dict[str, Tensor],
     ) -> tuple[dict[str, Tensor], Memory]:
         """Travel once from the goals to the actuators.
 
         Args:
-            graphs: The local graphs of this step.
+            graphs: The local graphs to travel through.
             values: Values after the step.
             memory: Memory before the step.
             goal_factors: Factor of each goal, ``(*B, goals)``.
+            costs: Cost of each goal after the step, ``(*B,)``.
 
         Returns:
             The gradient at each actuator ``(*B, size)``, and the new memory of every quantity.
         """
-        costs = {goal: graphs[goal].output.detach() for goal in self.model.goals}  # as numbers
         arrived: dict[str, list[Tensor]] = {name: [] for name in self.paths}
         new_memory: Memory = {}
 

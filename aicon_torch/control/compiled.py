@@ -2,7 +2,7 @@
 
 import logging
 import warnings
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 
 import torch
@@ -10,26 +10,30 @@ from torch import Tensor
 from torch.fx import GraphModule
 from torch.fx.experimental.proxy_tensor import make_fx
 
-from aicon_torch.control.step import ControlStep
+from aicon_torch.control.step import Actions, ControlStep
 from aicon_torch.resolution import Memory
 
 _SMALL = 16
 """Products of matrices up to this size are written out: a call of a library costs more."""
 
-CompiledFunction = Callable[..., Sequence[Tensor]]
-"""From the values of readings and memory to those of commands and memory, each in a fixed order."""
+Named = Mapping[str, Tensor]
+"""Tensors by name, such as a memory."""
+
+NamedFunction = Callable[..., tuple[dict[str, Tensor], ...]]
+"""A function of some groups of named tensors that returns others."""
 
 InputKind = tuple[torch.Size, torch.dtype, torch.device]
-"""What a function is compiled for: shape, precision and device of the first reading."""
+"""What a step is compiled for: shape, precision and device of the first reading."""
 
 
 class CompiledStep(ControlStep):
     """A control step that does what the one it is made of does, many times faster.
 
-    The first step with a new size of batch is traced through autograd into one flat graph of tensor
-    operations, in which every gradient is written out, and TorchInductor compiles it. That takes
-    from seconds to a minute; later runs find most of it in Inductor's cache on disk. Observations
-    are checked, and episodes begin, as before.
+    The first step with a new size of batch is traced through autograd into flat graphs of tensor
+    operations, in which every gradient is written out, and TorchInductor compiles them: one for the
+    estimates, one for a descent by one gradient, however many of them a step takes, and one for the
+    commands. That takes from seconds to a minute; later runs find most of it in Inductor's cache on
+    disk. Observations are checked, and episodes begin, as before.
 
     A new precision or device is compiled by itself; where a parameter has changed, call ``compile``
     again. The step must not branch on values of tensors. Where it does, or where there is no
@@ -37,47 +41,33 @@ class CompiledStep(ControlStep):
 
     Args:
         step: The step.
-        memory_keys: The keys of its memory.
     """
 
-    def __init__(self, step: ControlStep, memory_keys: Collection[str]) -> None:
+    def __init__(self, step: ControlStep) -> None:
         super().__init__(step.model, step.backward, step.law)
-        self._memory_order = tuple(sorted(memory_keys))
-        self._functions: dict[InputKind, CompiledFunction] = {}
+        self._steps: dict[InputKind, _StepFunctions] = {}
         self._compiles = True
 
     def __call__(
         self, readings: Mapping[str, Tensor], memory: Memory
-    ) -> tuple[dict[str, Tensor], Memory]:
+    ) -> tuple[Actions, Memory]:
         """One step: see :class:`ControlStep`."""
         if not self._compiles:
             return super().__call__(readings, memory)
 
-        # Dictionaries become lists in a fixed order.
-        names = sorted(readings)
-        inputs = [readings[name].contiguous() for name in names]
-        inputs += [memory[key].contiguous() for key in self._memory_order]
-
-        kind = (inputs[0].shape, inputs[0].dtype, inputs[0].device)
-        if kind not in self._functions:
+        first = next(iter(readings.values()))
+        kind = (first.shape, first.dtype, first.device)
+        if kind not in self._steps:
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # torch on its own future
-                    self._functions[kind] = self._compile(names, inputs)
+                    self._steps[kind] = _StepFunctions(self, readings, memory)
             except Exception as error:  # noqa: BLE001  # the robot goes on
                 self._give_up(error)
                 return super().__call__(readings, memory)
 
         with torch.no_grad():
-            outputs = self._functions[kind](*inputs)
-        return self._as_dictionaries(outputs)
-
-    def _as_dictionaries(self, outputs: Sequence[Tensor]) -> tuple[dict[str, Tensor], Memory]:
-        """Commands by actuator and the memory, from the values in their order."""
-        actuators = list(self.model.actuators)
-        commands = dict(zip(actuators, outputs[: len(actuators)], strict=True))
-        memory = dict(zip(self._memory_order, outputs[len(actuators) :], strict=True))
-        return commands, memory
+            return self._steps[kind](readings, memory)
 
     def _give_up(self, error: Exception) -> None:
         self._compiles = False
@@ -89,38 +79,118 @@ class CompiledStep(ControlStep):
             stacklevel=4,
         )
 
-    def _compile(self, names: Sequence[str], inputs: Sequence[Tensor]) -> CompiledFunction:
-        """The step for inputs of these shapes."""
 
-        def flat_step(*values: Tensor) -> tuple[Tensor, ...]:
-            readings = dict(zip(names, values, strict=False))
-            memory = dict(zip(self._memory_order, values[len(names) :], strict=True))
-            commands, memory = ControlStep.__call__(self, readings, memory)
-            return (*commands.values(), *(memory[key] for key in self._memory_order))
+class _StepFunctions:
+    """The parts of a control step, compiled for one size of batch.
 
-        # Trace it through autograd into one flat graph.
-        examples = [
-            value.clone() for value in inputs
-        ]  # twice the same tensor would be taken for one
-        decompositions = {
-            torch.ops.aten.mm.default: _written_out,
-            torch.ops.aten.bmm.default: _written_out,
-        }
-        graph = make_fx(flat_step, decompositions)(*examples)
-        graph.graph.eliminate_dead_code()
-        graph.recompile()
+    Args:
+        step: The step.
+        readings: Readings of this size.
+        memory: A memory of this size.
+    """
 
-        # Calls from C++ are a third cheaper than from Python; torch 2.10 cannot make them.
-        if inputs[0].device.type == "cpu":
-            with suppress(Exception):
-                return _compile_graph(graph, examples, cpp_wrapper=True)
-        return _compile_graph(graph, examples, cpp_wrapper=False)
+    def __init__(self, step: ControlStep, readings: Named, memory: Named) -> None:
+        dtype, device = step.model.like.dtype, step.model.like.device
+        self.counts = [
+            {"k": torch.tensor(k, dtype=dtype, device=device)}
+            for k in range(1, step.law.iterations + 1)
+        ]
+
+        def begin(readings: Named, memory: Memory) -> tuple[dict[str, Tensor], ...]:
+            values, costs = step.estimate(readings, memory)
+            return values, costs, step.start(values)
+
+        def descend(
+            values: Named, costs: dict[str, Tensor], memory: Memory, actions: Actions, count: Named
+        ) -> tuple[dict[str, Tensor], ...]:
+            return step.descend(values, costs, memory, actions, count["k"])
+
+        # Each is traced on what the one before it returns.
+        with torch.no_grad():
+            self.begin = _compiled(begin, readings, memory)
+            values, costs, actions = self.begin(readings, memory)
+
+            inputs = (values, costs, memory, actions, self.counts[0])
+            self.descend = _compiled(descend, *inputs)
+            actions, resolved = self.descend(*inputs)
+            self.finish = _compiled(step.finish, values, memory, actions, resolved)
+
+    def __call__(self, readings: Named, memory: Named) -> tuple[Actions, Memory]:
+        values, costs, actions = self.begin(readings, memory)
+        resolved: dict[str, Tensor] = {}
+        for count in self.counts:
+            actions, resolved = self.descend(values, costs, memory, actions, count)
+
+        commands, new_memory = self.finish(values, memory, actions, resolved)
+        return commands, new_memory
+
+
+def _compiled(function: NamedFunction, *groups: Named) -> NamedFunction:
+    """A function of groups of named tensors, compiled for groups like these."""
+    input_names = [tuple(group) for group in groups]
+    output_names: list[tuple[str, ...]] = []
+
+    def of_list(*values: Tensor) -> tuple[Tensor, ...]:
+        given, start = [], 0
+        for names in input_names:
+            given.append(dict(zip(names, values[start : start + len(names)], strict=True)))
+            start += len(names)
+        returned = function(*given)
+        output_names[:] = [tuple(group) for group in returned]
+        return tuple(value for group in returned for value in group.values())
+
+    # Trace it through autograd into one flat graph of what it uses.
+    keys = [(index, name) for index, names in enumerate(input_names) for name in names]
+    examples = [
+        groups[index][name].clone(memory_format=torch.contiguous_format) for index, name in keys
+    ]  # clones: twice the same tensor would be taken for one
+    graph, used = _traced(of_list, examples)
+    keys = [keys[index] for index in used]
+    run = _compile_graph(graph, [examples[index] for index in used])
+
+    def call(*groups: Named) -> tuple[dict[str, Tensor], ...]:
+        flat = iter(run(*[groups[index][name].contiguous() for index, name in keys]))
+        return tuple({name: next(flat) for name in names} for names in output_names)
+
+    return call
+
+
+def _traced(
+    function: Callable[..., tuple[Tensor, ...]], examples: Sequence[Tensor]
+) -> tuple[GraphModule, list[int]]:
+    """The graph of a function of tensors, and which of these it uses."""
+    decompositions = {
+        torch.ops.aten.mm.default: _written_out,
+        torch.ops.aten.bmm.default: _written_out,
+    }
+    graph = make_fx(function, decompositions)(*examples)
+    graph.graph.eliminate_dead_code()
+
+    used: list[int] = []
+    inputs = [node for node in graph.graph.nodes if node.op == "placeholder"]
+    for index, node in enumerate(inputs):
+        if node.users:
+            used.append(index)
+        else:
+            graph.graph.erase_node(node)
+    graph.recompile()
+    return graph, used
 
 
 def _compile_graph(
-    graph: GraphModule, examples: Sequence[Tensor], cpp_wrapper: bool
-) -> CompiledFunction:
+    graph: GraphModule, examples: Sequence[Tensor]
+) -> Callable[..., Sequence[Tensor]]:
     """Compile a flat graph by TorchInductor."""
+    # Calls from C++ are a third cheaper than from Python; torch 2.10 cannot make them.
+    if all(example.device.type == "cpu" for example in examples):
+        with suppress(Exception):
+            return _inductor(graph, examples, cpp_wrapper=True)
+    return _inductor(graph, examples, cpp_wrapper=False)
+
+
+def _inductor(
+    graph: GraphModule, examples: Sequence[Tensor], cpp_wrapper: bool
+) -> Callable[..., Sequence[Tensor]]:
     from torch._inductor import config, standalone_compile  # takes a second to load
 
     with (
@@ -128,7 +198,7 @@ def _compile_graph(
         config.patch(cpp_wrapper=cpp_wrapper),
         _quiet("torch._inductor.ir"),
     ):
-        compiled: CompiledFunction = standalone_compile(
+        compiled: Callable[..., Sequence[Tensor]] = standalone_compile(
             graph, [*examples], dynamic_shapes="from_example_inputs"
         )
     return compiled

@@ -11,6 +11,7 @@ from torch import Tensor, nn
 from aicon_torch.control.action_law import ActionLaw
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.explanation import Explanation, explain
+from aicon_torch.control.foresight import Foresight
 from aicon_torch.control.memory import (
     GOAL_FACTORS,
     check_memory,
@@ -56,7 +57,7 @@ class Policy(nn.Module):
         super().__init__()
         self.model = model
         self.resolution = NullspaceProjection() if resolution is None else resolution
-        self.law = ActionLaw() if law is None else law
+        self.law = Foresight() if law is None else law
         self.perception = perception
 
         self.backward_pass = BackwardPass(model, self.resolution)
@@ -136,7 +137,7 @@ class Policy(nn.Module):
         from aicon_torch.control.compiled import CompiledStep  # loads the compiler
 
         compiled = Policy(self.model, self.resolution, self.law, self.perception)
-        compiled._step = CompiledStep(compiled._step, self._keys)
+        compiled._step = CompiledStep(compiled._step)
         return compiled
 
     def reset(self) -> None:

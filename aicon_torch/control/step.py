@@ -1,4 +1,5 @@
 """One control step: a pure function from readings and memory to commands and memory."""
+import os
 
 from collections.abc import Mapping
 
@@ -11,14 +12,17 @@ from aicon_torch.control.memory import GOAL_FACTORS
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory
 
+Actions = dict[str, Tensor]
+"""The action of each actuator, ``(*B, size)``."""
+
 
 class ControlStep:
-    """Estimate, pull the goals' gradients back, resolve conflicts, descend.
+    """Estimate, then descend: pull the goals' gradients back, resolve conflicts, act.
 
     Args:
         model: The world model.
         backward: The backward pass of its goals.
-        law: From the gradient to the action.
+        law: From the gradients to the action.
     """
 
     def __init__(self, model: WorldModel, backward: BackwardPass, law: ActionLaw) -> None:
@@ -27,7 +31,7 @@ class ControlStep:
     @torch.enable_grad()
     def __call__(
         self, readings: Mapping[str, Tensor], memory: Memory
-    ) -> tuple[dict[str, Tensor], Memory]:
+    ) -> tuple[Actions, Memory]:
         """One step.
 
         Args:
@@ -37,19 +41,85 @@ class ControlStep:
         Returns:
             What to send to each actuator, ``(*B, size)``, and the memory.
         """
-        # 1. Every estimator runs once, and records how its values depend on others.
-        values, graphs = self.model.step(last_values(self.model, memory) | dict(readings))
+        # 1. Every estimator takes the last action and the new readings.
+        values, costs = self.estimate(readings, memory)
 
-        # 2. From the goals to the actuators: resolve what meets, pull it back one edge (Eq. 1).
-        goal_factors = memory[GOAL_FACTORS]
-        gradients, resolved = self.backward(graphs, values, memory, goal_factors)
+        # 2. Descend, gradient by gradient.
+        actions = self.start(values)
+        resolved: Memory = {}
+        for iteration in range(1, self.law.iterations + 1):
+            count = self.model.like.new_tensor(iteration)
+            actions, resolved = self.descend(values, costs, memory, actions, count)
 
-        # 3. Descend, within what limits the actuators.
+        # 3. Act, within what limits the actuators.
+        return self.finish(values, memory, actions, resolved)
+
+    def estimate(
+        self, readings: Mapping[str, Tensor], memory: Memory
+    ) -> tuple[dict[str, Tensor], dict[str, Tensor]]:
+        """The values after the new readings, and the cost of each goal there, ``(*B,)``."""
+        values = self.model.update(last_values(self.model, memory) | dict(readings))
+        with torch.no_grad():
+            return values, self.model.costs(values)
+
+    def start(self, values: Mapping[str, Tensor]) -> Actions:
+        """Where the descent of each actuator begins."""
+        return {name: self.law.start(values[name]) for name in self.model.actuators}
+
+    @torch.enable_grad()
+    def descend(
+        self,
+        values: Mapping[str, Tensor],
+        costs: dict[str, Tensor],
+        memory: Memory,
+        actions: Actions,
+        iteration: Tensor,
+    ) -> tuple[Actions, Memory]:
+        """One gradient down.
+
+        Args:
+            values: The values after the new readings.
+            costs: The cost of each goal there, ``(*B,)``.
+            memory: The memory before the step.
+            actions: The action of each actuator so far.
+            iteration: k = 1 … K, a scalar.
+
+        Returns:
+            The actions after it, and the new memory of every quantity where gradients meet.
+        """
+        # How values and costs depend on each other, here or where the actions lead.
+        if self.law.foresees:
+
+            _, graphs = self.model.foresee(values, actions, float(os.environ.get("HOR", "0")) or None)
+        else:
+            graphs = self.model.record(values)
+
+        # From the goals to the actuators: resolve what meets, pull it back one edge (Eq. 1).
+        gradients, resolved = self.backward(graphs, values, memory, memory[GOAL_FACTORS], costs)
+
+        descended: Actions = {}
         for name, actuator in self.model.actuators.items():
-            values[name] = self.law(gradients[name], values[name], actuator, self.model.dt)
-            values[name] = self.model.constrain(name, values)
+            action = self.law.descend(actions[name], gradients[name], iteration, actuator)
+            if self.law.foresees and os.environ.get("INC"):  # what is foreseen next is what would be executed
+                action = self.model.constrain(name, {**values, name: action})
+            descended[name] = action
+        return descended, resolved
 
-        return self.model.commands(values), {**values, **resolved, GOAL_FACTORS: goal_factors}
+    def finish(
+        self,
+        values: Mapping[str, Tensor],
+        memory: Memory,
+        actions: Actions,
+        resolved: Memory,
+    ) -> tuple[Actions, Memory]:
+        """What to send to each actuator, and the memory."""
+        final = dict(values)
+        for name, actuator in self.model.actuators.items():
+            final[name] = self.law.finish(actions[name], values[name], actuator, self.model.dt)
+            final[name] = self.model.constrain(name, final)
+
+        goal_factors = {GOAL_FACTORS: memory[GOAL_FACTORS]}
+        return self.model.commands(final), {**final, **resolved, **goal_factors}
 
 
 def last_values(model: WorldModel, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:

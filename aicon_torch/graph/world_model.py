@@ -185,6 +185,41 @@ class WorldModel(nn.Module):
         inputs = with_dt(values, self.dt)
         return {name: self._record(name, inputs) for name in self.edges if name not in known}
 
+    def foresee(
+        self,
+        values: Mapping[str, Tensor],
+        actions: Mapping[str, Tensor],
+        horizon: float | None = None,
+    ) -> tuple[dict[str, Tensor], LocalGraphs]:
+        """The values that these actions would bring, and their local graphs.
+
+        Every estimator anticipates once, from what those before it anticipate. Nothing is read, so
+        nothing is corrected.
+
+        Args:
+            values: Values after a step.
+            actions: The action of each actuator, ``(*B, size)``.
+            horizon: How far to look ahead, s; by default one step.
+
+        Returns:
+            The values foreseen, and how they depend on each other.
+        """
+        foreseen = with_dt({**values, **actions}, horizon or self.dt)
+        graphs: LocalGraphs = {}
+        for estimator in self.estimators:
+            anticipated: dict[str, Tensor] = {}
+            for name in estimator.outputs:
+                if name in self.edges:
+                    graphs[name] = self._record(name, foreseen)
+                    anticipated[name] = graphs[name].output.detach()  # a number: one hop ends here
+                else:
+                    anticipated[name] = self._anticipate(name, foreseen)
+            foreseen.update(anticipated)  # together: its outputs start from the same belief
+
+        for name in self.goals:
+            graphs[name] = self._record(name, foreseen)
+        return _without_dt(foreseen), graphs
+
     def costs(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """The cost of each goal, ``(*B,)``.
 
@@ -284,6 +319,11 @@ class WorldModel(nn.Module):
         else:
             output = self.owners[name](inputs, name)
         return LocalGraph(output, tuple(leaves.values()))
+
+    @torch.no_grad()
+    def _anticipate(self, name: str, values: Values) -> Tensor:
+        """One step ahead, a quantity on no path: as a number."""
+        return cast(Tensor, self.owners[name](values, name))
 
     @cache  # noqa: B019  # a model lives as long as its policy, and has few quantities
     def _between(self, goal: str, quantity: str) -> tuple[str, ...]:

@@ -28,16 +28,11 @@ from aicon_torch.parts.contact import (
     tangent,
 )
 from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.contact_limits import ContactLimits
-from aicon_torch.parts.contact_options import (
-    ContactLimitOptions,
-    ContactOptions,
-    SlowApproachOptions,
-)
+from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.delay import (
-    ActionHistory,
     CurrentPose,
     DelayedPoseMotion,
+    MotionHistory,
     current_position,
     delayed_position,
 )
@@ -70,13 +65,11 @@ from aicon_torch.parts.self_collision import (
     segment_distance,
 )
 from aicon_torch.parts.servo import PositionTarget, Servo
-from aicon_torch.parts.slow_approach import SlowApproach
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
 from aicon_torch.parts.workspace import Workspace
 
 __all__ = [
     "STEERED_COMPONENTS",
-    "ActionHistory",
     "BearingPrior",
     "CameraFrame",
     "Capsule",
@@ -87,8 +80,6 @@ __all__ = [
     "ContactDynamics",
     "ContactForce",
     "ContactLikelihood",
-    "ContactLimitOptions",
-    "ContactLimits",
     "ContactOptions",
     "CurrentPose",
     "DelayedPoseMotion",
@@ -100,6 +91,7 @@ __all__ = [
     "Intrinsics",
     "JointLimits",
     "KeypointRegistration",
+    "MotionHistory",
     "PoseDistance",
     "PoseMotion",
     "PositionTarget",
@@ -107,8 +99,6 @@ __all__ = [
     "RigidObject",
     "SelfCollision",
     "Servo",
-    "SlowApproach",
-    "SlowApproachOptions",
     "SquaredHinge",
     "ToolPose",
     "TopFace",

@@ -7,18 +7,13 @@ needs no new ones.
 from dataclasses import dataclass
 from typing import get_args
 
-from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import ContactLikelihood
 from aicon_torch.parts.contact_dynamics import ContactDynamics, ContactEffect
-from aicon_torch.parts.contact_limits import ContactLimits
 from aicon_torch.parts.rigid_object import RigidObject
-from aicon_torch.parts.servo import Servo
-from aicon_torch.parts.slow_approach import SlowApproach
 from aicon_torch.parts.validation import (
     check_choice,
     check_not_negative,
     check_positive,
-    numbers,
 )
 
 
@@ -82,99 +77,4 @@ class ContactOptions:
             aim=self.aim * self.size,
             facing=self.facing,
             radius=radius,
-        )
-
-
-@dataclass(frozen=True)
-class ContactLimitOptions:
-    """Bounds on the next displacement near contact: see :class:`ContactLimits`.
-
-    Attributes:
-        push: Least and largest push at a contact that helps, in sizes.
-        harm: Largest push at one that harms, in sizes.
-        slide_gap: Gap below which the pusher is kept from sliding off a side, in sizes; 0 never.
-        end_step: How far it may slide beyond the end of a side in one step, in sizes.
-        within_steps: Whether a push is bounded at every sub-step of a servo, too, where there is
-            one.
-    """
-
-    push: tuple[float, float] = (1 / 240, 1 / 3)
-    harm: float = 1 / 60
-    slide_gap: float = 1 / 8
-    end_step: float = 1 / 40
-    within_steps: bool = True
-
-    def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            OptionError: If one is not what it may be.
-        """
-        check_not_negative(self, ("harm", "slide_gap", "end_step"))
-        least, largest = numbers("push", self.push, 2)
-        if not 0 <= least <= largest:
-            raise OptionError(f"push={self.push!r}: expected (least, largest), in sizes.")
-
-    def limits(
-        self, dynamics: ContactDynamics, radius: float, size: float, servo: Servo | None = None
-    ) -> ContactLimits:
-        """The limits of a pusher.
-
-        Args:
-            dynamics: What a push does.
-            radius: Radius of the pusher, m.
-            size: The reference length, m.
-            servo: What moves the pusher within a step; None if it moves evenly.
-        """
-        least, largest = self.push
-        return ContactLimits(
-            dynamics,
-            servo if self.within_steps else None,
-            radius=radius,
-            push=(least * size, largest * size),
-            harm=self.harm * size,
-            slide_gap=self.slide_gap * size,
-            end_step=self.end_step * size,
-        )
-
-
-@dataclass(frozen=True)
-class SlowApproachOptions:
-    """A speed limit near contact: see :class:`SlowApproach`.
-
-    Attributes:
-        open_step: Longest step in the open, in sizes.
-        near_step: Longest step near contact, in sizes.
-        near_length: Gap over which the one becomes the other, in sizes.
-        slow_distance: Distance to the goal below which steps near contact become shorter, in sizes.
-    """
-
-    open_step: float = 1 / 2
-    near_step: float = 1 / 4
-    near_length: float = 1 / 6
-    slow_distance: float = 1 / 4
-
-    def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            OptionError: If one is not positive.
-        """
-        check_positive(self, ("open_step", "near_step", "near_length", "slow_distance"))
-
-    def limit(self, rotation_length: float, radius: float, size: float) -> SlowApproach:
-        """The limit of a pusher.
-
-        Args:
-            rotation_length: L of the pose error, m.
-            radius: Radius of the pusher, m.
-            size: The reference length, m.
-        """
-        return SlowApproach(
-            rotation_length,
-            radius,
-            open_step=self.open_step * size,
-            near_step=self.near_step * size,
-            near_length=self.near_length * size,
-            slow_distance=self.slow_distance * size,
         )

@@ -1,7 +1,7 @@
 """Readings that come late.
 
 Pusher and object are filtered as they were when the reading was taken (y_pusher, y_pose), and moved
-on to now (x_pusher, x_pose) by the actions since.
+on to now (x_pusher, x_pose) by the motions since.
 """
 
 from dataclasses import dataclass
@@ -16,68 +16,74 @@ from aicon_torch.parts.pose import PoseMotion
 from aicon_torch.shaping import straight_through
 
 
-class ActionHistory(Estimator):
-    """a_past: the last actions of a pusher in the plane, oldest first, ``(*B, 2·steps)``, m/s.
+class MotionHistory(Estimator):
+    """d_past: a pusher's way through each of its last steps, oldest first, ``(*B, 2n·steps)``, m.
 
     Args:
         steps: How many.
+        parts: Number n of the parts of a step, as in d_pusher.
     """
 
-    outputs = ("a_past",)
-    inputs = ("a_past", "a")
+    outputs = ("d_past",)
+    inputs = ("d_past", "d_pusher")
 
-    def __init__(self, steps: int) -> None:
+    def __init__(self, steps: int, parts: int) -> None:
         super().__init__()
-        self.register_buffer("at_rest", torch.zeros(2 * steps))
+        self.register_buffer("at_rest", torch.zeros(steps * 2 * parts))
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """The pusher was at rest."""
-        return {"a_past": cast(Tensor, self.at_rest)}
+        return {"d_past": cast(Tensor, self.at_rest)}
 
+    @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
-        """The oldest action goes, the last one comes."""
-        past, last = cast(Tensor, values["a_past"]), cast(Tensor, values["a"])
-        return {"a_past": torch.cat((past[..., 2:], last), dim=-1)}
+        """The oldest step goes, the last one comes."""
+        return {"d_past": self(values, "d_past")}
 
     def forward(self, values: Values, output: str) -> Tensor:
-        """The same actions: what is past depends on nothing."""
-        return cast(Tensor, values["a_past"]).detach()  # no gradient reaches the past
+        """Likewise, with the step to come."""
+        past, last = cast(Tensor, values["d_past"]), cast(Tensor, values["d_pusher"])
+        kept = past[..., last.shape[-1] :]
+        return torch.cat((kept, last), dim=-1).detach()  # no gradient reaches the past
 
 
-def delayed_position(y_pusher: Tensor, a_past: Tensor, dt: float) -> Tensor:
-    """y_pusher: where the pusher was when the reading was taken, moved by the oldest action.
+def delayed_position(y_pusher: Tensor, d_past: Tensor, d_pusher: Tensor) -> Tensor:
+    """y_pusher: where the pusher was when the reading was taken, moved by the oldest step.
 
     Args:
         y_pusher: Where it was one step before, ``(*B, 2)``, m.
-        a_past: The actions since, ``(*B, 2·steps)``, m/s.
-        dt: Time step, s.
+        d_past: Its ways since, ``(*B, 2n·steps)``, m.
+        d_pusher: Its way through the last step, which tells n, ``(*B, 2n)``, m.
 
     Returns:
         ``(*B, 2)``, m.
     """
-    return y_pusher + a_past[..., :2].detach() * dt  # no gradient reaches the past
+    oldest = _ways(d_past, d_pusher)[..., 0, -1, :]
+    return y_pusher + oldest.detach()  # no gradient reaches the past
 
 
-def current_position(y_pusher: Tensor, a_past: Tensor, a: Tensor, dt: float) -> Tensor:
-    """x_pusher: where the actions since the reading have brought the pusher.
+def current_position(
+    y_pusher: Tensor, d_past: Tensor, d_pusher: Tensor, a: Tensor, dt: float
+) -> Tensor:
+    """x_pusher: where the steps since the reading have brought the pusher.
 
     Args:
         y_pusher: Where it was when the reading was taken, ``(*B, 2)``, m.
-        a_past: The actions since, after the oldest, ``(*B, 2·steps)``, m/s.
+        d_past: Its ways since, after the oldest step, ``(*B, 2n·steps)``, m.
+        d_pusher: Its way through the last step, which tells n, ``(*B, 2n)``, m.
         a: The next action, which moves it by a·dt, ``(*B, 2)``, m/s.
         dt: Time step, s.
 
     Returns:
         ``(*B, 2)``, m.
     """
-    velocities = a_past[..., 2:].reshape(*y_pusher.shape[:-1], -1, 2)
-    since = velocities.sum(-2).detach() * dt  # no gradient reaches the past
-    return straight_through(y_pusher + since, a * dt)
+    since = _ways(d_past, d_pusher)[..., 1:, -1, :].sum(-2)
+    return straight_through(y_pusher + since.detach(), a * dt)  # no gradient reaches the past
 
 
 @dataclass(frozen=True)
 class DelayedPoseMotion:
-    """y_pose: the object's pose when the reading was taken, moved by the oldest action.
+    """y_pose: the object's pose when the reading was taken, moved by the oldest step.
 
     Attributes:
         motion: How the pusher moves the object.
@@ -85,24 +91,24 @@ class DelayedPoseMotion:
 
     motion: PoseMotion
 
-    def __call__(self, y_pose: Tensor, y_pusher: Tensor, a_past: Tensor, dt: float) -> Tensor:
-        """The pose.
+    def __call__(
+        self, y_pose: Tensor, y_pusher: Tensor, d_past: Tensor, d_pusher: Tensor
+    ) -> Tensor:
+        """The pose ``(*B, 3)``, m and rad.
 
         Args:
             y_pose: The pose one step before, ``(*B, 3)``, m and rad.
             y_pusher: Where the pusher was when the reading was taken, ``(*B, 2)``, m.
-            a_past: The actions since, ``(*B, 2·steps)``, m/s.
-            dt: Time step, s.
-
-        Returns:
-            ``(*B, 3)``, m and rad.
+            d_past: Its ways since, ``(*B, 2n·steps)``, m.
+            d_pusher: Its way through the last step, which tells n, ``(*B, 2n)``, m.
         """
-        return self.motion(y_pose, y_pusher, a_past[..., :2], dt)
+        oldest = _ways(d_past, d_pusher)[..., 0, :, :]
+        return self.motion(y_pose, y_pusher, oldest.flatten(-2))
 
 
 @dataclass(frozen=True)
 class CurrentPose:
-    """x_pose: the pose to which the actions since the reading have brought the object.
+    """x_pose: the pose to which the steps since the reading have brought the object.
 
     Attributes:
         motion: How the pusher moves the object.
@@ -110,18 +116,27 @@ class CurrentPose:
 
     motion: PoseMotion
 
-    def __call__(self, y_pose: Tensor, y_pusher: Tensor, a_past: Tensor, dt: float) -> Tensor:
+    def __call__(
+        self, y_pose: Tensor, y_pusher: Tensor, d_past: Tensor, d_pusher: Tensor
+    ) -> Tensor:
         """The pose ``(*B, 3)``, m and rad.
 
         Args:
             y_pose: The pose when the reading was taken, ``(*B, 3)``, m and rad.
             y_pusher: Where the pusher was then, ``(*B, 2)``, m.
-            a_past: The actions since, after the oldest, ``(*B, 2·steps)``, m/s.
-            dt: Time step, s.
+            d_past: Its ways since, after the oldest step, ``(*B, 2n·steps)``, m.
+            d_pusher: Its way through the last step, which tells n, ``(*B, 2n)``, m.
         """
         pose, pusher = y_pose.detach(), y_pusher.detach()  # what was done since is past
-        for start in range(2, a_past.shape[-1], 2):
-            action = a_past[..., start : start + 2]
-            pusher = pusher + action.detach() * dt  # likewise
-            pose = self.motion(pose, pusher, action, dt)
+        ways = _ways(d_past, d_pusher).detach()  # likewise
+
+        for way in ways[..., 1:, :, :].unbind(-3):
+            pusher = pusher + way[..., -1, :]
+            pose = self.motion(pose, pusher, way.flatten(-2))
         return pose
+
+
+def _ways(d_past: Tensor, d_pusher: Tensor) -> Tensor:
+    """The ways through the last steps, oldest first, ``(*B, steps, n, 2)``, m."""
+    parts = d_pusher.shape[-1] // 2
+    return d_past.unflatten(-1, (-1, parts, 2))

@@ -9,6 +9,7 @@ from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.parts.servo import even_motion
 from aicon_torch.vectors import select
 
 
@@ -16,9 +17,9 @@ from aicon_torch.vectors import select
 class PoseMotion:
     """The pose after the last action: pushed as far as the pusher went beyond the nearest side.
 
-    With the gap to that side before, the motion d of the pusher and the unit vector n towards the
-    side, the push is max(d·n − max(gap, 0), 0), and the object moves by as much of its response
-    (:meth:`ContactDynamics.response`).
+    The pusher's way is followed part by part. With the gap to the nearest side before a part, its
+    motion d and the unit vector n towards the side, the push is max(d·n − max(gap, 0), 0), and the
+    object moves by as much of its response (:meth:`ContactDynamics.response`).
 
     Attributes:
         dynamics: What a push does.
@@ -28,14 +29,13 @@ class PoseMotion:
     dynamics: ContactDynamics
     radius: float
 
-    def __call__(self, x_pose: Tensor, x_pusher: Tensor, a: Tensor, dt: float) -> Tensor:
+    def __call__(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
         """The pose (x, y, θ).
 
         Args:
             x_pose: The pose before, ``(*B, 3)``, m and rad.
             x_pusher: Where the pusher has arrived, ``(*B, 2)``, m.
-            a: With which mean velocity, ``(*B, 2)``, m/s.
-            dt: In what time, s.
+            d_pusher: Its displacements after each part of its way, ``(*B, 2n)``, m.
 
         Returns:
             ``(*B, 3)``, m and rad.
@@ -43,10 +43,18 @@ class PoseMotion:
         # What moved the object is past, and what will move it is the contact model's matter; how a
         # push depends on the pose is of second order. So the belief moves as it is, and no gradient
         # leaves through the push.
-        motion = a.detach() * dt
-        pusher = x_pusher.detach() - motion
-        pose = x_pose.detach()
+        way, pose = d_pusher.detach().unflatten(-1, (-1, 2)), x_pose.detach()
+        start = x_pusher.detach() - way[..., -1, :]
 
+        moved = torch.zeros_like(pose)
+        before = torch.zeros_like(start)
+        for after in way.unbind(-2):
+            moved = moved + self._push(pose + moved, start + before, after - before)
+            before = after
+        return x_pose + moved
+
+    def _push(self, pose: Tensor, pusher: Tensor, motion: Tensor) -> Tensor:
+        """The object's motion ``(*B, 3)`` while the pusher makes a short motion ``(*B, 2)``."""
         # The nearest side before the motion.
         body = self.dynamics.body
         points = closest_point(pusher.unsqueeze(-2), body.sides(body.keypoints_at(pose)))
@@ -59,7 +67,30 @@ class PoseMotion:
         normal = (point - pusher) / (gap + self.radius).unsqueeze(-1)
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
         response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
-        return x_pose + push.unsqueeze(-1) * response.squeeze(-2)
+        return push.unsqueeze(-1) * response.squeeze(-2)
+
+
+@dataclass(frozen=True)
+class CommandedPose:
+    """x_pose: the pose to which a pusher moves the object on its way from where it is.
+
+    Attributes:
+        motion: How the pusher moves the object.
+    """
+
+    motion: PoseMotion
+
+    def __call__(self, y_pose: Tensor, y_pusher: Tensor, x_pusher: Tensor) -> Tensor:
+        """The pose ``(*B, 3)``, m and rad.
+
+        Args:
+            y_pose: Where the object is, ``(*B, 3)``, m and rad.
+            y_pusher: Where the pusher is, ``(*B, 2)``, m.
+            x_pusher: Where it goes, ``(*B, 2)``, m.
+        """
+        way = even_motion(x_pusher - y_pusher)
+        pose = y_pose.detach()  # where it is now depends on no command to come
+        return self.motion(pose, x_pusher, way)
 
 
 def resting_pose(x_pose: Tensor) -> Tensor:

@@ -1,9 +1,18 @@
 """A pusher that a PD controller moves to position targets."""
 
+import math
 from dataclasses import dataclass
+
+from typing import cast
 
 import torch
 from torch import Tensor
+
+from aicon_torch.estimation import Estimator
+from aicon_torch.interconnections import Values
+
+PARTS = 5
+"""Number of parts of a step in which a motion is followed."""
 
 
 @dataclass(frozen=True)
@@ -79,23 +88,114 @@ class Servo:
         offset = self.target_offset(a, v_pusher, dt)
         return self.velocity_by_offset * offset + self.velocity_by_velocity * v_pusher
 
-    def largest_displacement(self, bound: Tensor, speed: Tensor) -> Tensor:
-        """The displacement at the end of a step in which no sub-step goes beyond a bound.
+    def displacements(self, a: Tensor, v_pusher: Tensor, dt: float, parts: int) -> Tensor:
+        """The displacements after equally long parts of a step with mean velocity a.
 
         Args:
-            bound: Largest displacement in some direction, ``(*B,)``, m.
-            speed: Velocity in that direction at the beginning, ``(*B,)``, m/s.
+            a: The mean velocity, ``(*B, 2)``, m/s.
+            v_pusher: The velocity at the beginning, ``(*B, 2)``, m/s.
+            dt: Duration of the step, s.
+            parts: Number n of the parts, at most that of the sub-steps.
 
         Returns:
-            ``(*B,)``, m; at most the bound.
+            ``(*B, 2n)``, m.
         """
-        by_offset = bound.new_tensor(self.displacement_by_offset)
-        by_velocity = bound.new_tensor(self.displacement_by_velocity)
+        substeps = len(self.displacement_by_offset)
+        ends = [round((part + 1) * substeps / parts) - 1 for part in range(parts)]
+        by_offset = a.new_tensor([self.displacement_by_offset[end] for end in ends])
+        by_velocity = a.new_tensor([self.displacement_by_velocity[end] for end in ends])
 
-        offsets = (bound.unsqueeze(-1) - by_velocity * speed.unsqueeze(-1)) / by_offset
-        offset = offsets.amin(-1)  # the sub-step that would go farthest decides
-        last = self.displacement_by_offset[-1] * offset + self.displacement_by_velocity[-1] * speed
-        return torch.minimum(bound, last)
+        offset = self.target_offset(a, v_pusher, dt)
+        moved: Tensor = by_offset.unsqueeze(-1) * offset.unsqueeze(-2)
+        moved = moved + by_velocity.unsqueeze(-1) * v_pusher.unsqueeze(-2)
+        return moved.flatten(-2)
+
+
+class PusherMotion(Estimator):
+    """d_pusher, v_pusher: the way of a pusher through its last step, and its velocity at the end.
+
+    d_pusher ``(*B, 2n)``, m, are its displacements after each of n equal parts of the step.
+
+    Args:
+        servo: What moves it; None if it moves evenly.
+    """
+
+    outputs = ("d_pusher", "v_pusher")
+    inputs = ("v_pusher", "a", "dt")
+
+    def __init__(self, servo: Servo | None) -> None:
+        super().__init__()
+        self.servo = servo
+        substeps = PARTS if servo is None else len(servo.displacement_by_offset)
+        self.parts = min(PARTS, substeps)
+        self.register_buffer("at_rest", torch.zeros(2 * self.parts))
+
+    def initial(self, values: Values) -> dict[str, Tensor]:
+        """The pusher was at rest."""
+        at_rest = cast(Tensor, self.at_rest)
+        return {"d_pusher": at_rest, "v_pusher": at_rest[:2]}
+
+    @torch.no_grad()
+    def update(self, values: Values) -> dict[str, Tensor]:
+        """How the last action moved it."""
+        return {name: self(values, name) for name in self.outputs}
+
+    def forward(self, values: Values, output: str) -> Tensor:
+        """How the action moves it."""
+        a, v_pusher = cast(Tensor, values["a"]), cast(Tensor, values["v_pusher"])
+        dt = cast(float, values["dt"])
+
+        if output == "v_pusher":
+            return a if self.servo is None else self.servo.final_velocity(v_pusher, a, dt)
+        if self.servo is None:
+            return even_motion(a * dt, self.parts)
+        return self.servo.displacements(a, v_pusher, dt, self.parts)
+
+
+class LaggingMotion(Estimator):
+    """d_joints, x_lag: how joints follow velocities that a servo integrates.
+
+    The servo's target moves with the command a, and the joints close their lag l behind it with the
+    time constant τ: dl/dt = a − l/τ. In a step the lag becomes l κ + a τ (1 − κ), κ = exp(−dt/τ),
+    and the joints move by what is left, d = a dt + l − l⁺.
+
+    Args:
+        time: τ, s.
+        size: Number n of joints.
+    """
+
+    outputs = ("d_joints", "x_lag")
+    inputs = ("x_lag", "a", "dt")
+
+    def __init__(self, time: float, size: int) -> None:
+        super().__init__()
+        self.time = time
+        self.register_buffer("at_rest", torch.zeros(size))
+
+    def initial(self, values: Values) -> dict[str, Tensor]:
+        """The joints were at rest."""
+        return dict.fromkeys(self.outputs, cast(Tensor, self.at_rest))
+
+    @torch.no_grad()
+    def update(self, values: Values) -> dict[str, Tensor]:
+        """How the last command moved them."""
+        return {name: self(values, name) for name in self.outputs}
+
+    def forward(self, values: Values, output: str) -> Tensor:
+        """How the command moves them, ``(*B, n)``, rad."""
+        a, lag = cast(Tensor, values["a"]), cast(Tensor, values["x_lag"])
+        dt = cast(float, values["dt"])
+
+        kept = math.exp(-dt / self.time)
+        next_lag = kept * lag + self.time * (1 - kept) * a
+        return next_lag if output == "x_lag" else a * dt + lag - next_lag
+
+
+def even_motion(displacement: Tensor, parts: int = PARTS) -> Tensor:
+    """The displacements ``(*B, d n)`` after each of n parts of an even motion ``(*B, d)``."""
+    shares = torch.arange(1, parts + 1, dtype=displacement.dtype, device=displacement.device)
+    moved: Tensor = (shares / parts).unsqueeze(-1) * displacement.unsqueeze(-2)
+    return moved.flatten(-2)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from _inputs.random_numbers import normal
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Affine,
     Goal,
@@ -64,7 +64,7 @@ def steered(
         dt=0.1,
         dtype=torch.float64,
     )
-    return Policy(model, Sum(), ActionLaw(10.0))
+    return Policy(model, Sum(), DirectDescent(10.0))
 
 
 def walled(steps: int, batch: tuple[int, ...] = (), wall: float = 0.1) -> list[dict[str, Tensor]]:

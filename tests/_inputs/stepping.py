@@ -3,7 +3,7 @@
 from torch import Tensor
 
 from _inputs.random_numbers import normal
-from aicon_torch import ActionLaw, Policy, Resolution, WorldModel
+from aicon_torch import DirectDescent, Policy, Resolution, WorldModel
 
 
 def readings(batch: tuple[int, ...], seed: int) -> dict[str, Tensor]:
@@ -31,7 +31,7 @@ def in_motion(model: WorldModel, batch: tuple[int, ...] = (), steps: int = 2) ->
 
 def unlimited(model: WorldModel, rule: Resolution) -> Policy:
     """A policy whose action is minus the gradient, nothing else."""
-    return Policy(model, rule, ActionLaw(gain=1.0, smoothing=0.0))
+    return Policy(model, rule, DirectDescent(gain=1.0, smoothing=0.0))
 
 
 def moved(

@@ -9,25 +9,25 @@ from _inputs import BATCHES, DTYPES, normal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aicon_torch import ActionLaw, Actuator, OptionError
+from aicon_torch import DirectDescent, Actuator, OptionError
 
 FREE = Actuator(2, "m/s")
 
 
 def test_the_paper_accumulates() -> None:
-    assert ActionLaw.as_in_paper(gain=3.0) == ActionLaw(3.0, accumulate=True)
-    assert not ActionLaw().accumulate
+    assert DirectDescent.as_in_paper(gain=3.0) == DirectDescent(3.0, accumulate=True)
+    assert not DirectDescent().accumulate
 
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
 def test_the_action_descends_the_gradient(batch: tuple[int, ...]) -> None:
     gradient, action = normal(*batch, 2, seed=1), normal(*batch, 2, seed=2)
-    law = ActionLaw(3.0, smoothing=0.0)
+    law = DirectDescent(3.0, smoothing=0.0)
     torch.testing.assert_close(law(gradient, action, FREE, 0.05), -3.0 * gradient)
 
 
 def test_it_accumulates_as_in_eq_2() -> None:
-    law = ActionLaw(0.5, accumulate=True, smoothing=0.0)
+    law = DirectDescent(0.5, accumulate=True, smoothing=0.0)
     gradient = torch.tensor([1.0, -2.0], dtype=torch.float64)
 
     action = torch.zeros(2, dtype=torch.float64)
@@ -46,7 +46,7 @@ def test_the_low_pass_closes_a_share_of_the_gap(
     gradient, action = normal(2, seed=1), normal(2, seed=2)
     wish = action - gradient if accumulate else -gradient
     share = dt / (dt + smoothing)
-    law = ActionLaw(1.0, accumulate, smoothing)
+    law = DirectDescent(1.0, accumulate, smoothing)
 
     torch.testing.assert_close(law(gradient, action, FREE, dt), action + share * (wish - action))
 
@@ -58,7 +58,7 @@ def test_the_low_pass_closes_a_share_of_the_gap(
 def test_the_limit_holds_at_every_step(
     dtype: torch.dtype, limit: Any, accumulate: bool, smoothing: float
 ) -> None:
-    actuator, law = Actuator(2, "m/s", limit), ActionLaw(20.0, accumulate, smoothing)
+    actuator, law = Actuator(2, "m/s", limit), DirectDescent(20.0, accumulate, smoothing)
     action = torch.zeros(7, 2, dtype=dtype)
 
     for step in range(30):
@@ -78,7 +78,7 @@ def test_the_limit_holds_at_every_step(
 def test_no_gradient_however_large_breaks_the_limit(
     gradient: list[float], accumulate: bool, smoothing: float
 ) -> None:
-    law = ActionLaw(20.0, accumulate, smoothing)
+    law = DirectDescent(20.0, accumulate, smoothing)
     action = law(torch.tensor(gradient), torch.tensor([0.1, 0.2]), Actuator(2, "m/s", 0.5), 0.05)
     assert (action.abs() <= 0.5).all()  # false for NaN
 
@@ -94,4 +94,4 @@ def test_no_gradient_however_large_breaks_the_limit(
 )
 def test_bad_constants_are_named(options: dict[str, Any], culprit: str) -> None:
     with pytest.raises(OptionError, match=culprit):
-        ActionLaw(**options)
+        DirectDescent(**options)

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Goal,
@@ -61,7 +61,7 @@ class CountedGrad:
 
 
 def cost_of_a_step(rungs: int, rule: Resolution, monkeypatch: pytest.MonkeyPatch) -> CountedGrad:
-    policy = Policy(ladder(rungs), rule, ActionLaw(1.0))
+    policy = Policy(ladder(rungs), rule, DirectDescent(1.0))
     counted = CountedGrad()
 
     with monkeypatch.context() as patch:

@@ -12,14 +12,14 @@ from _inputs import Blueprint, built, graphs, readings
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aicon_torch import ActionLaw, Exploration, NullspaceProjection, Policy, WorldModel
+from aicon_torch import DirectDescent, Exploration, NullspaceProjection, Policy, WorldModel
 
 
 def eager(model: WorldModel, by_row: bool = True) -> Policy:
     """The shipped rule, which explores at the slightest conflict, so that there is much of it."""
     exploration = Exploration(enter_cosine=-0.1, exit_cosine=0.0, ratio=10.0)
     rule = NullspaceProjection(by_row=by_row, exploration=exploration)
-    return Policy(model, rule, ActionLaw(gain=0.5))
+    return Policy(model, rule, DirectDescent(gain=0.5))
 
 
 @given(graphs())

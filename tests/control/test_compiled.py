@@ -12,7 +12,7 @@ from torch import Tensor
 
 from aicon_torch import (
     EKF,
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
@@ -65,7 +65,7 @@ def follower(cost: Callable[..., Tensor] = distance) -> Policy:
         dtype=torch.float64,
     )
 
-    return Policy(model, Sum(), ActionLaw(gain=1.0))
+    return Policy(model, Sum(), DirectDescent(gain=1.0))
 
 
 def wandering(steps: int, batch: tuple[int, ...] = ()) -> Readings:

@@ -6,7 +6,7 @@ from _asserts import assert_rows_stand_alone, assert_same_memory
 from _inputs import off_the_wall, rightward, slower, steered, walled, where_to
 from torch import Tensor
 
-from aicon_torch import ActionLaw, Actuator, Deterministic, Goal, Policy, Sensor, Sum, WorldModel
+from aicon_torch import DirectDescent, Actuator, Deterministic, Goal, Policy, Sensor, Sum, WorldModel
 
 
 def test_constraints_act_one_after_the_other() -> None:
@@ -99,7 +99,7 @@ def test_each_actuator_has_its_own() -> None:
         dtype=torch.float64,
     )
 
-    policy = Policy(model, Sum(), ActionLaw(1.0, smoothing=0.0))
+    policy = Policy(model, Sum(), DirectDescent(1.0, smoothing=0.0))
     action, memory = policy.predict({"z": np.zeros(2)})
 
     assert memory["a"].tolist() == [1.0, 1.0]

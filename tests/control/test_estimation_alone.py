@@ -9,7 +9,7 @@ from _inputs import drifting, navigation, observation_with
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Goal,
@@ -75,12 +75,12 @@ def test_estimation_starts_episodes_too() -> None:
     torch.testing.assert_close(after["p_tar"][1], going_on["p_tar"][1])
 
 
-LAWS = [ActionLaw(1.0), ActionLaw(1.0, accumulate=True), ActionLaw(1.0, smoothing=0.0)]
+LAWS = [DirectDescent(1.0), DirectDescent(1.0, accumulate=True), DirectDescent(1.0, smoothing=0.0)]
 
 
 @pytest.mark.parametrize("limit", [0.5, (0.5, 0.3)], ids=str)
 @pytest.mark.parametrize("law", LAWS, ids=str)
-def test_the_limit_holds_after_somebody_else_was_faster(limit: Any, law: ActionLaw) -> None:
+def test_the_limit_holds_after_somebody_else_was_faster(limit: Any, law: DirectDescent) -> None:
     model = WorldModel(
         sensors={"z": Sensor(2, "m")},
         actuators={"a": Actuator(2, "m/s", limit)},

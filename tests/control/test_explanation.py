@@ -11,7 +11,7 @@ from hypothesis import given
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Goal,
@@ -38,7 +38,7 @@ def memories() -> tuple[dict[str, Tensor], ...]:
 def test_the_predicted_change_is_the_slope_along_the_action(blueprint: Blueprint) -> None:
     """By finite differences of each goal, on random graphs."""
     model = built(blueprint)
-    policy = Policy(model, NullspaceProjection(), ActionLaw(0.5))
+    policy = Policy(model, NullspaceProjection(), DirectDescent(0.5))
     memory = rollout(policy, [readings((), seed) for seed in range(3)])[-1]
     action = {name: memory[name] for name in model.actuators}
 
@@ -63,7 +63,7 @@ def test_on_a_straight_slope_the_prediction_comes_true() -> None:
         dt=0.5,
         dtype=torch.float64,
     )
-    policy = Policy(model, Sum(), ActionLaw(1.0, smoothing=0.0))
+    policy = Policy(model, Sum(), DirectDescent(1.0, smoothing=0.0))
 
     z = torch.tensor([1.0, 2.0], dtype=torch.float64)
     action, memory = policy.predict({"z": z})
@@ -149,7 +149,7 @@ def test_a_row_that_is_none_is_named(row: Any) -> None:
     ("rule", "quantity"), [(Sum(), "x_rob"), (SteepestPath(), "a")], ids=["sum", "steepest"]
 )
 def test_every_rule_can_be_explained(rule: Resolution, quantity: str) -> None:
-    policy = Policy(navigation_in_text().model, rule, ActionLaw(20.0))
+    policy = Policy(navigation_in_text().model, rule, DirectDescent(20.0))
     report = policy.explain(rollout(policy, drifting(5))[-1]).quantities[quantity]
 
     assert len(report.candidates) == 3
@@ -158,7 +158,7 @@ def test_every_rule_can_be_explained(rule: Resolution, quantity: str) -> None:
 
 
 def test_the_steepest_path_is_the_one_of_rank_0() -> None:
-    policy = Policy(navigation_in_text().model, SteepestPath(), ActionLaw(20.0))
+    policy = Policy(navigation_in_text().model, SteepestPath(), DirectDescent(20.0))
     candidates = policy.explain(rollout(policy, drifting(5))[-1]).quantities["a"].candidates
 
     expected = {str(path) for path in policy.model.paths()}

@@ -9,7 +9,7 @@ from _asserts import assert_same_memory
 from _inputs import BATCHES, navigation, normal, observation_with, point
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Goal,
@@ -65,7 +65,7 @@ def test_optional_readings_may_be_anything_that_is_no_number() -> None:
         estimators=[point()],
         goals=[Goal("reach", lambda x: ((x - 1.0) ** 2).sum(-1))],
     )
-    policy = Policy(model, Sum(), ActionLaw(1.0))
+    policy = Policy(model, Sum(), DirectDescent(1.0))
     here = {"w": np.zeros(1)}
     expected, _ = policy.predict(here)
 

@@ -19,7 +19,7 @@ from _inputs import (
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Escape,
@@ -64,7 +64,7 @@ def test_to_first_order_the_motion_never_raises_what_leads(projector: str) -> No
 
 
 def test_several_actuators_give_a_dict_of_actions() -> None:
-    policy = Policy(two_robots(), Sum(), ActionLaw(1.0))
+    policy = Policy(two_robots(), Sum(), DirectDescent(1.0))
     action, _ = policy.predict({"z": np.zeros(2)})
     assert set(action) == {"a", "b"}
     assert all(isinstance(value, np.ndarray) for value in action.values())
@@ -79,7 +79,7 @@ def test_the_rule_names_unknown_goals_when_the_policy_is_built() -> None:
 def test_by_default_a_policy_projects_at_full_speed() -> None:
     policy = Policy(two_robots())
     assert policy.resolution == NullspaceProjection()
-    assert policy.law == ActionLaw()
+    assert policy.law == DirectDescent()
     assert policy.perception is None
 
 
@@ -91,7 +91,7 @@ def test_a_graph_of_functions_alone_is_a_policy() -> None:
         goals=[Goal("reach", lambda x: (x**2).sum(-1))],
     )
 
-    policy = Policy(model, law=ActionLaw(0.25, smoothing=0.0))
+    policy = Policy(model, law=DirectDescent(0.25, smoothing=0.0))
     action, memory = policy.predict({"z": normal(2).numpy()})
 
     assert np.allclose(action, -0.5 * normal(2).numpy(), atol=1e-6)

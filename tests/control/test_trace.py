@@ -18,7 +18,7 @@ from hypothesis import given
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Goal,
@@ -205,7 +205,7 @@ def test_goals_in_conflict_are_of_each_row() -> None:
 
 @every_rule
 def test_where_nothing_explores_there_is_no_conflict(rule: Resolution) -> None:
-    policy = Policy(ways_apart(), rule, ActionLaw(1.0))
+    policy = Policy(ways_apart(), rule, DirectDescent(1.0))
     _, memory = policy.predict({"z": torch.zeros(1, dtype=torch.float64)})
 
     for there in policy.trace(memory).quantities.values():

@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 from aicon_torch import (
     EKF,
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Goal,
@@ -55,7 +55,7 @@ def test_parameters_of_the_user_leave_no_graph_in_the_memory() -> None:
         dtype=torch.float64,
     )
 
-    policy = Policy(model, Sum(), ActionLaw(0.1))
+    policy = Policy(model, Sum(), DirectDescent(0.1))
     _, memory = policy.predict({"z": np.ones(2)})
     _, memory = policy.predict({"z": np.ones(2)}, memory)
 

@@ -17,7 +17,7 @@ from _inputs import (
 )
 from torch import Tensor
 
-from aicon_torch import EKF, ActionLaw, Affine, Interconnection, Measurement, Policy, Sum
+from aicon_torch import EKF, DirectDescent, Affine, Interconnection, Measurement, Policy, Sum
 
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
@@ -93,7 +93,7 @@ def test_a_filter_that_only_predicts_remembers_no_gradient() -> None:
             return torch.sin(p) + x[..., :size]
 
         alone = EKF("p", "P", predict=drift, noise=0.1, initial=((0.3, 0.2)[:size], 1.0))
-        policy = Policy(tracking_model(MOVE, alone), Sum(), ActionLaw(1.0))
+        policy = Policy(tracking_model(MOVE, alone), Sum(), DirectDescent(1.0))
 
         memory = None
         for _ in range(3):

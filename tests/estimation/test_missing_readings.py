@@ -8,7 +8,7 @@ import torch
 from _inputs import drive
 from torch import Tensor
 
-from aicon_torch import EKF, ActionLaw, Actuator, Goal, Measurement, Policy, Sensor, Sum, WorldModel
+from aicon_torch import EKF, DirectDescent, Actuator, Goal, Measurement, Policy, Sensor, Sum, WorldModel
 
 
 def residual(x: Tensor, z: Tensor) -> Tensor:
@@ -32,7 +32,7 @@ def tracker(noise: Any = 0.1, **options: Any) -> Policy:
         goals=[Goal("near", lambda x: (x**2).sum(-1)), Goal("far", lambda x: -x[..., 0])],
         dtype=torch.float64,
     )
-    return Policy(model, Sum(), ActionLaw(0.1))
+    return Policy(model, Sum(), DirectDescent(0.1))
 
 
 NEW = {"age": np.zeros(1)}

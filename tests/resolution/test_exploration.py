@@ -20,7 +20,7 @@ from _inputs import (
 from torch import Tensor
 
 from aicon_torch import (
-    ActionLaw,
+    DirectDescent,
     Actuator,
     Deterministic,
     Escape,
@@ -128,7 +128,7 @@ def two_arms() -> WorldModel:
 
 
 def test_memory_is_of_each_quantity() -> None:
-    policy = Policy(two_arms(), literal(), ActionLaw(1.0, smoothing=0.0))
+    policy = Policy(two_arms(), literal(), DirectDescent(1.0, smoothing=0.0))
     conflicts = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)]
     memories = rollout(policy, [{"z": torch.tensor(z, dtype=torch.float64)} for z in conflicts])
 
@@ -143,7 +143,7 @@ def test_memory_is_of_each_quantity() -> None:
 def test_an_escape_that_names_no_goal_of_the_model_is_an_error(field: str) -> None:
     escape = Escape(**{field: "reech"})
     with pytest.raises(OptionError, match=r"'reech'.*'toward_left'"):
-        Policy(two_arms(), literal(escape), ActionLaw(1.0))
+        Policy(two_arms(), literal(escape), DirectDescent(1.0))
 
 
 # --- options

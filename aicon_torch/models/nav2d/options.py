@@ -5,7 +5,7 @@ from typing import Literal
 
 import torch
 
-from aicon_torch.control import ActionLaw
+from aicon_torch.control import ActionLaw, Foresight
 from aicon_torch.parts.validation import check_choice, check_positive
 from aicon_torch.resolution import Escape, Exploration, NullspaceProjection, Resolution
 
@@ -14,7 +14,7 @@ ESCAPE = Escape(progress="reach", hold="avoid", along="avoid")
 the level of p_collision, and moves in the nullspace of p₃ even where p₁ dominates."""
 
 RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
-LAW = ActionLaw(gain=20.0)
+
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,7 @@ class Options:
 
     Attributes:
         resolution: What happens where gradients meet.
-        law: From the gradient to the action. Its gain is in m/s²: the velocity is −k·dt times the
-            resolved gradient, whose length is at most 1.
+        law: From the gradients to the action.
         dtype: Precision of the estimates.
         dt: Time step, s.
         max_speed: Largest speed, m/s.
@@ -39,7 +38,7 @@ class Options:
     """
 
     resolution: Resolution = RESOLUTION
-    law: ActionLaw = LAW
+    law: ActionLaw = Foresight()
     dtype: torch.dtype = torch.float64
     dt: float = 0.05
     max_speed: float = 0.5

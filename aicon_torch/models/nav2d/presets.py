@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from aicon_torch.control import ActionLaw
+from aicon_torch.control import DirectDescent
 from aicon_torch.resolution import NullspaceProjection, SteepestPath, Sum
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -15,16 +15,16 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "aicon": {},
         "paper_literal": {
             "resolution": NullspaceProjection.as_in_paper(),
-            "law": ActionLaw.as_in_paper(gain=10.0),
+            "law": DirectDescent.as_in_paper(gain=10.0),
         },
         "steepest": {
             "resolution": SteepestPath(),
-            "law": ActionLaw.as_in_paper(gain=0.3),
+            "law": DirectDescent.as_in_paper(gain=0.3),
             "max_speed": 0.25,
         },
         "potential_field": {
             "resolution": Sum(),
-            "law": ActionLaw.as_in_paper(gain=0.6),
+            "law": DirectDescent.as_in_paper(gain=0.6),
             "max_speed": 0.25,
         },
     }

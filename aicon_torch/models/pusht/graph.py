@@ -7,7 +7,7 @@ pusher to position targets; its px become metres at the sensors, and px again at
 
 What is ours beyond the text is an option of its own: likelihoods that differ for contacts that help
 and contacts that harm, the quasi-static effect of a contact, magnitudes relative to the largest,
-conflicts with any opposing gradient, and limits of the motion near contact.
+conflicts with any opposing gradient, and an action law that looks ahead.
 """
 
 from collections.abc import Callable
@@ -44,7 +44,7 @@ def world_model(options: Options) -> WorldModel:
 
     return WorldModel(
         sensors=sensors(options, body),
-        actuators={"a": actuator(options, dynamics, servo)},
+        actuators={"a": actuator(options, servo)},
         estimators=[
             *pusher_estimators(options, servo),
             *object_estimators(options, dynamics),

@@ -4,10 +4,8 @@ from collections.abc import Callable
 
 from torch import Tensor
 
-from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_RADIUS, WORKSPACE
+from aicon_torch.models.pusht.benchmark import PIXEL, WORKSPACE
 from aicon_torch.models.pusht.options import Options
-from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.contact_options import SlowApproachOptions
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.parts.servo import PositionTarget, Servo
 from aicon_torch.quantities import Actuator, Sensor
@@ -27,15 +25,9 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     return found
 
 
-def actuator(options: Options, dynamics: ContactDynamics, servo: Servo) -> Actuator:
-    """The pusher's velocity, its limits, and what the environment is sent in its place."""
-    return Actuator(
-        2,
-        "m/s",
-        limit=options.max_speed,
-        constraints=_contact_limits(options, dynamics, servo),
-        command=_command(options, servo),
-    )
+def actuator(options: Options, servo: Servo) -> Actuator:
+    """The pusher's velocity, and what the environment is sent in its place."""
+    return Actuator(2, "m/s", limit=options.max_speed, command=_command(options, servo))
 
 
 def _command(options: Options, servo: Servo) -> Callable[..., Tensor]:
@@ -49,19 +41,3 @@ def _command(options: Options, servo: Servo) -> Callable[..., Tensor]:
         return a / PIXEL
 
     return position_in_pixels if options.command == "position" else velocity_in_pixels
-
-
-def _contact_limits(
-    options: Options, dynamics: ContactDynamics, servo: Servo
-) -> list[Callable[..., Tensor]]:
-    """What limits the motion near contact; these limits are ours, and the text has none."""
-    radius, size = PUSHER_RADIUS, options.contact.size
-    limits = options.contact_limits
-    if limits is None:
-        return []
-
-    if isinstance(limits, SlowApproachOptions):
-        return [limits.limit(dynamics.rotation_length, radius, size)]
-
-    follower = servo if options.command == "position" else None
-    return [limits.limits(dynamics, radius, size, follower)]

@@ -6,18 +6,13 @@ from typing import Literal
 
 import torch
 
-from aicon_torch.control import ActionLaw
+from aicon_torch.control import ActionLaw, Foresight
 from aicon_torch.errors import OptionError
 from aicon_torch.models.pusht.benchmark import GOAL_POSE, PIXEL, SUBSTEP, T_WIDTH
-from aicon_torch.parts.contact_options import (
-    ContactLimitOptions,
-    ContactOptions,
-    SlowApproachOptions,
-)
+from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.validation import check_choice, check_positive, numbers
 from aicon_torch.resolution import NullspaceProjection, Resolution
 
-LAW = ActionLaw(gain=1e9 * PIXEL)
 CONTACT = ContactOptions(size=T_WIDTH)
 
 
@@ -27,8 +22,7 @@ class Options:
 
     Attributes:
         resolution: What happens where gradients meet.
-        law: From the gradient to the action. The direction alone matters where the speed is at its
-            limit.
+        law: From the gradients to the action.
         dtype: Precision of the estimates.
         keypoints: Corners of the object in its body frame, in the order of the sensor, m; None for
             the T.
@@ -51,11 +45,10 @@ class Options:
         likelihood_path: Whether p₁ is there, which leads over the likelihood of a contact.
         position_path: Whether p₂ is there, which leads over its position.
         contact: What a contact does and how likely it is.
-        contact_limits: What limits the motion near contact; None for nothing.
     """
 
     resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = LAW
+    law: ActionLaw = Foresight()
     dtype: torch.dtype = torch.float64
     keypoints: Sequence[Sequence[float]] | None = None
     outline_order: Sequence[int] | None = None
@@ -75,9 +68,6 @@ class Options:
     likelihood_path: bool = True
     position_path: bool = True
     contact: ContactOptions = CONTACT
-    contact_limits: ContactLimitOptions | SlowApproachOptions | None = field(
-        default_factory=ContactLimitOptions
-    )
 
     def __post_init__(self) -> None:
         """Check what the groups do not check themselves.

@@ -5,33 +5,30 @@ from collections.abc import Callable
 import torch
 from torch import Tensor
 
-from aicon_torch.estimation import EKF, Deterministic, Estimator, KalmanFilter, Measurement
+from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement
 from aicon_torch.interconnections import Affine
 from aicon_torch.models.pusht.benchmark import PIXEL, PRIOR_DEVIATION
 from aicon_torch.models.pusht.options import Options
-from aicon_torch.parts.delay import ActionHistory, current_position, delayed_position
-from aicon_torch.parts.servo import Servo
+from aicon_torch.parts.delay import MotionHistory, current_position, delayed_position
+from aicon_torch.parts.servo import PusherMotion, Servo
 
 UNFILTERED_VARIANCE = 1e-9 * PIXEL**2
 """Variance of a reading that is taken as it comes, m²: next to nothing."""
 
-VELOCITY_VARIANCE = PIXEL**2
-"""Variance of the pusher's velocity, m²/s²; nothing corrects it."""
-
 
 def pusher_estimators(options: Options, servo: Servo) -> list[Estimator]:
     """x_pusher, v_pusher: the pusher's position and velocity."""
-    velocity = _velocity(options, servo)
+    motion_in_step = PusherMotion(servo if options.command == "position" else None)
     if not options.is_delayed:
         motion = Affine(x_pusher=1.0, a=options.dt)
-        return [_position(options, "x_pusher", "P_pusher", motion), velocity]
+        return [_position(options, "x_pusher", "P_pusher", motion), motion_in_step]
 
     # With a delay the position of then is filtered, and moved on to now.
     return [
-        ActionHistory(options.delay + 1),
+        motion_in_step,
+        MotionHistory(options.delay + 1, motion_in_step.parts),
         _position(options, "y_pusher", "Q_pusher", delayed_position),
         Deterministic("x_pusher", current_position),
-        velocity,
     ]
 
 
@@ -56,21 +53,4 @@ def _position(
         initial=first_position,
         size=2,
         correct=[Measurement(agreement, variance, size=2)],
-    )
-
-
-def _velocity(options: Options, servo: Servo) -> KalmanFilter:
-    """The velocity as the PD controller leaves it; one that is commanded is there at once."""
-    change = Affine(v_pusher=0.0, a=1.0)
-    if options.command == "position":
-        by_motion = servo.velocity_by_offset / servo.displacement_by_offset[-1]
-        kept = servo.velocity_by_velocity - by_motion * servo.displacement_by_velocity[-1]
-        change = Affine(v_pusher=kept, a=by_motion * options.dt)
-
-    return KalmanFilter(
-        "v_pusher",
-        "P_velocity",
-        predict=change,
-        noise=VELOCITY_VARIANCE,
-        initial=((0.0, 0.0), VELOCITY_VARIANCE),
     )

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from aicon_torch.control import DirectDescent
 from aicon_torch.models.pusht import PIXEL
 
 _ONE_LIKELIHOOD = {"contact.aim": 0.0, "contact.facing": False}
@@ -39,9 +40,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         },
         # From the gradient to the command.
         "without_smoothing": {"law.smoothing": 0.0},
-        "without_contact_limits": {"contact_limits": None},
-        "without_slide_limit": {"contact_limits.slide_gap": 0.0},
-        "without_substep_limits": {"contact_limits.within_steps": False},
+        "without_foresight": {"law": DirectDescent()},
         "without_lag_compensation": {"compensate_lag": False},
     }
 )

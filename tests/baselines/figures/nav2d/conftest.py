@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.figures.nav2d import NavigationRecording, record
 from aicon_torch import Policy, make_policy
-from aicon_torch.control import ActionLaw
+from aicon_torch.control import DirectDescent
 
 MAP, SEED = "u_trap_05", 1000
 
@@ -18,7 +18,7 @@ def followed() -> tuple[NavigationRecording, list[NDArray[np.float64]]]:
     """A rollout, and the gradient at the action that the policy followed in each step, by m."""
     gradients: list[NDArray[np.float64]] = []
 
-    class NotingLaw(ActionLaw):
+    class NotingLaw(DirectDescent):
         def __call__(self, gradient: Any, *others: Any) -> Any:
             *_, dt = others
             gradients.append(gradient.numpy() / dt)
