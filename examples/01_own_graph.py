@@ -14,10 +14,10 @@ import torch
 from torch import Tensor
 
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
+    DirectDescent,
     Goal,
     KalmanFilter,
     Measurement,

@@ -17,10 +17,10 @@ import torch
 from torch import Tensor
 
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
+    DirectDescent,
     Estimator,
     Goal,
     KalmanFilter,

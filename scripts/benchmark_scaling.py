@@ -27,10 +27,10 @@ from tqdm import tqdm
 
 from aicon_baselines.evaluation.timing import Step, replay, take_turns
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
+    DirectDescent,
     Goal,
     Interconnection,
     KalmanFilter,

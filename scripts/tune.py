@@ -1,4 +1,4 @@
-"""Search over gain and speed, the same for every policy of a task, on seeds that are not reported.
+"""Search over action law and speed, the same for every policy of a task, on seeds that are not reported.
 
 Example: python scripts/tune.py --policies aicon paper_literal steepest --jobs 2 --out runs/tune
 
@@ -9,7 +9,7 @@ was.
 import argparse
 from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
@@ -20,6 +20,7 @@ from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.report import write_report
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.tasks import load
+from aicon_torch.control import ActionLaw, DirectDescent, Foresight
 from aicon_torch.models.pusht import PIXEL
 
 FIRST_SEED = 1000
@@ -29,32 +30,34 @@ FIRST_SEED = 1000
 class Search(NamedTuple):
     """What is searched unless asked otherwise, on which seeds; speeds in m/s."""
 
+    steps: tuple[float, ...]
     gains: tuple[float, ...]
     speeds: tuple[float, ...]
     seed: int
     episodes: int
 
 
+STEPS = (1 / 12, 1 / 6, 1 / 3, 2 / 3)
+"""First steps of the foresight, as shares of the actuator's limit."""
+
 SEARCHES = {
     "nav2d": Search(
+        steps=STEPS,
         gains=(0.3, 0.6, 1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0),
         speeds=(0.25, 0.5),
         seed=1024,
         episodes=128,
     ),
     "pusht": Search(
+        steps=STEPS,
         gains=tuple(PIXEL * gain for gain in (4e3, 16e3, 64e3, 256e3, 1e6, 1e9)),
         speeds=tuple(PIXEL * speed for speed in (100.0, 200.0, 400.0, 800.0)),
         seed=1000,
         episodes=100,
     ),
 }
-LAWS: dict[str, dict[str, Any]] = {
-    "preset": {},
-    "set": {"law.accumulate": False},
-    "accumulate": {"law.accumulate": True},
-}
-"""The options of each action law: what the preset says, or the velocity set or accumulated."""
+LAWS = ("foresight", "set", "accumulate")
+"""The action laws: the foresight, or one gradient a step that sets or changes the velocity."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -63,14 +66,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--policies", nargs="+", required=True, metavar="NAME", help="policies of the task"
     )
-    parser.add_argument("--gains", nargs="+", type=float, help="of the action law")
+    parser.add_argument("--steps", nargs="+", type=float, help="first steps of the foresight")
+    parser.add_argument("--gains", nargs="+", type=float, help="of the other laws")
     parser.add_argument("--speeds", nargs="+", type=float, help="largest speeds, m/s")
     parser.add_argument(
         "--laws",
         nargs="+",
         choices=LAWS,
-        default=["preset"],
-        help="set or accumulate the velocity",
+        default=["foresight"],
+        help="action laws (default: foresight)",
     )
     parser.add_argument("--seed", type=int, help=f"first seed, {FIRST_SEED} or more")
     parser.add_argument("--episodes", type=int, help="seeds")
@@ -106,13 +110,25 @@ def choose_search(arguments: argparse.Namespace) -> Search:
 def list_candidates(
     task: str, policies: list[str], laws: list[str], search: Search
 ) -> dict[str, Factory]:
-    """Return what builds each policy with each law, gain and speed, by a name that says which."""
+    """Return what builds each policy with each law and speed, by a name that says which."""
     candidates = {}
-    for policy, law, gain, speed in product(policies, laws, search.gains, search.speeds):
-        options = {**LAWS[law], "law.gain": gain, "max_speed": speed}
-        name = f"{policy} {law} gain={gain:g} speed={speed:g}"
-        candidates[name] = factory(task, policy, **options)
+    for policy, law, speed in product(policies, laws, search.speeds):
+        for description, action_law in list_laws(law, search).items():
+            name = f"{policy} {description} speed={speed:g}"
+            candidates[name] = factory(task, policy, law=action_law, max_speed=speed)
     return candidates
+
+
+def list_laws(law: str, search: Search) -> dict[str, ActionLaw]:
+    """Return the action laws of one kind, by a name that says which."""
+    if law == "foresight":
+        return {f"foresight step={step:.3g}": Foresight(step=step) for step in search.steps}
+
+    accumulate = law == "accumulate"
+    return {
+        f"{law} gain={gain:g}": DirectDescent(gain=gain, accumulate=accumulate)
+        for gain in search.gains
+    }
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

@@ -31,6 +31,14 @@ class ActionLaw(Protocol):
         """Whether gradients are taken at the state that the model foresees."""
         ...
 
+    def check(self, name: str, actuator: Actuator) -> None:
+        """Check that the law can drive an actuator.
+
+        Raises:
+            OptionError: If not.
+        """
+        ...
+
     def start(self, last: Tensor) -> Tensor:
         """Where the descent begins, ``(*B, size)``, from the last action ``(*B, size)``."""
         ...
@@ -53,8 +61,10 @@ class ActionLaw(Protocol):
         ...
 
 
-def low_pass(action: Tensor, last: Tensor, smoothing: float, actuator: Actuator, dt: float) -> Tensor:
-    """a ← a + dt/(dt + T) (a* − a), ``(*B, size)`` (Sect. "Stabilizing the Control Signal").
+def low_pass(
+    action: Tensor, last: Tensor, smoothing: float, actuator: Actuator, dt: float
+) -> Tensor:
+    """A ← a + dt/(dt + T) (a* − a), ``(*B, size)`` (Sect. "Stabilizing the Control Signal").
 
     Args:
         action: a*, ``(*B, size)``.

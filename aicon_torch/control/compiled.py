@@ -48,9 +48,7 @@ class CompiledStep(ControlStep):
         self._steps: dict[InputKind, _StepFunctions] = {}
         self._compiles = True
 
-    def __call__(
-        self, readings: Mapping[str, Tensor], memory: Memory
-    ) -> tuple[Actions, Memory]:
+    def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
         """One step: see :class:`ControlStep`."""
         if not self._compiles:
             return super().__call__(readings, memory)

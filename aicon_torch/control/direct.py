@@ -41,6 +41,9 @@ class DirectDescent:
         """Eq. 2, which changes the action by −k∇; the text leaves k to the reader."""
         return cls(gain=gain, accumulate=True)
 
+    def check(self, name: str, actuator: Actuator) -> None:
+        """It drives any."""
+
     def start(self, last: Tensor) -> Tensor:
         """The last action, which Eq. 2 changes."""
         return last

@@ -31,7 +31,7 @@ class Foresight:
     """
 
     iterations: int = 20
-    step: float = 1 / 4
+    step: float = 1 / 3
     smoothing: float = 0.02
 
     foresees = True
@@ -43,6 +43,15 @@ class Foresight:
         if not 0 < self.step < math.inf:
             raise OptionError(f"step={self.step!r}: expected a share > 0 of the actuator's limit.")
         check_smoothing(self.smoothing)
+
+    def check(self, name: str, actuator: Actuator) -> None:
+        """Its steps are shares of the actuator's limit, so there must be one."""
+        limits = torch.as_tensor(actuator.limit)
+        if not limits.isfinite().all():
+            raise OptionError(
+                f"Actuator {name!r} has limit={actuator.limit!r}: Foresight needs a finite one. Give "
+                "the actuator a limit, or the policy law=DirectDescent(gain=...)."
+            )
 
     def start(self, last: Tensor) -> Tensor:
         """At rest."""

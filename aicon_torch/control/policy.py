@@ -59,6 +59,8 @@ class Policy(nn.Module):
         self.resolution = NullspaceProjection() if resolution is None else resolution
         self.law = Foresight() if law is None else law
         self.perception = perception
+        for name, actuator in model.actuators.items():
+            self.law.check(name, actuator)
 
         self.backward_pass = BackwardPass(model, self.resolution)
         self._step = ControlStep(model, self.backward_pass, self.law)

@@ -1,5 +1,4 @@
 """One control step: a pure function from readings and memory to commands and memory."""
-import os
 
 from collections.abc import Mapping
 
@@ -29,9 +28,7 @@ class ControlStep:
         self.model, self.backward, self.law = model, backward, law
 
     @torch.enable_grad()
-    def __call__(
-        self, readings: Mapping[str, Tensor], memory: Memory
-    ) -> tuple[Actions, Memory]:
+    def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
         """One step.
 
         Args:
@@ -89,8 +86,7 @@ class ControlStep:
         """
         # How values and costs depend on each other, here or where the actions lead.
         if self.law.foresees:
-
-            _, graphs = self.model.foresee(values, actions, float(os.environ.get("HOR", "0")) or None)
+            _, graphs = self.model.foresee(values, actions)
         else:
             graphs = self.model.record(values)
 
@@ -100,7 +96,7 @@ class ControlStep:
         descended: Actions = {}
         for name, actuator in self.model.actuators.items():
             action = self.law.descend(actions[name], gradients[name], iteration, actuator)
-            if self.law.foresees and os.environ.get("INC"):  # what is foreseen next is what would be executed
+            if self.law.foresees:  # what is foreseen next is what would be executed
                 action = self.model.constrain(name, {**values, name: action})
             descended[name] = action
         return descended, resolved

@@ -186,12 +186,9 @@ class WorldModel(nn.Module):
         return {name: self._record(name, inputs) for name in self.edges if name not in known}
 
     def foresee(
-        self,
-        values: Mapping[str, Tensor],
-        actions: Mapping[str, Tensor],
-        horizon: float | None = None,
+        self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]
     ) -> tuple[dict[str, Tensor], LocalGraphs]:
-        """The values that these actions would bring, and their local graphs.
+        """The values that these actions would bring within one step, and their local graphs.
 
         Every estimator anticipates once, from what those before it anticipate. Nothing is read, so
         nothing is corrected.
@@ -199,12 +196,11 @@ class WorldModel(nn.Module):
         Args:
             values: Values after a step.
             actions: The action of each actuator, ``(*B, size)``.
-            horizon: How far to look ahead, s; by default one step.
 
         Returns:
             The values foreseen, and how they depend on each other.
         """
-        foreseen = with_dt({**values, **actions}, horizon or self.dt)
+        foreseen = with_dt({**values, **actions}, self.dt)
         graphs: LocalGraphs = {}
         for estimator in self.estimators:
             anticipated: dict[str, Tensor] = {}

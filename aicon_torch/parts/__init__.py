@@ -28,7 +28,8 @@ from aicon_torch.parts.contact import (
     tangent,
 )
 from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.contact_options import ContactOptions
+from aicon_torch.parts.contact_limits import ContactLimits
+from aicon_torch.parts.contact_options import ContactLimitOptions, ContactOptions
 from aicon_torch.parts.delay import (
     CurrentPose,
     DelayedPoseMotion,
@@ -80,6 +81,8 @@ __all__ = [
     "ContactDynamics",
     "ContactForce",
     "ContactLikelihood",
+    "ContactLimitOptions",
+    "ContactLimits",
     "ContactOptions",
     "CurrentPose",
     "DelayedPoseMotion",

@@ -9,7 +9,6 @@ from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
-from aicon_torch.parts.servo import even_motion
 from aicon_torch.vectors import select
 
 
@@ -68,29 +67,6 @@ class PoseMotion:
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
         response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
         return push.unsqueeze(-1) * response.squeeze(-2)
-
-
-@dataclass(frozen=True)
-class CommandedPose:
-    """x_pose: the pose to which a pusher moves the object on its way from where it is.
-
-    Attributes:
-        motion: How the pusher moves the object.
-    """
-
-    motion: PoseMotion
-
-    def __call__(self, y_pose: Tensor, y_pusher: Tensor, x_pusher: Tensor) -> Tensor:
-        """The pose ``(*B, 3)``, m and rad.
-
-        Args:
-            y_pose: Where the object is, ``(*B, 3)``, m and rad.
-            y_pusher: Where the pusher is, ``(*B, 2)``, m.
-            x_pusher: Where it goes, ``(*B, 2)``, m.
-        """
-        way = even_motion(x_pusher - y_pusher)
-        pose = y_pose.detach()  # where it is now depends on no command to come
-        return self.motion(pose, x_pusher, way)
 
 
 def resting_pose(x_pose: Tensor) -> Tensor:

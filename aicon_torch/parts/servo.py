@@ -1,8 +1,6 @@
 """A pusher that a PD controller moves to position targets."""
 
-import math
 from dataclasses import dataclass
-
 from typing import cast
 
 import torch
@@ -150,45 +148,6 @@ class PusherMotion(Estimator):
         if self.servo is None:
             return even_motion(a * dt, self.parts)
         return self.servo.displacements(a, v_pusher, dt, self.parts)
-
-
-class LaggingMotion(Estimator):
-    """d_joints, x_lag: how joints follow velocities that a servo integrates.
-
-    The servo's target moves with the command a, and the joints close their lag l behind it with the
-    time constant τ: dl/dt = a − l/τ. In a step the lag becomes l κ + a τ (1 − κ), κ = exp(−dt/τ),
-    and the joints move by what is left, d = a dt + l − l⁺.
-
-    Args:
-        time: τ, s.
-        size: Number n of joints.
-    """
-
-    outputs = ("d_joints", "x_lag")
-    inputs = ("x_lag", "a", "dt")
-
-    def __init__(self, time: float, size: int) -> None:
-        super().__init__()
-        self.time = time
-        self.register_buffer("at_rest", torch.zeros(size))
-
-    def initial(self, values: Values) -> dict[str, Tensor]:
-        """The joints were at rest."""
-        return dict.fromkeys(self.outputs, cast(Tensor, self.at_rest))
-
-    @torch.no_grad()
-    def update(self, values: Values) -> dict[str, Tensor]:
-        """How the last command moved them."""
-        return {name: self(values, name) for name in self.outputs}
-
-    def forward(self, values: Values, output: str) -> Tensor:
-        """How the command moves them, ``(*B, n)``, rad."""
-        a, lag = cast(Tensor, values["a"]), cast(Tensor, values["x_lag"])
-        dt = cast(float, values["dt"])
-
-        kept = math.exp(-dt / self.time)
-        next_lag = kept * lag + self.time * (1 - kept) * a
-        return next_lag if output == "x_lag" else a * dt + lag - next_lag
 
 
 def even_motion(displacement: Tensor, parts: int = PARTS) -> Tensor:

@@ -8,9 +8,9 @@ from torch import Tensor
 
 from _inputs.random_numbers import normal
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Affine,
+    DirectDescent,
     Goal,
     KalmanFilter,
     Measurement,

@@ -9,7 +9,7 @@ from _inputs import BATCHES, DTYPES, normal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aicon_torch import DirectDescent, Actuator, OptionError
+from aicon_torch import Actuator, DirectDescent, OptionError
 
 FREE = Actuator(2, "m/s")
 

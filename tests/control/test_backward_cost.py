@@ -7,9 +7,9 @@ import torch
 from torch import Tensor
 
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Deterministic,
+    DirectDescent,
     Goal,
     Interconnection,
     NullspaceProjection,

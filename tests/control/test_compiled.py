@@ -12,10 +12,10 @@ from torch import Tensor
 
 from aicon_torch import (
     EKF,
-    DirectDescent,
     Actuator,
     Affine,
     Deterministic,
+    DirectDescent,
     Goal,
     Measurement,
     Policy,

@@ -6,7 +6,16 @@ from _asserts import assert_rows_stand_alone, assert_same_memory
 from _inputs import off_the_wall, rightward, slower, steered, walled, where_to
 from torch import Tensor
 
-from aicon_torch import DirectDescent, Actuator, Deterministic, Goal, Policy, Sensor, Sum, WorldModel
+from aicon_torch import (
+    Actuator,
+    Deterministic,
+    DirectDescent,
+    Goal,
+    Policy,
+    Sensor,
+    Sum,
+    WorldModel,
+)
 
 
 def test_constraints_act_one_after_the_other() -> None:

@@ -9,9 +9,9 @@ from _inputs import drifting, navigation, observation_with
 from torch import Tensor
 
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Deterministic,
+    DirectDescent,
     Goal,
     ObservationError,
     OptionError,

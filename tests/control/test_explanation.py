@@ -11,9 +11,9 @@ from hypothesis import given
 from torch import Tensor
 
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Deterministic,
+    DirectDescent,
     Goal,
     NullspaceProjection,
     Policy,

@@ -9,9 +9,9 @@ from _asserts import assert_same_memory
 from _inputs import BATCHES, navigation, normal, observation_with, point
 
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Deterministic,
+    DirectDescent,
     Goal,
     ObservationError,
     Policy,

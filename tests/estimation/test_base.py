@@ -10,9 +10,9 @@ from torch import Tensor, nn
 
 from aicon_torch import (
     EKF,
-    DirectDescent,
     Actuator,
     Deterministic,
+    DirectDescent,
     Goal,
     GraphError,
     Interconnection,

@@ -17,7 +17,7 @@ from _inputs import (
 )
 from torch import Tensor
 
-from aicon_torch import EKF, DirectDescent, Affine, Interconnection, Measurement, Policy, Sum
+from aicon_torch import EKF, Affine, DirectDescent, Interconnection, Measurement, Policy, Sum
 
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)

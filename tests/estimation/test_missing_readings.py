@@ -8,7 +8,17 @@ import torch
 from _inputs import drive
 from torch import Tensor
 
-from aicon_torch import EKF, DirectDescent, Actuator, Goal, Measurement, Policy, Sensor, Sum, WorldModel
+from aicon_torch import (
+    EKF,
+    Actuator,
+    DirectDescent,
+    Goal,
+    Measurement,
+    Policy,
+    Sensor,
+    Sum,
+    WorldModel,
+)
 
 
 def residual(x: Tensor, z: Tensor) -> Tensor:

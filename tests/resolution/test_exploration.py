@@ -20,9 +20,9 @@ from _inputs import (
 from torch import Tensor
 
 from aicon_torch import (
-    DirectDescent,
     Actuator,
     Deterministic,
+    DirectDescent,
     Escape,
     Exploration,
     Goal,

@@ -1,6 +1,6 @@
 """Options of the navigation policy."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import torch
@@ -14,7 +14,6 @@ ESCAPE = Escape(progress="reach", hold="avoid", along="avoid")
 the level of p_collision, and moves in the nullspace of p₃ even where p₁ dominates."""
 
 RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
-
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class Options:
     """
 
     resolution: Resolution = RESOLUTION
-    law: ActionLaw = Foresight()
+    law: ActionLaw = field(default_factory=Foresight)
     dtype: torch.dtype = torch.float64
     dt: float = 0.05
     max_speed: float = 0.5

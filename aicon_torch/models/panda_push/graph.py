@@ -79,7 +79,12 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 def _actuator(scene: Scene) -> Actuator:
     """The velocities of the joints, within their limits and those of the tip."""
     options, robot = scene.options, scene.options.robot
-    limits = ArmLimits(scene.end_effector, robot.speed, options.limits)
+    contact = None
+    if options.contact_limits is not None:
+        size, radius = options.contact.size, robot.stick_radius
+        contact = options.contact_limits.limits(scene.dynamics, radius, size)
+
+    limits = ArmLimits(scene.end_effector, robot.speed, options.limits, contact)
     speed = options.limits.joint_speed
     return Actuator(len(robot.frames), "rad/s", limit=speed, constraints=[limits])
 

@@ -6,10 +6,10 @@ from typing import Literal, get_args
 
 import torch
 
-from aicon_torch.control import ActionLaw, Foresight
+from aicon_torch.control import ActionLaw, DirectDescent
 from aicon_torch.models.panda_push.robot import PANDA, Robot
 from aicon_torch.parts.camera import Steering
-from aicon_torch.parts.contact_options import ContactOptions
+from aicon_torch.parts.contact_options import ContactLimitOptions, ContactOptions
 from aicon_torch.parts.end_effector import Pullback
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.touch import ForceThreshold
@@ -36,6 +36,9 @@ TOP_FORCE = ForceThreshold(force=2.0, width=0.15)
 
 CONTACT = ContactOptions(size=0.2)
 """The contact model, as in pushT; only the T is larger, 0.2 m wide."""
+
+CONTACT_LIMITS = ContactLimitOptions()
+"""How far the tip pushes within the horizon."""
 
 JOINT_LIMITS = SquaredHinge(margin=0.1, weight=0.5)
 SELF_COLLISION = SquaredHinge(margin=0.05, weight=0.05)
@@ -111,11 +114,13 @@ class MotionLimitOptions:
     Attributes:
         tip_speed: Largest speed of the tip in the plane, m/s.
         joint_speed: Largest norm of the joints' velocities, rad/s.
+        horizon: Time over which the limits near contact hold, s.
         settling_time: Least time in which the tip arrives at its height, s.
     """
 
     tip_speed: float = 0.2
     joint_speed: float = 1.6
+    horizon: float = 0.1
     settling_time: float = 0.2
 
     def __post_init__(self) -> None:
@@ -124,7 +129,7 @@ class MotionLimitOptions:
         Raises:
             OptionError: If one is not positive.
         """
-        check_positive(self, ("tip_speed", "joint_speed", "settling_time"))
+        check_positive(self, ("tip_speed", "joint_speed", "horizon", "settling_time"))
 
 
 @dataclass(frozen=True)
@@ -142,6 +147,7 @@ class Options:
         camera: How it is seen, if it is.
         touch: What the wrist feels of it, if it is seen; None if nothing.
         contact: The contact model, which is pushT's.
+        contact_limits: Limits of the tip near contact; None for none.
         limits: How fast the arm moves.
         joint_noise: Standard deviation of an encoder, rad.
         pose_noise: Standard deviation of a pose that is observed, m.
@@ -162,7 +168,7 @@ class Options:
     """
 
     resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = Foresight()
+    law: ActionLaw = field(default_factory=DirectDescent)
     dtype: torch.dtype = torch.float64
     dt: float = 0.01
 
@@ -178,6 +184,7 @@ class Options:
     expected_place: tuple[float, float] = (0.54, 0.0)
 
     contact: ContactOptions = CONTACT
+    contact_limits: ContactLimitOptions | None = CONTACT_LIMITS
     limits: MotionLimitOptions = MotionLimitOptions()
 
     height: float = 0.02

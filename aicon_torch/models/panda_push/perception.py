@@ -80,7 +80,7 @@ class CameraPerception:
             image = RGBDImage(rgb[row], depth[row], at_exposure[:3, :3], at_exposure[:3, 3])
             prior = None
             if values is not None and not forgotten[row]:
-                prior = values["y_pose"][row].numpy(force=True)
+                prior = values["x_pose"][row].numpy(force=True)
             corners, middle = self.look(image, prior)
 
             # What it shows, in the frame of the camera as it is now.

@@ -13,10 +13,9 @@ from aicon_torch.models.panda_push.measurements import (
     top_jacobian,
 )
 from aicon_torch.models.panda_push.options import Options
-from aicon_torch.models.panda_push.perception import BLOB, KEYPOINTS
 from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.camera import Visibility
-from aicon_torch.parts.pose import CommandedPose, PoseMotion, pose_jacobian
+from aicon_torch.parts.pose import PoseMotion, pose_jacobian
 from aicon_torch.parts.touch import TouchedSide, TouchedTop
 
 UNSEEN_DEVIATION = (0.1, 1 / 6, 2.0)
@@ -37,23 +36,22 @@ TOP_NOISE = 1e-6
 
 def pushed_object(scene: Scene) -> list[Estimator]:
     """The object's pose, its keypoints there, and where it is to be."""
-    filtered = seen_pose(scene) if scene.options.sensing == "camera" else observed_pose(scene)
-    pose = Deterministic("x_pose", CommandedPose(pose_motion(scene)))
+    pose = seen_pose(scene) if scene.options.sensing == "camera" else observed_pose(scene)
     keypoints = Interconnection(scene.body.keypoints_at, inputs=["x_pose"])
     target = Interconnection(scene.body.pose_of_frame, inputs=["z_target"])
-    return [filtered, pose, Deterministic("x_keypoints", keypoints), Deterministic("x_target", target)]
+    return [pose, Deterministic("x_keypoints", keypoints), Deterministic("x_target", target)]
 
 
 def observed_pose(scene: Scene) -> EKF:
-    """y_pose, corrected by a pose that is observed."""
+    """x_pose, corrected by a pose that is observed."""
     observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION)
-    residual = Interconnection(observed, ["y_pose", "z_object"], y_pose=pose_jacobian)
+    residual = Interconnection(observed, x_pose=pose_jacobian)
     reading = Measurement(residual, pose_variances(scene, scene.options.pose_noise), size=3)
     return _pushed_pose(scene, initial=observed.prior, size=3, correct=[reading])
 
 
 def seen_pose(scene: Scene) -> EKF:
-    """y_pose, corrected by what the camera shows and the wrist feels."""
+    """x_pose, corrected by what the camera shows and the wrist feels."""
     options = scene.options
     visibility = Visibility(
         options.robot.intrinsics,
@@ -62,19 +60,16 @@ def seen_pose(scene: Scene) -> EKF:
         height=2 * options.height,
     )
 
-    seen_inputs, middle_inputs = ["y_pose", KEYPOINTS, "y_cam"], ["y_pose", BLOB, "y_cam"]
-    seen = Interconnection(SeenKeypoints(scene.body), seen_inputs, y_pose=pose_jacobian)
-    middle = Interconnection(seen_middle, middle_inputs, y_pose=position_jacobian)
-    visible = Interconnection(visibility, ["y_pose", "x_cam"])
+    seen = Interconnection(SeenKeypoints(scene.body), x_pose=pose_jacobian)
+    middle = Interconnection(seen_middle, x_pose=position_jacobian)
     correct = [
-        Measurement(seen, visible, size=3),
+        Measurement(seen, visibility, size=3),
         Measurement(middle, options.camera.blob_noise**2, size=2),
     ]
     if options.touch is not None:
         radius, deviation = options.robot.stick_radius, options.touch.side_deviation
         touched = TouchedSide(scene.body, radius, deviation, options.touch.side)
-        gap = Interconnection(touched, ["y_pose", "y_pusher"])
-        correct.append(Measurement(gap, touched.variance, size=1))
+        correct.append(Measurement(touched, touched.variance, size=1))
 
     mean = (*options.expected_place, 0.0)
     variances = [deviation**2 for deviation in UNSEEN_DEVIATION]
@@ -82,21 +77,17 @@ def seen_pose(scene: Scene) -> EKF:
 
 
 def _pushed_pose(scene: Scene, **belief: Any) -> EKF:
-    """y_pose, predicted from what the tip has pushed; how it begins and is corrected is given."""
-    moved_by = ["y_pose", "y_pusher", "d_pusher"]
+    """x_pose, predicted from what the tip has pushed; how it begins and is corrected is given."""
+    motion = PoseMotion(scene.dynamics, scene.options.robot.stick_radius)
+    moved_by = ["x_pose", "x_pusher", "d_pusher"]
     deviation = scene.options.drift * scene.options.dt**0.5
     return EKF(
-        "y_pose",
+        "x_pose",
         "P_pose",
-        predict=Interconnection(pose_motion(scene), moved_by, y_pose=pose_jacobian),
+        predict=Interconnection(motion, moved_by, x_pose=pose_jacobian),
         noise=pose_variances(scene, deviation),
         **belief,
     )
-
-
-def pose_motion(scene: Scene) -> PoseMotion:
-    """How the tip moves the object."""
-    return PoseMotion(scene.dynamics, scene.options.robot.stick_radius)
 
 
 def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]:
@@ -113,12 +104,11 @@ def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]
 
 def object_top(options: Options) -> EKF:
     """x_top: height of the object's top face, m, from the depth of its keypoints and by touch."""
-    seen = Interconnection(seen_top, ["x_top", KEYPOINTS, "y_cam"], x_top=top_jacobian)
+    seen = Interconnection(seen_top, x_top=top_jacobian)
     correct = [Measurement(seen, TOP_NOISE, size=1)]
     if options.touch is not None:
         touched = TouchedTop(options.touch.top_deviation, options.touch.top)
-        above = Interconnection(touched, ["x_top", "y_ee"])
-        correct.append(Measurement(above, touched.variance, size=1))
+        correct.append(Measurement(touched, touched.variance, size=1))
 
     return EKF(
         "x_top",

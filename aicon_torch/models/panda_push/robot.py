@@ -68,7 +68,6 @@ class Robot:
         stick_length: Length of the stick, m.
         stick_radius: Radius of the stick, m.
         tool_mass: Mass of stick, camera and mount, kg.
-        servo_time: Time constant with which the joints follow what the servos integrate, s.
         reach: Distance of the tip from the axis of the base where the arm is straight and the stick
             upright, m.
     """
@@ -84,7 +83,6 @@ class Robot:
     stick_length: float = 0.30
     stick_radius: float = 0.015
     tool_mass: float = 0.25
-    servo_time: float = 0.1
     reach: float = 0.801
 
     @classmethod

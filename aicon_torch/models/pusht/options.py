@@ -48,7 +48,7 @@ class Options:
     """
 
     resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = Foresight()
+    law: ActionLaw = field(default_factory=Foresight)
     dtype: torch.dtype = torch.float64
     keypoints: Sequence[Sequence[float]] | None = None
     outline_order: Sequence[int] | None = None

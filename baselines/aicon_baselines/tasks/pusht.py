@@ -30,6 +30,8 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "half_speed": {"velocity_limit": 0.5 * _SPEED},
     "eighth_speed": {"velocity_limit": 0.125 * _SPEED},
     "double_speed": {"velocity_limit": 2.0 * _SPEED},
+    "quasi_static_50": {"velocity_limit": 50.0},
+    "quasi_static_25": {"velocity_limit": 25.0},
     **{f"object_{name}": {"object": name} for name in _OBJECTS},
     "kicks": {"kick_interval": 50},
     "dropout": {"wrappers": [partial(Dropout, probability=0.5)]},
