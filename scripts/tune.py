@@ -1,4 +1,4 @@
-"""Search over action law and speed, the same for every policy of a task, on seeds that are not reported.
+"""Search over law and speed, the same for every policy of a task, on seeds that are not reported.
 
 Example: python scripts/tune.py --policies aicon paper_literal steepest --jobs 2 --out runs/tune
 
@@ -78,6 +78,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, help=f"first seed, {FIRST_SEED} or more")
     parser.add_argument("--episodes", type=int, help="seeds")
+    parser.add_argument(
+        "--horizon", type=int, metavar="STEPS", help="limit of an episode (default: the task's)"
+    )
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
 
@@ -88,7 +91,7 @@ def run(arguments: argparse.Namespace) -> None:
     task = load(arguments.task)
     candidates = list_candidates(task.name, arguments.policies, arguments.laws, search)
 
-    config = configure(task, seed=search.seed, episodes=search.episodes)
+    config = configure(task, seed=search.seed, episodes=search.episodes, horizon=arguments.horizon)
     folder = RunFolder(arguments.out, config)
     compare(task, candidates, folder, arguments.jobs)
     print(write_report(task, folder))
