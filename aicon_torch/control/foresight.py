@@ -49,8 +49,8 @@ class Foresight:
         limits = torch.as_tensor(actuator.limit)
         if not limits.isfinite().all():
             raise OptionError(
-                f"Actuator {name!r} has limit={actuator.limit!r}: Foresight needs a finite one. Give "
-                "the actuator a limit, or the policy law=DirectDescent(gain=...)."
+                f"Actuator {name!r} has limit={actuator.limit!r}: Foresight needs a finite one. "
+                "Give the actuator a limit, or the policy law=DirectDescent(gain=...)."
             )
 
     def start(self, last: Tensor) -> Tensor:
