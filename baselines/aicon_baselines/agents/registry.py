@@ -30,7 +30,7 @@ def ablations(task: str) -> Mapping[str, Mapping[str, Any]]:
 def opponents(task: str) -> tuple[str, ...]:
     """List the opponents of a task: rules for gradients in conflict, then agents of its own."""
     check_name(task)
-    module = import_module("aicon_baselines.agents.opponents")
+    module = import_module("aicon_baselines.agents.opponent_classes")
     return (*module.AGGREGATIONS, *module.AGENTS[task])
 
 
@@ -71,12 +71,12 @@ def _opponent(task: str, name: str, options: Mapping[str, Any]) -> Factory:
 
     It is made once here, so that what is not installed is an error before anything runs.
     """
-    module = import_module("aicon_baselines.agents.opponents")
+    module = import_module("aicon_baselines.agents.opponent_classes")
 
-    # A rule for gradients in conflict takes the place of the potential field's sum.
+    # A rule for gradients in conflict takes the place of ours, and all else stays.
     if name in module.AGGREGATIONS:
         resolution = module.AGGREGATIONS[name]()
-        return ModelPolicy(task, "potential_field", {"resolution": resolution, **options})
+        return ModelPolicy(task, "aicon", {"resolution": resolution, **options})
 
     build = PlainAgent(module.AGENTS[task][name], options)
     build.make()

@@ -107,12 +107,14 @@ def tangent(around: Surroundings, side: FloatArray) -> FloatArray:
 
 def dot(first: FloatArray, second: FloatArray) -> FloatArray:
     """Products of vectors (B, 2), (B,)."""
-    return np.einsum("bi,bi->b", first, second)
+    products: FloatArray = first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1]
+    return products
 
 
 def cross(first: FloatArray, second: FloatArray) -> FloatArray:
     """First × second of vectors (B, 2), (B,): positive where the second is to the left."""
-    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    products: FloatArray = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    return products
 
 
 def _unit_vectors(angles: NDArray[Any]) -> FloatArray:

@@ -13,7 +13,7 @@ from aicon_baselines.resolutions import Aggregation, CAGrad, PCGrad, UPGrad
 AGGREGATIONS: Mapping[str, type[Aggregation]] = MappingProxyType(
     {"pcgrad": PCGrad, "upgrad": UPGrad, "cagrad": CAGrad}
 )
-"""Rules for gradients in conflict: in every task, in place of the potential field's sum."""
+"""Rules for gradients in conflict: in every task, in place of ours and with all else as it is."""
 
 AGENTS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
