@@ -102,7 +102,10 @@ def smaller_turn(around: Surroundings) -> FloatArray:
 def tangent(around: Surroundings, side: FloatArray) -> FloatArray:
     """Unit vector along the wall, (B, 2), with the wall on the left (1) or on the right (−1)."""
     x, y = around.to_obstacle.T
-    return side[:, np.newaxis] * np.stack([y, -x], axis=-1)
+    with_wall_left = np.stack([y, -x], axis=-1)
+
+    direction: FloatArray = side[:, np.newaxis] * with_wall_left
+    return direction
 
 
 def dot(first: FloatArray, second: FloatArray) -> FloatArray:

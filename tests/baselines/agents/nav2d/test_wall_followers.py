@@ -94,7 +94,7 @@ def test_a_new_episode_forgets_the_wall(agent: Any) -> None:
 
 def test_options_have_names_and_bounds() -> None:
     assert factory("nav2d", "bug2", clearance=0.2)("range") == Bug2(clearance=0.2)
-    with pytest.raises(OptionError, match="'Bug2|Bug2 has no option 'speedy'. Options: .*speed"):
+    with pytest.raises(OptionError, match="Bug2 has no option 'speedy'. Options: .*speed"):
         factory("nav2d", "bug2", speedy=1.0)
     with pytest.raises(OptionError, match="clearance=0: expected a positive number"):
         factory("nav2d", "wall_follower", clearance=0)
