@@ -1,7 +1,8 @@
 """The policies that can be compared, by task and name.
 
-A task's policies are the presets of its model (ours, the paper's text and the baselines) and the
-ablations of the task (ours without one part); agents that were trained come from their folder.
+A task's policies are the presets of its model (ours, the paper's text and the baselines), the
+ablations of the task (ours without one part) and its opponents (what others would do); agents that
+were trained come from their folder.
 """
 
 import sys
@@ -26,15 +27,22 @@ def ablations(task: str) -> Mapping[str, Mapping[str, Any]]:
     return by_name
 
 
+def opponents(task: str) -> tuple[str, ...]:
+    """List the opponents of a task: rules for gradients in conflict, then agents of its own."""
+    check_name(task)
+    module = import_module("aicon_baselines.agents.opponent_classes")
+    return (*module.AGGREGATIONS, *module.AGENTS[task])
+
+
 def names(task: str) -> tuple[str, ...]:
-    """List the policies of a task: the presets of its model, then its ablations.
+    """List the policies of a task: the presets of its model, its ablations, then its opponents.
 
     An unknown task is an error that lists the tasks.
     """
     from aicon_torch import presets
 
     check_name(task)
-    return (*presets(task), *ablations(task))
+    return (*presets(task), *ablations(task), *opponents(task))
 
 
 def factory(task: str, name: str, **options: Any) -> Factory:
@@ -53,7 +61,26 @@ def factory(task: str, name: str, **options: Any) -> Factory:
     # An ablation changes options of ours; a preset is named as it is.
     if name in ablations(task):
         return ModelPolicy(task, "aicon", {**ablations(task)[name], **options})
+    if name in opponents(task):
+        return _opponent(task, name, options)
     return ModelPolicy(task, name, options)
+
+
+def _opponent(task: str, name: str, options: Mapping[str, Any]) -> Factory:
+    """Return what builds an opponent.
+
+    It is made once here, so that what is not installed is an error before anything runs.
+    """
+    module = import_module("aicon_baselines.agents.opponent_classes")
+
+    # A rule for gradients in conflict takes the place of ours, and all else stays.
+    if name in module.AGGREGATIONS:
+        resolution = module.AGGREGATIONS[name]()
+        return ModelPolicy(task, "aicon", {"resolution": resolution, **options})
+
+    build = PlainAgent(module.AGENTS[task][name], options)
+    build.make()
+    return build
 
 
 def own_policy(source: str) -> Factory:
@@ -71,7 +98,14 @@ def own_policy(source: str) -> Factory:
 
 
 def compiled(build: Factory) -> Factory:
-    """Return what builds the same policy of the library with its step compiled."""
+    """Return what builds the same policy of the library with its step compiled.
+
+    Raises:
+        ComparisonError: If it is no policy of the library.
+    """
+    if isinstance(build, PlainAgent):
+        name = build.agent.__name__
+        raise ComparisonError(f"{name} is no policy of the library and has no step to compile")
     return CompiledPolicy(build)
 
 
@@ -131,6 +165,25 @@ class ModelPolicy:
 
         told = load(self.task).policy_options(condition)
         return make_policy(self.task, preset=self.preset, **{**told, **self.options})
+
+
+@dataclass(frozen=True)
+class PlainAgent:
+    """Builds an agent that has nothing of the library: the same one for every condition."""
+
+    agent: Any
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def make(self) -> Predictor:
+        """Build it; an unknown option is an error that lists the valid ones."""
+        from aicon_torch.models import replace_options
+
+        agent: Predictor = replace_options(self.agent(), self.options, self.agent.__name__)
+        return agent
+
+    def __call__(self, condition: str) -> Predictor:
+        """Build it, whatever the condition."""
+        return self.make()
 
 
 @dataclass(frozen=True)

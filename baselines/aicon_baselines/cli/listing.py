@@ -39,6 +39,7 @@ def _print_task(name: str) -> None:
     """Print the policies and conditions of a task, or what it needs."""
     _print_line("presets", presets(name))
     _print_line("ablations", agents.ablations(name))
+    _print_line("opponents", agents.opponents(name))
     try:
         _print_line("conditions", tasks.load(name).conditions)
     except ComparisonError as error:

@@ -103,6 +103,7 @@ class _Remembering:
     def __init__(self, policy: Any) -> None:
         self._policy: Policy = policy
         self._memory: Any = None
+        self.env_options = getattr(policy, "env_options", {})
 
     def predict(
         self,

@@ -33,14 +33,14 @@ _SLOTS = (
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
+    """Build the environment; a policy may ask for another `sensing` than that of the condition."""
     return gymnasium.make_vec(
         "aicon/Nav2D-v0",
         num_envs=count,
         vectorization_mode="vector_entry_point",
         autoreset_mode=AutoresetMode.DISABLED,
         max_episode_steps=horizon,
-        sensing=condition,
-        **options,
+        **{"sensing": condition, **options},
     )
 
 

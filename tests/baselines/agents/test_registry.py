@@ -2,12 +2,15 @@
 
 import pickle
 from importlib.util import find_spec
+from itertools import product
 
 import numpy as np
 import pytest
 
 from aicon_baselines import agents, tasks
+from aicon_baselines.agents.opponent_classes import AGGREGATIONS
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.resolutions import PCGrad
 from aicon_torch import Policy, presets
 
 TASKS = [
@@ -19,8 +22,8 @@ TASKS = [
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_policies_of_a_task_are_the_presets_of_its_model_and_its_ablations(task: str) -> None:
-    expected = (*presets(task), *agents.ablations(task))
+def test_policies_of_a_task_are_presets_ablations_and_opponents(task: str) -> None:
+    expected = (*presets(task), *agents.ablations(task), *agents.opponents(task))
     assert agents.names(task) == expected
     assert expected[0] == "aicon" and "without_exploration" in expected
     assert len(set(expected)) == len(expected)
@@ -29,15 +32,41 @@ def test_policies_of_a_task_are_the_presets_of_its_model_and_its_ablations(task:
 @pytest.mark.parametrize("task", TASKS)
 def test_every_policy_can_be_built_and_steps(task: str) -> None:
     content = tasks.load(task)
-    for condition in content.conditions[:2]:
-        env = content.make_env(2, condition, 5)
-        observation, _ = env.reset(**content.reset_arguments(content.chunk(0, repeat=0)[:2]))
+    episodes = content.chunk(0, repeat=0)[:2]
 
-        for name in agents.names(task):
-            policy = agents.make(task, name, condition)
-            action, state = policy.predict(observation, episode_start=np.ones(2, np.bool_))
-            assert action.shape == (2, 2) and np.isfinite(action).all() and state is not None
+    for name, condition in product(_installed(task), content.conditions[:2]):
+        policy = agents.make(task, name, condition)
+        env = content.make_env(2, condition, 5, **getattr(policy, "env_options", {}))
+        observation, _ = env.reset(**content.reset_arguments(episodes))
+
+        action, state = policy.predict(observation, episode_start=np.ones(2, np.bool_))
+        assert action.shape == (2, 2) and np.isfinite(action).all() and state is not None
         env.close()
+
+
+def _installed(task: str) -> list[str]:
+    """The policies of a task but for those that need what is not installed."""
+    missing = {
+        name
+        for name, rule in AGGREGATIONS.items()
+        if any(find_spec(module) is None for module in rule.modules)
+    }
+    return [name for name in agents.names(task) if name not in missing]
+
+
+def test_an_aggregation_takes_the_place_of_our_resolution(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(PCGrad, "modules", ())  # it is not asked to resolve anything
+    policy, ours = agents.make("nav2d", "pcgrad"), agents.make("nav2d", "aicon")
+    assert isinstance(policy, Policy) and isinstance(ours, Policy)
+    assert policy.resolution == PCGrad() and policy.law == ours.law
+
+
+def test_an_opponent_that_needs_more_says_so_before_anything_runs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(PCGrad, "modules", ("no_such_module",))
+    with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[peers\]'"):
+        agents.factory("nav2d", "pcgrad")
 
 
 def test_an_ablation_is_ours_without_one_part() -> None:

@@ -17,6 +17,14 @@ def test_run_tells_the_outcome_and_the_last_decision(
     assert "goal reach: cost" in explanation and "rank 0: reach → p_tar → x_rob" in explanation
 
 
+def test_run_senses_what_an_opponent_needs_and_tells_what_it_does(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    main(["run", "--task", "nav2d", "--policy", "bug2,clearance=0.1", "--horizon", "20"])
+    _, _, explanation = capsys.readouterr().out.partition("its last step:")
+    assert explanation.strip() == "heads for the target"
+
+
 def test_run_saves_the_last_view_and_a_film(tmp_path: Path) -> None:
     view, film = tmp_path / "view.png", tmp_path / "films" / "film.gif"
     words = ["run", "--task", "nav2d", "--horizon", "5"]
