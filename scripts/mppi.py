@@ -65,8 +65,9 @@ class Mppi:
         return (target / PIXEL).numpy(), pusher
 
     def _dynamics(self, state: Tensor, action: Tensor) -> Tensor:
-        pusher = state[..., 3:] + DT * action
-        return torch.cat((self._motion(state[..., :3], pusher, action, DT), pusher), dim=-1)
+        moved = DT * action
+        pusher = state[..., 3:] + moved
+        return torch.cat((self._motion(state[..., :3], pusher, moved), pusher), dim=-1)
 
     def _cost(self, state: Tensor, action: Tensor) -> Tensor:
         """Pose error, and a tenth of what the pusher is farther than 6 cm away, m."""

@@ -139,4 +139,4 @@ class CurrentPose:
 def _ways(d_past: Tensor, d_pusher: Tensor) -> Tensor:
     """The ways through the last steps, oldest first, ``(*B, steps, n, 2)``, m."""
     parts = d_pusher.shape[-1] // 2
-    return d_past.unflatten(-1, (-1, parts, 2))
+    return d_past.reshape(*d_past.shape[:-1], -1, parts, 2)

@@ -42,7 +42,8 @@ class PoseMotion:
         # What moved the object is past, and what will move it is the contact model's matter; how a
         # push depends on the pose is of second order. So the belief moves as it is, and no gradient
         # leaves through the push.
-        way, pose = d_pusher.detach().unflatten(-1, (-1, 2)), x_pose.detach()
+        way, pose = d_pusher.detach(), x_pose.detach()
+        way = way.reshape(*way.shape[:-1], -1, 2)
         start = x_pusher.detach() - way[..., -1, :]
 
         moved = torch.zeros_like(pose)

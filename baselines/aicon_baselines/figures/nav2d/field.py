@@ -70,7 +70,8 @@ def sample(
     goal_factors = model.like.new_ones(count, len(model.goals))
     with torch.enable_grad():
         graphs = model.record(values)
-    gradients, resolved = policy.backward_pass(graphs, values, memory, goal_factors)
+    costs = model.costs(values)
+    gradients, resolved = policy.backward_pass(graphs, values, memory, goal_factors, costs)
 
     (gradient,) = gradients.values()
     descent = -to_array(gradient) / model.dt  # x_rob = a dt
