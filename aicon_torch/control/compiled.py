@@ -30,9 +30,9 @@ class CompiledStep(ControlStep):
     """A control step that does what the one it is made of does, many times faster.
 
     The first step with a new size of batch is traced through autograd into flat graphs of tensor
-    operations, in which every gradient is written out, and TorchInductor compiles them: one for the
-    estimates, one for a descent by one gradient, however many of them a step takes, and one for the
-    commands. That takes from seconds to a minute; later runs find most of it in Inductor's cache on
+    operations, in which every gradient is written out, and TorchInductor compiles them. Where a law
+    takes many gradients in a step, the descent by one of them is compiled once and called for each.
+    That takes from seconds to a minute; later runs find most of it in Inductor's cache on
     disk. Observations are checked, and episodes begin, as before.
 
     A new precision or device is compiled by itself; where a parameter has changed, call ``compile``
@@ -45,7 +45,7 @@ class CompiledStep(ControlStep):
 
     def __init__(self, step: ControlStep) -> None:
         super().__init__(step.model, step.backward, step.law)
-        self._steps: dict[InputKind, _StepFunctions] = {}
+        self._steps: dict[InputKind, NamedFunction] = {}
         self._compiles = True
 
     def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
@@ -59,13 +59,14 @@ class CompiledStep(ControlStep):
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # torch on its own future
-                    self._steps[kind] = _StepFunctions(self, readings, memory)
+                    self._steps[kind] = _compile_step(self, readings, memory)
             except Exception as error:  # noqa: BLE001  # the robot goes on
                 self._give_up(error)
                 return super().__call__(readings, memory)
 
         with torch.no_grad():
-            return self._steps[kind](readings, memory)
+            commands, new_memory = self._steps[kind](readings, memory)
+        return commands, new_memory
 
     def _give_up(self, error: Exception) -> None:
         self._compiles = False
@@ -78,8 +79,19 @@ class CompiledStep(ControlStep):
         )
 
 
-class _StepFunctions:
-    """The parts of a control step, compiled for one size of batch.
+def _compile_step(step: ControlStep, readings: Named, memory: Named) -> NamedFunction:
+    """A control step from readings and memory to commands and memory, compiled for this size."""
+    if step.law.iterations > 1:
+        return _IteratedStep(step, readings, memory)
+
+    def whole(readings: Named, memory: Memory) -> tuple[dict[str, Tensor], ...]:
+        return ControlStep.__call__(step, readings, memory)
+
+    return _compiled(whole, readings, memory)
+
+
+class _IteratedStep:
+    """A control step of many gradients, of which one descent is compiled and called for each.
 
     Args:
         step: The step.
@@ -88,11 +100,9 @@ class _StepFunctions:
     """
 
     def __init__(self, step: ControlStep, readings: Named, memory: Named) -> None:
-        dtype, device = step.model.like.dtype, step.model.like.device
-        self.counts = [
-            {"k": torch.tensor(k, dtype=dtype, device=device)}
-            for k in range(1, step.law.iterations + 1)
-        ]
+        self.counts: list[Named] = []
+        for count in range(1, step.law.iterations + 1):
+            self.counts.append({"count": step.model.like.new_tensor(count)})
 
         def begin(readings: Named, memory: Memory) -> tuple[dict[str, Tensor], ...]:
             values, costs = step.estimate(readings, memory)
@@ -101,7 +111,7 @@ class _StepFunctions:
         def descend(
             values: Named, costs: dict[str, Tensor], memory: Memory, actions: Actions, count: Named
         ) -> tuple[dict[str, Tensor], ...]:
-            return step.descend(values, costs, memory, actions, count["k"])
+            return step.descend(values, costs, memory, actions, count["count"])
 
         # Each is traced on what the one before it returns.
         with torch.no_grad():
@@ -113,14 +123,12 @@ class _StepFunctions:
             actions, resolved = self.descend(*inputs)
             self.finish = _compiled(step.finish, values, memory, actions, resolved)
 
-    def __call__(self, readings: Named, memory: Named) -> tuple[Actions, Memory]:
+    def __call__(self, readings: Named, memory: Named) -> tuple[dict[str, Tensor], ...]:
         values, costs, actions = self.begin(readings, memory)
         resolved: dict[str, Tensor] = {}
         for count in self.counts:
             actions, resolved = self.descend(values, costs, memory, actions, count)
-
-        commands, new_memory = self.finish(values, memory, actions, resolved)
-        return commands, new_memory
+        return self.finish(values, memory, actions, resolved)
 
 
 def _compiled(function: NamedFunction, *groups: Named) -> NamedFunction:
