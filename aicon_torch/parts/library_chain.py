@@ -41,14 +41,14 @@ class LibraryChain(nn.Module):
     def forward(self, x_joints: Tensor) -> Tensor:
         """The n links and the tip, ``(*B, n + 1, 4, 4)``, m, at q ``(*B, n)``, rad or m."""
         frames = self._all_frames(x_joints)[self.rows]
-        return frames.movedim(0, 1).unflatten(0, x_joints.shape[:-1])
+        return frames.movedim(0, 1).reshape(*x_joints.shape[:-1], -1, 4, 4)
 
     def jacobian(self, x_joints: Tensor) -> Tensor:
         """The geometric Jacobian at the tip, ``(*B, 6, n)``, at q ``(*B, n)``."""
         frames = self._all_frames(x_joints)
         chain = self.chains[x_joints.dtype]
         jacobian: Tensor = chain.jacobian_tensor(_flat(x_joints), all_transforms=frames)
-        return jacobian.unflatten(0, x_joints.shape[:-1])
+        return jacobian.reshape(*x_joints.shape[:-1], *jacobian.shape[1:])
 
     def _all_frames(self, x_joints: Tensor) -> Tensor:
         """The links of all joints, fixed ones included, ``(links, prod(B), 4, 4)``."""
