@@ -8,7 +8,8 @@ from aicon_torch.parts.camera import (
     split_frame,
     to_world,
 )
-from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.capsules import Capsules
+from aicon_torch.parts.chain import Chain, Joint
 from aicon_torch.parts.clearance import (
     ClearancePrior,
     CollisionLikelihood,
@@ -81,6 +82,7 @@ __all__ = [
     "CameraFrame",
     "Capsule",
     "CapsuleSegments",
+    "Capsules",
     "Chain",
     "ClearancePrior",
     "CollisionLikelihood",
@@ -98,6 +100,7 @@ __all__ = [
     "ForceThreshold",
     "ImageRegistration",
     "Intrinsics",
+    "Joint",
     "JointLimits",
     "KeypointRegistration",
     "PoseDistance",

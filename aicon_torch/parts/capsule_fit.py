@@ -7,7 +7,7 @@ import numpy as np
 from aicon_torch.extras import import_extra
 
 WIDENING = (1.0, 1.03, 1.07, 1.12, 1.2, 1.3, 1.45, 1.7, 2.0)
-"""Radii that are tried, in least radii: a wider capsule may be so much shorter that it is smaller."""
+"""Radii that are tried, in least radii: a wider capsule may be shorter, and smaller in the end."""
 
 WORTH_A_SPLIT = 0.8
 """Two capsules replace one if they have less than this share of its volume."""
@@ -112,7 +112,9 @@ def around_surface(triangles: np.ndarray, count: int) -> list[Segment]:
 
     closed: list[bool] = [False]
     while len(pieces) < count and not all(closed):
-        volumes = [0.0 if done else part.volume for done, part in zip(closed, segments, strict=True)]
+        volumes = [
+            0.0 if done else part.volume for done, part in zip(closed, segments, strict=True)
+        ]
         index = int(np.argmax(volumes))
 
         halves = _best_cut(pieces[index])
@@ -208,7 +210,7 @@ def _extreme_points(points: np.ndarray) -> np.ndarray:
     while len(points) > 8 * CORNERS:
         parts = np.array_split(points, len(points) // (4 * CORNERS))
         points = np.concatenate([part[_furthest(part, directions)] for part in parts])
-    return points[_furthest(points, directions)]
+    return np.asarray(points[_furthest(points, directions)])
 
 
 def _furthest(points: np.ndarray, directions: np.ndarray) -> np.ndarray:

@@ -184,7 +184,7 @@ def _that_can_meet(
     largest = -least
 
     # In parts, since many pairs take much memory.
-    for q in _postures(chain).split(256):
+    for q in torch.split(_postures(chain), 256):
         distances = compared.distances(segments(q))
         least = torch.minimum(least, distances.amin(0))
         largest = torch.maximum(largest, distances.amax(0))

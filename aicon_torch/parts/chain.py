@@ -44,8 +44,8 @@ class Joint(NamedTuple):
 class Chain(nn.Module):
     """A serial chain of n joints that turn about, or slide along, any axis.
 
-    Link i is at Tᵢ = Tᵢ₋₁ Fᵢ Mᵢ(qᵢ) in the frame of the base (T₀ = I), where Fᵢ is a fixed transform
-    and Mᵢ(q) the motion of the joint, and the tip, which is fixed to the last link, at Tₙ F_tool.
+    Link i is at Tᵢ = Tᵢ₋₁ Fᵢ Mᵢ(qᵢ) in the frame of the base (T₀ = I), where Fᵢ is fixed and Mᵢ(q)
+    the motion of the joint, and the tip, which is fixed to the last link, at Tₙ F_tool.
     :meth:`from_urdf` and :meth:`from_mjcf` read a robot from its description.
 
     pytorch-kinematics loads every robot that is read. The frames then come from a product in closed

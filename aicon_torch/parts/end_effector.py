@@ -108,7 +108,7 @@ class EndEffector(nn.Module):
         """J ``(*B, 6, n)`` there, from the geometric Jacobian of the tip."""
         x_axis, _, z_axis, origin = frames[..., -1, :3, :].unbind(-1)
         tip = origin + self.pose.length * z_axis
-        tip_motion, turning = self.chain.jacobian_at(frames, tip).mT.split(3, dim=-1)
+        tip_motion, turning = torch.split(self.chain.jacobian_at(frames, tip).mT, 3, dim=-1)
 
         # A turn about an axis moves a direction by axis × direction.
         x_axis, z_axis = x_axis.unsqueeze(-2), z_axis.unsqueeze(-2)

@@ -59,7 +59,7 @@ class LibraryChain(nn.Module):
 
     def _apply(self, fn: Callable[[Tensor], Tensor], recurse: bool = True) -> "LibraryChain":
         """Follow ``module.to(device)``: the library's chains are no modules."""
-        super()._apply(fn, recurse)
+        super()._apply(fn, recurse)  # type: ignore[no-untyped-call]  # torch's is untyped
         device = fn(torch.zeros(())).device
         for chain in self.chains.values():
             chain.to(device=device)
@@ -67,7 +67,7 @@ class LibraryChain(nn.Module):
 
 
 def _flat(x_joints: Tensor) -> Tensor:
-    """q as ``(prod(B), n)``, the only shape that the library takes."""
+    """The only shape that the library takes: q as ``(prod(B), n)``."""
     return x_joints.reshape(-1, x_joints.shape[-1])
 
 

@@ -5,12 +5,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
-import mujoco
 import numpy as np
+import pytest
 import torch
 from torch import Tensor
 
 from aicon_torch.parts.chain import Chain
+
+mujoco = pytest.importorskip("mujoco")
 
 
 class RobotFiles(NamedTuple):
@@ -53,7 +55,7 @@ def read_chain(name: str, **options: Any) -> Chain:
     return Chain.from_urdf(robot_file(robot.urdf), tip=robot.tip, **options)
 
 
-def mujoco_model(urdf: Path, keep_collisions: bool = False) -> mujoco.MjModel:
+def mujoco_model(urdf: Path, keep_collisions: bool = False) -> Any:
     """The links and joints of a URDF; with its meshes if they are STL in one folder."""
     root = ElementTree.parse(urdf).getroot()
     removed = ["visual", "inertial"] + ["collision"] * (not keep_collisions)
@@ -85,7 +87,7 @@ def random_postures(chain: Chain, count: int, seed: int = 0) -> Tensor:
 class Physics:
     """MuJoCo at some values of a chain's joints."""
 
-    def __init__(self, model: mujoco.MjModel, names: tuple[str, ...]) -> None:
+    def __init__(self, model: Any, names: tuple[str, ...]) -> None:
         self.model, self.data = model, mujoco.MjData(model)
         joints = [model.joint(name).id for name in names]
         self.positions = model.jnt_qposadr[joints]

@@ -2,14 +2,14 @@ import pytest
 import torch
 from _inputs.robots import ROBOTS, Physics, mujoco_model, random_postures, robot_file
 
-pytest.importorskip("pytorch_kinematics")
-pytest.importorskip("trimesh")
-mujoco = pytest.importorskip("mujoco")
-
 from aicon_torch.parts.capsules import Capsules
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
+
+pytest.importorskip("pytorch_kinematics")
+pytest.importorskip("trimesh")
+mujoco = pytest.importorskip("mujoco")
 
 COST = SquaredHinge(margin=0.05, weight=1.0)
 
@@ -22,8 +22,9 @@ def link(name: str, shape: str = "", at: str = "0 0 0.2") -> str:
 
 def joint(parent: str, child: str, kind: str = "revolute", more: str = "") -> str:
     return (
-        f'<joint name="{child}_joint" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>{more}'
+        f'<joint name="{child}_joint" type="{kind}">'
+        f'<parent link="{parent}"/><child link="{child}"/>{more}'
+        '<origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>'
         '<limit lower="-3" upper="3" velocity="1" effort="1"/></joint>'
     )
 

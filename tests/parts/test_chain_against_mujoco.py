@@ -2,11 +2,6 @@
 
 import pytest
 import torch
-from torch import Tensor
-
-pytest.importorskip("pytorch_kinematics")
-pytest.importorskip("mujoco")
-
 from _inputs.robots import (
     ROBOTS,
     Physics,
@@ -15,6 +10,9 @@ from _inputs.robots import (
     read_chain,
     robot_file,
 )
+from torch import Tensor
+
+pytest.importorskip("pytorch_kinematics")
 
 KINEMATICS = ("closed", "pytorch_kinematics")
 

@@ -1,3 +1,4 @@
+import copy
 from typing import Any
 
 import pytest
@@ -119,6 +120,14 @@ def test_a_chain_knows_its_joints() -> None:
     assert chain.speed.tolist() == [0.5, torch.inf]
 
 
+@pytest.mark.parametrize("kinematics", KINEMATICS)
+def test_a_chain_can_be_copied_and_moved(kinematics: str) -> None:
+    chain = Chain.from_urdf(LIFT, kinematics=kinematics)
+    q = torch.tensor([0.2, 0.7], dtype=torch.float64)
+    torch.testing.assert_close(copy.deepcopy(chain).to("cpu")(q), chain(q))
+    assert chain.to("meta")(q.to("meta")).device.type == "meta"
+
+
 def test_a_base_is_the_frame_of_everything() -> None:
     q = torch.tensor([0.2, 0.7], dtype=torch.float64)
     whole, upper = Chain.from_urdf(LIFT), Chain.from_urdf(LIFT, base="carriage")
@@ -166,4 +175,3 @@ def test_without_the_library_an_error_says_what_to_install(
     command = r"pytorch_kinematics is missing; .* pip install 'aicon-torch\[robots\]'"
     with pytest.raises(ModuleNotFoundError, match=command):
         Chain.from_urdf(LIFT)
-

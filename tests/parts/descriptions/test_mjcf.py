@@ -2,14 +2,13 @@ from pathlib import Path
 
 import pytest
 import torch
-
-pytest.importorskip("pytorch_kinematics")
-mujoco = pytest.importorskip("mujoco")
-
 from _inputs.robots import Physics
 
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
+
+pytest.importorskip("pytorch_kinematics")
+mujoco = pytest.importorskip("mujoco")
 
 ARM = """
 <mujoco>
@@ -77,7 +76,9 @@ def test_a_joint_that_follows_another_is_an_error() -> None:
 
 
 def test_a_free_body_is_an_error() -> None:
-    free = '<mujoco><worldbody><body name="b"><freejoint/><geom size="1"/></body></worldbody></mujoco>'
+    free = (
+        '<mujoco><worldbody><body name="b"><freejoint/><geom size="1"/></body></worldbody></mujoco>'
+    )
     with pytest.raises(OptionError, match="'joint 0' is floating"):
         Chain.from_mjcf(free, tip="b")
 

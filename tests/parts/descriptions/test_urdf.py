@@ -23,7 +23,7 @@ ARM = """<?xml version="1.0" encoding="utf-8"?>
 
 
 def test_limits_speeds_and_axes_are_those_of_the_file() -> None:
-    lift, turn = read_urdf(ARM).path()
+    lift, _ = read_urdf(ARM).path()
     assert (lift.low, lift.high, lift.speed) == (0.1, 0.5, 0.2)
     assert lift.axis.tolist() == [0.0, 0.0, 1.0]
 
