@@ -8,7 +8,8 @@ from aicon_torch.parts.camera import (
     split_frame,
     to_world,
 )
-from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.capsules import Capsules
+from aicon_torch.parts.chain import Chain, Joint
 from aicon_torch.parts.clearance import (
     ClearancePrior,
     CollisionLikelihood,
@@ -75,6 +76,7 @@ __all__ = [
     "CameraFrame",
     "Capsule",
     "CapsuleSegments",
+    "Capsules",
     "Chain",
     "ClearancePrior",
     "CollisionLikelihood",
@@ -92,6 +94,7 @@ __all__ = [
     "ForceThreshold",
     "ImageRegistration",
     "Intrinsics",
+    "Joint",
     "JointLimits",
     "KeypointRegistration",
     "MotionHistory",

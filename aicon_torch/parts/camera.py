@@ -9,8 +9,8 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.parts.chain import Transform
 from aicon_torch.parts.end_effector import ToolPose
+from aicon_torch.parts.joint_product import Transform
 
 Steering = Literal["heading", "orientation", "all"]
 

@@ -1,79 +1,253 @@
-"""Forward kinematics of a serial chain of revolute joints, from plain numbers.
+"""A serial chain of joints: where its links are, and how they move with the joints."""
 
-Not that of pytorch-kinematics: its URDF loader rounds to float32 (2.4e-8 m), and a chain that is
-built from numbers is as long as the product here, makes a step a tenth slower and needs four more
-packages. docs/research/panda_push.md has the figures.
-"""
-
+import math
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal, NamedTuple, get_args
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
-Transform = Sequence[Sequence[float]]
-"""The first three rows of a homogeneous transform, with its position in m."""
+from aicon_torch.errors import OptionError, choices
+from aicon_torch.parts.descriptions import JointDescription, read_mjcf, read_urdf
+from aicon_torch.parts.joint_product import JointProduct, Transform
+from aicon_torch.parts.library_chain import LibraryChain
+
+Kinematics = Literal["closed", "pytorch_kinematics"]
+"""What computes the frames: our product in closed form, or the library itself."""
+
+LARGEST_DIFFERENCE = 1e-11
+"""Between the two, relative to the size of the robot; rounding is some 1e-15."""
+
+
+class Joint(NamedTuple):
+    """A joint with one degree of freedom q, in rad where it turns and in m where it slides.
+
+    Attributes:
+        name: Its name.
+        axis: What it turns about or slides along, a unit vector in the frame of its link.
+        slides: Whether it is prismatic.
+        low: The lowest q.
+        high: The highest q.
+        speed: The largest |dq/dt|.
+    """
+
+    name: str
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    slides: bool = False
+    low: float = -math.inf
+    high: float = math.inf
+    speed: float = math.inf
 
 
 class Chain(nn.Module):
-    """A serial chain: after a fixed transform Fᵢ, link i turns about its own z axis by qᵢ.
+    """A serial chain of n joints that turn about, or slide along, any axis.
 
-    Link i is at Tᵢ = Tᵢ₋₁ Fᵢ R_z(qᵢ) in the frame of the base (T₀ = I), and the tool, which is
-    fixed to the last link, at Tₙ F_tool. Each Fᵢ R_z(qᵢ) is affine in (cos qᵢ, sin qᵢ), so those of
-    all joints are built at once.
+    Link i is at Tᵢ = Tᵢ₋₁ Fᵢ Mᵢ(qᵢ) in the frame of the base (T₀ = I), where Fᵢ is fixed and Mᵢ(q)
+    the motion of the joint, and the tip, which is fixed to the last link, at Tₙ F_tool.
+    :meth:`from_urdf` and :meth:`from_mjcf` read a robot from its description.
+
+    pytorch-kinematics loads every robot that is read. The frames then come from a product in closed
+    form, which applies to every serial chain of such joints and is several times faster; it is
+    compared with pytorch-kinematics when the chain is built. ``kinematics="pytorch_kinematics"``
+    leaves the step to the library.
 
     Args:
         fixed: Fᵢ for each of the n joints.
         tool: F_tool.
+        joints: What is known of the joints; by default they turn about z without limits.
+
+    Attributes:
+        names: The names of the n joints.
+        low: The lowest q, ``(n,)``, rad or m; −∞ where there is no limit.
+        high: The highest q; ∞ where there is no limit.
+        speed: The largest |dq/dt|, rad/s or m/s; ∞ where there is no limit.
 
     Example:
-        >>> chain = Chain(PANDA.frames, PANDA.tool)
-        >>> tool = chain.frames(q)[..., -1, :, :]
+        >>> chain = Chain.from_urdf("ur5.urdf", tip="tool0")
+        >>> position = chain(q)[..., :3, 3]
     """
 
-    constant: Tensor
-    by_cos: Tensor
-    by_sin: Tensor
-    tool: Tensor
+    low: Tensor
+    high: Tensor
+    speed: Tensor
+    axes: Tensor
+    turns: Tensor
 
-    def __init__(self, fixed: Sequence[Transform], tool: Transform) -> None:
+    def __init__(
+        self, fixed: Sequence[Transform], tool: Transform, joints: Sequence[Joint] | None = None
+    ) -> None:
         super().__init__()
-        transforms = torch.stack([_homogeneous(transform) for transform in fixed])
-        x, y, z, position = torch.split(transforms, 1, dim=-1)
-        zero = torch.zeros_like(x)
+        if joints is None:
+            joints = [Joint(f"joint_{number}") for number in range(1, len(fixed) + 1)]
+        if len(joints) != len(fixed):
+            raise OptionError(f"joints has {len(joints)} of them: expected {len(fixed)}, as fixed.")
 
-        # F R_z(q) = [z and position] + cos q [x, y] + sin q [y, −x], column by column.
-        self.register_buffer("constant", torch.cat((zero, zero, z, position), dim=-1))
-        self.register_buffer("by_cos", torch.cat((x, y, zero, zero), dim=-1))
-        self.register_buffer("by_sin", torch.cat((y, -x, zero, zero), dim=-1))
-        self.register_buffer("tool", _homogeneous(tool))
+        names, axes, slides, low, high, speed = zip(*joints, strict=True)
+        self.names: tuple[str, ...] = names
+        self.product = JointProduct(fixed, tool, axes, slides)
+        self.library: LibraryChain | None = None
 
-    def frames(self, x_joints: Tensor) -> Tensor:
-        """Transforms of the n links and, last, of the tool.
+        for name, values in (("low", low), ("high", high), ("speed", speed), ("axes", axes)):
+            self.register_buffer(name, torch.tensor(values, dtype=torch.float64))
+        self.register_buffer("turns", ~torch.tensor(slides).unsqueeze(-1))
+
+    @classmethod
+    def from_urdf(
+        cls,
+        source: str | Path,
+        tip: str | None = None,
+        base: str | None = None,
+        kinematics: Kinematics = "closed",
+    ) -> "Chain":
+        """The chain of a robot that a URDF describes.
 
         Args:
-            x_joints: q, ``(*B, n)``, rad.
+            source: A file, or the text of one.
+            tip: The link at the end; may be left out if the robot does not branch.
+            base: The link in whose frame everything is; the root by default.
+            kinematics: What computes the frames.
+
+        Raises:
+            ModuleNotFoundError: If pytorch-kinematics is missing.
+            OptionError: If the description is none, there are no such links, or a joint between
+                them mimics another one or has more than one degree of freedom.
+        """
+        return cls.from_path(read_urdf(source).path(tip, base), kinematics)
+
+    @classmethod
+    def from_mjcf(
+        cls,
+        source: str | Path,
+        tip: str | None = None,
+        base: str | None = None,
+        kinematics: Kinematics = "closed",
+    ) -> "Chain":
+        """The chain of a model of MuJoCo's: links are bodies, and ``tip`` may be a site.
+
+        Args and errors are those of :meth:`from_urdf`; MJCF has no limits of speed.
+        """
+        return cls.from_path(read_mjcf(source).path(tip, base), kinematics)
+
+    @classmethod
+    def from_path(
+        cls, path: Sequence[JointDescription], kinematics: Kinematics = "closed"
+    ) -> "Chain":
+        """The chain of the joints between two links of a robot that was read.
+
+        Raises:
+            ModuleNotFoundError: If pytorch-kinematics is missing.
+            OptionError: If there are no such kinematics.
+        """
+        if kinematics not in get_args(Kinematics):
+            valid = choices(get_args(Kinematics))
+            raise OptionError(f"kinematics={kinematics!r}: expected one of {valid}.")
+
+        fixed, tool = _merge_fixed_joints(path)
+        chain = cls(fixed, tool, [_joint(joint) for joint in path if joint.moves])
+
+        library = LibraryChain(path)
+        _check_equal(chain, library)
+        if kinematics == "pytorch_kinematics":
+            chain.library = library
+        return chain
+
+    def forward(self, x_joints: Tensor) -> Tensor:
+        """The transform of the tip, ``(*B, 4, 4)``, m, at q ``(*B, n)``, rad or m."""
+        return self.frames(x_joints)[..., -1, :, :]
+
+    def frames(self, x_joints: Tensor) -> Tensor:
+        """Transforms of the n links and, last, of the tip.
+
+        Args:
+            x_joints: q, ``(*B, n)``, rad or m.
 
         Returns:
             ``(*B, n + 1, 4, 4)`` in the frame of the base, m.
         """
-        # Each link in the frame of the one before it.
-        q = x_joints[..., None, None]
-        turning = torch.cos(q) * self.by_cos.to(q) + torch.sin(q) * self.by_sin.to(q)
-        local = self.constant.to(q) + turning
+        kinematics = self.product if self.library is None else self.library
+        frames: Tensor = kinematics(x_joints)
+        return frames
 
-        # Each link in the frame of the base.
-        frame, *others = local.unbind(-3)
-        frames = [frame]
-        for step in others:
-            frame = frame @ step
-            frames.append(frame)
+    def jacobian(self, x_joints: Tensor) -> Tensor:
+        """The geometric Jacobian at the tip, in the frame of the base.
 
-        frames.append(frame @ self.tool.to(q))
-        return torch.stack(frames, dim=-3)
+        Args:
+            x_joints: q, ``(*B, n)``, rad or m.
+
+        Returns:
+            J, ``(*B, 6, n)``: J q̇ is the velocity of the tip (m/s) above its angular velocity
+            (rad/s).
+        """
+        if self.library is not None:
+            return self.library.jacobian(x_joints)
+
+        frames = self.frames(x_joints)
+        return self.jacobian_at(frames, frames[..., -1, :3, 3])
+
+    def jacobian_at(self, frames: Tensor, point: Tensor) -> Tensor:
+        """The geometric Jacobian of a point that moves with the last link.
+
+        A joint that turns about a, through o, moves it by a × (p − o) per rad; one that slides
+        along a moves it by a.
+
+        Args:
+            frames: What :meth:`frames` returned, ``(*B, n + 1, 4, 4)``.
+            point: p, ``(*B, 3)``, in the frame of the base, m.
+
+        Returns:
+            ``(*B, 6, n)``.
+        """
+        links = frames[..., :-1, :3, :]
+        axes = (links[..., :3] @ self.axes.to(frames).unsqueeze(-1)).squeeze(-1)
+        arms = point.unsqueeze(-2) - links[..., 3]
+
+        turns = self.turns.to(frames.device)
+        linear = torch.where(turns, torch.linalg.cross(axes, arms), axes)
+        angular = torch.where(turns, axes, torch.zeros_like(axes))
+        return torch.cat((linear, angular), dim=-1).mT
 
 
-def _homogeneous(rows: Transform) -> Tensor:
-    """The transform ``(4, 4)`` whose first rows these are."""
-    transform = torch.eye(4, dtype=torch.float64)
-    transform[:3] = torch.tensor(rows[:3], dtype=torch.float64)
-    return transform
+def _joint(described: JointDescription) -> Joint:
+    """What a chain keeps of a joint."""
+    x, y, z = described.axis.tolist()
+    slides = described.kind == "prismatic"
+    limits = (described.low, described.high, described.speed)
+    return Joint(described.name, (x, y, z), slides, *limits)
+
+
+def _merge_fixed_joints(path: Sequence[JointDescription]) -> tuple[list[Transform], Transform]:
+    """Fᵢ before each joint that moves, and what remains after the last."""
+    fixed: list[Transform] = []
+    transform = np.eye(4)
+
+    for joint in path:
+        transform = transform @ joint.fixed
+        if joint.moves:
+            fixed.append(transform.tolist())
+            transform = np.eye(4)
+
+    return fixed, transform.tolist()
+
+
+def _check_equal(chain: Chain, library: LibraryChain) -> None:
+    """Compare the closed form with pytorch-kinematics at several postures.
+
+    Raises:
+        ArithmeticError: If they differ.
+    """
+    count = len(chain.names)
+    generator = torch.Generator().manual_seed(0)
+    q = 3.0 * torch.randn(8, count, generator=generator, dtype=torch.float64)
+
+    frames, jacobian = chain.frames(q), chain.jacobian(q)
+    difference = torch.maximum(
+        (frames - library(q)).abs().max(), (jacobian - library.jacobian(q)).abs().max()
+    )
+
+    if difference > LARGEST_DIFFERENCE * frames.abs().max():
+        raise ArithmeticError(
+            f"The closed form and pytorch-kinematics differ by {float(difference):.1e} for the "
+            f"joints {choices(chain.names)}."
+        )

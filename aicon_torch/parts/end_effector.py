@@ -105,15 +105,15 @@ class EndEffector(nn.Module):
         return self.pose.of_frame(frames[..., -1, :, :])
 
     def jacobian_at(self, frames: Tensor) -> Tensor:
-        """J ``(*B, 6, n)`` there: joint i turns everything after it about its z axis."""
-        _, _, joint_axes, joint_origins = frames[..., :-1, :3, :].unbind(-1)
-        x_axis, _, z_axis, origin = frames[..., -1:, :3, :].unbind(-1)
+        """J ``(*B, 6, n)`` there, from the geometric Jacobian of the tip."""
+        x_axis, _, z_axis, origin = frames[..., -1, :3, :].unbind(-1)
         tip = origin + self.pose.length * z_axis
+        tip_motion, turning = torch.split(self.chain.jacobian_at(frames, tip).mT, 3, dim=-1)
 
-        # A turn about an axis moves a point by axis × arm and a direction by axis × direction.
-        tip_motion = torch.linalg.cross(joint_axes, tip - joint_origins)
-        x_motion = torch.linalg.cross(joint_axes, x_axis.expand_as(joint_axes))
-        z_motion = torch.linalg.cross(joint_axes, z_axis.expand_as(joint_axes))
+        # A turn about an axis moves a direction by axis × direction.
+        x_axis, z_axis = x_axis.unsqueeze(-2), z_axis.unsqueeze(-2)
+        x_motion = torch.linalg.cross(turning, x_axis.expand_as(turning))
+        z_motion = torch.linalg.cross(turning, z_axis.expand_as(turning))
 
         # ψ = atan2(y, x), so dψ = (x dy − y dx)/(x² + y²).
         x, y, _ = torch.split(x_axis, 1, dim=-1)

@@ -72,21 +72,24 @@ class SelfCollision(nn.Module):
     Args:
         capsules: The shape of the robot.
         cost: Margin d₀ (m) and weight w.
+        pairs: The numbers of those that can meet; by default all that are further apart in the
+            chain than :data:`FREE_LINKS`.
     """
 
     radii: Tensor
 
-    def __init__(self, capsules: Sequence[Capsule], cost: SquaredHinge) -> None:
+    def __init__(
+        self,
+        capsules: Sequence[Capsule],
+        cost: SquaredHinge,
+        pairs: Sequence[tuple[int, int]] | None = None,
+    ) -> None:
         super().__init__()
         self.cost = cost
-        self.first: list[int] = []
-        self.second: list[int] = []
-
-        for i, capsule in enumerate(capsules):
-            for j, other in enumerate(capsules[:i]):
-                if abs(capsule.link - other.link) > FREE_LINKS:
-                    self.first.append(i)
-                    self.second.append(j)
+        if pairs is None:
+            pairs = _distant_pairs(capsules)
+        self.first = [first for first, _ in pairs]
+        self.second = [second for _, second in pairs]
 
         radii = [capsule.radius for capsule in capsules]
         single = torch.tensor(radii, dtype=torch.float64)
@@ -100,6 +103,16 @@ class SelfCollision(nn.Module):
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
         return segment_distance(first, second) - self.radii.to(x_body)
+
+
+def _distant_pairs(capsules: Sequence[Capsule]) -> list[tuple[int, int]]:
+    """The pairs on links that are no neighbours."""
+    pairs: list[tuple[int, int]] = []
+    for i, capsule in enumerate(capsules):
+        for j, other in enumerate(capsules[:i]):
+            if abs(capsule.link - other.link) > FREE_LINKS:
+                pairs.append((i, j))
+    return pairs
 
 
 def segment_distance(first: Tensor, second: Tensor) -> Tensor:

@@ -7,6 +7,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "compare": ("imageio", "joblib", "matplotlib", "tqdm"),
     "pusht": ("pymunk", "pygame"),
     "panda": ("mujoco",),  # and example-robot-data, which is files without a module
+    "robots": ("pytorch_kinematics", "trimesh", "collada", "mujoco"),
     "upstream": ("gym_pusht",),
     "sb3": ("stable_baselines3",),
     "lerobot": ("lerobot", "diffusers"),

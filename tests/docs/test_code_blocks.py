@@ -14,7 +14,12 @@ BLOCKS = all_blocks("python")
 PROGRAMS = [block for block in BLOCKS if "import " in block.code]
 FRAGMENTS = [block for block in BLOCKS if "import " not in block.code] + all_blocks("py")
 
-NEEDED = {"aicon/PushT": "pymunk", "aicon/PandaPush": "mujoco"}
+NEEDED = {
+    "aicon/PushT": "pymunk",
+    "aicon/PandaPush": "mujoco",
+    "Chain.from_urdf": "pytorch_kinematics",
+    "Capsules.from_urdf": "trimesh",
+}
 
 
 @pytest.mark.parametrize("block", FRAGMENTS, ids=str)

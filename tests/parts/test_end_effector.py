@@ -5,6 +5,7 @@ from _inputs.arm import HOME, panda, postures, tool_pose
 from torch.nn.functional import normalize
 
 from aicon_torch import NullspaceProjection
+from aicon_torch.parts.chain import Chain, Joint
 from aicon_torch.parts.end_effector import EndEffector
 
 
@@ -12,6 +13,16 @@ def test_the_jacobian_is_the_derivative_of_the_end_effector():
     plain, q = panda("transpose"), postures(5)
     expected = torch.autograd.functional.jacobian(lambda x: plain(x).sum(0), q).permute(1, 0, 2)
     torch.testing.assert_close(plain.jacobian(q), expected)
+
+
+def test_the_jacobian_is_that_of_a_joint_about_another_axis_and_of_one_that_slides():
+    fixed = [torch.eye(4).tolist()] * 3
+    joints = [Joint("lift", slides=True), Joint("roll", (1.0, 0.0, 0.0)), Joint("turn")]
+    arm = EndEffector(Chain(fixed, fixed[0], joints), tool_pose(), "transpose")
+
+    q = normal(4, 3, seed=1)
+    expected = torch.autograd.functional.jacobian(lambda x: arm(x).sum(0), q).permute(1, 0, 2)
+    torch.testing.assert_close(arm.jacobian(q), expected)
 
 
 def test_the_end_effector_tells_where_the_tool_is():

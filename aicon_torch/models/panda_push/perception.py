@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_torch.errors import ObservationError, choices
-from aicon_torch.parts.chain import Chain, Transform
+from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.image_segmentation import RGBDImage
+from aicon_torch.parts.joint_product import Transform
 from aicon_torch.parts.polygon import Array, Mask
 
 KEYPOINTS, BLOB = "z_keypoints", "z_blob"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from aicon_torch.parts.camera import Intrinsics
-from aicon_torch.parts.chain import Transform
+from aicon_torch.parts.joint_product import Transform
 from aicon_torch.parts.self_collision import Capsule
 
 JOINT_FRAMES: tuple[Transform, ...] = (

@@ -1,0 +1,250 @@
+"""Capsules around a shape: one about some points, or a few that cover a surface."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from aicon_torch.extras import import_extra
+
+WIDENING = (1.0, 1.03, 1.07, 1.12, 1.2, 1.3, 1.45, 1.7, 2.0)
+"""Radii that are tried, in least radii: a wider capsule may be shorter, and smaller in the end."""
+
+WORTH_A_SPLIT = 0.8
+"""Two capsules replace one if they have less than this share of its volume."""
+
+CUTS = (0.25, 0.5, 0.75)
+"""Where a surface is cut in two, as shares of its extent."""
+
+FACETS = 16
+"""Triangles are made smaller than the extent of the surface through this number."""
+
+CORNERS = 256
+"""So many points stand for all of them while a capsule is looked for."""
+
+SAMPLE = 1500
+"""Some so many triangles stand for all of them while a cut is looked for."""
+
+
+class Segment(NamedTuple):
+    """A capsule: all points that are no further than the radius from a segment.
+
+    Attributes:
+        start: One end, ``(3,)``, m.
+        end: The other, m.
+        radius: m.
+    """
+
+    start: np.ndarray
+    end: np.ndarray
+    radius: float
+
+    @property
+    def volume(self) -> float:
+        """V = πr²ℓ + 4/3 πr³, m³."""
+        length = float(np.linalg.norm(self.end - self.start))
+        return float(_volume(np.array(self.radius), np.array(length)))
+
+    def moved(self, transform: np.ndarray) -> "Segment":
+        """The same capsule after a rigid motion ``(4, 4)``."""
+        rotation, position = transform[:3, :3], transform[:3, 3]
+        return Segment(
+            rotation @ self.start + position, rotation @ self.end + position, self.radius
+        )
+
+
+def around_cylinder(length: float, radius: float) -> Segment:
+    """The smallest capsule along a cylinder about z, whose middle is the origin.
+
+    Its segment is L − 2√(R² − r²) long, so that the rims are on its round ends.
+    """
+    radii = radius * np.array(WIDENING)
+    lengths = (length - 2.0 * np.sqrt(radii**2 - radius**2)).clip(min=0.0)
+
+    # Where nothing remains of the segment, a sphere through the rims.
+    radii = np.minimum(radii, np.hypot(radius, length / 2.0))
+    best = int(_volume(radii, lengths).argmin())
+    end = np.array([0.0, 0.0, lengths[best] / 2.0])
+    return Segment(-end, end, float(radii[best]))
+
+
+def around_points(points: np.ndarray, directions: int = 64, rounds: int = 12) -> Segment:
+    """A small capsule about all points.
+
+    Directions all around are tried, and those near the best in ever smaller steps, each with the
+    circle about the points seen along it.
+
+    Args:
+        points: ``(N, 3)``, m.
+        directions: How many directions are tried at first.
+        rounds: How often the best is improved.
+    """
+    corners = _extreme_points(points)
+    axes = np.concatenate((_principal_axes(points), np.eye(3), _hemisphere(directions)))
+    generator = np.random.default_rng(0)
+
+    best = _smallest(corners, axes, _circle_centers(corners, axes))
+    for step in 0.3 * 0.7 ** np.arange(rounds):
+        axis, center, segment = best
+        axes = axis + step * generator.normal(size=(24, 3))
+        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+        shifts = 0.3 * step * segment.radius * generator.normal(size=(24, 3))
+
+        other = _smallest(corners, axes, center + shifts)
+        best = min(best, other, key=lambda found: found[2].volume)
+
+    # The corners stood for all points.
+    axis, center, _ = best
+    return _smallest(points, axis[None], center[None])[2]
+
+
+def around_surface(triangles: np.ndarray, count: int) -> list[Segment]:
+    """A few capsules that cover a surface.
+
+    Again and again, the largest one that is better replaced by two is: the surface is cut across
+    one of its principal axes, where the two capsules are smallest.
+
+    Args:
+        triangles: ``(T, 3, 3)``, m.
+        count: At most so many capsules.
+    """
+    pieces = [_small_triangles(triangles)]
+    segments = [around_points(pieces[0].reshape(-1, 3))]
+
+    closed: list[bool] = [False]
+    while len(pieces) < count and not all(closed):
+        volumes = [
+            0.0 if done else part.volume for done, part in zip(closed, segments, strict=True)
+        ]
+        index = int(np.argmax(volumes))
+
+        halves = _best_cut(pieces[index])
+        if not all(len(half) for half in halves):
+            closed[index] = True
+            continue
+
+        fits = [around_points(half.reshape(-1, 3)) for half in halves]
+        if sum(fit.volume for fit in fits) > WORTH_A_SPLIT * segments[index].volume:
+            closed[index] = True
+            continue
+
+        pieces[index : index + 1] = halves
+        segments[index : index + 1] = fits
+        closed[index : index + 1] = [False, False]
+    return segments
+
+
+def _best_cut(triangles: np.ndarray) -> list[np.ndarray]:
+    """The two halves of a surface whose capsules are smallest."""
+    sample = triangles[:: 1 + len(triangles) // SAMPLE]
+    best, least = np.ones(len(triangles), dtype=bool), np.inf
+
+    for axis in _principal_axes(sample.reshape(-1, 3)):
+        along = triangles.mean(axis=1) @ axis
+        of_sample = sample.mean(axis=1) @ axis
+
+        for share in CUTS:
+            height = along.min() + share * np.ptp(along)
+            lower = of_sample < height
+            halves = (sample[lower], sample[~lower])
+            if not all(len(half) for half in halves):
+                continue
+
+            fits = [around_points(half.reshape(-1, 3), directions=8, rounds=0) for half in halves]
+            volume = sum(fit.volume for fit in fits)
+            if volume < least:
+                best, least = along < height, volume
+
+    return [triangles[best], triangles[~best]]
+
+
+def _smallest(
+    points: np.ndarray, axes: np.ndarray, centers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, Segment]:
+    """The smallest of the capsules along D axes ``(D, 3)`` through D centers, with both.
+
+    A point at (s, ρ) along and across the axis is within R of the segment [t₀, t₁] if
+    t₁ ≥ s − √(R² − ρ²) and t₀ ≤ s + √(R² − ρ²).
+    """
+    offset = points - centers[:, None]
+    along = (offset * axes[:, None]).sum(-1)
+    across = ((offset * offset).sum(-1) - along**2).clip(min=0.0)
+
+    radii = np.sqrt(across.max(axis=1)) * np.array(WIDENING)[:, None]
+    reach = np.sqrt((radii[..., None] ** 2 - across).clip(min=0.0))
+    high, low = (along - reach).max(axis=-1), (along + reach).min(axis=-1)
+
+    # Where they have passed each other, any point between them is the middle of a sphere.
+    middle = (high + low) / 2.0
+    high, low = np.maximum(high, middle), np.minimum(low, middle)
+    volumes = _volume(radii, high - low)
+    row, column = np.unravel_index(int(volumes.argmin()), volumes.shape)
+
+    axis, center = axes[column], centers[column]
+    ends = center + low[row, column] * axis, center + high[row, column] * axis
+    rounding = 1e-9
+    return axis, center, Segment(*ends, float(radii[row, column]) + rounding)
+
+
+def _circle_centers(points: np.ndarray, axes: np.ndarray, rounds: int = 60) -> np.ndarray:
+    """For each axis the middle of the circle about the points seen along it, ``(D, 3)``.
+
+    The middle goes toward the furthest point, by 1/2, 1/3, … of the way (Badoiu and Clarkson 2003).
+    """
+    centers = np.repeat(points.mean(axis=0, keepdims=True), len(axes), axis=0)
+    rows = np.arange(len(axes))
+
+    for number in range(rounds):
+        offset = points - centers[:, None]
+        across = offset - (offset * axes[:, None]).sum(-1, keepdims=True) * axes[:, None]
+        furthest = (across * across).sum(-1).argmax(axis=1)
+        centers += across[rows, furthest] / (number + 2)
+    return centers
+
+
+def _extreme_points(points: np.ndarray) -> np.ndarray:
+    """The points that are furthest in some direction, at most :data:`CORNERS`."""
+    directions = _hemisphere(CORNERS // 2)
+    directions = np.concatenate((directions, -directions))
+
+    # Part by part: what is furthest of all is furthest in its part.
+    while len(points) > 8 * CORNERS:
+        parts = np.array_split(points, len(points) // (4 * CORNERS))
+        points = np.concatenate([part[_furthest(part, directions)] for part in parts])
+    return np.asarray(points[_furthest(points, directions)])
+
+
+def _furthest(points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Which points are furthest in the directions ``(D, 3)``, each once."""
+    return np.unique((directions @ points.T).argmax(axis=1))
+
+
+def _small_triangles(triangles: np.ndarray) -> np.ndarray:
+    """The same surface in triangles that are small against it, so that it can be cut."""
+    trimesh = import_extra("trimesh", "robots")
+    vertices = triangles.reshape(-1, 3)
+    faces = np.arange(len(vertices)).reshape(-1, 3)
+
+    largest = float(np.ptp(vertices, axis=0).max()) / FACETS
+    vertices, faces = trimesh.remesh.subdivide_to_size(vertices, faces, largest, max_iter=20)
+    return np.asarray(vertices[faces])
+
+
+def _principal_axes(points: np.ndarray) -> np.ndarray:
+    """The axes of the points' covariance, ``(3, 3)``, one a row."""
+    _, axes = np.linalg.eigh(np.cov(points.T))
+    return np.asarray(axes.T)
+
+
+def _hemisphere(count: int) -> np.ndarray:
+    """Directions all around, of which no two are opposite, ``(count, 3)``: a Fibonacci spiral."""
+    number = np.arange(count)
+    height = (number + 0.5) / count
+    angle = number * np.pi * (1.0 + np.sqrt(5.0))
+
+    radius = np.sqrt(1.0 - height**2)
+    return np.stack((radius * np.cos(angle), radius * np.sin(angle), height), axis=1)
+
+
+def _volume(radius: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """V = πr²ℓ + 4/3 πr³."""
+    return np.pi * radius**2 * (length + 4.0 / 3.0 * radius)

@@ -1,0 +1,203 @@
+"""The capsules of a robot, fitted to the collision geometry of its description."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_surface
+from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml, read_urdf
+from aicon_torch.parts.descriptions.collision import CollisionGeometry, read_collision_geometry
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision
+
+Pair = tuple[int, int]
+
+SAMPLES = 4096
+"""Random postures in which it is seen which capsules meet."""
+
+REACH = 0.05
+"""Capsules that were never nearer than this in any of them, m, are taken never to meet."""
+
+
+@dataclass(frozen=True)
+class Capsules:
+    """The shape of a robot as capsules, and which of them can meet.
+
+    Attributes:
+        capsules: For :class:`CapsuleSegments` and :class:`SelfCollision`.
+        links: The link of the description that each belongs to.
+        pairs: The numbers of the capsules that can meet, for ``SelfCollision(pairs=)``.
+
+    Example:
+        >>> shape = Capsules.from_urdf("ur5.urdf", srdf="ur5.srdf", tip="tool0")
+        >>> segments = CapsuleSegments(chain, shape.capsules)
+        >>> goal = SelfCollision(shape.capsules, SquaredHinge(0.05, 1.0), pairs=shape.pairs)
+    """
+
+    capsules: tuple[Capsule, ...]
+    links: tuple[str, ...]
+    pairs: tuple[Pair, ...]
+
+    @classmethod
+    def from_urdf(
+        cls,
+        source: str | Path,
+        srdf: str | Path | None = None,
+        tip: str | None = None,
+        base: str | None = None,
+        per_link: int = 4,
+    ) -> "Capsules":
+        """Capsules that enclose the collision geometry of all links.
+
+        Spheres and capsules stay what they are, cylinders become the smallest capsule about them,
+        and boxes and meshes of one link together as few as fit well. Links that do not belong to
+        the chain go with the one that they hang on, their joints at 0 or at the limit next to it.
+
+        Left out are the pairs that the SRDF disables, those of links between which there is only
+        one joint, and, as seen in random postures within the limits, those that always overlap or
+        never come near each other.
+
+        Args:
+            source: The URDF, a file next to its meshes, or its text.
+            srdf: A file, or the text of one, whose ``<disable_collisions>`` are read.
+            tip: That of the chain, as for :meth:`Chain.from_urdf`.
+            base: That of the chain.
+            per_link: At most so many capsules for the boxes and meshes of a link.
+
+        Raises:
+            FileNotFoundError: If a file or mesh is missing.
+            ModuleNotFoundError: If an extra package is missing.
+            OptionError: See :meth:`Chain.from_urdf`.
+        """
+        tree = read_urdf(source)
+        path = tree.path(tip, base)
+        disabled = set() if srdf is None else _disabled_pairs(srdf)
+
+        places = _places(tree, path)
+        capsules: list[Capsule] = []
+        links: list[str] = []
+        for link, geometry in read_collision_geometry(source).items():
+            number, transform = places[link]
+            for segment in _fit(geometry, per_link):
+                capsules.append(_placed(segment, number, transform))
+                links.append(link)
+
+        chain = Chain.from_path(path)
+        candidates = _candidates(capsules, links, disabled)
+        pairs = _that_can_meet(chain, capsules, candidates)
+        return cls(tuple(capsules), tuple(links), tuple(pairs))
+
+
+def _disabled_pairs(srdf: str | Path) -> set[frozenset[str]]:
+    """The pairs of links that an SRDF says not to compare."""
+    root = parse_xml(srdf, root_tag="robot")
+    found: set[frozenset[str]] = set()
+    for element in root.iter("disable_collisions"):
+        found.add(frozenset((str(element.get("link1")), str(element.get("link2")))))
+    return found
+
+
+def _places(
+    tree: LinkTree, path: Sequence[JointDescription]
+) -> Mapping[str, tuple[int, np.ndarray]]:
+    """For each link the number of the chain's link that it goes with, and its place there."""
+    numbers: dict[str, int] = {}
+    frames = {0: path[0].parent}
+    for joint in path:
+        if joint.moves:
+            numbers[joint.child] = len(frames)
+            frames[len(frames)] = joint.child
+
+    places: dict[str, tuple[int, np.ndarray]] = {}
+    for link in tree.links:
+        above = link
+        while above not in numbers and above in tree.above:
+            above = tree.above[above].parent
+
+        number = numbers.get(above, 0)
+        of_frame, of_link = _at_rest(tree, frames[number]), _at_rest(tree, link)
+        places[link] = number, np.linalg.solve(of_frame, of_link)
+    return places
+
+
+def _at_rest(tree: LinkTree, link: str) -> np.ndarray:
+    """The transform of a link from the root, all joints at 0 or at the limit next to it."""
+    transform = np.eye(4)
+    while link in tree.above:
+        joint = tree.above[link]
+        rest = float(np.clip(0.0, joint.low, joint.high))
+        transform = joint.fixed @ joint.motion(rest) @ transform
+        link = joint.parent
+    return transform
+
+
+def _fit(geometry: CollisionGeometry, per_link: int) -> list[Segment]:
+    """Capsules about the geometry of a link, in its frame."""
+    segments: list[Segment] = []
+    for cylinder in geometry.cylinders:
+        end = np.array([0.0, 0.0, cylinder.length / 2.0])
+        segment = Segment(-end, end, cylinder.radius)
+        if not cylinder.is_round:
+            segment = around_cylinder(cylinder.length, cylinder.radius)
+        segments.append(segment.moved(cylinder.pose))
+
+    if geometry.triangles:
+        segments += around_surface(np.concatenate(geometry.triangles), per_link)
+    return segments
+
+
+def _placed(segment: Segment, number: int, transform: np.ndarray) -> Capsule:
+    """A segment in the frame of a link as a capsule on the chain."""
+    moved = segment.moved(transform)
+    (x, y, z), (u, v, w) = moved.start.tolist(), moved.end.tolist()
+    return Capsule(number, (x, y, z), (u, v, w), segment.radius)
+
+
+def _candidates(
+    capsules: Sequence[Capsule], links: Sequence[str], disabled: set[frozenset[str]]
+) -> list[Pair]:
+    """The pairs on links that move against each other by more than one joint."""
+    pairs: list[Pair] = []
+    for i, capsule in enumerate(capsules):
+        for j, other in enumerate(capsules[:i]):
+            is_disabled = frozenset((links[i], links[j])) in disabled
+            if abs(capsule.link - other.link) > 1 and not is_disabled:
+                pairs.append((j, i))
+    return pairs
+
+
+def _that_can_meet(
+    chain: Chain, capsules: Sequence[Capsule], candidates: Sequence[Pair]
+) -> list[Pair]:
+    """The pairs that neither always overlap nor never come near each other."""
+    if not candidates:
+        return []
+
+    segments = CapsuleSegments(chain, capsules)
+    compared = SelfCollision(capsules, SquaredHinge(margin=1.0, weight=1.0), candidates)
+    least = torch.full((len(candidates),), torch.inf, dtype=torch.float64)
+    largest = -least
+
+    # In parts, since many pairs take much memory.
+    for q in torch.split(_postures(chain), 256):
+        distances = compared.distances(segments(q))
+        least = torch.minimum(least, distances.amin(0))
+        largest = torch.maximum(largest, distances.amax(0))
+
+    can_meet = (largest > 0.0) & (least < REACH)
+    return [pair for pair, keep in zip(candidates, can_meet.tolist(), strict=True) if keep]
+
+
+def _postures(chain: Chain) -> Tensor:
+    """Random postures within the limits, ``(SAMPLES, n)``; without limits within ±π or ±1 m."""
+    widest = torch.where(chain.turns.squeeze(-1), torch.pi, 1.0).to(chain.low)
+    low, high = torch.maximum(chain.low, -widest), torch.minimum(chain.high, widest)
+
+    generator = torch.Generator().manual_seed(0)
+    share = torch.rand(SAMPLES, len(chain.names), generator=generator, dtype=low.dtype)
+    return low + share * (high - low)

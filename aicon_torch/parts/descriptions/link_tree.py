@@ -1,0 +1,158 @@
+"""What a description of a robot says of its links and joints, whatever its format."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from aicon_torch.errors import OptionError, choices
+
+MOVING = ("revolute", "continuous", "prismatic")
+"""The kinds of joints with one degree of freedom."""
+
+
+class JointDescription(NamedTuple):
+    """A joint between two links, with all numbers in float64.
+
+    The child is at T_parent · fixed · M(q), where M turns about the axis, or slides along it.
+
+    Attributes:
+        name: Its name.
+        kind: "fixed", one of :data:`MOVING`, or another word of the file's, such as "floating".
+        parent: The link that it is fixed to.
+        child: The link that it moves.
+        fixed: ``(4, 4)``, m.
+        axis: A unit vector, ``(3,)``, in the frame of the child.
+        low: The lowest q, rad or m; −∞ if there is no limit.
+        high: The highest q.
+        speed: The largest |dq/dt|, rad/s or m/s; ∞ if there is no limit.
+        mimics: The joint that this one follows, if any.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    fixed: np.ndarray
+    axis: np.ndarray
+    low: float = -np.inf
+    high: float = np.inf
+    speed: float = np.inf
+    mimics: str | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether it has one degree of freedom."""
+        return self.kind in MOVING
+
+    def motion(self, q: float) -> np.ndarray:
+        """M(q), ``(4, 4)``, for q in rad or m: a turn by Rodrigues' formula, or a shift."""
+        motion = np.eye(4)
+        if self.kind == "prismatic":
+            motion[:3, 3] = q * self.axis
+        elif self.moves:
+            cross = np.cross(np.eye(3), self.axis)
+            motion[:3, :3] += np.sin(q) * cross + (1.0 - np.cos(q)) * cross @ cross
+        return motion
+
+
+@dataclass(frozen=True)
+class LinkTree:
+    """The links of a robot and the joints between them.
+
+    Args:
+        links: The names of all links.
+        joints: Each link has at most one joint above it.
+
+    Raises:
+        OptionError: If the joints are no tree over these links.
+    """
+
+    links: Sequence[str]
+    joints: Sequence[JointDescription]
+    above: dict[str, JointDescription] = field(init=False, default_factory=dict)
+    """The joint whose child a link is; the root has none."""
+
+    def __post_init__(self) -> None:
+        for joint in self.joints:
+            for link in (joint.parent, joint.child):
+                if link not in self.links:
+                    raise OptionError(f"Joint {joint.name!r} names {link!r}, which is no link.")
+            if joint.child in self.above:
+                other = self.above[joint.child].name
+                raise OptionError(f"Link {joint.child!r} has two joints: {other}, {joint.name}.")
+            self.above[joint.child] = joint
+
+        roots = [link for link in self.links if link not in self.above]
+        if len(roots) != 1:
+            raise OptionError(f"A robot has one root; this one has {choices(roots)}.")
+
+    @property
+    def root(self) -> str:
+        """The link above which there is no joint."""
+        return next(link for link in self.links if link not in self.above)
+
+    def only_leaf(self) -> str:
+        """The link at the end, where the tree has one end only.
+
+        Raises:
+            OptionError: If it branches.
+        """
+        parents = {joint.parent for joint in self.joints}
+        leaves = [link for link in self.links if link not in parents]
+        if len(leaves) != 1:
+            raise OptionError(f"The robot branches: choose tip= among its ends {choices(leaves)}.")
+        return leaves[0]
+
+    def path(self, tip: str | None = None, base: str | None = None) -> list[JointDescription]:
+        """The joints from the base to the tip.
+
+        Args:
+            tip: The last link; the end of a robot that does not branch.
+            base: The first link; the root.
+
+        Returns:
+            At least one of them moves.
+
+        Raises:
+            OptionError: If there is no such link, none of them moves, or one of them has more than
+                one degree of freedom or follows another joint.
+        """
+        tip = self.only_leaf() if tip is None else tip
+        base = self.root if base is None else base
+        for name, link in (("tip", tip), ("base", base)):
+            if link not in self.links:
+                raise OptionError(f"{name}={link!r}: expected one of {choices(self.links)}.")
+
+        # Up from the tip, then turned round.
+        path: list[JointDescription] = []
+        link = tip
+        while link != base:
+            if link not in self.above:
+                above_tip = [joint.parent for joint in path]
+                raise OptionError(
+                    f"base={base!r} is not above tip={tip!r}: expected one of {choices(above_tip)}."
+                )
+            path.append(self.above[link])
+            link = self.above[link].parent
+
+        path.reverse()
+        _check_joints(path, base, tip)
+        return path
+
+
+def _check_joints(path: Sequence[JointDescription], base: str, tip: str) -> None:
+    """Check that each joint is fixed, or has a degree of freedom of its own."""
+    for joint in path:
+        if joint.kind not in (*MOVING, "fixed"):
+            expected = choices((*MOVING, "fixed"))
+            raise OptionError(f"Joint {joint.name!r} is {joint.kind}: expected one of {expected}.")
+        if joint.mimics is not None and joint.moves:
+            raise OptionError(
+                f"Joint {joint.name!r} mimics {joint.mimics!r}: a chain has only joints of their "
+                "own. End the chain before it, or make it fixed in the description."
+            )
+
+    if not any(joint.moves for joint in path):
+        raise OptionError(f"No joint moves between base={base!r} and tip={tip!r}.")

@@ -1,0 +1,72 @@
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from aicon_torch.errors import OptionError
+from aicon_torch.parts.descriptions import read_urdf
+
+ARM = """<?xml version="1.0" encoding="utf-8"?>
+<robot name="arm">
+  <link name="base"/><link name="column"/><link name="hand"/>
+  <joint name="lift" type="prismatic">
+    <parent link="base"/><child link="column"/><axis xyz="0 0 2"/>
+    <limit lower="0.1" upper="0.5" velocity="0.2" effort="1"/>
+  </joint>
+  <joint name="turn" type="continuous">
+    <parent link="column"/><child link="hand"/>
+    <origin xyz="0.1 0.2 0.3" rpy="0.4 -0.5 0.6"/>
+    <limit velocity="3" effort="1"/>
+  </joint>
+</robot>"""
+
+
+def test_limits_speeds_and_axes_are_those_of_the_file() -> None:
+    lift, _ = read_urdf(ARM).path()
+    assert (lift.low, lift.high, lift.speed) == (0.1, 0.5, 0.2)
+    assert lift.axis.tolist() == [0.0, 0.0, 1.0]
+
+
+def test_a_continuous_joint_has_no_ends_and_an_axis_is_x_by_default() -> None:
+    _, turn = read_urdf(ARM).path()
+    assert (turn.low, turn.high, turn.speed) == (-math.inf, math.inf, 3.0)
+    assert turn.axis.tolist() == [1.0, 0.0, 0.0]
+
+
+def test_an_origin_turns_about_x_then_y_then_z_of_the_parent() -> None:
+    fixed = read_urdf(ARM).path()[1].fixed
+    np.testing.assert_allclose(fixed[:3, 3], [0.1, 0.2, 0.3])
+
+    # The angles of the rotation, read back.
+    assert math.atan2(fixed[2, 1], fixed[2, 2]) == pytest.approx(0.4, abs=1e-15)
+    assert -math.asin(fixed[2, 0]) == pytest.approx(-0.5, abs=1e-15)
+    assert math.atan2(fixed[1, 0], fixed[0, 0]) == pytest.approx(0.6, abs=1e-15)
+
+
+def test_a_file_is_read_as_its_text_is(tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(ARM)
+    for source in (file, str(file)):
+        assert [joint.name for joint in read_urdf(source).joints] == ["lift", "turn"]
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ("<robot>", "The text is no XML"),
+        ("<mujoco/>", "begins with <mujoco>: expected <robot>"),
+        (ARM.replace('xyz="0 0 2"', 'xyz="0 0 0"'), "'lift' has the axis \\(0, 0, 0\\)"),
+        (ARM.replace('xyz="0 0 2"', 'xyz="0 1"'), "xyz='0 1': expected 3 numbers"),
+        (ARM.replace('<parent link="column"/>', ""), "'turn' has no <parent>"),
+        (ARM.replace('<parent link="column"/>', '<parent link="x"/>'), "'turn' names 'x'"),
+    ],
+)
+def test_what_is_no_description_is_an_error(source: str, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        read_urdf(source)
+
+
+def test_a_missing_file_is_an_error() -> None:
+    with pytest.raises(FileNotFoundError):
+        read_urdf("no_such.urdf")

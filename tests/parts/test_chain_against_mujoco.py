@@ -1,0 +1,88 @@
+"""Forward kinematics and Jacobian of seven robots against MuJoCo's."""
+
+import pytest
+import torch
+from _inputs.robots import (
+    ROBOTS,
+    Physics,
+    mujoco_model,
+    random_postures,
+    read_chain,
+    robot_file,
+)
+from torch import Tensor
+
+pytest.importorskip("pytorch_kinematics")
+
+KINEMATICS = ("closed", "pytorch_kinematics")
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def name(request: pytest.FixtureRequest) -> str:
+    robot: str = request.param
+    return robot
+
+
+@pytest.fixture(scope="module")
+def physics(name: str) -> Physics:
+    model = mujoco_model(robot_file(ROBOTS[name].urdf))
+    return Physics(model, read_chain(name).names)
+
+
+def expected(physics: Physics, q: Tensor, tip: str) -> tuple[Tensor, Tensor]:
+    """Frames and Jacobians at each posture ``(*B, n)``."""
+    frames, jacobians = [], []
+    for posture in q.reshape(-1, q.shape[-1]):
+        physics.move(posture)
+        frames.append(physics.frames(tip))
+        jacobians.append(physics.jacobian(tip))
+
+    batch = q.shape[:-1]
+    return torch.stack(frames).reshape(*batch, -1, 4, 4), torch.stack(jacobians).reshape(
+        *batch, 6, -1
+    )
+
+
+@pytest.mark.parametrize("kinematics", KINEMATICS)
+@pytest.mark.parametrize("batch", [(), (3,), (2, 3)], ids=str)
+def test_frames_and_jacobian_are_those_of_the_physics(
+    name: str, physics: Physics, batch: tuple[int, ...], kinematics: str
+) -> None:
+    chain, tip = read_chain(name, kinematics=kinematics), ROBOTS[name].tip
+    q = random_postures(chain, 6)[: max(1, torch.Size(batch).numel())]
+    q = q.reshape(*batch, -1)
+    frames, jacobian = expected(physics, q, tip)
+
+    for found, wanted in (
+        (chain.frames(q), frames),
+        (chain(q), frames[..., -1, :, :]),
+        (chain.jacobian(q), jacobian),
+    ):
+        assert found.shape == wanted.shape and found.dtype == torch.float64
+        torch.testing.assert_close(found, wanted, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("kinematics", KINEMATICS)
+def test_in_single_precision_too(name: str, kinematics: str) -> None:
+    chain = read_chain(name, kinematics=kinematics)
+    q = random_postures(chain, 5)
+
+    for function in (chain, chain.frames, chain.jacobian):
+        found = function(q.float())
+        assert found.dtype == torch.float32
+        torch.testing.assert_close(found.double(), function(q), rtol=0, atol=1e-5)
+
+
+def test_limits_are_those_of_the_physics(name: str, physics: Physics) -> None:
+    chain = read_chain(name)
+    for joint, low, high in zip(chain.names, chain.low, chain.high, strict=True):
+        found = physics.model.joint(joint)
+        if found.limited:
+            assert found.range.tolist() == pytest.approx([float(low), float(high)], abs=1e-12)
+        else:
+            assert (low, high) == (-torch.inf, torch.inf)
+
+
+def test_every_joint_has_a_speed(name: str) -> None:
+    speed = read_chain(name).speed
+    assert (speed > 0).all() and speed.isfinite().all()
