@@ -7,20 +7,16 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from _inputs.pushing import RADIUS, Corners, outside, poses, uniform
-from _inputs.random_numbers import normal
-from _inputs.servo import sub_steps
-from aicon_torch import make_policy
-from aicon_torch.models.pusht import PIXEL
-from aicon_torch.parts import ContactLimits, Servo, closest_point
+from _inputs.pushing import RADIUS, Corners, body_of, outside, poses, uniform
+from aicon_torch.models.pusht.benchmark import PIXEL, T_WIDTH
+from aicon_torch.parts import ContactLimitOptions, ContactLimits, ContactOptions, closest_point
 
 
 def limits_of(keypoints: Corners | None = None, sides: int = 99, **options: Any) -> ContactLimits:
-    """The limits of a policy, by default for every side."""
-    policy = make_policy("pusht", keypoints=keypoints, **options)
-    (found,) = policy.model.actuators["a"].constraints
-    assert isinstance(found, ContactLimits)
-    return dataclasses.replace(found, nearest_sides=sides)
+    """The limits near an object, by default for every side of the T."""
+    dynamics = ContactOptions(size=T_WIDTH).dynamics(body_of(keypoints))
+    limits = ContactLimitOptions(**options).limits(dynamics, RADIUS, T_WIDTH)
+    return dataclasses.replace(limits, nearest_sides=sides)
 
 
 class NearContact(NamedTuple):
@@ -28,7 +24,6 @@ class NearContact(NamedTuple):
 
     Attributes:
         pusher: Where the pusher is, ``(count, 2)``, m.
-        velocity: How fast, ``(count, 2)``, m/s.
         sides: The object's, ``(count, N, 4)``, m.
         wish: The velocity before the limits, ``(count, 2)``, m/s.
         action: The velocity after them.
@@ -39,7 +34,6 @@ class NearContact(NamedTuple):
     """
 
     pusher: Tensor
-    velocity: Tensor
     sides: Tensor
     wish: Tensor
     action: Tensor
@@ -58,12 +52,6 @@ class NearContact(NamedTuple):
         """The excess after a step of 0.1 s with the action, ``(count,)``, m."""
         return self.excess(self.pusher + 0.1 * self.action)
 
-    def largest_excess(self) -> Tensor:
-        """The largest excess of any sub-step of the servo, ``(count,)``, m."""
-        offset = Servo.of().target_offset(self.action, self.velocity, 0.1)
-        places, _ = sub_steps(offset, self.velocity)
-        return torch.stack([self.excess(self.pusher + place) for place in places]).amax(0)
-
 
 def near_contact(
     limits: ContactLimits, count: int = 2000, farthest: float = 60 * PIXEL, seed: int = 0
@@ -77,7 +65,6 @@ def near_contact(
     angle = 2 * math.pi * uniform(count, 1, seed=seed + 2)
     speed = 800 * PIXEL * uniform(count, 1, seed=seed + 3)
     wish = speed * torch.cat((angle.cos(), angle.sin()), dim=-1)
-    velocity = 300 * PIXEL * normal(count, 2, seed=seed + 4)
 
     points = closest_point(pusher.unsqueeze(-2), sides)
     to_contact = points - pusher.unsqueeze(-2)
@@ -86,5 +73,5 @@ def near_contact(
     helpful = limits.helpful_push(points, normals, pose, target)
     allowed = torch.where(helpful > 0, helpful.clamp(*limits.push), limits.harm)
 
-    action = limits(wish, pusher, velocity, points, sides, pose, target, 0.1)
-    return NearContact(pusher, velocity, sides, wish, action, normals, gaps, helpful, allowed)
+    action = limits(wish, pusher, points, sides, pose, target, 0.1)
+    return NearContact(pusher, sides, wish, action, normals, gaps, helpful, allowed)

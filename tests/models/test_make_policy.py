@@ -9,6 +9,8 @@ import torch
 
 from aicon_torch import (
     AiconError,
+    DirectDescent,
+    Foresight,
     GraphError,
     NullspaceProjection,
     ObservationError,
@@ -55,8 +57,13 @@ def test_options_override_the_preset() -> None:
 
 
 def test_a_whole_resolution_can_be_given() -> None:
-    policy = make_policy("nav2d", resolution=Sum(), **{"law.gain": 1.0})
-    assert policy.resolution == Sum() and policy.law.gain == 1.0
+    policy = make_policy("nav2d", resolution=Sum(), **{"law.step": 0.5})
+    assert policy.resolution == Sum() and policy.law == Foresight(step=0.5)
+
+
+def test_a_whole_law_can_be_given() -> None:
+    law = DirectDescent(gain=3.0)
+    assert make_policy("nav2d", law=law).law == law
 
 
 @pytest.mark.parametrize(
@@ -65,12 +72,17 @@ def test_a_whole_resolution_can_be_given() -> None:
         ("nav3d", {}, r"'nav3d'. Models: 'nav2d'"),
         ("nav2d", {"preset": "best"}, r"no preset 'best'. Presets: 'aicon', 'paper_literal'"),
         ("nav2d", {"speed": 1.0}, r"no option 'speed'. Options: .*'max_speed'.*'sensing'"),
-        ("nav2d", {"law.speed": 1.0}, r"'law' of 'nav2d' has no option 'speed'. Options: 'gain'"),
+        (
+            "nav2d",
+            {"law.speed": 1.0},
+            r"'law' of 'nav2d' has no option 'speed'. Options: 'iterations'",
+        ),
         ("nav2d", {"sensing": "sonar"}, r"'sonar'.*'range', 'range_bearing'"),
         ("nav2d", {"resolution.projector": "svd"}, r"'svd'.*'orthogonal', 'qr', 'pinv', 'none'"),
         ("nav2d", {"resolution.temperature": 0.0}, "temperature"),
         ("nav2d", {"resolution.exploration.enter_cosine": -0.1}, "enter_cosine"),
-        ("nav2d", {"law.gain": -1.0}, "gain"),
+        ("nav2d", {"law.step": -1.0}, "step=-1.0"),
+        ("nav2d", {"law.iterations": 0}, "iterations=0"),
     ],
 )
 def test_what_is_unknown_is_named_and_what_is_valid_is_listed(

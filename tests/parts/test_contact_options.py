@@ -10,12 +10,7 @@ from _inputs.pushing import body_of
 
 from aicon_torch import OptionError
 from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_RADIUS, T_WIDTH
-from aicon_torch.parts import (
-    ContactLimitOptions,
-    ContactOptions,
-    Servo,
-    SlowApproachOptions,
-)
+from aicon_torch.parts import ContactLimitOptions, ContactOptions
 
 CONTACT = ContactOptions(size=T_WIDTH)
 
@@ -35,13 +30,9 @@ def test_lengths_are_shares_of_the_size() -> None:
     assert dynamics.step == pytest.approx(PIXEL)
 
     limits = ContactLimitOptions().limits(dynamics, PUSHER_RADIUS, CONTACT.size)
-    assert in_pixels(*limits.push) == pytest.approx((0.5, 40))
-    assert in_pixels(limits.harm, limits.slide_gap) == pytest.approx((2, 15))
+    assert in_pixels(*limits.push) == pytest.approx((0.5, 5))
+    assert in_pixels(limits.harm, limits.slide_gap) == pytest.approx((1, 15))
     assert limits.end_step == pytest.approx(3 * PIXEL)
-
-    slow = SlowApproachOptions().limit(dynamics.rotation_length, PUSHER_RADIUS, CONTACT.size)
-    lengths = (slow.open_step, slow.near_step, slow.near_length, slow.slow_distance)
-    assert in_pixels(*lengths) == pytest.approx((60, 30, 20, 30))
 
 
 def test_a_world_twice_as_large_has_lengths_twice_as_long() -> None:
@@ -50,14 +41,6 @@ def test_a_world_twice_as_large_has_lengths_twice_as_long() -> None:
     pusher, side = torch.tensor([0.05, -0.04]), torch.tensor([0.0, 0.0, 0.1, 0.0])
     point = torch.tensor([0.05, 0.0])
     torch.testing.assert_close(first(pusher, point, side), second(2 * pusher, 2 * point, 2 * side))
-
-
-def test_without_limits_within_steps_the_servo_is_left_out() -> None:
-    dynamics, servo = CONTACT.dynamics(body_of()), Servo.of()
-    for within in (True, False):
-        options = ContactLimitOptions(within_steps=within)
-        limits = options.limits(dynamics, PUSHER_RADIUS, CONTACT.size, servo)
-        assert (limits.servo is servo) == within
 
 
 NUMBERS = (0.0, -1.0, math.nan, math.inf, "a")
@@ -75,7 +58,7 @@ BAD: list[tuple[type, dict[str, Any]]] = [
     *((ContactLimitOptions, {"harm": value}) for value in NUMBERS[1:]),
     *((ContactLimitOptions, {"push": push}) for push in ((3.0, 1.0), (-1.0, 1.0), (1.0,), 5.0)),
     *((ContactLimitOptions, {"push": (0.0, value)}) for value in (math.nan, math.inf)),
-    *((SlowApproachOptions, {"near_step": value}) for value in NUMBERS),
+    *((ContactLimitOptions, {"end_step": value}) for value in NUMBERS[1:]),
 ]
 
 

@@ -24,43 +24,77 @@ BESIDE = -30 - RADIUS / PIXEL
 """Where the pusher touches the left side of the square, px."""
 
 
-def pushed(start: tuple[float, float], velocity: tuple[float, float]) -> Tensor:
-    """The pose of a square at the origin after a pusher has moved from a place, px, for 0.1 s."""
-    a = PIXEL * torch.tensor(velocity, dtype=torch.float64)
-    arrived = PIXEL * torch.tensor(start, dtype=torch.float64) + 0.1 * a
-    return MOTION(torch.zeros(3, dtype=torch.float64), arrived, a, 0.1)
+def pushed(start: tuple[float, float], *places: tuple[float, float]) -> Tensor:
+    """The pose of a square at the origin after a pusher has gone from a place, px, by a way."""
+    way = PIXEL * torch.tensor(places, dtype=torch.float64)
+    arrived = PIXEL * torch.tensor(start, dtype=torch.float64) + way[-1]
+    return MOTION(torch.zeros(3, dtype=torch.float64), arrived, way.flatten())
 
 
 def test_an_object_is_pushed_as_far_as_the_pusher_goes_beyond_the_gap() -> None:
     """Head on, 5 px before the side: of 20 px the object gets 15."""
-    moved = pushed((BESIDE - 5, 0), (200, 0))
+    moved = pushed((BESIDE - 5, 0), (20, 0))
     expected = torch.tensor([15 * PIXEL, 0.0, 0.0], dtype=torch.float64)
     torch.testing.assert_close(moved, expected, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("velocity", [(40, 0), (-500, 0), (0, 500)])
-def test_nothing_moves_what_is_not_reached(velocity: tuple[float, float]) -> None:
-    moved = pushed((BESIDE - 5, 0), velocity)
+@pytest.mark.parametrize("way", [(4, 0), (-50, 0), (0, 50)])
+def test_nothing_moves_what_is_not_reached(way: tuple[float, float]) -> None:
+    moved = pushed((BESIDE - 5, 0), way)
     assert moved.tolist() == [0.0, 0.0, 0.0]
 
 
 def test_a_push_beside_the_centre_turns_the_object() -> None:
-    above = pushed((BESIDE, 20), (100, 0))
-    below = pushed((BESIDE, -20), (100, 0))
+    above = pushed((BESIDE, 20), (10, 0))
+    below = pushed((BESIDE, -20), (10, 0))
     assert float(above[2]) < 0 < float(below[2])
     torch.testing.assert_close(above[:1], below[:1])
 
 
+# --- the way, part by part
+
+
+def test_a_way_straight_on_pushes_as_far_in_parts_as_at_once() -> None:
+    at_once = pushed((BESIDE - 5, 0), (20, 0))
+    in_parts = pushed((BESIDE - 5, 0), (3, 0), (12, 0), (20, 0))
+    torch.testing.assert_close(in_parts, at_once, rtol=0, atol=1e-12)
+
+
+def test_an_object_stays_where_the_pusher_has_left_it() -> None:
+    """A pusher that goes beyond where it arrives has pushed as far as it went."""
+    there, back = pushed((BESIDE, 0), (9, 0)), pushed((BESIDE, 0), (9, 0), (2, 0))
+    assert float(there[0]) == pytest.approx(9 * PIXEL)
+    torch.testing.assert_close(back, there)
+
+
+def test_a_way_round_a_corner_pushes_nothing_though_the_straight_one_would() -> None:
+    corner = -45 - RADIUS / PIXEL
+    start, end = (BESIDE - 5, 0), (60.0, 0.0)
+    round_it = pushed(start, (0.0, corner), (80.0 - BESIDE, corner), (80.0 - BESIDE, -corner))
+    assert round_it.tolist() == [0.0, 0.0, 0.0]
+    assert float(pushed(start, end)[0]) > 50 * PIXEL
+
+
+def test_a_part_starts_from_the_pose_to_which_those_before_it_have_pushed() -> None:
+    """Two steps of one part each are one step of two parts."""
+    pose = torch.tensor([0.0, 0.0, 0.3], dtype=torch.float64)
+    start = PIXEL * torch.tensor([BESIDE - 10, 12.0], dtype=torch.float64)
+    way = PIXEL * torch.tensor([[15.0, 2.0], [24.0, -9.0]], dtype=torch.float64)
+
+    first = MOTION(pose, start + way[0], way[0])
+    second = MOTION(first, start + way[1], way[1] - way[0])
+    assert (first - pose).any() and (second - first).any()
+    torch.testing.assert_close(MOTION(pose, start + way[1], way.flatten()), second)
+
+
 def test_the_belief_moves_as_it_is_and_leads_no_gradient_to_the_push() -> None:
     pose = poses(1)[0].requires_grad_()
-    pusher, a = (torch.ones(2, dtype=torch.float64, requires_grad=True) for _ in range(2))
-    moved = PoseMotion(ContactOptions(size=T_WIDTH).dynamics(body_of()), RADIUS)(
-        pose, pusher, a, 0.1
-    )
+    pusher, way = (torch.ones(size, dtype=torch.float64, requires_grad=True) for size in (2, 4))
+    moved = PoseMotion(ContactOptions(size=T_WIDTH).dynamics(body_of()), RADIUS)(pose, pusher, way)
 
     jacobian = torch.stack([torch.autograd.grad(x, pose, retain_graph=True)[0] for x in moved])
     torch.testing.assert_close(jacobian, pose_jacobian(pusher))
-    assert not torch.autograd.grad(moved.sum(), (pusher, a), allow_unused=True)[0]
+    assert not any(torch.autograd.grad(moved.sum(), (pusher, way), allow_unused=True))
 
 
 def test_a_pose_at_rest_is_the_same() -> None:

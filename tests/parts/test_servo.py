@@ -1,4 +1,4 @@
-"""The controller of the pusher: its closed form against the loop of its sub-steps."""
+"""The controller of the pusher: its closed form against the loop of its sub-steps, and its way."""
 
 from typing import Any
 
@@ -6,16 +6,14 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import torch
-from _inputs import normal
-from _inputs.pushing import uniform
+from _inputs import BATCHES, normal
 from _inputs.servo import GAINS, sub_steps
-from torch import Tensor
 
 import aicon_envs  # noqa: F401  (registers the environments)
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.models.pusht.benchmark import WORKSPACE
-from aicon_torch.parts import PositionTarget, Servo
+from aicon_torch.parts import PositionTarget, PusherMotion, Servo
 
 each_gain = pytest.mark.parametrize("gains", GAINS, ids=str)
 
@@ -59,21 +57,67 @@ def test_without_a_servo_the_target_is_where_the_pusher_will_be() -> None:
 
 
 @each_gain
-def test_no_sub_step_goes_farther_than_the_farthest(gains: dict[str, Any]) -> None:
-    """And one mm more would, unless the bound itself is what is in the way."""
-    servo = Servo.of(**gains)
-    bound, speed = 0.04 * uniform(500), 1.5 * (uniform(500, seed=1) - 0.5)
-    farthest = servo.largest_displacement(bound, speed)
-    assert (farthest <= bound).all()
+@pytest.mark.parametrize("batch", BATCHES, ids=str)
+def test_the_way_is_that_of_the_sub_steps_part_by_part(
+    gains: dict[str, Any], batch: tuple[int, ...]
+) -> None:
+    """Towards the target that is sent: where each of five equal parts of the sub-steps ends."""
+    servo, motion = Servo.of(**gains), PusherMotion(Servo.of(**gains)).double()
+    velocity, a = 0.3 * normal(*batch, 2), 0.3 * normal(*batch, 2, seed=1)
+    moved = motion.update({"v_pusher": velocity, "a": a, "dt": 0.1})
 
-    def largest(end: Tensor) -> Tensor:
-        reached = servo.displacement_by_velocity[-1] * speed
-        offset = (end - reached) / servo.displacement_by_offset[-1]
-        return torch.stack(sub_steps(offset, speed, **gains)[0]).amax(0)
+    offset = servo.target_offset(a, velocity, 0.1)
+    places, final = sub_steps(offset, velocity, **gains)
+    each = len(places) // 5
+    torch.testing.assert_close(moved["d_pusher"], torch.cat(places[each - 1 :: each], dim=-1))
+    torch.testing.assert_close(moved["v_pusher"], final)
 
-    assert (largest(farthest) <= bound + 1e-12).all()
-    assert (largest(farthest + 0.001) > bound).all()
-    assert 0.05 < (farthest < bound - 1e-12).double().mean() < 0.95
+
+EITHER = pytest.mark.parametrize("servo", [Servo.of(), Servo.of(substeps=3), None], ids=str)
+
+
+@EITHER
+def test_the_way_ends_where_the_action_leads(servo: Servo | None) -> None:
+    motion = PusherMotion(servo).double()
+    velocity, a = 0.3 * normal(20, 2), 0.3 * normal(20, 2, seed=1)
+    moved = motion.update({"v_pusher": velocity, "a": a, "dt": 0.1})
+
+    assert moved["d_pusher"].shape == (20, 2 * motion.parts)
+    torch.testing.assert_close(moved["d_pusher"][:, -2:], 0.1 * a)
+
+
+@EITHER
+def test_a_pusher_begins_at_rest_and_stays_there_without_an_action(servo: Servo | None) -> None:
+    motion = PusherMotion(servo).double()
+    start = motion.initial({})
+    assert start["d_pusher"].shape == (2 * motion.parts,) and start["v_pusher"].shape == (2,)
+    assert not any(value.any() for value in start.values())
+
+    at_rest = torch.zeros(2, dtype=torch.float64)
+    moved = motion.update({**start, "a": at_rest, "dt": 0.1})
+    assert not any(value.any() for value in moved.values())
+
+
+def test_without_a_servo_a_pusher_moves_evenly() -> None:
+    a = normal(7, 2)
+    moved = PusherMotion(None).double().update({"v_pusher": normal(7, 2), "a": a, "dt": 0.1})
+    parts = moved["d_pusher"].unflatten(-1, (-1, 2)).diff(dim=-2)
+    torch.testing.assert_close(parts, (0.1 * a / 5).unsqueeze(-2).expand_as(parts))
+    assert torch.equal(moved["v_pusher"], a)
+
+
+@EITHER
+def test_an_anticipated_motion_is_the_motion(servo: Servo | None) -> None:
+    """The one that a gradient leads through."""
+    motion = PusherMotion(servo).double()
+    a = normal(4, 2).requires_grad_()
+    values = {"v_pusher": 0.3 * normal(4, 2, seed=1), "a": a, "dt": 0.1}
+    moved = motion.update(values)
+
+    for name in motion.outputs:
+        anticipated = motion(values, name)
+        torch.testing.assert_close(anticipated, moved[name])
+        assert anticipated.requires_grad and not moved[name].requires_grad
 
 
 def test_the_pusher_moves_as_the_model_believes() -> None:

@@ -14,7 +14,7 @@ from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL, benchmark
 from aicon_torch.parts import rotate
 
-OFTEN = ["aicon", "slow_approach", "paper_literal", "steepest", "potential_field"]
+OFTEN = ["aicon", "paper_literal", "steepest", "potential_field"]
 KINDS: dict[str, dict[str, Any]] = {
     **{preset: {"preset": preset} for preset in OFTEN},
     "soft intent": {"contact.intent": 0.1},
@@ -111,7 +111,6 @@ def test_either_sense_of_the_outline_is_the_same(keypoints: Any) -> None:
 
 BATCHED: dict[str, dict[str, Any]] = {
     **KINDS,
-    "slow_approach_ungrouped": {"preset": "slow_approach_ungrouped"},
     "without projection": {"resolution.projector": "none"},
     "without estimation": {"estimation": False},
 }

@@ -44,7 +44,7 @@ def test_late_readings_lead_over_the_same_paths_and_leave_no_graph() -> None:
     assert_rows_stand_alone(late, wandering(4, 3), rows=(0, 2))
 
 
-@pytest.mark.parametrize("preset", ["aicon", "slow_approach", "steepest"])
+@pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest"])
 def test_an_observed_goal_is_the_fixed_one(preset: str) -> None:
     fixed = make_policy("pusht", preset=preset, goal_pose=GOAL)
     observed = make_policy("pusht", preset=preset, observe_goal=True)

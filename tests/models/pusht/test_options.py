@@ -49,7 +49,6 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"command": "best"}, "command='best'.*'position', 'velocity'"),
     ({"contact.reach": 0.0}, "reach=0.0"),
     ({"contact.effect": "best"}, "effect='best'.*'quasi_static', 'sine', 'angle'"),
-    ({"contact_limits.push": (3.0, 1.0)}, "push"),
     ({"resolution.projector": "best"}, "projector='best'"),
     ({"resolution.temperature": 0.0}, "temperature"),
     ({"resolution.margin": -0.1}, "margin"),
@@ -58,15 +57,14 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"resolution.exploration.enter_cosine": -0.1}, "enter_cosine"),
     ({"resolution.exploration.ratio": 0.5}, "ratio"),
     ({"resolution.exploration.average_time": 0.0}, "average_time"),
-    ({"law.gain": 0.0}, "gain"),
+    ({"law.step": 0.0}, "step=0.0"),
+    ({"law.iterations": 0}, "iterations=0"),
+    ({"law.gain": 1.0}, "'law' of 'pusht' has no option 'gain'.*'iterations', 'step'"),
     ({"law.smoothing": -1.0}, "smoothing"),
     ({"speed": 1.0}, "'pusht' has no option 'speed'.*'goal_pose'.*'max_speed'"),
     ({"contact.speed": 1.0}, "'contact' of 'pusht' has no option 'speed'.*'size'.*'reach'"),
     ({"preset": "best"}, "no preset 'best'.*'aicon', 'paper_literal', 'steepest'"),
-    (
-        {"preset": "paper_literal", "contact_limits.harm": 1.0},
-        "'contact_limits' of 'pusht' is None.*'harm'",
-    ),
+    ({"contact_limits": None}, "'pusht' has no option 'contact_limits'"),
 ]
 
 
@@ -79,9 +77,8 @@ def test_a_bad_option_is_named(options: dict[str, Any], culprit: str) -> None:
 def test_the_action_is_a_target_or_a_velocity() -> None:
     """The same memory; the target leads the velocity by the controller's lag, or not at all."""
     (reading,) = wandering(1, 5)
-    whole_step = {"contact_limits.within_steps": False}
-    leading, memory = make_policy("pusht", **whole_step).predict(reading)
-    lagging, second = make_policy("pusht", compensate_lag=False, **whole_step).predict(reading)
+    leading, memory = make_policy("pusht").predict(reading)
+    lagging, second = make_policy("pusht", compensate_lag=False).predict(reading)
     velocity, third = make_policy("pusht", command="velocity").predict(reading)
     for other in (second, third):
         torch.testing.assert_close(other["a"], memory["a"])
