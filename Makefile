@@ -61,8 +61,7 @@ test-lerobot: $(LEROBOT_INSTALLED) ## Run the tests that need LeRobot
 compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and pushT: tables, curves and pictures
 	$(AICON) compare --task nav2d --policies aicon paper_literal steepest potential_field \
 	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/nav2d
-	$(AICON) compare --task pusht --policies aicon slow_approach slow_approach_ungrouped paper_literal \
-	  steepest steepest_without_contact_limits potential_field potential_field_without_contact_limits \
+	$(AICON) compare --task pusht --policies aicon paper_literal steepest potential_field \
 	  --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
 	@if [ -e $(LEROBOT_INSTALLED) ]; then $(LEROBOT_AICON) compare --task pusht --policies diffusion \
 	  --diffusion-path $(STUDENT) --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) \

@@ -46,10 +46,10 @@ def test_the_distribution_registers_the_policy(plugin: Any) -> None:
         {},
         {"max_speed": 0.4},
         {"preset": "potential_field"},
-        {"preset": "slow_approach"},
-        {"preset": "slow_approach", "max_speed": 0.4},
+        {"preset": "paper_literal"},
+        {"preset": "paper_literal", "max_speed": 0.4},
     ],
-    ids=["default", "max_speed", "preset", "preset with its own speed", "preset and max_speed"],
+    ids=["default", "max_speed", "preset", "preset with its own law", "preset and max_speed"],
 )
 def test_it_is_the_policy_of_the_library(options: dict[str, Any]) -> None:
     env = gym.make("gym_pusht:gym_pusht/PushT-v0", obs_type=KEYPOINTS, disable_env_checker=True)
