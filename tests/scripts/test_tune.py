@@ -1,14 +1,17 @@
-"""The search over gain and speed."""
+"""The search over law and speed."""
 
 import argparse
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 import tune
 from aicon_baselines.evaluation import ComparisonError
 from aicon_torch import Policy
-from aicon_torch.models.pusht import PIXEL, Options
+from aicon_torch.control import ActionLaw, DirectDescent, Foresight
+from aicon_torch.models import nav2d, pusht
+from aicon_torch.models.pusht import PIXEL
 
 
 def parse(*words: str) -> argparse.Namespace:
@@ -32,12 +35,15 @@ def test_it_searches_what_belongs_to_the_task(
     assert (usual.speeds, usual.seed) == (speeds, seed)
 
     asked = tune.choose_search(parse("--task", task, "--speeds", "3"))
-    assert (asked.speeds, asked.gains, asked.seed) == ([3.0], usual.gains, seed)
+    assert (asked.speeds, asked.seed) == ([3.0], seed)
+    assert (asked.steps, asked.gains) == (usual.steps, usual.gains)
 
 
-def test_it_searches_around_what_is_shipped() -> None:
-    search, shipped = tune.SEARCHES["pusht"], Options()
-    assert shipped.law.gain in search.gains and shipped.max_speed in search.speeds
+@pytest.mark.parametrize(("task", "shipped"), [("nav2d", nav2d), ("pusht", pusht)])
+def test_it_searches_around_what_is_shipped(task: str, shipped: ModuleType) -> None:
+    search, options = tune.SEARCHES[task], shipped.Options()
+    assert options.law == Foresight()
+    assert options.law.step in search.steps and options.max_speed in search.speeds
 
 
 def test_seeds_for_reporting_are_refused() -> None:
@@ -45,26 +51,42 @@ def test_seeds_for_reporting_are_refused() -> None:
         tune.choose_search(parse("--seed", "999"))
 
 
-def test_candidates_differ_in_law_gain_and_speed() -> None:
-    search = tune.Search(gains=(1.0, 2.0), speeds=(0.3,), seed=1000, episodes=1)
-    candidates = tune.list_candidates("nav2d", ["aicon"], ["set", "accumulate"], search)
+def test_candidates_differ_in_law_step_gain_and_speed() -> None:
+    search = tune.Search(steps=(0.5,), gains=(1.0, 2.0), speeds=(0.3,), seed=1000, episodes=1)
+    laws = ["foresight", "set", "accumulate"]
+    candidates = tune.list_candidates("nav2d", ["aicon"], laws, search)
     assert list(candidates) == [
+        "aicon foresight step=0.5 speed=0.3",
         "aicon set gain=1 speed=0.3",
         "aicon set gain=2 speed=0.3",
         "aicon accumulate gain=1 speed=0.3",
         "aicon accumulate gain=2 speed=0.3",
     ]
 
-    policy = candidates["aicon accumulate gain=2 speed=0.3"]("range")
+
+
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        ("aicon foresight step=0.5 speed=0.3", Foresight(step=0.5)),
+        ("aicon set gain=2 speed=0.3", DirectDescent(gain=2.0)),
+        ("aicon accumulate gain=2 speed=0.3", DirectDescent.as_in_paper(gain=2.0)),
+    ],
+)
+def test_a_candidate_is_what_its_name_says(name: str, law: ActionLaw) -> None:
+    search = tune.Search(steps=(0.5,), gains=(2.0,), speeds=(0.3,), seed=1000, episodes=1)
+    candidates = tune.list_candidates("nav2d", ["aicon"], list(tune.LAWS), search)
+
+    policy = candidates[name]("range")
     assert isinstance(policy, Policy)
-    assert policy.law.gain == 2.0 and policy.law.accumulate
+    assert policy.law == law
     assert policy.model.actuators["a"].limit == 0.3
 
 
 def test_results_are_saved_and_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["--gains", "10", "--speeds", "0.5", "--episodes", "1", "--out", str(tmp_path)]
+    words = ["--steps", "0.5", "--speeds", "0.5", "--episodes", "1", "--out", str(tmp_path)]
     load = tune.load
 
     def load_short_task(name: str) -> object:
@@ -74,5 +96,5 @@ def test_results_are_saved_and_printed(
 
     monkeypatch.setattr(tune, "load", load_short_task)
     tune.run(parse(*words))
-    assert "| aicon preset gain=10 speed=0.5 | 0/1" in capsys.readouterr().out
+    assert "| aicon foresight step=0.5 speed=0.5 | 0/1" in capsys.readouterr().out
     assert (tmp_path / "episodes.csv").exists()
