@@ -7,7 +7,7 @@ from torch import Tensor
 from aicon_torch.estimation import Estimator
 from aicon_torch.graph.checks import check_reach, check_rows
 from aicon_torch.graph.declaration import Declaration
-from aicon_torch.graph.edges import find_edges, find_evaluated_once
+from aicon_torch.graph.edges import find_edges
 from aicon_torch.graph.order import in_order
 from aicon_torch.graph.paths import Edge
 from aicon_torch.graph.probe import check_at_random_point, probe
@@ -23,7 +23,6 @@ class Graph:
         owners: The estimator of each estimate.
         quantities: Sensors, actuators and estimates, with their shapes.
         edges: For each quantity and goal on a path, the quantities that its gradient goes on to.
-        evaluated_once: Quantities on a path whose value is its own anticipation.
         first_readings: Optional sensors without which an episode cannot begin: a prior reads them.
     """
 
@@ -31,7 +30,6 @@ class Graph:
     owners: dict[str, Estimator]
     quantities: dict[str, Quantity]
     edges: dict[str, tuple[Edge, ...]]
-    evaluated_once: frozenset[str]
     first_readings: tuple[str, ...]
 
 
@@ -64,7 +62,6 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
         owners={name: estimator for estimator in estimators for name in estimator.outputs},
         quantities=quantities,
         edges=edges,
-        evaluated_once=find_evaluated_once(declaration, estimators, edges),
         first_readings=tuple(name for name in declaration.optional_sensors if name in prior_inputs),
     )
 

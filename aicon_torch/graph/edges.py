@@ -49,23 +49,6 @@ def find_edges(
     return {name: edges for name, edges in found.items() if name in wanted and edges}
 
 
-def find_evaluated_once(
-    declaration: Declaration, estimators: Sequence[Estimator], edges: Mapping[str, object]
-) -> frozenset[str]:
-    """Quantities on a path whose value is its own anticipation: they are evaluated once, not twice.
-
-    They are those without memory whose inputs all have their new values when they run.
-    """
-    known = {*declaration.sensors, *declaration.actuators, "dt"}
-    once: set[str] = set()
-    for estimator in estimators:
-        name = estimator.outputs[0]
-        if not estimator.recursive and name in edges and known.issuperset(estimator.inputs):
-            once.add(name)
-        known.update(estimator.outputs)
-    return frozenset(once)
-
-
 def _differentiable_sources(
     node: Estimator | Goal,
     name: str,

@@ -1,6 +1,6 @@
 """The world model: a graph of sensors, actuators, estimators and goals, run one step at a time."""
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple, cast
 
@@ -152,38 +152,14 @@ class WorldModel(nn.Module):
             new.update(estimator.update(new))
         return _without_dt(new)
 
-    def step(self, values: Mapping[str, Tensor]) -> tuple[dict[str, Tensor], LocalGraphs]:
-        """Run every estimator once, and record how the new values depend on each other.
-
-        Args:
-            values: Readings of this step, last actions, and estimates of the last step.
-
-        Returns:
-            The new values, and the local graphs.
-        """
-        new = with_dt(values, self.dt)
-        graphs: LocalGraphs = {}
-        for estimator in self.estimators:
-            name = estimator.outputs[0]
-            # Where a value is its own anticipation, one evaluation serves both.
-            if name in self.graph.evaluated_once:
-                graphs[name] = self._record(name, new)
-                new[name] = graphs[name].output.detach()  # as a number: graphs are one hop long
-            else:
-                new.update(estimator.update(new))
-
-        new_values = _without_dt(new)
-        return new_values, graphs | self.record(new_values, known=graphs)
-
-    def record(self, values: Mapping[str, Tensor], known: Container[str] = ()) -> LocalGraphs:
+    def record(self, values: Mapping[str, Tensor]) -> LocalGraphs:
         """The local graphs at given values: how each quantity and goal depends on what it reads.
 
         Args:
             values: Values after a step.
-            known: Names whose graphs are there already.
         """
         inputs = with_dt(values, self.dt)
-        return {name: self._record(name, inputs) for name in self.edges if name not in known}
+        return {name: self._record(name, inputs) for name in self.edges}
 
     def foresee(
         self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]
@@ -230,7 +206,7 @@ class WorldModel(nn.Module):
     ) -> dict[str, Tensor]:
         """Each goal's cost as one differentiable function of the actions, nothing detached between.
 
-        The same derivatives at the same values as :meth:`step` records node by node: the oracle for
+        The same derivatives at the same values as :meth:`record` gives node by node: the oracle for
         the sum over paths, and what tells each goal's predicted change.
 
         Args:

@@ -24,7 +24,7 @@ def in_motion(model: WorldModel, batch: tuple[int, ...] = (), steps: int = 2) ->
     values = model.initial(readings(batch, 1), batch)
 
     for step in range(steps):
-        values, _ = model.step(values | actions(model, batch, step) | readings(batch, step + 2))
+        values = model.update(values | actions(model, batch, step) | readings(batch, step + 2))
 
     return values
 

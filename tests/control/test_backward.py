@@ -47,8 +47,8 @@ def stepped(
 ) -> tuple[dict[str, Tensor], dict[str, Tensor], LocalGraphs]:
     """Values after one more step, the actions that led there, and the local graphs of the step."""
     moved = actions(model, batch, 9)
-    values, local = model.step(in_motion(model, batch) | moved | readings(batch, 9))
-    return values, moved, local
+    values = model.update(in_motion(model, batch) | moved | readings(batch, 9))
+    return values, moved, model.record(values)
 
 
 def descended(policy: Policy, batch: tuple[int, ...]) -> dict[str, Tensor]:
