@@ -42,7 +42,7 @@ def test_estimators_may_be_listed_in_any_order(blueprint: Blueprint, random: Any
 def test_in_a_cycle_one_reads_the_value_of_the_last_step() -> None:
     graph = cyclic()
     values = {**in_motion(graph), "a": torch.tensor([0.3, -0.2], dtype=torch.float64)}
-    after, _ = graph.step(values)
+    after = graph.update(values)
 
     x = 0.1 * values["a"]
     first, second = (name for node in graph.estimators for name in node.outputs if name in "pq")
@@ -86,5 +86,5 @@ def test_a_filter_that_nothing_moves_can_stand_in_a_graph() -> None:
     graph = tracking_model(MOVE, TRACK, home, goals=[Goal("apart", apart)])
     assert [str(path) for path in graph.paths()] == ["apart → p → x → a"]
 
-    after, _ = graph.step(in_motion(graph))
+    after = graph.update(in_motion(graph))
     assert after["P_home"].diagonal().max() < 1.0

@@ -18,7 +18,7 @@ def test_a_function_of_each_row_is_written_for_one() -> None:
 
     for batch in ((), (4,), (3,), (2, 3)):
         values = graph.initial({"z": normal(*batch, 2)}, batch) | {"a": normal(*batch, 2, seed=1)}
-        after, _ = graph.step(values)
+        after = graph.update(values)
 
         expected = [0.1 * values["a"] * i * values["z"] for i in (1, 2, 3)]
         torch.testing.assert_close(after["y"], torch.stack(expected, dim=-2))
@@ -45,7 +45,7 @@ def test_functions_of_rows_may_read_rows_and_constants() -> None:
 def test_a_rowed_quantity_can_be_displaced() -> None:
     graph = cornered()
     start = graph.initial({"z": normal(5, 2)}, (5,)) | {"a": normal(5, 2, seed=1)}
-    values, _ = graph.step(start)
+    values = graph.update(start)
 
     shift = normal(5, 3, 2, seed=2)
     cost = graph.displaced_cost("far", "y", shift, values)

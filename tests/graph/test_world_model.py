@@ -28,7 +28,8 @@ def test_estimation_alone_gives_the_same_values(
 ) -> None:
     graph = built(blueprint)
     values = in_motion(graph, batch) | actions(graph, batch, 9) | readings(batch, 9)
-    after, local = graph.step(values)
+    after = graph.update(values)
+    local = graph.record(after)
     assert set(local) == set(graph.edges)
 
     alone = graph.update(values)
@@ -76,7 +77,7 @@ def test_a_model_starts_at_rest_at_its_priors() -> None:
 def test_constants_follow_the_precision(dtype: torch.dtype) -> None:
     graph = tracking_model(dtype=dtype)
     start = graph.initial({"z": torch.zeros(2, dtype=dtype)}, ())
-    after, _ = graph.step(start)
+    after = graph.update(start)
 
     assert all(value.dtype == dtype for value in after.values())
 
@@ -85,7 +86,7 @@ def test_constants_follow_the_precision(dtype: torch.dtype) -> None:
 def test_dt_may_be_read_by_every_function(dt: float) -> None:
     graph = tracking_model(dt=dt)
     values = {**in_motion(graph), "a": torch.ones(2, dtype=torch.float64)}
-    assert graph.step(values)[0]["x"].tolist() == [dt, dt]
+    assert graph.update(values)["x"].tolist() == [dt, dt]
 
 
 # --- displaced costs
