@@ -10,6 +10,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "upstream": ("gym_pusht",),
     "sb3": ("stable_baselines3",),
     "lerobot": ("lerobot", "diffusers"),
+    "peers": ("torchjd", "pytorch_mppi", "mink"),
     "cluster": ("distributed",),
 }
 """The modules that each extra brings."""
