@@ -24,12 +24,16 @@ class Memory(NamedTuple):
         plan: (B, H, 2), the planned mean velocities, m/s.
         pusher: (B, 2), where the pusher was, m.
         velocity: (B, 2), its velocity there, m/s.
+        pose: (B, 3), where the object was, m and rad.
+        begun: (B,), whether the episode has only begun.
         random_state: State of the random numbers, the same for all robots.
     """
 
     plan: Tensor
     pusher: Tensor
     velocity: Tensor
+    pose: Tensor
+    begun: Tensor
     random_state: Tensor
 
 
@@ -67,17 +71,14 @@ class Agent:
         self._prediction = Prediction(self._model)
         frame = torch.tensor(tuple(self._model.goal_pose), dtype=self._model.dtype)
         goal = self._prediction.body.pose_of_frame(frame)
-        cost = Cost(self._prediction.dynamics, goal, self._options)
-
-        self._predict: Any = self._prediction
-        self._weigh: Any = cost
-        self._planner: MPPI_Batched | None = None
+        self._cost = Cost(self._prediction.dynamics, goal, self._options)
+        self._planner = self._make_planner(self._prediction, self._cost)
 
     def compile(self) -> "Agent":
         """Return the same policy with compiled prediction and cost, many times faster."""
         compiled = Agent(self._options, self._model, self._seed)
-        compiled._predict = torch.compile(compiled._predict)
-        compiled._weigh = torch.compile(compiled._weigh)
+        prediction, cost = torch.compile(compiled._prediction), torch.compile(compiled._cost)
+        compiled._planner = compiled._make_planner(prediction, cost)
         return compiled
 
     @torch.inference_mode()
@@ -103,19 +104,25 @@ class Agent:
         pusher = self._metres(observation, "agent_pos")
         pose = self._prediction.body.registration(keypoints.unflatten(-1, (-1, 2)))
 
-        # 1. How fast the pusher is, and what is left of the plan.
-        memory = self._initial(pusher) if state is None else state
+        # 1. Forget what was before an episode.
+        initial = self._initial(pusher, pose)
+        previous = initial if state is None else state
+        starts = torch.full((len(pusher),), state is None)
         if state is not None and episode_start is not None:
-            memory = _restart(memory, self._initial(pusher), torch.as_tensor(episode_start))
+            starts = torch.from_numpy(np.asarray(episode_start))
+        begins = starts & ~_repeats(previous, initial)
+        memory = _restart(previous, initial, begins)
+
+        # 2. Plan, from where the pusher is and how fast it is.
         velocity = self._velocity(memory, pusher)
+        states = torch.cat((pose, pusher, velocity), dim=-1)
+        plan, random_state = self._plan(states, memory, rows=begins | ~starts)
 
-        # 2. Plan.
-        plan, random_state = self._plan(torch.cat((pose, pusher, velocity), dim=-1), memory)
-
-        # 3. The target that yields its first velocity.
+        # 3. The target that yields the first velocity.
         offset = self._prediction.servo.target_offset(plan[:, 0], velocity, self._model.dt)
         target = (pusher + offset).clamp(*WORKSPACE)
-        return (target / PIXEL).numpy(), Memory(plan, pusher, velocity, random_state)
+        memory = Memory(plan, pusher, velocity, pose, starts, random_state)
+        return (target / PIXEL).numpy(), memory
 
     def _metres(self, observation: dict[str, Any], name: str) -> Tensor:
         """A reading in metres, (B, n)."""
@@ -126,11 +133,17 @@ class Agent:
             )
         return reading
 
-    def _initial(self, pusher: Tensor) -> Memory:
+    def _initial(self, pusher: Tensor, pose: Tensor) -> Memory:
         """The memory of robots at rest (B, 2) without a plan."""
-        plan = pusher.new_zeros(len(pusher), self._options.horizon, 2)
-        random_state = torch.Generator().manual_seed(self._seed).get_state()
-        return Memory(plan, pusher, torch.zeros_like(pusher), random_state)
+        count = len(pusher)
+        return Memory(
+            plan=pusher.new_zeros(count, self._options.horizon, 2),
+            pusher=pusher,
+            velocity=torch.zeros_like(pusher),
+            pose=pose,
+            begun=torch.zeros(count, dtype=torch.bool),
+            random_state=torch.Generator().manual_seed(self._seed).get_state(),
+        )
 
     def _velocity(self, memory: Memory, pusher: Tensor) -> Tensor:
         """The pusher's velocity (B, 2), m/s, as the servo leaves it after its last motion."""
@@ -138,31 +151,34 @@ class Agent:
         mean = (pusher - memory.pusher) / dt
         return self._prediction.servo.final_velocity(memory.velocity, mean, dt)
 
-    def _plan(self, states: Tensor, memory: Memory) -> tuple[Tensor, Tensor]:
-        """The new plan (B, H, 2) and the state of the random numbers after it."""
-        planner = self._planner
-        if planner is None or len(states) != planner.N:
-            planner = self._planner = self._make_planner(len(states))
+    def _plan(self, states: Tensor, memory: Memory, rows: Tensor) -> tuple[Tensor, Tensor]:
+        """The new plans (B, H, 2) in these rows (B,), and the state of the random numbers then."""
+        plan = memory.plan.clone()
+        if not rows.any():
+            return plan, memory.random_state
 
-        # The planner shifts the last plan by a step. It draws from torch's global random numbers,
-        # which are others' as well.
-        planner.U = memory.plan
+        # The planner shifts the last plans by a step, and remembers nothing else.
+        planner = self._planner
+        planner.N, planner.U = int(rows.sum()), plan[rows]
+
+        # It draws from torch's global random numbers, which are others' as well.
         with torch.random.fork_rng(devices=()):
             torch.set_rng_state(memory.random_state)
-            planner.command(states)
-            return planner.U, torch.get_rng_state()
+            planner.command(states[rows])
+            plan[rows] = planner.U
+            return plan, torch.get_rng_state()
 
-    def _make_planner(self, count: int) -> MPPI_Batched:
-        """The planner of so many robots."""
+    def _make_planner(self, prediction: Any, cost: Any) -> MPPI_Batched:
+        """The planner, of one robot at first."""
         options, dtype = self._options, self._model.dtype
         limit = torch.full((2,), self._model.max_speed, dtype=dtype)
         with torch.random.fork_rng(devices=()):
             return MPPI_Batched(
-                self._predict,
-                self._weigh,
+                prediction,
+                cost,
                 nx=STATE_SIZE,
                 noise_sigma=options.noise**2 * torch.eye(2, dtype=dtype),
-                num_envs=count,
+                num_envs=1,
                 num_samples=options.samples,
                 horizon=options.horizon,
                 lambda_=options.temperature,
@@ -171,10 +187,22 @@ class Agent:
             )
 
 
-def _restart(memory: Memory, initial: Memory, starts: Tensor) -> Memory:
+def _restart(memory: Memory, initial: Memory, begins: Tensor) -> Memory:
     """The memory where no episode begins, (B,), and the initial one where one does."""
+    rows = begins[:, None]
     return memory._replace(
-        plan=torch.where(starts[:, None, None], initial.plan, memory.plan),
-        pusher=torch.where(starts[:, None], initial.pusher, memory.pusher),
-        velocity=torch.where(starts[:, None], initial.velocity, memory.velocity),
+        plan=torch.where(rows[:, None], initial.plan, memory.plan),
+        pusher=torch.where(rows, initial.pusher, memory.pusher),
+        velocity=torch.where(rows, initial.velocity, memory.velocity),
     )
+
+
+def _repeats(memory: Memory, initial: Memory) -> Tensor:
+    """Where an episode had just begun, and what is seen is what was seen then, (B,).
+
+    It would plan the same again. That is no rare case: in a comparison, episodes that have ended
+    stay in the batch like this.
+    """
+    same_pusher = (memory.pusher == initial.pusher).all(-1)
+    same_pose = (memory.pose == initial.pose).all(-1)
+    return memory.begun & same_pusher & same_pose

@@ -19,15 +19,13 @@ class Options:
         temperature: λ, m: a sequence that costs λ more than the best weighs 1/e of it.
         noise: σ, standard deviation of each coordinate of a velocity, m/s.
         gap_weight: What a metre between pusher and object costs, in metres of pose error.
-        side_weight: What it costs to be where a push does not help: see :class:`Cost`.
     """
 
     samples: int = 256
     horizon: int = 15
-    temperature: float = 0.003
+    temperature: float = 0.001
     noise: float = 150.0 * PIXEL
     gap_weight: float = 0.1
-    side_weight: float = 0.5
 
     def __post_init__(self) -> None:
         """Check the numbers.
@@ -41,7 +39,7 @@ class Options:
                 raise OptionError(f"{name}={value!r}: expected a whole number >= 1.")
 
         check_positive(self, ("temperature", "noise"))
-        check_not_negative(self, ("gap_weight", "side_weight"))
+        check_not_negative(self, ("gap_weight",))
 
 
 PRESETS: Mapping[str, Options] = MappingProxyType(

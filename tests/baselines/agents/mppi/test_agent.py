@@ -76,6 +76,19 @@ def test_where_an_episode_begins_the_plan_is_forgotten(readings: dict[str, np.nd
     assert not np.allclose(again[1], action[1], atol=1e-3)
 
 
+def test_an_episode_that_begins_again_as_it_had_begun_keeps_its_plan(
+    readings: dict[str, np.ndarray],
+) -> None:
+    agent = Agent(SMALL)
+    first, memory = agent.predict(readings)
+    again, kept = agent.predict(readings, memory, np.array([True, True, False]))
+    assert np.array_equal(again[:2], first[:2]) and not np.allclose(again[2], first[2])
+
+    # It costs nothing: no samples are drawn where nothing is planned.
+    _, kept = agent.predict(readings, memory, np.ones(3, np.bool_))
+    assert torch.equal(kept.random_state, memory.random_state)
+
+
 def test_it_goes_to_the_object_and_pushes_it_towards_the_goal(env: Any) -> None:
     agent, memory = Agent(Options(samples=32, horizon=10)), None
     observation, info = env.reset(**START)

@@ -96,7 +96,7 @@ def test_a_push_moves_the_object_ahead_of_the_pusher_however_fast(
 
 def test_the_cost_is_the_pose_error_and_the_way_to_the_object(prediction: Prediction) -> None:
     goal = goal_of(prediction)
-    options = Options(gap_weight=0.1, side_weight=0.0)
+    options = Options(gap_weight=0.1)
     cost = Cost(prediction.dynamics, goal, options)
 
     # Nothing, where everything is as it should be, in contact.
@@ -108,18 +108,3 @@ def test_the_cost_is_the_pose_error_and_the_way_to_the_object(prediction: Predic
     shift = torch.tensor([0.03, 0.04, 0.0], dtype=torch.float64)
     shifted = state(goal + shift, touching + shift[:2])
     assert cost(shifted, STILL) == pytest.approx(0.05, rel=1e-3)
-
-
-def test_where_a_push_helps_it_costs_less(prediction: Prediction) -> None:
-    goal = goal_of(prediction)
-    cost = Cost(prediction.dynamics, goal, Options(gap_weight=0.0, side_weight=0.5))
-    pusher = beside(prediction, goal, 20 * PIXEL)
-    outward = (pusher - goal[:2]) / (pusher - goal[:2]).norm()
-
-    # On the outer side of an object that is too far out, and on that of one that is too far in.
-    far = torch.cat((0.05 * outward, torch.zeros(1, dtype=torch.float64)))
-    helping, harming = (
-        cost(state(goal + sign * far, pusher + sign * far[:2]), STILL) for sign in (1, -1)
-    )
-    assert helping < harming
-    assert harming == pytest.approx(0.05 * (1 + 0.5 * 2), rel=1e-2)
