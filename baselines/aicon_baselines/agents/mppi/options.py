@@ -23,7 +23,7 @@ class Options:
 
     samples: int = 256
     horizon: int = 15
-    temperature: float = 0.001
+    temperature: float = 1e-4
     noise: float = 150.0 * PIXEL
     gap_weight: float = 0.1
 
@@ -45,7 +45,7 @@ class Options:
 PRESETS: Mapping[str, Options] = MappingProxyType(
     {
         "mppi": Options(),
-        "mppi_small": Options(samples=64),
+        "mppi_small": Options(samples=32, horizon=10),
     }
 )
 """The planner as it was tuned for the control period of 0.1 s, and with the time of AICON."""
