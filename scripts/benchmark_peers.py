@@ -17,13 +17,12 @@ import numpy as np
 import torch
 
 import aicon_envs  # noqa: F401  # registers the environments
-from aicon_baselines.agents.registry import import_sb3
+from aicon_baselines.agents.registry import compiled, factory, import_sb3
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
 from aicon_torch import NullspaceProjection, OptionError, make_policy
 from aicon_torch.control import QuantityTrace
 from aicon_torch.resolution import GradientStack
-from mppi import Mppi
 
 STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
 SEED, RECORDED = 1000, 48
@@ -73,7 +72,8 @@ def pushing() -> Iterator[Program]:
         name = f"diffusion policy of LeRobot, {sampler} {denoising}"
         yield name, partial(_student, sampler, denoising, batched)
     yield "PPO of stable-baselines3", lambda: replay(_untrained_agent(), batched)
-    yield "MPPI, 256 samples of 16 steps", lambda: replay(Mppi(), observations)
+    yield "MPPI", lambda: replay(_planner("mppi"), batched)
+    yield "MPPI with fewer samples", lambda: replay(_planner("mppi_small"), batched)
 
 
 def gradients() -> Iterator[Program]:
@@ -98,6 +98,11 @@ def _student(sampler: str, steps: int, observations: list[dict[str, Any]]) -> St
     from aicon_baselines.agents.diffusion.agent import Agent
 
     return replay(Agent(STUDENT, sampler, steps), observations)
+
+
+def _planner(name: str) -> Any:
+    """The tuned planner, compiled like AICON."""
+    return compiled(factory("pusht", name))("deterministic")
 
 
 def _untrained_agent() -> Any:

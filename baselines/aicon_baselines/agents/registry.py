@@ -1,8 +1,8 @@
 """The policies that can be compared, by task and name.
 
 A task's policies are the presets of its model (ours, the paper's text and the baselines), the
-ablations of the task (ours without one part) and its opponents (what others would do); agents that
-were trained come from their folder.
+ablations of the task (ours without one part) and its opponents (what others would do); pushT has
+planners, too, which need an extra; agents that were trained come from their folder.
 """
 
 import sys
@@ -17,6 +17,9 @@ from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory, Predictor
 from aicon_baselines.extras import pip_command
 from aicon_baselines.tasks.registry import check_name, load
+
+PLANNERS = ("mppi", "mppi_small")
+"""The planners of pushT, presets of `aicon_baselines.agents.mppi`."""
 
 
 def ablations(task: str) -> Mapping[str, Mapping[str, Any]]:
@@ -51,9 +54,12 @@ def factory(task: str, name: str, **options: Any) -> Factory:
     Args:
         task: Name of the task; an unknown one is an error that lists the tasks.
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
+            Planners of pushT are named as well.
         **options: Options of the policy, by name or dotted path (`**{"law.gain": 1e6}`); they
             override those of its name and of the condition.
     """
+    if name in PLANNERS and task == "pusht":
+        return import_mppi().Planner(name, options)
     if name not in names(task):
         valid = ", ".join(names(task))
         raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {valid}")
@@ -229,6 +235,15 @@ class SavedAgent:
         """Load it, the same one for every condition."""
         agent: Predictor = self.load()
         return agent
+
+
+def import_mppi() -> ModuleType:
+    """Import `aicon_baselines.agents.mppi`; an error says what to install for it."""
+    try:
+        return import_module("aicon_baselines.agents.mppi")
+    except ModuleNotFoundError as error:
+        needed = pip_command("peers")
+        raise ComparisonError(f"{error}; planning by MPPI needs: {needed}") from error
 
 
 def import_sb3() -> ModuleType:

@@ -115,8 +115,8 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         nargs="+",
         required=True,
         metavar="NAME",
-        help="policies of the task; trained ones: sb3, diffusion; your own: MODULE:FUNCTION, a "
-        "function of the condition that returns something with predict",
+        help="policies of the task; trained ones: sb3, diffusion; in pusht a planner: mppi; your "
+        "own: MODULE:FUNCTION, a function of the condition that returns something with predict",
     )
     group.add_argument(
         "--compile",

@@ -73,7 +73,8 @@ def run(arguments: argparse.Namespace) -> None:
         outcome = rollout(policy, filmed_task, condition, episodes, [arguments.seed])
 
     print(describe_outcome(task, outcome))
-    print(f"\nits last step:\n{policy.explain()}")
+    if policy.can_explain:
+        print(f"\nits last step:\n{policy.explain()}")
     for path in (arguments.render, arguments.video):
         if path:
             print(f"saved: {path}")
@@ -98,12 +99,17 @@ def describe_outcome(task: Task, outcome: Outcome) -> str:
 
 
 class _Remembering:
-    """A policy that can tell afterwards what its last step decided."""
+    """A policy that keeps its memory, to tell afterwards what its last step decided."""
 
     def __init__(self, policy: Any) -> None:
-        self._policy: Policy = policy
+        self._policy: Any = policy
         self._memory: Any = None
         self.env_options = getattr(policy, "env_options", {})
+
+    @property
+    def can_explain(self) -> bool:
+        """Whether it is one of the library's; a planner has nothing to tell."""
+        return isinstance(self._policy, Policy)
 
     def predict(
         self,
