@@ -85,6 +85,10 @@ def errors_as_sentences(
         yield
     except (ComparisonError, OptionError, DependencyNotInstalled) as error:
         parser.error(str(error))
+    except OSError as error:
+        # The operating system refuses: no such file, no permission, no space.
+        named = f"{error.filename}: " if error.filename else ""
+        parser.error(f"{named}{error.strerror or error}")
     except ModuleNotFoundError as error:
         # Without a name it was raised by hand, and is a sentence already.
         if error.name is None:

@@ -52,11 +52,12 @@ def run(arguments: argparse.Namespace) -> None:
         horizon=arguments.horizon,
     )
 
-    folder = RunFolder(arguments.out, config)
-    compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
+    with RunFolder.open(arguments.out, config) as folder:
+        compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
+        table = write_report(task, folder)
+        failures = list_failures(folder.rows(), task)
 
-    print(write_report(task, folder))
-    failures = list_failures(folder.rows(), task)
+    print(table)
     if failures:
         print(f"\n{failures}")
     print(f"\nsaved in {arguments.out}: episodes.csv, summary.json, success_curve.png")

@@ -16,6 +16,7 @@ from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.statistics import group_rows, median_of
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.files import replacing
 
 _PANELS_PER_LINE = 3
 
@@ -129,7 +130,8 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
 
     for axes in panels[len(conditions) :]:
         axes.set_axis_off()
-    figure.savefig(path, dpi=160)
+    with replacing(path) as place:
+        figure.savefig(place, dpi=160)
 
 
 def _condition(row: Row) -> str:

@@ -12,6 +12,7 @@ from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.files import replacing
 
 Frame = NDArray[np.uint8]
 """A rendered picture, (height, width, 3)."""
@@ -41,7 +42,8 @@ def save_picture(figure: Figure, path: Path) -> None:
     rounded = (render(figure).astype(np.uint16) + 2) // 4 * 4
     frame = np.minimum(rounded, 255).astype(np.uint8)
 
-    Image.fromarray(frame).save(path, optimize=True)
+    with replacing(path) as place:
+        Image.fromarray(frame).save(place, optimize=True)
 
 
 def save_video(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArray) -> None:
@@ -56,10 +58,11 @@ def save_video(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArr
     Raises:
         ComparisonError: If imageio is not installed and the video is no gif.
     """
-    if path.suffix == ".gif":
-        _save_gif(frames, path, rate, palette)
-    else:
-        _save_mp4(frames, path, rate)
+    with replacing(path) as place:
+        if path.suffix == ".gif":
+            _save_gif(frames, place, rate, palette)
+        else:
+            _save_mp4(frames, place, rate)
 
 
 def _save_gif(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArray) -> None:

@@ -13,7 +13,7 @@ import pytest
 from aicon_baselines import tasks
 from aicon_baselines.agents import compiled, factory
 from aicon_baselines.cli.compare import add_arguments, choose_policies
-from aicon_baselines.evaluation.run_folder import read_rows
+from aicon_baselines.evaluation.rows_file import read_rows
 
 TASKS = [
     "nav2d",
