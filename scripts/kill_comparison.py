@@ -4,7 +4,9 @@ Example: python scripts/kill_comparison.py --kills 200 --starts 20 --out runs/ki
 
 After every kill, each row that was there must still be there, and every worker must end. In the end
 all files must equal, byte for byte, those of a run that nobody disturbed. Of the processes that
-start at once, one may work; the others must end with exit status 2 and say why. Needs Linux's /proc.
+start at once, one may work; the others must end with exit status 2 and say why. What runs is 2D
+navigation with two policies that cost next to nothing, since the files are what is tested. Needs
+Linux's /proc.
 """
 
 import argparse
@@ -14,6 +16,10 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.evaluation.errors import ComparisonError
@@ -24,13 +30,43 @@ REFUSAL = "another process is writing into"
 _PATIENCE = 5.0  # s that workers have to end
 
 
+class TowardTarget:
+    """Walks toward the target, and into what is in the way.
+
+    Args:
+        speed: Its speed, m/s.
+    """
+
+    def __init__(self, speed: float) -> None:
+        self._speed = speed
+
+    def predict(
+        self,
+        observation: dict[str, NDArray[Any]],
+        state: Any = None,
+        episode_start: NDArray[np.bool_] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[NDArray[np.float32], None]:
+        """Walk in the direction of the bearing."""
+        bearing = observation["bearing"]
+        return self._speed * np.concatenate([np.cos(bearing), np.sin(bearing)], axis=-1), None
+
+
+def fast(condition: str) -> TowardTarget:
+    """Build a policy that ends soon, at the target or at an obstacle."""
+    return TowardTarget(0.5)
+
+
+def slow(condition: str) -> TowardTarget:
+    """Build a policy that needs ten times as long."""
+    return TowardTarget(0.05)
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how often to disturb what."""
     parser.add_argument("--kills", type=int, default=20, help="kills (default: 20)")
     parser.add_argument("--starts", type=int, default=20, help="starts at once (default: 20)")
-    parser.add_argument("--task", default="nav2d", help="name of the task (default: nav2d)")
-    parser.add_argument("--episodes", type=int, default=40, help="seeds (default: 40)")
-    parser.add_argument("--horizon", type=int, default=1000, help="steps (default: 1000)")
+    parser.add_argument("--episodes", type=int, default=64, help="seeds (default: 64)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the moments (default: 0)")
     parser.add_argument("--out", type=Path, required=True, help="folder of the runs, new")
 
@@ -108,12 +144,16 @@ def rows_in(folder: Path) -> set[str]:
 
 
 def _start(arguments: argparse.Namespace, folder: Path) -> subprocess.Popen[str]:
-    words = ["--task", arguments.task, "--policies", "aicon", "steepest", "--jobs", "2"]
+    module = Path(__file__)
+    policies = [f"{module.stem}:fast", f"{module.stem}:slow"]
+    words = ["--task", "nav2d", "--policies", *policies, "--jobs", "2"]
     words += ["--episodes", str(arguments.episodes), "--seed", "60000"]
-    words += ["--horizon", str(arguments.horizon), "--out", str(folder)]
+    words += ["--out", str(folder.resolve())]
+
+    # In this folder, where these policies are found.
     command = [sys.executable, "-m", "aicon_baselines.cli.main", "compare", *words]
     return subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        command, cwd=module.parent, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     )
 
 
