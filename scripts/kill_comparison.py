@@ -106,6 +106,7 @@ def kill_often(arguments: argparse.Namespace, undisturbed: Path, duration: float
             _kill(process)
             kills += 1
             kept = _check_kept(kept, folders[-1])
+            print(f"kill {kills}: {len(kept)} rows are there", flush=True)
         else:
             _finish(process)
             folders.append(arguments.out / f"killed_{len(folders)}")

@@ -26,6 +26,7 @@ from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.extras import missing_extra
 from aicon_baselines.files import replacing
 from aicon_baselines.tasks import load
 from aicon_torch import Policy
@@ -185,7 +186,10 @@ def _open_video(path: Path | None, time_step: float) -> Iterator[Any]:
     if path.suffix not in (".mp4", ".gif"):
         raise ComparisonError(f"a video ends in .mp4 or .gif, not {path.suffix!r}")
 
-    import imageio.v2 as imageio  # with the extra [compare]
+    try:
+        import imageio.v2 as imageio
+    except ModuleNotFoundError as error:
+        raise missing_extra(error) from error
 
     path.parent.mkdir(parents=True, exist_ok=True)
     rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))

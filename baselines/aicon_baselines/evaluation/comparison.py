@@ -8,8 +8,6 @@ from typing import NamedTuple, cast
 
 import numpy as np
 import torch
-from joblib import Parallel, delayed
-from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.backends import joblib_backend
@@ -23,6 +21,13 @@ from aicon_baselines.evaluation.row import Key, Row, key
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.task import Episode, Task
 from aicon_baselines.evaluation.unfinished import keep
+from aicon_baselines.extras import missing_extra
+
+try:
+    from joblib import Parallel, delayed
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 
 class _Job(NamedTuple):

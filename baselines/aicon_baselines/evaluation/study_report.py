@@ -5,15 +5,20 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.study import Difference, Variant, evaluate
 from aicon_baselines.evaluation.tables import to_markdown, to_percent, to_text
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.extras import missing_extra
 from aicon_baselines.files import replacing, write_json
+
+try:
+    from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 
 def write_study(task: Task, folder: RunFolder, names: Sequence[str]) -> str:

@@ -5,14 +5,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.extras import missing_extra, pip_command
 from aicon_baselines.figures.recording import FloatArray
 from aicon_baselines.files import replacing
+
+try:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 Frame = NDArray[np.uint8]
 """A rendered picture, (height, width, 3)."""
@@ -80,10 +85,11 @@ def _save_gif(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArra
 
 def _save_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
     try:
-        import imageio.v2 as imageio  # an extra: the picture and the gif do without
-    except ImportError as error:
-        message = "mp4 needs imageio[ffmpeg]; install it or choose --video gif"
-        raise ComparisonError(message) from error
+        import imageio.v2 as imageio  # the picture and the gif do without
+    except ModuleNotFoundError as error:
+        raise ComparisonError(
+            f"mp4 needs imageio: {pip_command('compare')}; or choose --video gif"
+        ) from error
 
     writer: Any
     with imageio.get_writer(path, fps=rate, quality=6) as writer:
