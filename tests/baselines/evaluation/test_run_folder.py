@@ -147,8 +147,9 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing_that_was_there(tmp_path: Pa
         whole = path.read_bytes()
 
         # A limit on the size of files stands for the full disk.
-        with no_file_larger_than(len(whole) + 20), pytest.raises(
-            ComparisonError, match=r"cannot write .*episodes.csv: File too large"
+        with (
+            no_file_larger_than(len(whole) + 20),
+            pytest.raises(ComparisonError, match=r"cannot write .*episodes.csv: File too large"),
         ):
             append_rows(path, ROWS)
 
