@@ -58,7 +58,8 @@ def test_the_description_in_an_agent_is_not_read(folder: Path, tmp_path: Path) -
 
 
 def test_weights_that_are_no_tensors_are_refused(folder: Path, tmp_path: Path) -> None:
-    replace_member(folder / "agent.zip", "policy.pth", pickle.dumps(Intruder(tmp_path / "trace")))
+    intruder = pickle.dumps(Intruder(tmp_path / "trace"), protocol=2)  # as torch writes it
+    replace_member(folder / "agent.zip", "policy.pth", intruder)
     with pytest.raises(ComparisonError, match="agent.zip is not an agent of SAC"):
         sb3.Agent(folder, "nav2d")
     assert not (tmp_path / "trace").exists()
