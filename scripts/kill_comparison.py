@@ -46,7 +46,7 @@ class TowardTarget:
         state: Any = None,
         episode_start: NDArray[np.bool_] | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray[np.float32], None]:
+    ) -> tuple[NDArray[np.floating[Any]], None]:
         """Walk in the direction of the bearing."""
         bearing = observation["bearing"]
         return self._speed * np.concatenate([np.cos(bearing), np.sin(bearing)], axis=-1), None

@@ -1,6 +1,5 @@
 """What the vector environments share: seeds, options, masks and modes of their sub-environments."""
 
-import operator
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
@@ -61,22 +60,17 @@ def split_seed(seed: int | Sequence[int | None] | None, num_envs: int) -> list[i
     """Return the seed of each sub-environment: s + i for an integer s, or what a list says.
 
     Raises:
-        ValueError: If it is neither, or a list has another length.
+        ValueError: If it is neither, or a list has another length or other entries.
     """
     if seed is None:
         return [None] * num_envs
 
-    expected = f"seed must be one integer or {num_envs} of them"
-    if not is_sequence(seed):
-        try:
-            first = operator.index(seed)  # numpy's integers as well
-        except TypeError as error:
-            raise ValueError(f"{expected}, got {seed!r}") from error
-        return [first + index for index in range(num_envs)]
+    if isinstance(seed, (int, np.integer)):
+        return [int(seed) + index for index in range(num_envs)]
 
-    if len(seed) != num_envs:
-        raise ValueError(f"{expected}, got {len(seed)}")
-    return [None if each is None else operator.index(each) for each in seed]
+    if not is_sequence(seed) or len(seed) != num_envs:
+        raise ValueError(f"seed must be one integer or {num_envs} of them, got {seed!r}")
+    return [None if each is None else check_integer("seed", each, 0) for each in seed]
 
 
 def split_options(

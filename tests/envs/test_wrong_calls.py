@@ -83,6 +83,8 @@ def test_seeds_of_a_vector_are_one_integer_or_a_list_of_them(env: Any) -> None:
     for wrong in ("ab", 1.5, [1], [1, 2, 3]):
         with pytest.raises(ValueError, match="seed must be one integer or 2 of them, got"):
             env.reset(seed=wrong)
+    with pytest.raises(ValueError, match="seed must be an integer >= 0, got 1.5"):
+        env.reset(seed=[1, 1.5])
 
 
 @pytest.mark.parametrize("kind", [Nav2DVectorEnv, PushTVectorEnv])

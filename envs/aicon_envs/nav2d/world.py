@@ -62,8 +62,7 @@ def to_polygons(obstacles: Sequence[Vertices]) -> NDArray[np.object_]:
     counts = [len(vertices) for vertices in obstacles]
     owners = np.repeat(np.arange(len(obstacles)), counts)
     rings = shapely.linearrings(np.concatenate(obstacles), indices=owners)
-    polygons: NDArray[np.object_] = shapely.polygons(rings)
-    return polygons
+    return np.asarray(shapely.polygons(rings), np.object_)
 
 
 def to_vertices(geometry: BaseGeometry) -> list[Vertices]:

@@ -20,7 +20,7 @@ def save_replay_buffer(path: Path, model: OffPolicyAlgorithm) -> None:
     """Write all steps that an algorithm remembers, the oldest first."""
     buffer = _buffer(model)
     oldest = buffer.pos if buffer.full else 0
-    arrays = {
+    arrays: dict[str, Any] = {
         name: np.roll(array[: buffer.size()], -oldest, axis=0)
         for name, array in _arrays(buffer).items()
     }

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from pickle import UnpicklingError
+from typing import Any
 from zipfile import BadZipFile
 
 import stable_baselines3
@@ -59,7 +60,7 @@ def load_algorithm(path: Path, config: TrainingConfig, envs: VecEnv) -> BaseAlgo
             f"{needs_trust(path)}"
         )
 
-    model = make_algorithm(config, envs)
+    model: Any = make_algorithm(config, envs)
     with _agent_expected(path, config, f"or it has another network. {needs_trust(path)}"):
         # Tensors only: stable-baselines3 reads them with torch's `weights_only`.
         _, weights, variables = load_from_zip_file(path, load_data=False, device="cpu")
@@ -70,7 +71,9 @@ def load_algorithm(path: Path, config: TrainingConfig, envs: VecEnv) -> BaseAlgo
         # The temperature of SAC is a single tensor beside the networks.
         if config.algorithm == "sac":
             model.log_ent_coef.data = (variables or {})["log_ent_coef"].data
-    return model
+
+    algorithm: BaseAlgorithm = model
+    return algorithm
 
 
 def load_network(path: Path, config: TrainingConfig, envs: VecEnv) -> BaseAlgorithm:
