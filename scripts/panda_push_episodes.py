@@ -7,6 +7,7 @@ each goes as it goes there.
 """
 
 import argparse
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 import torch
 
 from aicon_baselines.agents.registry import compiled, factory, names
+from aicon_baselines.files import only_writer
 from aicon_baselines.tasks.panda_push import TASK
 from aicon_baselines.tasks.panda_push_numbers import EpisodeNumbers, in_words, load, save
 from aicon_baselines.tasks.panda_push_recording import watch
@@ -53,10 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run the episodes that are missing, save and print the numbers of all."""
     torch.set_num_threads(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
 
-    for condition in arguments.conditions:
-        for policy in arguments.policies:
+    with only_writer(arguments.out):
+        for condition, policy in product(arguments.conditions, arguments.policies):
             path = arguments.out / f"{condition}_{policy}.csv"
             numbers = take_numbers(policy, condition, path, arguments)
             print(f"{condition}, {policy}: {in_words(numbers)}", flush=True)

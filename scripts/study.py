@@ -58,10 +58,11 @@ def run(arguments: argparse.Namespace) -> None:
     )
     policies = make_variants(task, condition, arguments.variants)
 
-    folder = RunFolder(arguments.out, config)
-    compare(task, policies, folder, arguments.jobs)
+    with RunFolder.open(arguments.out, config) as folder:
+        compare(task, policies, folder, arguments.jobs)
+        table = write_study(task, folder, list(policies))
 
-    print(write_study(task, folder, list(policies)))
+    print(table)
     print(f"\nsaved in {arguments.out}: episodes.csv, study.json, study.png")
 
 

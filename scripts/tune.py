@@ -92,9 +92,10 @@ def run(arguments: argparse.Namespace) -> None:
     candidates = list_candidates(task.name, arguments.policies, arguments.laws, search)
 
     config = configure(task, seed=search.seed, episodes=search.episodes, horizon=arguments.horizon)
-    folder = RunFolder(arguments.out, config)
-    compare(task, candidates, folder, arguments.jobs)
-    print(write_report(task, folder))
+    with RunFolder.open(arguments.out, config) as folder:
+        compare(task, candidates, folder, arguments.jobs)
+        table = write_report(task, folder)
+    print(table)
 
 
 def choose_search(arguments: argparse.Namespace) -> Search:

@@ -31,6 +31,13 @@ def extra_of(module: str | None) -> str | None:
     return None
 
 
+def missing_extra(error: ModuleNotFoundError) -> ModuleNotFoundError:
+    """Return the error to raise where a module could not be imported: it says what to install."""
+    extra = extra_of(error.name)
+    remedy = f"; this needs: {pip_command(extra)}" if extra else ""
+    return ModuleNotFoundError(f"{error}{remedy}", name=error.name)
+
+
 def pip_command(extra: str) -> str:
     """Return the command that installs an extra."""
     return f"pip install 'aicon-torch[{extra}]'"

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 
 def check_render_mode(render_mode: str | None) -> str | None:
@@ -89,6 +89,41 @@ def check_integer(name: str, value: Any, least: int) -> int:
     if number < least:
         raise ValueError(f"{name} must be an integer >= {least}, got {value!r}")
     return number
+
+
+def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> NDArray[np.float64]:
+    """Return an action as float64.
+
+    Args:
+        action: The action.
+        shape: The shape it must have.
+        meaning: What its numbers are, in words.
+
+    Raises:
+        ValueError: If it is no array of numbers of this shape, or not finite.
+    """
+    expected = f"action must be {meaning} of shape {shape}"
+    try:
+        command = np.asarray(action, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{expected}, got {action!r}") from error
+
+    if command.shape != shape:
+        raise ValueError(f"{expected}, got shape {command.shape}")
+    if not np.isfinite(command).all():
+        raise ValueError(f"action must be finite, got {command.tolist()}")
+    return command
+
+
+def copy_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the options of a reset as a dictionary of one's own, empty for None.
+
+    Raises:
+        ValueError: If they are no mapping.
+    """
+    if options is not None and not isinstance(options, Mapping):
+        raise ValueError(f"options must be a dictionary or None, got {options!r}")
+    return dict(options or {})
 
 
 def check_option_names(options: Mapping[str, Any], valid: Iterable[str]) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from aicon_envs.checks import is_sequence
+from aicon_envs.checks import check_integer, is_sequence
 
 BoolArray = NDArray[np.bool_]
 
@@ -18,12 +18,9 @@ def check_count(name: str, value: int) -> int:
     """Return a number of things.
 
     Raises:
-        ValueError: If it is below 1.
+        ValueError: If it is no integer, or below 1.
     """
-    if value < 1:
-        raise ValueError(f"{name} must be >= 1, got {value}")
-
-    return value
+    return check_integer(name, value, 1)
 
 
 def check_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
@@ -63,17 +60,17 @@ def split_seed(seed: int | Sequence[int | None] | None, num_envs: int) -> list[i
     """Return the seed of each sub-environment: s + i for an integer s, or what a list says.
 
     Raises:
-        ValueError: If a list has another length.
+        ValueError: If it is neither, or a list has another length or other entries.
     """
     if seed is None:
         return [None] * num_envs
 
-    if isinstance(seed, int):
-        return [seed + index for index in range(num_envs)]
+    if isinstance(seed, (int, np.integer)):
+        return [int(seed) + index for index in range(num_envs)]
 
-    if len(seed) != num_envs:
-        raise ValueError(f"seed must be one integer or {num_envs} of them, got {len(seed)}")
-    return list(seed)
+    if not is_sequence(seed) or len(seed) != num_envs:
+        raise ValueError(f"seed must be one integer or {num_envs} of them, got {seed!r}")
+    return [None if each is None else check_integer("seed", each, 0) for each in seed]
 
 
 def split_options(

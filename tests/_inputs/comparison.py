@@ -149,8 +149,9 @@ def compare_walkers(
     **options: Any,
 ) -> bytes:
     """Run a comparison of walkers and return its file of episodes."""
-    folder = RunFolder(path, config or configure(POINTS, seed=3, episodes=16, repeats=2))
-    compare(POINTS, {name: WALKERS[name] for name in policies}, folder, **options)
+    config = config or configure(POINTS, seed=3, episodes=16, repeats=2)
+    with RunFolder.open(path, config) as folder:
+        compare(POINTS, {name: WALKERS[name] for name in policies}, folder, **options)
     return (path / "episodes.csv").read_bytes()
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from aicon_baselines.extras import EXTRAS, extra_of, missing_modules, pip_command
+from aicon_baselines.extras import EXTRAS, extra_of, missing_extra, missing_modules, pip_command
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
@@ -39,3 +39,11 @@ def test_what_is_missing_has_a_command(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(EXTRAS, "cluster", ("json", "no_such_module"))
     assert missing_modules("cluster") == ("no_such_module",)
     assert pip_command("cluster") == "pip install 'aicon-torch[cluster]'"
+
+
+def test_a_failed_import_says_what_to_install() -> None:
+    error = missing_extra(ModuleNotFoundError("No module named 'joblib'", name="joblib"))
+    assert str(error) == (
+        "No module named 'joblib'; this needs: pip install 'aicon-torch[compare]'"
+    )
+    assert str(missing_extra(ModuleNotFoundError("other", name="other"))) == "other"

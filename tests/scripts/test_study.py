@@ -16,7 +16,7 @@ def test_it_saves_and_prints_the_results(tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
     assert "| resolution.temperature=1.0 | 0.0% (0.0% to 65.8%) |" in result.stdout
     files = {path.name for path in (tmp_path / "new").iterdir()}
-    assert files == {"config.json", "episodes.csv", "study.json", "study.png"}
+    assert files == {".lock", "config.json", "episodes.csv", "study.json", "study.png"}
 
 
 def test_it_says_what_is_wrong(tmp_path: Path) -> None:

@@ -204,7 +204,9 @@ class CompiledPolicy:
         return policy
 
 
-def saved_agent(task: str, folder: Path, sampled: bool = False) -> tuple[str, Factory]:
+def saved_agent(
+    task: str, folder: Path, sampled: bool = False, trust: bool = False
+) -> tuple[str, Factory]:
     """Return the name that a saved agent of stable-baselines3 gets in the rows, and what builds it.
 
     It is loaded once here, so that what does not fit is an error before anything runs.
@@ -214,8 +216,9 @@ def saved_agent(task: str, folder: Path, sampled: bool = False) -> tuple[str, Fa
         folder: Folder of the agent.
         sampled: Whether it draws its actions, as in training, instead of taking the most likely
             ones.
+        trust: Whether code that its files may hold is allowed to run.
     """
-    build = SavedAgent(task, folder.resolve(), sampled)
+    build = SavedAgent(task, folder.resolve(), sampled, trust)
     return build.load().name, build
 
 
@@ -226,10 +229,11 @@ class SavedAgent:
     task: str
     folder: Path
     sampled: bool
+    trust: bool
 
     def load(self) -> Any:
         """Load the agent."""
-        return import_sb3().Agent(self.folder, self.task, self.sampled)
+        return import_sb3().Agent(self.folder, self.task, self.sampled, self.trust)
 
     def __call__(self, condition: str) -> Predictor:
         """Load it, the same one for every condition."""
@@ -264,7 +268,7 @@ def diffusion_policy(
 
     Args:
         task: Name of the task, "pusht".
-        source: Folder of the policy, or the name of a repository of the Hugging Face hub.
+        source: Folder of the policy, or OWNER/REPOSITORY@COMMIT of the Hugging Face hub.
         sampler: "DDPM" or "DDIM"; by default the policy's.
         inference_steps: Number of denoising steps; by default the policy's.
     """

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from aicon_baselines.extras import extra_of, pip_command
+from aicon_baselines.extras import extra_of, missing_extra
 
 # The policies and networks are small: more threads than one would only wait for each other. The
 # processes that a comparison starts inherit it.
@@ -85,14 +85,16 @@ def errors_as_sentences(
         yield
     except (ComparisonError, OptionError, DependencyNotInstalled) as error:
         parser.error(str(error))
+    except OSError as error:
+        # The operating system refuses: no such file, no permission, no space.
+        named = f"{error.filename}: " if error.filename else ""
+        parser.error(f"{named}{error.strerror or error}")
     except ModuleNotFoundError as error:
-        # Without a name it was raised by hand, and is a sentence already.
-        if error.name is None:
+        # Without a name it was raised by hand; with a cause it says already what to install.
+        if error.name is None or error.__cause__:
             parser.error(str(error))
-
-        extra = extra_of(error.name)
-        if extra is None:
+        if extra_of(error.name) is None:
             raise
-        parser.error(f"{error}; this needs: {pip_command(extra)}")
+        parser.error(str(missing_extra(error)))
     except KeyboardInterrupt:
         parser.exit(130, f"\n{when_stopped}\n")

@@ -52,11 +52,12 @@ def run(arguments: argparse.Namespace) -> None:
         horizon=arguments.horizon,
     )
 
-    folder = RunFolder(arguments.out, config)
-    compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
+    with RunFolder.open(arguments.out, config) as folder:
+        compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
+        table = write_report(task, folder)
+        failures = list_failures(folder.rows(), task)
 
-    print(write_report(task, folder))
-    failures = list_failures(folder.rows(), task)
+    print(table)
     if failures:
         print(f"\n{failures}")
     print(f"\nsaved in {arguments.out}: episodes.csv, summary.json, success_curve.png")
@@ -68,7 +69,7 @@ def choose_policies(task: Task, arguments: argparse.Namespace) -> dict[str, Fact
     for name in arguments.policies:
         if name == "sb3":
             for folder in arguments.sb3_path:
-                label, build = saved_agent(task.name, folder, arguments.sampled)
+                label, build = saved_agent(task.name, folder, arguments.sampled, arguments.trust)
                 policies[label] = build
 
         elif name == "diffusion":
@@ -135,12 +136,18 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         "--sampled", action="store_true", help="draw the actions of these agents, as in training"
     )
     group.add_argument(
+        "--trust",
+        action="store_true",
+        help="load agents that hold more than numbers: any code in their files runs, so know where "
+        "they come from",
+    )
+    group.add_argument(
         "--diffusion-path",
         nargs="+",
         default=[],
         metavar="FOLDER",
-        help="what 'diffusion' in --policies means: folders, or names such as "
-        "lerobot/diffusion_pusht",
+        help="what 'diffusion' in --policies means: folders, or OWNER/REPOSITORY@COMMIT of the "
+        "hub, with a repository such as lerobot/diffusion_pusht",
     )
     group.add_argument(
         "--sampler",

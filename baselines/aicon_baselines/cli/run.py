@@ -26,6 +26,8 @@ from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.extras import missing_extra
+from aicon_baselines.files import replacing
 from aicon_baselines.tasks import load
 from aicon_torch import Policy
 
@@ -178,7 +180,8 @@ def _filmed(task: Task, picture: Path | None, video: Path | None) -> Iterator[Ta
 
     if picture is not None and camera.last is not None:
         picture.parent.mkdir(parents=True, exist_ok=True)
-        Image.fromarray(camera.last).save(picture)
+        with replacing(picture) as place:
+            Image.fromarray(camera.last).save(place)
 
 
 @contextmanager
@@ -190,12 +193,15 @@ def _open_video(path: Path | None, time_step: float) -> Iterator[Any]:
     if path.suffix not in (".mp4", ".gif"):
         raise ComparisonError(f"a video ends in .mp4 or .gif, not {path.suffix!r}")
 
-    import imageio.v2 as imageio  # with the extra [compare]
+    try:
+        import imageio.v2 as imageio
+    except ModuleNotFoundError as error:
+        raise missing_extra(error) from error
 
     path.parent.mkdir(parents=True, exist_ok=True)
     rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))
     options = {"duration": 1000 / rate, "loop": 0} if path.suffix == ".gif" else {"fps": rate}
-    with imageio.get_writer(path, **options) as writer:
+    with replacing(path) as place, imageio.get_writer(place, **options) as writer:
         yield writer
 
 

@@ -4,9 +4,13 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 
-from joblib import parallel_config
-
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.extras import missing_extra
+
+try:
+    from joblib import parallel_config
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 BACKENDS = ("loky", "dask")
 """Names of the backends, the usual one first."""

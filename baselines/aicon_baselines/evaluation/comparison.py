@@ -1,23 +1,33 @@
 """Running a comparison: every policy on every episode, in parallel, resuming an earlier run."""
 
+import os
 from collections.abc import Iterator, Mapping
-from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple, cast
 
+import numpy as np
 import torch
-from joblib import Parallel, delayed
+from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.backends import joblib_backend
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.parent import end_with
 from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.progress import ProgressBar, report
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.row import Key, Row, key
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.evaluation.unfinished import keep
+from aicon_baselines.extras import missing_extra
+
+try:
+    from joblib import Parallel, delayed
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 
 class _Job(NamedTuple):
@@ -28,6 +38,15 @@ class _Job(NamedTuple):
     repeat: int
     chunk: int
     seeds: frozenset[int]
+
+
+class _Surroundings(NamedTuple):
+    """What a worker shares with the process that started it."""
+
+    parent: int | None
+    """Number of that process, if it is this worker's parent."""
+    progress: Path
+    """File of the progress bar."""
 
 
 def compare(
@@ -44,11 +63,14 @@ def compare(
         task: The task; maps and horizon are those of the folder's configuration.
         policies: What builds each policy for a condition, by the name it gets in the rows; called
             in the worker.
-        folder: Where the rows go.
+        folder: Where the rows go; this process is its writer.
         jobs: Number of processes.
         backend: "loky" for processes on this machine, "dask" for a cluster.
         scheduler: Address of a running dask scheduler; without one, "dask" starts a cluster on
             this machine.
+
+    Raises:
+        ComparisonError: If it cannot run in this way, or a worker was killed.
     """
     if jobs < 1:
         raise ComparisonError(f"jobs must be 1 or more, not {jobs}")
@@ -64,12 +86,35 @@ def compare(
     # Rows are saved as they arrive, in any order, and sorted at the end.
     if missing:
         with joblib_backend(backend, jobs, scheduler), ProgressBar(done, total) as bar:
-            calls = (delayed(_run)(task, policies[job.policy], job, bar.path) for job in missing)
-            results = Parallel(return_as="generator_unordered")(calls)
-            for rows in cast("Iterator[list[Row]]", results):
+            around = _Surroundings(os.getpid() if backend == "loky" else None, bar.path)
+            for rows in _run_all(task, policies, missing, folder, around):
                 folder.append(rows)
                 bar.received(len(rows))
     folder.sort()
+    folder.unfinished.close()
+
+
+def _run_all(
+    task: Task,
+    policies: Mapping[str, Factory],
+    jobs: list[_Job],
+    folder: RunFolder,
+    around: _Surroundings,
+) -> Iterator[list[Row]]:
+    """Run the jobs in workers and yield the rows of each, in the order in which they end."""
+    folder.unfinished.open()
+    calls = (
+        delayed(_run)(task, policies[job.policy], job, folder.unfinished.new_file(), around)
+        for job in jobs
+    )
+    results = Parallel(return_as="generator_unordered")(calls)
+    try:
+        yield from cast("Iterator[list[Row]]", results)
+    except TerminatedWorkerError as error:
+        raise ComparisonError(
+            "a worker process was killed, perhaps because the memory was full: with fewer --jobs, "
+            "the same command goes on from here"
+        ) from error
 
 
 def _list_jobs(
@@ -88,20 +133,26 @@ def _list_jobs(
             yield _Job(policy, condition, repeat, chunk, missing)
 
 
-def _run(task: Task, build: Factory, job: _Job, progress: Path) -> list[Row]:
-    """Run one job in a worker and return the rows of its seeds."""
+def _run(
+    task: Task, build: Factory, job: _Job, unfinished: Path, around: _Surroundings
+) -> list[Row]:
+    """Run one job in a worker and return the rows of its seeds; each is kept as it ends."""
+    if around.parent is not None:
+        end_with(around.parent)
     # One thread: the order of additions must not depend on the number of cores.
     torch.set_num_threads(1)
 
     policy = build(job.condition)
     episodes = task.chunk(job.chunk, job.repeat)
-    on_finished = partial(report, progress)
-    outcome = rollout(policy, task, job.condition, episodes, job.seeds, on_finished)
+    rows: list[Row] = []
 
-    rows = []
-    for index, episode in enumerate(episodes):
-        if episode.seed in job.seeds:
-            rows.append(_to_row(task, job, episode, outcome, index))
+    def on_ended(outcome: Outcome, indices: NDArray[np.intp]) -> None:
+        ended = [_to_row(task, job, episodes[index], outcome, index) for index in indices]
+        keep(unfinished, ended)
+        report(around.progress, len(ended))
+        rows.extend(ended)
+
+    rollout(policy, task, job.condition, episodes, job.seeds, on_ended)
     return rows
 
 

@@ -4,9 +4,11 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.files import read_json, write_json
 
 
 @dataclass(frozen=True)
@@ -54,14 +56,17 @@ class Config:
         return replace(task, maps=self.maps, horizon=self.horizon, milestones=milestones)
 
     def save(self, path: Path) -> None:
-        """Write the configuration as JSON, or check that the file there holds the same one."""
-        text = json.dumps(asdict(self), indent=2) + "\n"
+        """Write the configuration as JSON, or check that the file there holds the same one.
+
+        Raises:
+            ComparisonError: If it holds another one or none, or cannot be read or written.
+        """
         if not path.exists():
-            path.write_text(text)
+            write_json(path, asdict(self))
             return
 
         # Both are compared as JSON has them: tuples are lists there.
-        saved, wanted = json.loads(path.read_text()), json.loads(text)
+        saved, wanted = _read(path), json.loads(json.dumps(asdict(self)))
         differences = [
             f"{name} is {saved.get(name)} there and {wanted.get(name)} here"
             for name in sorted(saved.keys() | wanted.keys())
@@ -72,6 +77,17 @@ class Config:
                 f"{path.parent} holds another comparison: {'; '.join(differences)}. "
                 "Choose another folder."
             )
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """Read a saved configuration."""
+    try:
+        return read_json(path)
+    except ComparisonError as error:
+        raise ComparisonError(
+            f"{error}. It should say what the folder was made for: choose another folder or, if "
+            "its rows are of this very comparison, delete that file"
+        ) from error
 
 
 def configure(

@@ -6,16 +6,22 @@ from math import ceil, inf
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, StrMethodFormatter
 from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.statistics import group_rows, median_of
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.extras import missing_extra
+from aicon_baselines.files import replacing
+
+try:
+    from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, StrMethodFormatter
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 _PANELS_PER_LINE = 3
 
@@ -129,7 +135,8 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
 
     for axes in panels[len(conditions) :]:
         axes.set_axis_off()
-    figure.savefig(path, dpi=160)
+    with replacing(path) as place:
+        figure.savefig(place, dpi=160)
 
 
 def _condition(row: Row) -> str:

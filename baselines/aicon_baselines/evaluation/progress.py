@@ -6,7 +6,12 @@ from threading import Event, Thread
 from types import TracebackType
 from typing import Self
 
-from tqdm import tqdm
+from aicon_baselines.extras import missing_extra
+
+try:
+    from tqdm import tqdm
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 _INTERVAL = 0.2  # s between two looks at the file
 

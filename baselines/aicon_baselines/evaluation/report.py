@@ -1,6 +1,5 @@
 """The results of a run folder: `summary.json`, `success_curve.png` and a table."""
 
-import json
 from dataclasses import asdict
 
 from aicon_baselines.evaluation.curves import draw_success_curves
@@ -8,6 +7,7 @@ from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.statistics import summarize
 from aicon_baselines.evaluation.tables import to_table
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.files import write_json
 
 
 def write_report(task: Task, folder: RunFolder) -> str:
@@ -20,7 +20,7 @@ def write_report(task: Task, folder: RunFolder) -> str:
         "config": asdict(config),
         "summaries": [asdict(summary) for summary in summaries],
     }
-    (folder.path / "summary.json").write_text(json.dumps(content, indent=2) + "\n")
+    write_json(folder.path / "summary.json", content)
 
     draw_success_curves(rows, task, folder.path / "success_curve.png")
     return to_table(summaries, task)

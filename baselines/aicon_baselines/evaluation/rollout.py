@@ -31,8 +31,12 @@ class Outcome(NamedTuple):
     measures: dict[str, NDArray[np.float64]]
 
 
-def _ignore(count: int) -> None:
-    """Do nothing with the number of episodes that ended."""
+OnEnded = Callable[[Outcome, NDArray[np.intp]], None]
+"""Called with the outcome so far, and the numbers in the batch of the episodes that just ended."""
+
+
+def _ignore(outcome: Outcome, indices: NDArray[np.intp]) -> None:
+    """Do nothing with the episodes that ended."""
 
 
 def rollout(
@@ -41,7 +45,7 @@ def rollout(
     condition: str,
     episodes: list[Episode],
     wanted: Collection[int],
-    on_finished: Callable[[int], None] = _ignore,
+    on_ended: OnEnded = _ignore,
 ) -> Outcome:
     """Step all episodes together until those with a wanted seed have ended, at most to the horizon.
 
@@ -52,7 +56,8 @@ def rollout(
         episodes: The B episodes of the batch.
         wanted: Seeds whose outcome matters; the outcome of the others is only that of the steps
             taken meanwhile.
-        on_finished: Called with the number of wanted episodes that a step ended.
+        on_ended: Called after a step that ended wanted episodes; what the outcome says of them is
+            final.
 
     Returns:
         The outcome of each episode.
@@ -62,7 +67,7 @@ def rollout(
 
     env = task.make_env(len(episodes), condition, task.horizon, **options)
     try:
-        return _step_until_ended(policy, env, task, episodes, is_wanted, on_finished)
+        return _step_until_ended(policy, env, task, episodes, is_wanted, on_ended)
     finally:
         env.close()
 
@@ -73,7 +78,7 @@ def _step_until_ended(
     task: Task,
     episodes: list[Episode],
     wanted: NDArray[np.bool_],
-    on_finished: Callable[[int], None],
+    on_ended: OnEnded,
 ) -> Outcome:
     observation, info = env.reset(**task.reset_arguments(episodes))
     outcome = _begin(len(episodes), info, task.measures)
@@ -102,9 +107,11 @@ def _step_until_ended(
         starts = ~running
 
         if (ended & wanted).any():
-            on_finished(int((ended & wanted).sum()))
+            on_ended(outcome, np.flatnonzero(ended & wanted))
 
-    on_finished(int((running & wanted).sum()))
+    # The others have come to the horizon.
+    if (running & wanted).any():
+        on_ended(outcome, np.flatnonzero(running & wanted))
     return outcome
 
 

@@ -1,19 +1,24 @@
 """The results of a study: `study.json`, `study.png` and a table."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.study import Difference, Variant, evaluate
 from aicon_baselines.evaluation.tables import to_markdown, to_percent, to_text
 from aicon_baselines.evaluation.task import Task
+from aicon_baselines.extras import missing_extra
+from aicon_baselines.files import replacing, write_json
+
+try:
+    from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 
 def write_study(task: Task, folder: RunFolder, names: Sequence[str]) -> str:
@@ -31,7 +36,7 @@ def write_study(task: Task, folder: RunFolder, names: Sequence[str]) -> str:
         "config": asdict(folder.config),
         "variants": [asdict(variant) for variant in variants],
     }
-    (folder.path / "study.json").write_text(json.dumps(content, indent=2) + "\n")
+    write_json(folder.path / "study.json", content)
 
     draw_study(variants, folder.path / "study.png")
     return _to_table(variants)
@@ -56,7 +61,8 @@ def draw_study(variants: Sequence[Variant], path: Path) -> None:
     # A line for each variant, from the top.
     left.set_yticks(range(len(variants)), [variant.name for variant in variants])
     left.set_ylim(len(variants) - 0.5, -0.5)
-    figure.savefig(path, dpi=160)
+    with replacing(path) as place:
+        figure.savefig(place, dpi=160)
 
 
 def _draw(axes: Axes, differences: Sequence[Difference], scale: float) -> None:

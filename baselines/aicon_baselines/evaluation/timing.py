@@ -9,9 +9,14 @@ from itertools import cycle
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from aicon_baselines.evaluation.predictor import Predictor
+from aicon_baselines.extras import missing_extra
+
+try:
+    from tqdm import tqdm
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 Step = Callable[[], None]
 """One step of a program."""

@@ -9,10 +9,15 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from tqdm import tqdm
 
+from aicon_baselines.extras import missing_extra
 from aicon_torch.control import Policy, QuantityTrace, StepTrace
 from aicon_torch.resolution import Memory
+
+try:
+    from tqdm import tqdm
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -5,13 +5,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.extras import missing_extra, pip_command
 from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.files import replacing
+
+try:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+except ModuleNotFoundError as error:
+    raise missing_extra(error) from error
 
 Frame = NDArray[np.uint8]
 """A rendered picture, (height, width, 3)."""
@@ -41,7 +47,8 @@ def save_picture(figure: Figure, path: Path) -> None:
     rounded = (render(figure).astype(np.uint16) + 2) // 4 * 4
     frame = np.minimum(rounded, 255).astype(np.uint8)
 
-    Image.fromarray(frame).save(path, optimize=True)
+    with replacing(path) as place:
+        Image.fromarray(frame).save(place, optimize=True)
 
 
 def save_video(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArray) -> None:
@@ -56,10 +63,11 @@ def save_video(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArr
     Raises:
         ComparisonError: If imageio is not installed and the video is no gif.
     """
-    if path.suffix == ".gif":
-        _save_gif(frames, path, rate, palette)
-    else:
-        _save_mp4(frames, path, rate)
+    with replacing(path) as place:
+        if path.suffix == ".gif":
+            _save_gif(frames, place, rate, palette)
+        else:
+            _save_mp4(frames, place, rate)
 
 
 def _save_gif(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArray) -> None:
@@ -77,10 +85,11 @@ def _save_gif(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArra
 
 def _save_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
     try:
-        import imageio.v2 as imageio  # an extra: the picture and the gif do without
-    except ImportError as error:
-        message = "mp4 needs imageio[ffmpeg]; install it or choose --video gif"
-        raise ComparisonError(message) from error
+        import imageio.v2 as imageio  # the picture and the gif do without
+    except ModuleNotFoundError as error:
+        raise ComparisonError(
+            f"mp4 needs imageio: {pip_command('compare')}; or choose --video gif"
+        ) from error
 
     writer: Any
     with imageio.get_writer(path, fps=rate, quality=6) as writer:

@@ -1,6 +1,5 @@
 """What a figure shows, in numbers and in words."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 from aicon_baselines.figures.panels import Panel
 from aicon_baselines.figures.recording import Recording
+from aicon_baselines.files import write_json
 
 
 @dataclass(frozen=True)
@@ -62,4 +62,4 @@ def panel_numbers(recording: Recording, panels: Sequence[Panel]) -> dict[str, An
 
 def save_numbers(numbers: dict[str, Any], path: Path) -> None:
     """Save numbers as a JSON file."""
-    path.write_text(json.dumps(numbers, indent=2) + "\n")
+    write_json(path, numbers)

@@ -13,6 +13,9 @@ from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import read_text, replacing
+
 
 class EpisodeNumbers(NamedTuple):
     """One episode.
@@ -74,17 +77,27 @@ class EpisodeNumbers(NamedTuple):
 
 
 def load(path: Path) -> list[EpisodeNumbers]:
-    """The rows of a table, none if there is no such file."""
+    """The rows of a table, none if there is no such file.
+
+    Raises:
+        ComparisonError: If it cannot be read, or a line is not a row.
+    """
     if not path.exists():
         return []
-    with path.open(newline="") as file:
-        _, *lines = csv.reader(file)
-    return [EpisodeNumbers.from_fields(fields) for fields in lines]
+
+    rows = []
+    for number, line in enumerate(read_text(path).splitlines()[1:], start=2):
+        try:
+            (fields,) = csv.reader([line])
+            rows.append(EpisodeNumbers.from_fields(fields))
+        except ValueError as error:
+            raise ComparisonError(f"{path}, line {number} is not a row: {line!r}") from error
+    return rows
 
 
 def save(numbers: Iterable[EpisodeNumbers], path: Path) -> None:
     """Write a row for each episode, by seed."""
-    with path.open("w", newline="") as file:
+    with replacing(path) as place, place.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(EpisodeNumbers._fields)
         for row in sorted(numbers):

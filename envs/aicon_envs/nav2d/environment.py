@@ -4,20 +4,21 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_render_mode
+from aicon_envs.checks import check_action, check_render_mode
 from aicon_envs.nav2d.maps import check_map_name
 from aicon_envs.nav2d.physics import Physics
 from aicon_envs.nav2d.rendering import Scene
 from aicon_envs.nav2d.reset import draw_episode
 from aicon_envs.nav2d.simulation import Simulation
 from aicon_envs.nav2d.spaces import (
+    VELOCITY,
     Action,
     Observation,
     Sensing,
     action_space,
-    check_action,
     observation_space,
 )
 from aicon_envs.nav2d.world import NavigationMap
@@ -113,11 +114,14 @@ class Nav2DEnv(gym.Env[Observation, Action]):
         self._default_map = check_map_name(map)
         self._with_obstacle_bearing = sensing == "range_bearing"
         self._simulation = Simulation(1, self.physics)
+        self._map: NavigationMap | None = None
         self._scene: Scene | None = None
 
     @property
     def map(self) -> NavigationMap:
         """The map of the current episode."""
+        if self._map is None:
+            raise ResetNeeded("there is a map after the first reset")
         return self._map
 
     def reset(
@@ -140,7 +144,9 @@ class Nav2DEnv(gym.Env[Observation, Action]):
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one step; see the class for the action."""
         # The kernel works on batches: this is one of a single world.
-        velocity = check_action(action, (2,))
+        if self._map is None:
+            raise ResetNeeded("the environment must be reset before the first step")
+        velocity = check_action(action, (2,), VELOCITY)
         self._simulation.step(velocity[np.newaxis])
 
         if self._scene is not None:
@@ -152,7 +158,11 @@ class Nav2DEnv(gym.Env[Observation, Action]):
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture of the world, (height, width, 3), if `render_mode` is "rgb_array"."""
-        return None if self._scene is None else self._scene.draw()
+        if self.render_mode is None:
+            return None
+        if self._scene is None:
+            raise ResetNeeded("the environment must be reset before it is drawn")
+        return self._scene.draw()
 
     def _observe(self) -> Observation:
         simulation = self._simulation

@@ -1,7 +1,10 @@
 """The physical constants of the navigation task."""
 
 import dataclasses
-import math
+
+from aicon_envs.checks import check_number
+
+_POSITIVE = ("max_speed", "dt", "radius", "max_range")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,13 +37,7 @@ class Physics:
     def __post_init__(self) -> None:
         """Check every constant."""
         for name in self.names():
-            value = getattr(self, name)
-            if not math.isfinite(value) or value < 0.0:
-                raise ValueError(f"{name} must be a finite number >= 0, got {value!r}")
-
-        for name in ("max_speed", "dt", "radius", "max_range"):
-            if getattr(self, name) == 0.0:
-                raise ValueError(f"{name} must be > 0")
+            check_number(name, getattr(self, name), positive=name in _POSITIVE)
 
         # Eight standard deviations: noise that large does not happen in any number of steps.
         fastest = self.max_speed + 8.0 * self.actuation_noise

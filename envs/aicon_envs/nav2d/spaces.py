@@ -5,7 +5,7 @@ from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from aicon_envs.checks import check_choice
 from aicon_envs.nav2d.physics import Physics
@@ -13,6 +13,9 @@ from aicon_envs.nav2d.physics import Physics
 Sensing = Literal["range", "range_bearing"]
 Observation = dict[str, NDArray[np.float32]]
 Action = NDArray[np.float32]
+
+VELOCITY = "a velocity in m/s"
+"""What an action is, in words."""
 
 
 def observation_space(sensing: Sensing, physics: Physics) -> spaces.Space[Observation]:
@@ -43,21 +46,3 @@ def action_space(physics: Physics) -> spaces.Space[Action]:
     bound = max(1.0, physics.max_speed)
     box = spaces.Box(-bound, bound, (2,), np.float32)
     return cast("spaces.Space[Action]", box)  # Box forgets its dtype
-
-
-def check_action(action: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return the action as float64.
-
-    Raises:
-        ValueError: If the action has another shape or is not finite.
-    """
-    command = np.asarray(action, dtype=np.float64)
-
-    if command.shape != shape:
-        raise ValueError(
-            f"action must be a velocity in m/s of shape {shape}, got shape {command.shape}"
-        )
-    if not np.isfinite(command).all():
-        raise ValueError(f"action must be finite, got {command.tolist()}")
-
-    return command

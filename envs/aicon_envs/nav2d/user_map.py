@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
-from shapely.geometry import Polygon
 
 from aicon_envs.checks import is_sequence
-from aicon_envs.nav2d.world import NavigationMap, Point, Vertices, union
+from aicon_envs.nav2d.world import NavigationMap, Point, Vertices, to_polygons
 
 USER_MAP_KEYS = ("obstacles", "start", "target")
 """Options of a reset that describe a map of the user's own."""
@@ -25,7 +24,7 @@ def make_user_map(
     Args:
         obstacles: Polygons, each a list of at least three vertices (x, y), m.
         start: Start (x, y), m; farther than `radius` from every obstacle.
-        target: Target (x, y), m.
+        target: Target (x, y), m; in none of them.
         radius: Radius of the agent, m.
 
     Raises:
@@ -37,21 +36,30 @@ def make_user_map(
 
     polygons = []
     for index, vertices in enumerate(obstacles):
-        polygons.append(_check_polygon(f"obstacles[{index}]", vertices))
+        polygons.append(_check_vertices(f"obstacles[{index}]", vertices))
 
     world = NavigationMap(
         "user", polygons, _check_point("start", start), _check_point("target", target)
     )
+    _check_places(world, _check_areas(polygons), radius)
+    return world
 
+
+def _check_places(world: NavigationMap, solid: NDArray[np.object_], radius: float) -> None:
+    """Check that an episode can begin at the start, and end at the target."""
     # An agent that touches an obstacle at the start would collide at once.
-    solid = union(polygons)
-    if not solid.is_empty and solid.distance(shapely.Point(world.start)) <= radius:
+    if (shapely.distance(solid, shapely.Point(world.start)) <= radius).any():
         raise ValueError(
             f"start must be farther than the radius {radius} m from every obstacle, "
             f"got {world.start}"
         )
 
-    return world
+    inside = np.flatnonzero(shapely.intersects(solid, shapely.Point(world.target)))
+    if len(inside):
+        raise ValueError(
+            f"target must be outside of every obstacle, got {world.target}, "
+            f"which is in obstacles[{inside[0]}]"
+        )
 
 
 def _check_point(name: str, value: ArrayLike) -> Point:
@@ -63,21 +71,27 @@ def _check_point(name: str, value: ArrayLike) -> Point:
     return x, y
 
 
-def _check_polygon(name: str, value: ArrayLike) -> Vertices:
+def _check_vertices(name: str, value: ArrayLike) -> Vertices:
     array = _to_floats(name, value, _A_POLYGON)
 
     is_list_of_vertices = array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3
     if not is_list_of_vertices or not np.isfinite(array).all():
         raise ValueError(f"{name} must be {_A_POLYGON}, all finite; got shape {array.shape}")
 
-    polygon = Polygon(array)
-    if not polygon.is_valid:
-        reason = shapely.is_valid_reason(polygon)
-        raise ValueError(f"{name} must be a simple polygon with an area: {reason}")
-    if polygon.area == 0.0:
-        raise ValueError(f"{name} must be a simple polygon with an area: no area")
+    return [(x, y) for x, y in array.tolist()]
 
-    return [(float(x), float(y)) for x, y in array]
+
+def _check_areas(polygons: list[Vertices]) -> NDArray[np.object_]:
+    """Return the polygons of shapely, (n,), each of which has an area without crossings."""
+    solid = to_polygons(polygons)
+
+    crossed = ~shapely.is_valid(solid)
+    refused = np.flatnonzero(crossed | (shapely.area(solid) == 0.0))
+    if len(refused):
+        index = int(refused[0])
+        reason = shapely.is_valid_reason(solid[index]) if crossed[index] else "no area"
+        raise ValueError(f"obstacles[{index}] must be a simple polygon with an area: {reason}")
+    return solid
 
 
 def _to_floats(name: str, value: ArrayLike, expected: str) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_render_mode
+from aicon_envs.checks import check_action, check_render_mode, copy_options
 from aicon_envs.nav2d.environment import Nav2DEnv
 from aicon_envs.nav2d.maps import check_map_name
 from aicon_envs.nav2d.physics import Physics
@@ -18,11 +18,11 @@ from aicon_envs.nav2d.rendering import Scene
 from aicon_envs.nav2d.reset import GENERATED_MAP_KEYS, draw_episode
 from aicon_envs.nav2d.simulation import Simulation
 from aicon_envs.nav2d.spaces import (
+    VELOCITY,
     Action,
     Observation,
     Sensing,
     action_space,
-    check_action,
     observation_space,
 )
 from aicon_envs.nav2d.world import NavigationMap
@@ -115,6 +115,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
     @property
     def maps(self) -> list[NavigationMap]:
         """The map of each sub-environment's current episode."""
+        self._check_started()
         return [self._maps[index] for index in range(self.num_envs)]
 
     def reset(
@@ -124,7 +125,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         options: dict[str, Any] | None = None,
     ) -> tuple[Observation, dict[str, Any]]:
         """Start episodes; see the class for seeds and options."""
-        options = dict(options or {})
+        options = copy_options(options)
         mask = check_reset_mask(options.pop("reset_mask", None), self.num_envs)
         options_of_each = split_options(options, self.num_envs, listable=GENERATED_MAP_KEYS)
         seeds = split_seed(seed, self.num_envs)
@@ -142,10 +143,9 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         self, actions: Action
     ) -> tuple[Observation, NDArray[np.float64], BoolArray, BoolArray, dict[str, Any]]:
         """Move every sub-environment by one step, or start its next episode; see the class."""
-        if len(self._maps) < self.num_envs:
-            raise ResetNeeded("every sub-environment must be reset before the first step")
+        self._check_started()
         simulation = self._simulation
-        commands = check_action(actions, (self.num_envs, 2))
+        commands = check_action(actions, (self.num_envs, 2), VELOCITY)
 
         # Those whose episode has ended no longer move: the simulation has them inactive.
         ended = simulation.ended | self._truncated
@@ -175,7 +175,12 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         if self.render_mode is None:
             return None
 
+        self._check_started()
         return tuple(self._scenes[index].draw() for index in range(self.num_envs))
+
+    def _check_started(self) -> None:
+        if len(self._maps) < self.num_envs:
+            raise ResetNeeded("every sub-environment must be reset first")
 
     def _start_episodes(
         self, indices: list[int], options_of_each: list[dict[str, Any]]

@@ -8,12 +8,12 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.checks import check_choice, check_render_mode
+from aicon_envs.checks import check_choice, check_integer, check_number, check_render_mode
 from aicon_envs.panda_push.description import describe
 from aicon_envs.panda_push.hand_camera import HandCamera
 from aicon_envs.panda_push.objects import Prism, resolve_object
 from aicon_envs.panda_push.rendering import Camera
-from aicon_envs.panda_push.reset import AREA, Bounds, EpisodeStart, draw_episode
+from aicon_envs.panda_push.reset import AREA, Bounds, EpisodeStart, check_area, draw_episode
 from aicon_envs.panda_push.scene import TARGET_GROUP, build_scene
 from aicon_envs.panda_push.simulation import CONTROL_STEP, FloatArray, Simulation
 from aicon_envs.panda_push.spaces import (
@@ -146,28 +146,34 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         check_choice("obs_type", obs_type, get_args(ObsType))
         if render_camera not in ("outside", "hand"):
             raise ValueError(f'render_camera must be "outside" or "hand", got {render_camera!r}')
-        _check_positive("mass", mass)
-        _check_positive("friction", friction)
+        check_number("mass", mass, positive=True)
+        check_number("friction", friction, positive=True)
 
         self.object = resolve_object(object)
         self.obs_type = obs_type
         self.render_mode = check_render_mode(render_mode)
+        width, height = check_integer("width", width, 1), check_integer("height", height, 1)
         self.observation_space = observation_space(obs_type, width, height)
         self.action_space = action_space()
 
         # What disturbs: noise, and pushes from outside.
-        self._area = area
-        self._force_noise = force_noise
-        self._joint_noise = joint_noise
-        self._kick_step = None if kick_time is None else round(kick_time / CONTROL_STEP)
-        self._kick_force = kick_force
+        self._area = check_area(area)
+        self._force_noise = check_number("force_noise", force_noise)
+        self._joint_noise = check_number("joint_noise", joint_noise)
+        self._kick_step = None if kick_time is None else _to_steps("kick_time", kick_time)
+        self._kick_force = check_number("kick_force", kick_force)
 
         # Contexts to render in are opened when they are first used.
-        self._image_size = (width, height)
-        self._render_size = (render_width, render_height)
+        self._image_size = width, height
+        self._render_size = (
+            check_integer("render_width", render_width, 1),
+            check_integer("render_height", render_height, 1),
+        )
         self._render_camera = render_camera
         self._cameras: dict[str, Camera] = {}
-        self._hand_camera = HandCamera(round(image_delay / CONTROL_STEP), depth_noise)
+        self._hand_camera = HandCamera(
+            _to_steps("image_delay", image_delay), check_number("depth_noise", depth_noise)
+        )
 
         self._simulation = Simulation(build_scene(self.object, mass, friction))
         self._episode: EpisodeStart | None = None
@@ -195,9 +201,7 @@ class PandaPushEnv(gym.Env[Observation, Action]):
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step of 0.01 s."""
-        if self._episode is None:
-            raise ResetNeeded("the environment must be reset first")
-
+        self._current_episode()
         self._simulation.step(check_action(action), self._external_force())
         self._steps += 1
 
@@ -211,6 +215,7 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         if self.render_mode is None:
             return None
 
+        self._current_episode()
         return self.picture(self._render_camera)
 
     def picture(self, camera: str) -> NDArray[np.uint8]:
@@ -218,6 +223,10 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         opened = self._open_camera(f"picture of {camera}", camera, *self._render_size)
         color, _ = opened(self._simulation.data)
         return color
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the contexts of the cameras out of copies, which open their own."""
+        return self.__dict__ | {"_cameras": {}}
 
     def close(self) -> None:
         """Give the contexts of the cameras back."""
@@ -285,8 +294,13 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         }
 
     def _target_pose(self) -> FloatArray:
-        assert self._episode is not None  # `reset` comes first
-        return self._episode.target_pose
+        return self._current_episode().target_pose
+
+    def _current_episode(self) -> EpisodeStart:
+        if self._episode is None:
+            raise ResetNeeded("the environment must be reset first")
+
+        return self._episode
 
     def _info(self) -> dict[str, Any]:
         simulation = self._simulation
@@ -312,6 +326,6 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         }
 
 
-def _check_positive(name: str, value: float) -> None:
-    if not value > 0:
-        raise ValueError(f"{name} must be positive, got {value!r}")
+def _to_steps(name: str, duration: float) -> int:
+    """Return a duration, s, as control steps."""
+    return round(check_number(name, duration) / CONTROL_STEP)

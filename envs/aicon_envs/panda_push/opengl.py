@@ -3,6 +3,8 @@
 import ctypes.util
 import os
 
+from gymnasium.error import DependencyNotInstalled
+
 HELP = (
     "Without a display it needs, on Debian, libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 "
     "and MUJOCO_GL=osmesa; `import aicon_envs.panda_push` before `import mujoco`, which reads "
@@ -31,6 +33,7 @@ def import_mujoco() -> None:
     """Choose a backend, and import MuJoCo.
 
     Raises:
+        DependencyNotInstalled: If MuJoCo is not there; it says how to install it.
         RuntimeError: If `MUJOCO_GL` names a backend whose library is missing; it names the
             packages.
     """
@@ -38,6 +41,10 @@ def import_mujoco() -> None:
 
     try:
         import mujoco  # noqa: F401
+    except ModuleNotFoundError as error:
+        raise DependencyNotInstalled(
+            'the arm needs MuJoCo: pip install "aicon-torch[panda]"'
+        ) from error
     except AttributeError as error:  # PyOpenGL's way to say that there is no library
         backend = os.environ.get("MUJOCO_GL")
         raise RuntimeError(

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.checks import check_option_names
+from aicon_envs.checks import check_numbers, check_option_names, copy_options
 from aicon_envs.panda_push.objects import Prism
 from aicon_envs.panda_push.robot import STICK_RADIUS
 
@@ -31,6 +31,8 @@ _MAX_YAW = 0.6
 """Largest angle of the camera's side, rad."""
 
 _ATTEMPTS = 1000
+
+_A_POSE = "(x, y, angle), finite, in m and rad"
 
 
 class EpisodeStart(NamedTuple):
@@ -61,9 +63,9 @@ def draw_episode(
         generator: The environment's `np_random`.
 
     Raises:
-        ValueError: If an option is unknown, or there is no place for the tip.
+        ValueError: If an option is unknown or not usable, or there is no place for the tip.
     """
-    options = {key: value for key, value in (options or {}).items() if value is not None}
+    options = {key: value for key, value in copy_options(options).items() if value is not None}
     check_option_names(options, _OPTION_KEYS)
 
     # Drawn in any case, such that an option changes nothing but what it names.
@@ -71,16 +73,43 @@ def draw_episode(
     target_pose = _draw_pose(area, generator)
     yaw = generator.uniform(-_MAX_YAW, _MAX_YAW)
 
-    object_pose = np.asarray(options.get("object_pose", object_pose), dtype=np.float64)
-    target_pose = np.asarray(options.get("target_pose", target_pose), dtype=np.float64)
-    yaw = float(options.get("yaw", yaw))
+    object_pose = _take(options, "object_pose", object_pose, _A_POSE)
+    target_pose = _take(options, "target_pose", target_pose, _A_POSE)
+    (yaw,) = _take(options, "yaw", [yaw], "a finite angle in rad")
 
     if "tip" in options:
-        tip = np.asarray(options["tip"], dtype=np.float64)
+        tip = _take(options, "tip", np.zeros(2), "(x, y), finite, in m")
     else:
         tip = _draw_tip(object, object_pose, generator)
 
-    return EpisodeStart(object_pose, target_pose, tip, yaw)
+    return EpisodeStart(object_pose, target_pose, tip, float(yaw))
+
+
+def _take(options: Mapping[str, Any], name: str, drawn: ArrayLike, expected: str) -> FloatArray:
+    """Return the numbers of an option, or what was drawn if it is not given."""
+    drawn = np.asarray(drawn, np.float64)
+    if name not in options:
+        return drawn
+    return np.array(check_numbers(name, np.atleast_1d(options[name]), expected, len(drawn)))
+
+
+def check_area(area: Any) -> Bounds:
+    """Return bounds in x and y as plain floats.
+
+    Raises:
+        ValueError: If they are not two pairs of finite numbers, each in order.
+    """
+    expected = "((least x, largest x), (least y, largest y)), finite, in m"
+    try:
+        x, y = area
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"area must be {expected}, got {area!r}") from error
+
+    x_low, x_high = check_numbers("area", x, expected, 2)
+    y_low, y_high = check_numbers("area", y, expected, 2)
+    if x_low > x_high or y_low > y_high:
+        raise ValueError(f"area must be {expected}, got {area!r}")
+    return (x_low, x_high), (y_low, y_high)
 
 
 def _draw_pose(area: Bounds, generator: np.random.Generator) -> FloatArray:

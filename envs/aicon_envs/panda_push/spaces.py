@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_envs import checks
 from aicon_envs.panda_push.robot import SPEED_LIMIT
 
 ObsType = Literal["rgbd", "pose"]
@@ -59,11 +60,7 @@ def check_action(action: ArrayLike) -> NDArray[np.float64]:
     Raises:
         ValueError: If it is not seven finite numbers.
     """
-    velocity = np.asarray(action, dtype=np.float64)
-    if velocity.shape != (7,) or not np.isfinite(velocity).all():
-        raise ValueError(f"action must be seven finite numbers, rad/s, got {action!r}")
-
-    return velocity
+    return checks.check_action(action, (7,), "joint velocities in rad/s")
 
 
 def _symmetric_box(bound: float, length: int) -> spaces.Box:

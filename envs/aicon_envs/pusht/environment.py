@@ -114,6 +114,10 @@ class PushTEnv(gym.Env[Observation, Action]):
     `n_contacts` (1 if anything touched in the step, else 0), `is_success` and `coverage`; and
     `pose_error`, √(|Δg|² + (r Δθ)²) px, with g the centre of gravity and r the radius of gyration.
 
+    ## Copies
+    `copy.deepcopy` and `pickle` give an environment in the same state, whose episode goes on number
+    for number. They do the episode so far again, which takes as long as its steps.
+
     ## Version history
     v0: first version.
 
@@ -193,6 +197,7 @@ class PushTEnv(gym.Env[Observation, Action]):
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step; see the class for the action."""
+        self._current_episode()  # an error before the first reset
         x, y = check_action(action)
 
         # A kick or a jump of the goal that is due comes before the move.

@@ -54,6 +54,10 @@ _PUSHER_COLOR = (65, 105, 225, 255)
 _OBJECT_COLOR = (119, 136, 153, 255)
 
 
+_Move = tuple[str, tuple[Any, ...]]
+"""A method of the simulation that was called, and its arguments."""
+
+
 class Simulation:
     """A kinematic pusher, and an object that slides with quasi-static friction.
 
@@ -71,6 +75,9 @@ class Simulation:
 
     def __init__(self, object: PushObject, start: Point, pose: Pose) -> None:
         """Put the pusher at `start` and the object at exactly `pose`, px and rad."""
+        self._begin: tuple[bool, PushObject, Point, Pose] = (False, object, start, pose)
+        self._moves: list[_Move] = []
+
         self.object = object
         self.space = pymunk.Space()
         self.space.damping = 0.0
@@ -83,7 +90,7 @@ class Simulation:
         self._touched = False
 
         self._pusher.position = start
-        self.pose = pose
+        self._place(pose)
 
     @classmethod
     def legacy(cls, object: PushObject, start: Point, pose: Pose) -> "Simulation":
@@ -97,7 +104,16 @@ class Simulation:
         simulation = cls(object, start, (x, y, 0.0))
         simulation._body.angle = angle
         simulation._touched = simulation._advance()
+        simulation._begin = (True, object, start, pose)
         return simulation
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy, or restore from a file, by doing again all that was done since the start.
+
+        pymunk's own copies lose what its solver remembers of contacts, and go another way. What
+        others change in `space` is not repeated.
+        """
+        return _repeat, (*self._begin, list(self._moves))
 
     @property
     def pusher(self) -> Point:
@@ -119,9 +135,8 @@ class Simulation:
 
     @pose.setter
     def pose(self, pose: Pose) -> None:
-        # The angle first: pymunk turns a body about its centre of gravity.
-        self._body.angle = pose[2]
-        self._body.position = pose[:2]
+        self._moves.append(("_place", (pose,)))
+        self._place(pose)
 
     @property
     def touched(self) -> bool:
@@ -137,6 +152,7 @@ class Simulation:
             target: Where to go, px.
             limit: Largest speed, px/s; may be infinite.
         """
+        self._moves.append(("steer", (target, limit)))
         target_x, target_y = target
         pusher = self._pusher
         self._touched = False
@@ -156,16 +172,35 @@ class Simulation:
 
     def drive(self, velocity: Point) -> None:
         """Run one control step in which the pusher moves with a velocity, px/s."""
+        self._moves.append(("drive", (velocity,)))
         self._pusher.velocity = velocity
         self._touched = False
 
         for _ in range(SUB_STEPS):
             self._touched |= self._advance()
 
+    def _place(self, pose: Pose) -> None:
+        # The angle first: pymunk turns a body about its centre of gravity.
+        self._body.angle = pose[2]
+        self._body.position = pose[:2]
+
     def _advance(self) -> bool:
         """Run one sub-step; return whether the object touches anything."""
         self.space.step(SUB_STEP)
         return self._contacts["count"] > 0
+
+
+def _repeat(
+    is_legacy: bool, object: PushObject, start: Point, pose: Pose, moves: list[_Move]
+) -> Simulation:
+    """Return a simulation in which all of this has happened."""
+    begin = Simulation.legacy if is_legacy else Simulation
+    simulation = begin(object, start, pose)
+
+    for name, arguments in moves:
+        getattr(simulation, name)(*arguments)
+    simulation._moves = moves
+    return simulation
 
 
 def _make_walls(body: pymunk.Body) -> list[pymunk.Segment]:

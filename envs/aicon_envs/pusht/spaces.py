@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_envs import checks
 from aicon_envs.checks import check_choice
 from aicon_envs.pusht.geometry import Point
 from aicon_envs.pusht.settings import DEFAULT_SPEED, ActionMode
@@ -18,6 +19,9 @@ Action = NDArray[np.float32]
 
 KEYPOINTS, AGENT, PIXELS, GOAL = "environment_state", "agent_pos", "pixels", "goal_pose"
 """Keys of the dictionary observations."""
+
+MEANING = "numbers (x, y)"
+"""What an action is, in words."""
 
 _FULL_TURN = 2.0 * math.pi
 
@@ -80,34 +84,8 @@ def check_action(action: ArrayLike) -> Point:
     Raises:
         ValueError: If the action has another shape or is not finite.
     """
-    command = np.asarray(action, dtype=np.float64)
-    if command.shape != (2,):
-        raise ValueError(f"action must be two numbers (x, y), got shape {command.shape}")
-
-    # Plain floats: for two numbers, `numpy.isfinite` takes longer.
-    x, y = command.tolist()
-    if not (math.isfinite(x) and math.isfinite(y)):
-        raise ValueError(f"action must be finite, got {command.tolist()}")
-
+    x, y = checks.check_action(action, (2,), MEANING).tolist()
     return x, y
-
-
-def check_actions(actions: ArrayLike, num_envs: int) -> NDArray[np.float64]:
-    """Return the actions of N environments as float64, (N, 2).
-
-    Raises:
-        ValueError: If they have another shape or are not finite.
-    """
-    commands = np.asarray(actions, dtype=np.float64)
-
-    if commands.shape != (num_envs, 2):
-        raise ValueError(
-            f"action must be numbers (x, y) of shape {(num_envs, 2)}, got shape {commands.shape}"
-        )
-    if not np.isfinite(commands).all():
-        raise ValueError(f"action must be finite, got {commands.tolist()}")
-
-    return commands
 
 
 def check_size(name: str, width: int, height: int) -> tuple[int, int]:

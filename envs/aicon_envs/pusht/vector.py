@@ -10,8 +10,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array
 from numpy.typing import NDArray
 
+from aicon_envs.checks import check_action, copy_options
 from aicon_envs.pusht.environment import PushTEnv
-from aicon_envs.pusht.spaces import Action, Observation, check_actions
+from aicon_envs.pusht.spaces import MEANING, Action, Observation
 from aicon_envs.vectorized import (
     BoolArray,
     check_autoreset_mode,
@@ -127,7 +128,7 @@ class PushTVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         options: dict[str, Any] | None = None,
     ) -> tuple[Observation, dict[str, Any]]:
         """Start episodes; see the class for seeds and options."""
-        options = dict(options or {})
+        options = copy_options(options)
         mask = check_reset_mask(options.pop("reset_mask", None), self.num_envs)
         options_of_each = split_options(options, self.num_envs)
         seeds = split_seed(seed, self.num_envs)
@@ -141,9 +142,8 @@ class PushTVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         self, actions: Action
     ) -> tuple[Observation, NDArray[np.float64], BoolArray, BoolArray, dict[str, Any]]:
         """Move every sub-environment by one step, or start its next episode; see the class."""
-        if not all(self._info_of_each):
-            raise ResetNeeded("every sub-environment must be reset before the first step")
-        commands = check_actions(actions, self.num_envs)
+        self._check_started()
+        commands = check_action(actions, (self.num_envs, 2), MEANING)
 
         # Those whose episode has ended do not move, and have no reward.
         ended = self._terminated | self._truncated
@@ -171,8 +171,13 @@ class PushTVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         if self.render_mode is None:
             return None
 
+        self._check_started()
         pictures = [env.render() for env in self._unwrapped_envs]
         return tuple(picture for picture in pictures if picture is not None)
+
+    def _check_started(self) -> None:
+        if not all(self._info_of_each):
+            raise ResetNeeded("every sub-environment must be reset first")
 
     def _start_episode(self, index: int, seed: int | None, options: dict[str, Any]) -> None:
         observation, info = self.envs[index].reset(seed=seed, options=options)

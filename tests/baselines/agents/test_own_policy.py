@@ -9,7 +9,7 @@ import pytest
 
 from aicon_baselines.agents.registry import own_policy
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.evaluation.run_folder import read_rows
+from aicon_baselines.evaluation.rows_file import read_rows
 
 SOURCE = '''
 import numpy as np

@@ -13,7 +13,7 @@ import pytest
 from aicon_baselines import tasks
 from aicon_baselines.agents import compiled, factory
 from aicon_baselines.cli.compare import add_arguments, choose_policies
-from aicon_baselines.evaluation.run_folder import read_rows
+from aicon_baselines.evaluation.rows_file import read_rows
 
 TASKS = [
     "nav2d",
@@ -39,7 +39,8 @@ def test_it_saves_and_prints_the_results(tmp_path: Path, task: str) -> None:
     assert f"| {condition} | aicon | 0/2 = 0.0% (0.0% to 65.8%) |" in result.stdout
     assert ", aicon: failed with seed 0 (" in result.stdout
     files = {path.name for path in tmp_path.iterdir()}
-    assert files == {"config.json", "episodes.csv", "success_curve.png", "summary.json"}
+    saved = {"config.json", "episodes.csv", "success_curve.png", "summary.json"}
+    assert files == {".lock", *saved}
 
 
 def test_it_says_what_is_wrong(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from _inputs.comparison import POINTS, WALKERS, compare_walkers
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.progress import ProgressBar, report
-from aicon_baselines.evaluation.run_folder import read_rows
+from aicon_baselines.evaluation.rows_file import read_rows
 
 
 @pytest.fixture(scope="module")

@@ -10,31 +10,26 @@ from _inputs.comparison import POINTS, STEPS, handmade_rows
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.row import Row
-from aicon_baselines.evaluation.run_folder import RunFolder
 
 
 def test_another_configuration_is_refused(tmp_path: Path) -> None:
     config = configure(POINTS, episodes=4)
-    RunFolder(tmp_path, config)
-    RunFolder(tmp_path, config)
+    config.save(tmp_path / "config.json")
+    config.save(tmp_path / "config.json")
 
     message = "another comparison: episodes is 4 there and 5 here; seed is 0 there and 1"
     with pytest.raises(ComparisonError, match=message):
-        RunFolder(tmp_path, replace(config, episodes=5, seed=1))
+        replace(config, episodes=5, seed=1).save(tmp_path / "config.json")
 
 
-def test_broken_files_are_refused(tmp_path: Path) -> None:
-    folder = RunFolder(tmp_path, configure(POINTS))
-    folder.append(handmade_rows())
-    path = tmp_path / "episodes.csv"
-
-    path.write_text(path.read_text().replace("300", "many"))
-    with pytest.raises(ComparisonError, match="line 3 is not a row"):
-        folder.rows()
-
-    path.write_text("a,b\n1,2\n")
-    with pytest.raises(ComparisonError, match="expected .'policy'"):
-        folder.rows()
+@pytest.mark.parametrize(
+    ("text", "reason"), [("", "holds no JSON"), ("{", "holds no JSON"), ("[]", "holds a list")]
+)
+def test_a_broken_configuration_says_what_to_do(tmp_path: Path, text: str, reason: str) -> None:
+    path = tmp_path / "config.json"
+    path.write_text(text)
+    with pytest.raises(ComparisonError, match=rf"config.json {reason}.*delete that file"):
+        configure(POINTS).save(path)
 
 
 def test_rows_come_back_from_their_text() -> None:

@@ -37,7 +37,13 @@ def test_the_legend_has_the_order_in_which_the_curves_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     figures: list[Figure] = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
+    save = Figure.savefig
+
+    def watched_save(figure: Figure, path: Path, **options: float) -> None:
+        figures.append(figure)
+        save(figure, path, **options)
+
+    monkeypatch.setattr(Figure, "savefig", watched_save)
     rows = [
         *rows_by_steps("a fails", [None, None]),
         *rows_by_steps("b is late", [300, 300]),
@@ -66,10 +72,11 @@ def test_no_two_policies_look_the_same() -> None:
 def test_report_files(tmp_path: Path, rows: list[Row], task: Task) -> None:
     # More than one line of panels.
     rows = [*rows, *(rows[0]._replace(condition=name) for name in ("w", "x", "y"))]
-    folder = RunFolder(tmp_path, configure(task, episodes=4))
-    folder.append(rows)
+    with RunFolder.open(tmp_path, configure(task, episodes=4)) as folder:
+        folder.append(rows)
+        table = write_report(task, folder)
 
-    assert write_report(task, folder) == to_table(summarize(rows, task.milestones), task)
+    assert table == to_table(summarize(rows, task.milestones), task)
     assert (tmp_path / "success_curve.png").read_bytes().startswith(b"\x89PNG")
 
     content = json.loads((tmp_path / "summary.json").read_text())

@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 from _inputs.comparison import POINTS, Walker
+from numpy.typing import NDArray
 
-from aicon_baselines.evaluation.rollout import rollout
+from aicon_baselines.evaluation.rollout import Outcome, rollout
 
 
 def test_what_has_ended_is_left_alone_while_the_others_go_on() -> None:
     episodes = POINTS.chunk(0, repeat=0)
-    finished: list[int] = []
-    outcome = rollout(Walker(2.0), POINTS, "usual", episodes, range(8), finished.append)
-    assert sum(finished) == 8
+    outcome = rollout(Walker(2.0), POINTS, "usual", episodes, range(8))
     assert (outcome.success ^ outcome.collision ^ (outcome.steps == POINTS.horizon)).all()
 
     ended = outcome.steps < POINTS.horizon
@@ -20,6 +19,18 @@ def test_what_has_ended_is_left_alone_while_the_others_go_on() -> None:
     longer = rollout(Walker(2.0), replace(POINTS, horizon=80), "usual", episodes, range(8))
     for before, after in zip(outcome[:-1], longer[:-1], strict=True):
         np.testing.assert_array_equal(before[ended], after[ended])
+
+
+def test_each_episode_is_told_once_and_as_it_ended() -> None:
+    episodes = POINTS.chunk(0, repeat=0)
+    told: dict[int, float] = {}
+
+    def on_ended(outcome: Outcome, indices: NDArray[np.intp]) -> None:
+        assert told.keys().isdisjoint(indices.tolist())
+        told.update(zip(indices.tolist(), outcome.path_length[indices].tolist(), strict=True))
+
+    outcome = rollout(Walker(2.0), POINTS, "usual", episodes, range(1, 8), on_ended)
+    assert told == {index: outcome.path_length[index] for index in range(1, 8)}
 
 
 def test_it_stops_when_the_wanted_episodes_have_ended() -> None:

@@ -42,12 +42,12 @@ def test_a_difference_is_the_mean_with_its_interval() -> None:
 @pytest.mark.parametrize("milestones", [(), (300,)])
 def test_study_files(tmp_path: Path, milestones: tuple[int, ...]) -> None:
     task = replace(POINTS, horizon=12_000, milestones=milestones)
-    folder = RunFolder(tmp_path, configure(task, episodes=2))
-    folder.append(rows_by_steps("aicon", [100, 200]))
-    folder.append(rows_by_steps("margin=0.0", [None, None]))
-    folder.append(rows_by_steps("from an earlier run", [1, 2]))
+    with RunFolder.open(tmp_path, configure(task, episodes=2)) as folder:
+        folder.append(rows_by_steps("aicon", [100, 200]))
+        folder.append(rows_by_steps("margin=0.0", [None, None]))
+        folder.append(rows_by_steps("from an earlier run", [1, 2]))
+        table = write_study(task, folder, ["aicon", "margin=0.0"]).splitlines()
 
-    table = write_study(task, folder, ["aicon", "margin=0.0"]).splitlines()
     assert len(table) == 4
     difference = "-100.0 (-100.0 to -100.0) | +11850.0 (+11800.0 to +11900.0)"
     assert table[3].endswith(f"| 0.0% (0.0% to 65.8%) |  | {difference} |")

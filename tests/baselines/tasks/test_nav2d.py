@@ -58,10 +58,10 @@ class TowardBearing:
 def test_walking_straight_at_the_target(tmp_path: Path) -> None:
     task = replace(TASK, chunk_size=16)
     config = configure(task, episodes=8, maps=["ring_outside", "clutter"], horizon=800)
-    folder = RunFolder(tmp_path, config)
-    compare(task, {"straight": lambda condition: TowardBearing()}, folder)
+    with RunFolder.open(tmp_path, config) as folder:
+        compare(task, {"straight": lambda condition: TowardBearing()}, folder)
+        rows = folder.rows()
 
-    rows = folder.rows()
     assert all(row.success or row.collision for row in rows)
     assert any(row.collision for row in rows)
     for row in rows:

@@ -17,6 +17,7 @@ from aicon_baselines.agents.diffusion.checkpoint_formats import (
 from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
 from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import read_json
 
 CONFIG = "config.json"
 WEIGHTS = "model.safetensors"
@@ -105,6 +106,27 @@ def read_weights(folder: Path) -> dict[str, Tensor]:
         raise ComparisonError(f"{path} holds no weights ({error}); copy it again") from error
 
 
+def check_steps(path: Path) -> None:
+    """Check that a processor is made of LeRobot's own steps.
+
+    LeRobot also takes a step as the path of any class, which it imports and calls: whoever wrote
+    such a file could run what they like.
+
+    Raises:
+        ComparisonError: If the file names such a class, or lists no steps.
+    """
+    steps = read_json(path).get("steps")
+    if not isinstance(steps, list):
+        raise ComparisonError(f"{path} lists no steps; copy it from where the policy was saved")
+
+    for step in steps:
+        if not isinstance(step, dict) or "registry_name" not in step:
+            raise ComparisonError(
+                f"{path} has a step that is none of LeRobot's, but code to run: {step}. "
+                "A step is expected to have a registry_name"
+            )
+
+
 def _read_config(folder: Path) -> dict[str, Any]:
     """Read `config.json`, which has to be that of a diffusion policy."""
     path = folder / CONFIG
@@ -181,6 +203,8 @@ def _build_processors(folder: Path, config: Any, statistics: Statistics) -> tupl
     make_processors = import_lerobot("policies.factory").make_pre_post_processors
 
     if (folder / PREPROCESSOR).exists() and (folder / POSTPROCESSOR).exists():
+        check_steps(folder / PREPROCESSOR)
+        check_steps(folder / POSTPROCESSOR)
         on_cpu = {"device_processor": {"device": "cpu"}}
         preprocess, postprocess = make_processors(
             config, pretrained_path=str(folder), preprocessor_overrides=on_cpu

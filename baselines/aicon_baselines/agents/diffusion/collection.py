@@ -15,6 +15,7 @@ from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
 from aicon_baselines.agents.diffusion.recording_config import CHUNK_SIZE, RecordingConfig
 from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import only_writer, read_json, write_json
 
 RECORDING = "recording.json"
 """File in a dataset's folder that says how it was recorded."""
@@ -37,7 +38,8 @@ def collect(
             already there.
 
     Raises:
-        ComparisonError: Where the folder holds something else, or LeRobot is missing.
+        ComparisonError: Where the folder holds something else, another process records there, or
+            LeRobot is missing.
     """
     import_lerobot("datasets.lerobot_dataset")
 
@@ -50,20 +52,20 @@ def collect(
 
     # 2. Begin, or go on with, what is recorded beside it.
     chunks = folder.with_name(folder.name + ".chunks")
-    chunks.mkdir(parents=True, exist_ok=True)
-    if (chunks / RECORDING).exists():
-        _check_same_recording(config, chunks)
-    else:
-        (chunks / RECORDING).write_text(_describe(config))
-    files = _record_missing_chunks(config, chunks, on_recorded)
+    with only_writer(chunks):
+        if (chunks / RECORDING).exists():
+            _check_same_recording(config, chunks)
+        else:
+            write_json(chunks / RECORDING, asdict(config))
+        files = _record_missing_chunks(config, chunks, on_recorded)
 
-    # 3. Write the dataset beside its place first, so that the folder is always a whole one.
-    temporary = folder.with_name(folder.name + ".tmp")
-    shutil.rmtree(temporary, ignore_errors=True)
-    write_dataset(config, _load_chunks(files), temporary, name=folder.name)
-    (temporary / RECORDING).write_text(_describe(config))
-    temporary.replace(folder)
-    shutil.rmtree(chunks)
+        # 3. Write the dataset beside its place first, so that the folder is always a whole one.
+        temporary = folder.with_name(folder.name + ".tmp")
+        shutil.rmtree(temporary, ignore_errors=True)
+        write_dataset(config, _load_chunks(files), temporary, name=folder.name)
+        write_json(temporary / RECORDING, asdict(config))
+        temporary.replace(folder)
+        shutil.rmtree(chunks)
 
 
 def _record_missing_chunks(
@@ -134,12 +136,8 @@ def _select_episode(arrays: Any, i: int) -> Demonstration:
     return episode
 
 
-def _describe(config: RecordingConfig) -> str:
-    return json.dumps(asdict(config), indent=2) + "\n"
-
-
 def _check_same_recording(config: RecordingConfig, folder: Path) -> None:
     file = folder / RECORDING
-    saved = json.loads(file.read_text()) if file.exists() else {}
-    wanted = json.loads(_describe(config))  # as it comes out of a file: lists, no tuples
+    saved = read_json(file) if file.exists() else {}
+    wanted = json.loads(json.dumps(asdict(config)))  # as out of a file: lists, no tuples
     check_same_config(folder, "other demonstrations", saved, wanted)

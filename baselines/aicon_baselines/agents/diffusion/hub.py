@@ -10,7 +10,7 @@ from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
 
 _TIMEOUT = 3.0  # s
-_REPOSITORY = re.compile(r"[\w.-]+/[\w.-]+")
+_SOURCE = re.compile(r"(?P<repository>[\w.-]+/[\w.-]+)(@(?P<commit>[0-9a-f]{40}))?")
 _FILES = ["*.json", "*.safetensors"]
 
 
@@ -18,8 +18,8 @@ def locate(source: str) -> Path:
     """Return the folder of a policy.
 
     Args:
-        source: A folder, or the name of a repository such as "lerobot/diffusion_pusht", which is
-            downloaded once.
+        source: A folder, or OWNER/REPOSITORY@COMMIT, which is downloaded once. The commit, all 40
+            digits of it, pins what comes: a name alone is whatever its owner puts there next.
 
     Raises:
         ComparisonError: Where there is neither; if the hub cannot be reached, it says what to
@@ -29,23 +29,34 @@ def locate(source: str) -> Path:
     if folder.is_dir():
         return folder.resolve()
 
-    if not _REPOSITORY.fullmatch(source):
+    named = _SOURCE.fullmatch(source)
+    if named is None:
         raise ComparisonError(
-            f"there is no folder {source}, and it is no name OWNER/REPOSITORY of the hub either; "
+            f"there is no folder {source}, and it is no OWNER/REPOSITORY@COMMIT of the hub either; "
             "train a policy: python scripts/train_diffusion.py --data DEMONSTRATIONS --out FOLDER"
         )
 
+    repository, commit = named["repository"], named["commit"]
+    if commit is None:
+        raise ComparisonError(
+            f"there is no folder {source}; a download needs the commit that is meant, "
+            f"{source}@COMMIT with all 40 digits: choose one of "
+            f"https://huggingface.co/{source}/commits/main"
+        )
+
     import_lerobot("policies.factory")  # says what to install: the hub's client comes with LeRobot
-    return _find_downloaded(source) or _download(source)
+    return _find_downloaded(repository, commit) or _download(repository, commit)
 
 
-def _find_downloaded(repository: str) -> Path | None:
+def _find_downloaded(repository: str, commit: str) -> Path | None:
     """Return the folder of what was downloaded before."""
     from huggingface_hub import snapshot_download
     from huggingface_hub.errors import LocalEntryNotFoundError
 
     try:
-        folder = snapshot_download(repository, allow_patterns=_FILES, local_files_only=True)
+        folder = snapshot_download(
+            repository, revision=commit, allow_patterns=_FILES, local_files_only=True
+        )
     except LocalEntryNotFoundError:
         return None
 
@@ -53,32 +64,32 @@ def _find_downloaded(repository: str) -> Path | None:
     return Path(folder) if Path(folder, WEIGHTS).exists() else None
 
 
-def _download(repository: str) -> Path:
+def _download(repository: str, commit: str) -> Path:
     from huggingface_hub import constants, snapshot_download
     from huggingface_hub.errors import HfHubHTTPError, LocalEntryNotFoundError
 
     if constants.HF_HUB_OFFLINE:
-        raise _not_downloaded(repository, "HF_HUB_OFFLINE is set", constants.ENDPOINT)
+        raise _not_downloaded(repository, commit, "HF_HUB_OFFLINE is set", constants.ENDPOINT)
 
     # The client itself would try for minutes.
     reason = _why_unreachable(constants.ENDPOINT)
     if reason:
-        raise _not_downloaded(repository, reason, constants.ENDPOINT)
+        raise _not_downloaded(repository, commit, reason, constants.ENDPOINT)
 
     try:
-        return Path(snapshot_download(repository, allow_patterns=_FILES))
+        return Path(snapshot_download(repository, revision=commit, allow_patterns=_FILES))
     except (HfHubHTTPError, LocalEntryNotFoundError, OSError) as error:
         reason = str(error).strip().splitlines()[0]
-        raise _not_downloaded(repository, reason, constants.ENDPOINT) from error
+        raise _not_downloaded(repository, commit, reason, constants.ENDPOINT) from error
 
 
-def _not_downloaded(repository: str, reason: str, endpoint: str) -> ComparisonError:
+def _not_downloaded(repository: str, commit: str, reason: str, endpoint: str) -> ComparisonError:
     """Return an error that says what to download elsewhere, and where to put it."""
     folder = Path("runs", repository.split("/")[1])
     return ComparisonError(
         f"cannot load {repository} ({reason}), and there is no such folder. Download config.json, "
         "model.safetensors and, if there are any, policy_*.json and policy_*.safetensors from "
-        f"{endpoint}/{repository}/tree/main on another machine, put them into a folder, for "
+        f"{endpoint}/{repository}/tree/{commit} on another machine, put them into a folder, for "
         f"example {folder}, and give that: --diffusion-path {folder}"
     )
 

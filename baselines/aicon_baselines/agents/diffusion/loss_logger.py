@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from aicon_baselines.files import replacing
+
 _INTERVAL = 100  # steps
 _HEADER = ["step", "loss", "learning_rate", "seconds"]
 
@@ -29,7 +31,8 @@ class LossLogger:
         self._losses: list[float] = []
 
         kept = _read_lines(path, step)
-        _write_lines(path, [_HEADER, *kept], mode="w")
+        with replacing(path) as place:
+            _write_lines(place, [_HEADER, *kept], mode="w")
 
         self._started = time.monotonic()
         self._seconds_before = float(kept[-1][3]) if kept else 0.0
@@ -55,7 +58,9 @@ def _read_lines(path: Path, last_step: int) -> list[list[str]]:
 
     with path.open(newline="") as file:
         lines = list(csv.reader(file))
-    return [line for line in lines[1:] if int(line[0]) <= last_step]
+    # A kill may have torn the last line.
+    whole = [line for line in lines[1:] if len(line) == len(_HEADER)]
+    return [line for line in whole if int(line[0]) <= last_step]
 
 
 def _write_lines(path: Path, lines: list[list[str]], mode: str) -> None:

@@ -28,6 +28,7 @@ from aicon_baselines.agents.diffusion.loss_logger import LossLogger
 from aicon_baselines.agents.diffusion.training_config import TrainingConfig
 from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import only_writer, read_json, write_json
 
 POLICY = "policy"
 LOSS = "loss.csv"
@@ -64,23 +65,24 @@ def train(
         The number of steps taken.
 
     Raises:
-        ComparisonError: Where there is no dataset, or the folder holds another training.
+        ComparisonError: Where there is no dataset, the folder holds another training, or another
+            process trains there.
     """
     if checkpoint < 1:
         raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
 
-    # 1. What is learned from, and what has been learned before.
     frames = read_frames(data, config.observation)
-    folder.mkdir(parents=True, exist_ok=True)
-    _save_config(config, folder)
 
-    learner = Learner(config, frames, torch.device(device))
-    if (folder / _STATE).exists():
-        learner.load(folder / _STATE)
+    with only_writer(folder):
+        # 1. What has been learned before.
+        _save_config(config, folder)
+        learner = Learner(config, frames, torch.device(device))
+        if (folder / _STATE).exists():
+            learner.load(folder / _STATE)
 
-    # 2. What is missing.
-    deadline = None if stop_after is None else time.monotonic() + 60.0 * stop_after
-    _learn(learner, config.steps, folder, checkpoint, deadline, report)
+        # 2. What is missing.
+        deadline = None if stop_after is None else time.monotonic() + 60.0 * stop_after
+        _learn(learner, config.steps, folder, checkpoint, deadline, report)
     return learner.step
 
 
@@ -116,8 +118,8 @@ def _save_config(config: TrainingConfig, folder: Path) -> None:
     content = json.loads(json.dumps(asdict(config)))  # as it comes out of a file: lists, no tuples
 
     if file.exists():
-        saved = json.loads(file.read_text())
+        saved = read_json(file)
         wanted = {name: value for name, value in content.items() if name != "steps"}
         check_same_config(folder, "another training", saved, wanted)
 
-    file.write_text(json.dumps(content, indent=2) + "\n")
+    write_json(file, content)

@@ -12,6 +12,9 @@
 | `training.py` | training, and going on with it |
 | `checkpoints.py` | saving during training |
 | `agent_folder.py` | the folder of an agent |
+| `weights.py` | loading its network, without running code |
+| `statistics.py` | what normalises its readings, as a file |
+| `replay_file.py` | what SAC has seen, as a file |
 | `agent.py` | a saved agent as a policy |
 
 Example:

@@ -8,12 +8,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from aicon_baselines.agents.sb3.agent_folder import (
-    load_algorithm,
-    load_statistics,
-    read_config,
-    weight_files,
-)
+from aicon_baselines.agents.sb3.agent_folder import load_agent, read_config, weight_files
 from aicon_baselines.agents.sb3.last_action import LAST_ACTION
 from aicon_baselines.agents.sb3.pusher_frame import OFFSETS, add_offsets, target_of_action
 from aicon_baselines.agents.sb3.training_config import training_command
@@ -36,12 +31,14 @@ class Agent:
         task: Name of the task.
         sampled: Whether actions are drawn as in training also where `predict` is asked for the
             most likely ones.
+        trust: Whether code that its files may hold is allowed to run; see `agent_folder`.
 
     Raises:
-        ComparisonError: Where something is missing in the folder, or the agent is for another task.
+        ComparisonError: Where something is missing in the folder, the agent is for another task, or
+            it holds code and is not trusted.
     """
 
-    def __init__(self, folder: Path, task: str, sampled: bool = False) -> None:
+    def __init__(self, folder: Path, task: str, sampled: bool = False, trust: bool = False) -> None:
         self._folder = folder
         self._sampled = sampled
 
@@ -53,8 +50,7 @@ class Agent:
                 f"{training_command(task, self.config.algorithm)}"
             )
 
-        self._model = load_algorithm(folder, self.config)
-        self._statistics = load_statistics(folder) if self.config.normalized else None
+        self._model, self._statistics = load_agent(folder, self.config, trust)
 
     @property
     def name(self) -> str:

@@ -4,34 +4,41 @@
 |---|---|
 | `config.json` | `TrainingConfig`, with the steps taken; `observation`: the shape of each reading |
 | `agent.zip` | the agent, as stable-baselines3 saves it |
-| `vecnormalize.pkl` | means and variances of the readings and of the reward |
-| `replay_buffer.pkl` | SAC only, to go on with training |
+| `statistics.json` | means and variances of the readings and of the return |
+| `replay_buffer.npz` | SAC only, to go on with training |
 | `log_N/` | `progress.csv` from step N on; with `tensorboard` installed, its files as well |
 
-An agent of another origin can be compared when it comes with these files. Both `agent.zip` and
-`vecnormalize.pkl` can run any code when they are loaded: load only what you trust.
+No file runs code when it is read: of `agent.zip` only the numbers are. An agent of another origin
+can be compared when it comes with the first two files and, if its readings were normalised, with
+stable-baselines3's `vecnormalize.pkl`; loading it may run code and needs `trust`.
 """
 
-import json
-import pickle
-from collections.abc import Callable
 from dataclasses import asdict, fields, replace
 from pathlib import Path
-from zipfile import BadZipFile
 
-import stable_baselines3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
-from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+from stable_baselines3.common.vec_env import VecNormalize
 
-from aicon_baselines.agents.sb3.environments import observed_shapes
+from aicon_baselines.agents.sb3.environments import make_training_envs, observed_shapes
+from aicon_baselines.agents.sb3.replay_file import save_replay_buffer
+from aicon_baselines.agents.sb3.statistics import load_statistics, save_statistics
 from aicon_baselines.agents.sb3.training_config import TrainingConfig, training_command
+from aicon_baselines.agents.sb3.weights import (
+    load_network,
+    load_trusted_algorithm,
+    load_trusted_statistics,
+    needs_trust,
+)
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import read_json, replacing, write_json
 
 CONFIG = "config.json"
 AGENT = "agent.zip"
-STATISTICS = "vecnormalize.pkl"
-REPLAY_BUFFER = "replay_buffer.pkl"
+STATISTICS = "statistics.json"
+REPLAY_BUFFER = "replay_buffer.npz"
+
+_PICKLED_STATISTICS = "vecnormalize.pkl"
 
 Shapes = dict[str, tuple[int, ...]]
 """The shape of each reading, by name."""
@@ -44,20 +51,16 @@ def save(
     folder.mkdir(parents=True, exist_ok=True)
 
     # What the agent does, and what training goes on from.
-    _write_whole(folder / AGENT, model.save)
-    _write_whole(folder / STATISTICS, statistics.save)
+    with replacing(folder / AGENT) as place:
+        model.save(place)
+    save_statistics(folder / STATISTICS, statistics)
     if isinstance(model, OffPolicyAlgorithm):
-        _write_whole(folder / REPLAY_BUFFER, model.save_replay_buffer)
+        save_replay_buffer(folder / REPLAY_BUFFER, model)
 
     # What it is.
     content = asdict(replace(config, steps=model.num_timesteps))
     content["observation"] = observed_shapes(statistics)
-    text = json.dumps(content, indent=2) + "\n"
-
-    def write_config(path: str) -> None:
-        Path(path).write_text(text)
-
-    _write_whole(folder / CONFIG, write_config)
+    write_json(folder / CONFIG, content)
 
 
 def read_config(folder: Path) -> tuple[TrainingConfig, Shapes]:
@@ -85,46 +88,50 @@ def read_config(folder: Path) -> tuple[TrainingConfig, Shapes]:
 
 def weight_files(folder: Path, config: TrainingConfig) -> list[Path]:
     """List the files that decide what an agent does."""
-    if config.normalized:
-        return [folder / AGENT, folder / STATISTICS]
-    return [folder / AGENT]
+    if not config.normalized:
+        return [folder / AGENT]
+
+    pickled = folder / _PICKLED_STATISTICS
+    statistics = folder / STATISTICS
+    is_foreign = pickled.exists() and not statistics.exists()
+    return [folder / AGENT, pickled if is_foreign else statistics]
 
 
-def load_algorithm(folder: Path, config: TrainingConfig) -> BaseAlgorithm:
-    """Load `agent.zip`, on the CPU."""
-    name = config.algorithm.upper()
-    algorithm: type[BaseAlgorithm] = getattr(stable_baselines3, name)
+def load_agent(
+    folder: Path, config: TrainingConfig, trust: bool = False
+) -> tuple[BaseAlgorithm, VecNormalize | None]:
+    """Load an agent that acts, and what normalises its readings.
 
-    try:
-        return algorithm.load(str(folder / AGENT), device="cpu")
-    # What unpacking, unpickling and rebuilding raise where the file holds something else.
-    except (
-        ValueError,
-        TypeError,
-        KeyError,
-        AttributeError,
-        RuntimeError,
-        AssertionError,
-        BadZipFile,
-    ) as error:
-        raise ComparisonError(
-            f"{folder / AGENT} is not an agent of {name} ({error}); save one again in another "
-            f"folder: {training_command(config.task, config.algorithm)}"
-        ) from error
+    Args:
+        folder: Its folder.
+        config: What `config.json` says.
+        trust: Whether code that its files may hold is allowed to run.
 
+    Raises:
+        ComparisonError: If a file holds something else, or more than numbers without `trust`.
+    """
+    *_, last = weight_files(folder, config)
+    is_pickled = last.name == _PICKLED_STATISTICS
+    if is_pickled and not trust:
+        raise ComparisonError(f"{folder} has no {STATISTICS}. {needs_trust(last)}")
 
-def load_statistics(folder: Path, envs: VecEnv | None = None) -> VecNormalize:
-    """Load `vecnormalize.pkl`, around environments if there are any."""
-    statistics = _unpickle_statistics(folder / STATISTICS)
+    # One environment, for the shapes of readings and actions.
+    envs = make_training_envs(replace(config, envs=1), config.seed)
+    if is_pickled:
+        normalized = load_trusted_statistics(last)
+    elif config.normalized:
+        normalized = load_statistics(last, envs, config.discount)
+    else:
+        normalized = None
 
-    if envs is not None:
-        statistics.set_venv(envs)
-    return statistics
+    if trust:
+        return load_trusted_algorithm(folder / AGENT, config), normalized
+    return load_network(folder / AGENT, config, normalized or envs), normalized
 
 
 def _parse_config(path: Path) -> tuple[TrainingConfig, Shapes]:
+    content = read_json(path)
     try:
-        content = json.loads(path.read_text())
         shapes = {name: tuple(shape) for name, shape in content.pop("observation").items()}
         return TrainingConfig(**content), shapes
     except ComparisonError as error:
@@ -135,38 +142,3 @@ def _parse_config(path: Path) -> tuple[TrainingConfig, Shapes]:
             f"{path} does not describe an agent ({error}); "
             f"expected: {', '.join(names)}, observation"
         ) from error
-
-
-def _unpickle_statistics(path: Path) -> VecNormalize:
-    try:
-        statistics = pickle.loads(path.read_bytes())
-    # What unpickling raises where the file holds something else.
-    except (
-        pickle.UnpicklingError,
-        EOFError,
-        AttributeError,
-        ImportError,
-        IndexError,
-        ValueError,
-        KeyError,
-    ) as error:
-        raise _no_statistics(path, str(error)) from error
-
-    if not isinstance(statistics, VecNormalize):
-        raise _no_statistics(path, type(statistics).__name__)
-    return statistics
-
-
-def _no_statistics(path: Path, reason: str) -> ComparisonError:
-    return ComparisonError(
-        f"{path} holds no VecNormalize ({reason}); copy it from where the agent was trained"
-    )
-
-
-def _write_whole(path: Path, write: Callable[[str], object]) -> None:
-    """Write a file beside its place first, and move it there when it is whole."""
-    # The ending stays: stable-baselines3 appends it otherwise.
-    temporary = path.with_name(f"new_{path.name}")
-
-    write(str(temporary))
-    temporary.replace(path)

@@ -12,18 +12,22 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.agents.sb3.agent_folder import (
+    AGENT,
     CONFIG,
     REPLAY_BUFFER,
-    load_algorithm,
-    load_statistics,
+    STATISTICS,
     read_config,
     save,
 )
 from aicon_baselines.agents.sb3.algorithms import make_algorithm
 from aicon_baselines.agents.sb3.checkpoints import CheckpointsWithProgress
 from aicon_baselines.agents.sb3.environments import make_training_envs, normalize
+from aicon_baselines.agents.sb3.replay_file import load_replay_buffer
+from aicon_baselines.agents.sb3.statistics import load_statistics
 from aicon_baselines.agents.sb3.training_config import TrainingConfig
+from aicon_baselines.agents.sb3.weights import load_algorithm
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import only_writer
 
 
 def train(
@@ -47,19 +51,20 @@ def train(
         The configuration with the number of steps taken, at least those asked for.
 
     Raises:
-        ComparisonError: Where the folder holds another agent.
+        ComparisonError: Where the folder holds another agent, or another process trains there.
     """
     if checkpoint < 1:
         raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
 
-    # 1. What is trained, and the environments that it is trained in.
-    resumes = (folder / CONFIG).exists()
-    model, statistics = _resume(config, folder) if resumes else _begin(config)
+    with only_writer(folder):
+        # 1. What is trained, and the environments that it is trained in.
+        resumes = (folder / CONFIG).exists()
+        model, statistics = _resume(config, folder) if resumes else _begin(config)
 
-    # 2. What is missing.
-    missing_steps = config.steps - model.num_timesteps
-    if missing_steps > 0:
-        _learn(model, missing_steps, statistics, config, folder, checkpoint, report)
+        # 2. What is missing.
+        missing_steps = config.steps - model.num_timesteps
+        if missing_steps > 0:
+            _learn(model, missing_steps, statistics, config, folder, checkpoint, report)
 
     statistics.close()
     return replace(config, steps=model.num_timesteps)
@@ -75,16 +80,16 @@ def _resume(config: TrainingConfig, folder: Path) -> tuple[BaseAlgorithm, VecNor
     saved, _ = read_config(folder)
     wanted = replace(config, steps=saved.steps)
     check_same_config(folder, "another agent", asdict(saved), asdict(wanted))
-    model = load_algorithm(folder, saved)
 
     # Other episodes than at the start: there have been at least as many steps as environments, so
     # that none gets a seed that another began with.
-    envs = make_training_envs(config, config.seed + model.num_timesteps)
-    statistics = load_statistics(folder, envs)
-    model.set_env(statistics)
+    envs = make_training_envs(config, config.seed + saved.steps)
+    statistics = load_statistics(folder / STATISTICS, envs, config.discount)
+    model = load_algorithm(folder / AGENT, config, statistics)
+    model.num_timesteps = saved.steps
 
     if isinstance(model, OffPolicyAlgorithm) and (folder / REPLAY_BUFFER).exists():
-        model.load_replay_buffer(str(folder / REPLAY_BUFFER))
+        load_replay_buffer(folder / REPLAY_BUFFER, model)
     return model, statistics
 
 

@@ -13,6 +13,7 @@ from aicon_baselines.figures.panda_push.view import CameraView
 from aicon_baselines.figures.recording import FloatArray, track
 from aicon_baselines.figures.rendering import render, save_video
 from aicon_baselines.figures.timeline import TimeCursor
+from aicon_baselines.files import replacing
 
 
 class ArmFilm(Film):
@@ -48,7 +49,8 @@ def draw_still(recording: ArmRecording, path: Path) -> None:
     """Save the frame in the middle of the film as a png."""
     film = ArmFilm(recording)
     film.show(len(recording.times) // 2)
-    Image.fromarray(render(film.figure)).save(path)
+    with replacing(path) as place:
+        Image.fromarray(render(film.figure)).save(place)
 
 
 def draw_film(recording: ArmRecording, path: Path, *, progress: bool = False) -> None:

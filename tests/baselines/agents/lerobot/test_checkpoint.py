@@ -16,6 +16,8 @@ from aicon_baselines.agents.diffusion import hub
 from aicon_baselines.agents.diffusion.agent import Agent
 from aicon_baselines.evaluation import ComparisonError
 
+COMMIT = "0123456789" * 4
+
 
 def edit(folder: Path, **values: Any) -> None:
     path = folder / "config.json"
@@ -114,7 +116,7 @@ def test_without_the_hub_an_error_says_what_to_download(
     reason = "HF_HUB_OFFLINE is set" if offline else "does not answer"
     message = rf"{reason}.*Download config.json.*--diffusion-path runs/diffusion_pusht"
     with pytest.raises(ComparisonError, match=message):
-        Agent("lerobot/diffusion_pusht")
+        Agent(f"lerobot/diffusion_pusht@{COMMIT}")
 
 
 def test_what_was_downloaded_before_is_found(
@@ -122,8 +124,6 @@ def test_what_was_downloaded_before_is_found(
 ) -> None:
     monkeypatch.setattr(constants, "HF_HUB_CACHE", str(tmp_path))
     cached = tmp_path / "models--owner--name"
-    shutil.copytree(policy, cached / "snapshots" / "0123")
-    (cached / "refs").mkdir()
-    (cached / "refs" / "main").write_text("0123")
+    shutil.copytree(policy, cached / "snapshots" / COMMIT)
 
-    assert hub.locate("owner/name") == cached / "snapshots" / "0123"
+    assert hub.locate(f"owner/name@{COMMIT}") == cached / "snapshots" / COMMIT

@@ -7,7 +7,7 @@ pytest.importorskip("lerobot")
 
 from aicon_baselines.agents.diffusion.agent import Agent
 from aicon_baselines.cli.main import main
-from aicon_baselines.evaluation.run_folder import read_rows
+from aicon_baselines.evaluation.rows_file import read_rows
 
 SHORT = ("--task", "pusht", "--seed", 1000, "--horizon", 20, "--episodes", 3)
 CONDITIONS = ("--conditions", "deterministic", "noise_2")

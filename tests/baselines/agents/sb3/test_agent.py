@@ -10,10 +10,11 @@ pytest.importorskip("pymunk")
 
 from aicon_baselines.agents import sb3
 from aicon_baselines.agents.registry import saved_agent
-from aicon_baselines.agents.sb3.agent_folder import load_algorithm, load_statistics
 from aicon_baselines.agents.sb3.environments import make_training_envs
 from aicon_baselines.agents.sb3.last_action import LAST_ACTION
 from aicon_baselines.agents.sb3.pusher_frame import OFFSETS, target_of_action
+from aicon_baselines.agents.sb3.statistics import load_statistics
+from aicon_baselines.agents.sb3.weights import load_trusted_algorithm
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.tasks import load
 
@@ -39,9 +40,9 @@ def test_an_agent_gets_in_a_comparison_what_it_got_in_training(
     config = agent.config
 
     envs = make_training_envs(config, 5000)
-    normalized_envs = load_statistics(folder, envs)
+    normalized_envs = load_statistics(folder / "statistics.json", envs, config.discount)
     normalized_envs.training = False
-    model = load_algorithm(folder, config)
+    model = load_trusted_algorithm(folder / "agent.zip", config)
     seen = normalized_envs.reset()
 
     memory: Any = None

@@ -31,8 +31,8 @@ def edit(folder: Path, **values: Any) -> None:
             "has no agent.zip; copy the whole folder",
         ),
         (
-            lambda folder: (folder / "vecnormalize.pkl").unlink(),
-            "has no vecnormalize.pkl; copy the whole folder",
+            lambda folder: (folder / "statistics.json").unlink(),
+            "has no statistics.json; copy the whole folder",
         ),
         (
             lambda folder: (folder / "config.json").write_text("{}"),
@@ -43,8 +43,8 @@ def edit(folder: Path, **values: Any) -> None:
             "agent.zip is not an agent of PPO",
         ),
         (
-            lambda folder: (folder / "vecnormalize.pkl").write_bytes(b"x"),
-            "vecnormalize.pkl holds no VecNormalize",
+            lambda folder: (folder / "statistics.json").write_text("{}"),
+            "statistics.json holds no statistics of this agent ('readings')",
         ),
         (
             lambda folder: edit(folder, algorithm="dqn"),

@@ -12,7 +12,7 @@ pytest.importorskip("pymunk")
 import train_sb3
 from aicon_baselines.cli.command_line import run_command
 from aicon_baselines.cli.main import main
-from aicon_baselines.evaluation.run_folder import read_rows
+from aicon_baselines.evaluation.rows_file import read_rows
 
 
 def compare(folder: Path, *arguments: object) -> list[Any]:

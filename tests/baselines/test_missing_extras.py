@@ -1,0 +1,84 @@
+"""Without an extra, whatever needs it says in a sentence how to install it."""
+
+import sys
+from importlib import import_module
+
+import pytest
+from gymnasium.error import DependencyNotInstalled
+
+from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.registry import import_sb3
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.evaluation.backends import joblib_backend
+from aicon_baselines.extras import EXTRAS
+from aicon_baselines.tasks import load, upstream
+
+# What is missing, what is imported then, and the extra that is named.
+IMPORTS = [
+    ("joblib", "aicon_baselines.evaluation.comparison", "compare"),
+    ("joblib", "aicon_baselines.evaluation.backends", "compare"),
+    ("tqdm", "aicon_baselines.evaluation.progress", "compare"),
+    ("tqdm", "aicon_baselines.evaluation.timing", "compare"),
+    ("matplotlib", "aicon_baselines.evaluation.curves", "compare"),
+    ("matplotlib", "aicon_baselines.evaluation.study_report", "compare"),
+    ("matplotlib", "aicon_baselines.figures", "compare"),
+    ("tqdm", "aicon_baselines.figures", "compare"),
+    ("pymunk", "aicon_envs.pusht", "pusht"),
+    ("pygame", "aicon_envs.pusht.rendering", "pusht"),
+    ("mujoco", "aicon_envs.panda_push", "panda"),
+]
+
+
+def hide(monkeypatch: pytest.MonkeyPatch, missing: str, importer: str = "") -> None:
+    """Let a module be missing, and forget what has imported it."""
+    monkeypatch.setitem(sys.modules, missing, None)
+    for name in list(sys.modules):
+        if name.startswith(f"{missing}."):
+            monkeypatch.setitem(sys.modules, name, None)
+        elif importer and (name == importer or name.startswith(f"{importer}.")):
+            monkeypatch.delitem(sys.modules, name)
+
+
+@pytest.mark.parametrize(("missing", "importer", "extra"), IMPORTS)
+def test_an_import_names_the_extra(
+    monkeypatch: pytest.MonkeyPatch, missing: str, importer: str, extra: str
+) -> None:
+    hide(monkeypatch, missing, importer)
+    command = rf"""pip install ['"]aicon-torch\[{extra}\]['"]"""
+    with pytest.raises((ModuleNotFoundError, DependencyNotInstalled), match=command):
+        import_module(importer)
+
+
+@pytest.mark.parametrize(("missing", "task"), [("pymunk", "pusht"), ("mujoco", "panda_push")])
+def test_a_task_names_the_extra(monkeypatch: pytest.MonkeyPatch, missing: str, task: str) -> None:
+    hide(monkeypatch, missing, f"aicon_envs.{task}")
+    hide(monkeypatch, missing, f"aicon_baselines.tasks.{task}")
+    with pytest.raises(ComparisonError, match=r"pip install .aicon-torch\[(pusht|panda)\]"):
+        load(task)
+
+
+def test_what_is_imported_when_it_is_needed_names_the_extra(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for module in ("stable_baselines3", "distributed", "lerobot"):
+        hide(monkeypatch, module)
+    hide(monkeypatch, "stable_baselines3", "aicon_baselines.agents.sb3")
+
+    with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[sb3\]'"):
+        import_sb3()
+    with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[lerobot\]'"):
+        import_lerobot("policies.factory")
+    message = r"pip install 'aicon-torch\[cluster\]'"
+    with pytest.raises(ComparisonError, match=message), joblib_backend("dask", 1, None):
+        pass
+
+
+def test_the_condition_upstream_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(upstream, "find_spec", lambda name: None)
+    with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[upstream\]'"):
+        upstream.UpstreamPushT(1, 10)
+
+
+def test_every_extra_is_tried() -> None:
+    tried = {extra for _, _, extra in IMPORTS} | {"sb3", "lerobot", "cluster", "upstream"}
+    assert tried == set(EXTRAS)

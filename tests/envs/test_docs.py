@@ -1,0 +1,68 @@
+"""What the docstrings of the environments say is what they do."""
+
+import dataclasses
+import inspect
+from typing import Any
+
+import gymnasium as gym
+import pytest
+
+pytest.importorskip("pymunk")
+pytest.importorskip("mujoco")
+
+from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv, Physics
+from aicon_envs.panda_push import PandaPushEnv
+from aicon_envs.panda_push.spaces import SPEED_LIMIT
+from aicon_envs.pusht import PushTEnv, PushTVectorEnv, TaskSettings
+
+IDS = {
+    "aicon/Nav2D-v0": (Nav2DEnv, Nav2DVectorEnv),
+    "aicon/PushT-v0": (PushTEnv, PushTVectorEnv),
+    "aicon/PandaPush-v0": (PandaPushEnv, None),
+}
+
+
+def arguments(kind: Any) -> dict[str, inspect.Parameter]:
+    return dict(inspect.signature(kind).parameters)
+
+
+@pytest.mark.parametrize("kind", [Nav2DEnv, PushTEnv, PandaPushEnv])
+def test_every_argument_is_in_the_docstring(kind: Any) -> None:
+    settings: list[Any] = {Nav2DEnv: [Physics], PushTEnv: [TaskSettings]}.get(kind, [])
+    names = [name for name in arguments(kind) if name not in ("physics", "settings")]
+    names += [field.name for each in settings for field in dataclasses.fields(each)]
+
+    documented = inspect.getdoc(kind) or ""
+    assert [name for name in names if f"`{name}`" not in documented] == []
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_the_time_limit_is_the_one_that_is_told(env_id: str) -> None:
+    limit = gym.spec(env_id).max_episode_steps
+    single, vector = IDS[env_id]
+    assert limit is not None
+    assert f"limit is {limit:,} steps" in " ".join((inspect.getdoc(single) or "").split())
+    if vector is not None:
+        assert arguments(vector)["max_episode_steps"].default == limit
+
+
+def test_numbers_in_the_docstrings_are_the_defaults() -> None:
+    arm, pushing, moving = (
+        " ".join((inspect.getdoc(kind) or "").split())
+        for kind in (PandaPushEnv, PushTEnv, Nav2DEnv)
+    )
+    defaults = {name: each.default for name, each in arguments(PandaPushEnv).items()}
+    assert f"{defaults['mass']:g} kg and {defaults['friction']:g}" in arm
+    assert f"standard deviation, {1e3 * defaults['depth_noise']:g} mm" in arm
+    assert f"standard deviation, {defaults['force_noise']:g} N" in arm
+    assert f"standard deviation, {defaults['joint_noise']:.0e} rad".replace("e-04", "e-4") in arm
+    assert f"({defaults['height']}, {defaults['width']}, 3) uint8" in arm
+    assert f"up to {SPEED_LIMIT[0]:g} (joints 1 to 4) and {SPEED_LIMIT[-1]:g}" in arm
+
+    settings, physics = TaskSettings(), Physics()
+    fewest, most = settings.goal_jump_interval
+    assert f"{fewest} to {most} steps after the last" in pushing
+    assert (
+        f"up to {settings.kick[0]:g} px and turns it by up to {settings.kick[1]:g} rad" in pushing
+    )
+    assert f"`dt` = {physics.dt:g} s" in moving
