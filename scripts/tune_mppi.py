@@ -58,9 +58,10 @@ def run(arguments: argparse.Namespace) -> None:
         name, options = parse_variant(text)
         candidates[text] = compiled(factory(task.name, name, **options))
 
-    folder = RunFolder(arguments.out, config)
-    compare(task, candidates, folder)
-    print(write_report(task, folder))
+    with RunFolder.open(arguments.out, config) as folder:
+        compare(task, candidates, folder)
+        table = write_report(task, folder)
+    print(table)
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

@@ -59,7 +59,8 @@ def factory(task: str, name: str, **options: Any) -> Factory:
             override those of its name and of the condition.
     """
     if name in PLANNERS and task == "pusht":
-        return import_mppi().Planner(name, options)
+        planner: Factory = import_mppi().Planner(name, options)
+        return planner
     if name not in names(task):
         valid = ", ".join(names(task))
         raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {valid}")

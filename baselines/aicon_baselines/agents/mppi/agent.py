@@ -102,7 +102,7 @@ class Agent:
         """
         keypoints = self._metres(observation, "environment_state")
         pusher = self._metres(observation, "agent_pos")
-        pose = self._prediction.body.registration(keypoints.unflatten(-1, (-1, 2)))
+        pose = self._prediction.body.registration(keypoints.reshape(len(keypoints), -1, 2))
 
         # 1. Forget what was before an episode.
         initial = self._initial(pusher, pose)

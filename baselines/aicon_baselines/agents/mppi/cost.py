@@ -29,7 +29,7 @@ class Cost:
 
     def __call__(self, state: Tensor, velocity: Tensor) -> Tensor:
         """The cost (*B,), m, of a state (*B, 7); the velocity that led to it costs nothing."""
-        pose, pusher, _ = state.split((3, 2, 2), dim=-1)
+        pose, pusher, _ = torch.split(state, [3, 2, 2], dim=-1)
         error = norm(pose_error(pose, self._goal, self._rotation_length))
 
         points = closest_point(

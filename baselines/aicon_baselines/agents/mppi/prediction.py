@@ -34,7 +34,7 @@ class Prediction:
 
     def __call__(self, state: Tensor, velocity: Tensor) -> Tensor:
         """The state (*B, 7) after a step with a mean velocity (*B, 2), m/s."""
-        pose, pusher, speed = state.split((3, 2, 2), dim=-1)
+        pose, pusher, speed = torch.split(state, [3, 2, 2], dim=-1)
 
         # The target that yields this velocity, as far as the board goes.
         offset = self.servo.target_offset(velocity, speed, self.dt)
