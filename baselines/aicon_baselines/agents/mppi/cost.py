@@ -1,5 +1,6 @@
 """What the planner wants: the object at its goal, and the pusher near the object."""
 
+import torch
 from torch import Tensor
 
 from aicon_baselines.agents.mppi.options import Options
