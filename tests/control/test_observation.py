@@ -108,7 +108,7 @@ def test_a_sensor_s_scale_leads_to_the_graph_s_unit(
         dtype=torch.float64,
     )
     pixels = 200.0 * normal(*batch, 2)
-    _, memory = Policy(model, Sum()).predict({"z": kind(pixels)})
+    _, memory = Policy(model, Sum(), DirectDescent(1.0)).predict({"z": kind(pixels)})
 
     # Readings saturate in the unit of the instrument.
     expected = pixels.clamp(-100.0, 100.0) * torch.tensor(scale, dtype=torch.float64)

@@ -24,6 +24,7 @@ from aicon_torch import (
     DirectDescent,
     Escape,
     Exploration,
+    Foresight,
     Goal,
     NullspaceProjection,
     OptionError,
@@ -76,10 +77,10 @@ def test_the_rule_names_unknown_goals_when_the_policy_is_built() -> None:
         Policy(two_robots(), rule)
 
 
-def test_by_default_a_policy_projects_at_full_speed() -> None:
+def test_by_default_a_policy_projects_and_looks_ahead() -> None:
     policy = Policy(two_robots())
     assert policy.resolution == NullspaceProjection()
-    assert policy.law == DirectDescent()
+    assert policy.law == Foresight()
     assert policy.perception is None
 
 

@@ -183,7 +183,7 @@ def test_labels_of_the_navigation_are_the_paper_s_three_paths() -> None:
 
 @pytest.mark.parametrize("conflicting", [True, False])
 def test_goals_in_conflict_are_named_while_exploring(conflicting: bool) -> None:
-    policy = Policy(ways_apart(), NullspaceProjection())
+    policy = Policy(ways_apart(), NullspaceProjection(), DirectDescent(1.0))
     reading = torch.full((1,), float(conflicting), dtype=torch.float64)
     _, memory = policy.predict({"z": reading})
 
@@ -193,7 +193,7 @@ def test_goals_in_conflict_are_named_while_exploring(conflicting: bool) -> None:
 
 
 def test_goals_in_conflict_are_of_each_row() -> None:
-    policy = Policy(ways_apart(), NullspaceProjection())
+    policy = Policy(ways_apart(), NullspaceProjection(), DirectDescent(1.0))
     z = torch.tensor([[[1.0], [0.0], [1.0]], [[0.0], [0.0], [1.0]]], dtype=torch.float64)
     _, memory = policy.predict({"z": z})
 

@@ -68,11 +68,13 @@ def test_an_object_stays_where_the_pusher_has_left_it() -> None:
 
 
 def test_a_way_round_a_corner_pushes_nothing_though_the_straight_one_would() -> None:
-    corner = -45 - RADIUS / PIXEL
-    start, end = (BESIDE - 5, 0), (60.0, 0.0)
-    round_it = pushed(start, (0.0, corner), (80.0 - BESIDE, corner), (80.0 - BESIDE, -corner))
-    assert round_it.tolist() == [0.0, 0.0, 0.0]
-    assert float(pushed(start, end)[0]) > 50 * PIXEL
+    down = [(0.0, -10.0 * part) for part in range(1, 8)]
+    across = [(10.0 * part, -70.0) for part in range(1, 11)]
+    up = [(100.0, -70.0 + 10.0 * part) for part in range(1, 8)]
+
+    start = (BESIDE - 5, 0)
+    assert pushed(start, *down, *across, *up).tolist() == [0.0, 0.0, 0.0]
+    assert float(pushed(start, up[-1])[0]) > 50 * PIXEL
 
 
 def test_a_part_starts_from_the_pose_to_which_those_before_it_have_pushed() -> None:

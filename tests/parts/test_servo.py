@@ -13,7 +13,8 @@ import aicon_envs  # noqa: F401  (registers the environments)
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.models.pusht.benchmark import WORKSPACE
-from aicon_torch.parts import PositionTarget, PusherMotion, Servo
+from aicon_torch.parts import PositionTarget, Servo
+from aicon_torch.parts.servo import PusherMotion
 
 each_gain = pytest.mark.parametrize("gains", GAINS, ids=str)
 

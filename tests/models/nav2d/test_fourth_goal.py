@@ -63,7 +63,7 @@ def test_a_fourth_goal_acts() -> None:
 
     alone = policy.switch(memory, reach=False, avoid=False, lane=True)
     _, after = policy.predict(reading, alone)
-    wish = after["a"] - memory["a"] * 2 / 3  # the low-pass keeps two thirds
+    wish = after["a"] - memory["a"] * 2 / 7  # the low-pass keeps two sevenths
     assert wish[1] > 0.1 and abs(float(wish[0])) < 1e-9
 
     changes = []

@@ -13,7 +13,7 @@ from aicon_torch.parts.rigid_object import RigidObject
 SQUARE = RigidObject.of([(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)])
 DYNAMICS = ContactDynamics(SQUARE, rotation_length=0.1, step=1.0)
 CONTACT = ContactLimits(
-    DYNAMICS, None, radius=0.015, push=(0.001, 0.01), harm=0.002, slide_gap=0.0, end_step=0.005
+    DYNAMICS, radius=0.015, push=(0.001, 0.01), harm=0.002, slide_gap=0.0, end_step=0.005
 )
 OPTIONS = MotionLimitOptions()
 

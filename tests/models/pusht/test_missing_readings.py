@@ -43,7 +43,7 @@ def test_without_keypoints_it_predicts_and_goes_on(lost: str) -> None:
             assert (error.abs() < 0.2 * PIXEL).all()
             continue
         assert before is not None
-        predicted = motion(before["x_pose"], memory["x_pusher"], before["a"], 0.1)
+        predicted = motion(before["x_pose"], memory["x_pusher"], memory["d_pusher"])
         torch.testing.assert_close(memory["x_pose"], predicted)
         growth = (memory["P_pose"] - before["P_pose"]).diagonal(dim1=-2, dim2=-1)
         assert growth.min() > 0
