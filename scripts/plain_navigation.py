@@ -1,8 +1,8 @@
-"""The navigation policy written out by hand in plain torch: no graph, no library.
+"""The navigation policy written out by hand in plain torch, without a graph.
 
 It is what the library is measured against (``scripts/benchmark.py``) and an independent second
 implementation of the same law (``tests/scripts/test_plain_navigation.py``), with filters in closed
-form and the default options written as numbers.
+form and the options written as numbers: the default ones, but for one gradient a step (``LAW``).
 """
 
 import math
@@ -10,6 +10,12 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor
+
+from aicon_torch.control import DirectDescent
+
+GAIN, SMOOTHING = 20.0, 0.1  # m/s², s
+LAW = DirectDescent(gain=GAIN, smoothing=SMOOTHING)
+"""The library's name for the law of this file."""
 
 DT, SPEED, LENGTH = 0.05, 0.5, 0.04  # s, m/s, m
 BEARING_VARIANCE, CLEARANCE_VARIANCE, SLOPE_VARIANCE = 0.03**2, 0.01**2, 0.05
@@ -103,8 +109,8 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     escape = follow_level(stack, average)
 
     wish = torch.where(exploring.unsqueeze(-1), -escape, pursuit)
-    wished = clip(-20.0 * DT * wish)
-    action = clip(torch.lerp(state.action, wished, DT / (DT + 0.1)))
+    wished = clip(-GAIN * DT * wish)
+    action = clip(torch.lerp(state.action, wished, DT / (DT + SMOOTHING)))
     return State(
         target,
         target_cov,

@@ -32,7 +32,7 @@ def test_the_plain_step_is_the_library_s(closed_form: bool, batch: tuple[int, ..
     Each step starts from the library's memory: a difference in the last digit would grow along a
     chaotic run.
     """
-    policy, recorded = make_policy("nav2d"), drifting(300, batch, seed=3)
+    policy, recorded = make_policy("nav2d", law=plain.LAW), drifting(300, batch, seed=3)
     state = plain.begin(recorded[0]["bearing"], recorded[0]["range"])
     memories = rollout(policy, recorded)
 
