@@ -214,8 +214,9 @@ def _with_ratios(times: dict[str, list[float]], pairs: tuple[tuple[str, str], ..
 
 def _navigation_step(batch: int) -> Step:
     bearing, clearance = torch.zeros(batch, 1), torch.full((batch, 1), 0.15)
-    policy = make_policy("nav2d", law=plain_navigation.LAW)  # the law that is written out by hand
-    return replay(policy, [{"bearing": bearing, "range": clearance}])
+    # The law that is written out by hand.
+    law = DirectDescent(plain_navigation.GAIN, smoothing=plain_navigation.SMOOTHING)
+    return replay(make_policy("nav2d", law=law), [{"bearing": bearing, "range": clearance}])
 
 
 def _pushing_step(batch: int) -> Step:

@@ -1,8 +1,9 @@
-"""The navigation policy written out by hand in plain torch, without a graph.
+"""The navigation policy written out by hand in plain torch: no graph, no library.
 
 It is what the library is measured against (``scripts/benchmark.py``) and an independent second
 implementation of the same law (``tests/scripts/test_plain_navigation.py``), with filters in closed
-form and the options written as numbers: the default ones, but for one gradient a step (``LAW``).
+form and the options written as numbers: the default ones, but for the law.
+That is one gradient a step, ``DirectDescent(GAIN, smoothing=SMOOTHING)``.
 """
 
 import math
@@ -11,12 +12,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from aicon_torch.control import DirectDescent
-
 GAIN, SMOOTHING = 20.0, 0.1  # m/s², s
-LAW = DirectDescent(gain=GAIN, smoothing=SMOOTHING)
-"""The library's name for the law of this file."""
-
 DT, SPEED, LENGTH = 0.05, 0.5, 0.04  # s, m/s, m
 BEARING_VARIANCE, CLEARANCE_VARIANCE, SLOPE_VARIANCE = 0.03**2, 0.01**2, 0.05
 DRIFT = (0.02 * DT) ** 2  # variance that a step adds to positions
