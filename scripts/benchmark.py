@@ -30,6 +30,7 @@ import ladder
 import plain_navigation
 from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
 from aicon_torch import make_policy
+from aicon_torch.control import DirectDescent
 
 PUSHT, GYM_PUSHT = "aicon/PushT-v0", "gym_pusht:gym_pusht/PushT-v0"
 RUNGS = (4, 8, 16, 32, 64)
@@ -213,7 +214,9 @@ def _with_ratios(times: dict[str, list[float]], pairs: tuple[tuple[str, str], ..
 
 def _navigation_step(batch: int) -> Step:
     bearing, clearance = torch.zeros(batch, 1), torch.full((batch, 1), 0.15)
-    return replay(make_policy("nav2d"), [{"bearing": bearing, "range": clearance}])
+    # The law that is written out by hand.
+    law = DirectDescent(plain_navigation.GAIN, smoothing=plain_navigation.SMOOTHING)
+    return replay(make_policy("nav2d", law=law), [{"bearing": bearing, "range": clearance}])
 
 
 def _pushing_step(batch: int) -> Step:
@@ -221,7 +224,8 @@ def _pushing_step(batch: int) -> Step:
     readings: dict[str, Tensor] = {}
     for name, reading in observation.items():
         readings[name] = torch.as_tensor(reading).expand(batch, -1)
-    return replay(make_policy("pusht"), [readings])
+    policy = make_policy("pusht", law=DirectDescent())  # one gradient a step, as in navigation
+    return replay(policy, [readings])
 
 
 def _plain_navigation_step(batch: int, closed_form: bool) -> Step:

@@ -2,7 +2,8 @@
 
 It is what the library is measured against (``scripts/benchmark.py``) and an independent second
 implementation of the same law (``tests/scripts/test_plain_navigation.py``), with filters in closed
-form and the default options written as numbers.
+form and the options written as numbers: the default ones, but for the law.
+That is one gradient a step, ``DirectDescent(GAIN, smoothing=SMOOTHING)``.
 """
 
 import math
@@ -11,6 +12,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
+GAIN, SMOOTHING = 20.0, 0.1  # m/s², s
 DT, SPEED, LENGTH = 0.05, 0.5, 0.04  # s, m/s, m
 BEARING_VARIANCE, CLEARANCE_VARIANCE, SLOPE_VARIANCE = 0.03**2, 0.01**2, 0.05
 DRIFT = (0.02 * DT) ** 2  # variance that a step adds to positions
@@ -103,8 +105,8 @@ def step(state: State, bearing: Tensor, clearance: Tensor, closed_form: bool = F
     escape = follow_level(stack, average)
 
     wish = torch.where(exploring.unsqueeze(-1), -escape, pursuit)
-    wished = clip(-20.0 * DT * wish)
-    action = clip(torch.lerp(state.action, wished, DT / (DT + 0.1)))
+    wished = clip(-GAIN * DT * wish)
+    action = clip(torch.lerp(state.action, wished, DT / (DT + SMOOTHING)))
     return State(
         target,
         target_cov,
