@@ -1,6 +1,7 @@
 """Running one chunk of episodes as a batch with one policy."""
 
-from collections.abc import Callable, Collection
+import copy
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,6 +85,8 @@ def _step_until_ended(
     outcome = _begin(len(episodes), info, task.measures)
     position = np.array(info["position"], np.float64)
 
+    first = copy.deepcopy(observation)
+
     # All episodes start, and none is known to have ended.
     running = np.ones(len(episodes), np.bool_)
     starts, state = running, None
@@ -103,8 +106,9 @@ def _step_until_ended(
         running = running & ~ended
 
         # An ended episode stays in the batch; it begins afresh at every step, so that its memory
-        # cannot run away.
+        # cannot run away. An episode cannot begin without a reading: one that is lost is the first.
         starts = ~running
+        observation = _completed(observation, first, starts)
 
         if (ended & wanted).any():
             on_ended(outcome, np.flatnonzero(ended & wanted))
@@ -113,6 +117,16 @@ def _step_until_ended(
     if (running & wanted).any():
         on_ended(outcome, np.flatnonzero(running & wanted))
     return outcome
+
+
+def _completed(observation: Any, first: Any, rows: NDArray[np.bool_]) -> Any:
+    """Return a batch of observations that in some rows (B,) has no NaN where the first had none."""
+    if isinstance(observation, Mapping):
+        return {key: _completed(observation[key], first[key], rows) for key in observation}
+
+    in_row = rows.reshape(-1, *[1] * (observation.ndim - 1))
+    lost = np.isnan(observation) & in_row
+    return np.where(lost, first, observation) if lost.any() else observation
 
 
 def _begin(count: int, info: dict[str, Any], measures: tuple[Measure, ...]) -> Outcome:
