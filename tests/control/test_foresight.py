@@ -7,10 +7,21 @@ from typing import Any
 import pytest
 import torch
 from _asserts import assert_rows_stand_alone
-from _inputs import normal, slower, steered, walled
+from _inputs import normal, off_the_wall, steered, walled
 from torch import Tensor
 
-from aicon_torch import Actuator, DirectDescent, Foresight, OptionError, Policy, Sum
+from aicon_torch import (
+    Actuator,
+    Deterministic,
+    DirectDescent,
+    Foresight,
+    Goal,
+    OptionError,
+    Policy,
+    Sensor,
+    Sum,
+    WorldModel,
+)
 
 LIMITED = Actuator(2, "m/s", 0.5)
 
@@ -114,13 +125,16 @@ def test_one_iteration_is_one_step_down_the_gradient_at_rest() -> None:
     torch.testing.assert_close(action, 0.25 * 2.0 * wish / wish.norm())
 
 
-def test_what_is_foreseen_is_what_the_constraints_leave() -> None:
-    """A constraint that halves what is executed is no obstacle to a minimum within reach."""
-    goal = (0.04, 0.02)
-    action, memory = foreseeing(goal, [slower], iterations=1).predict(walled(1)[0])
-    wish = to_goal(memory, goal)
-    halved_in_descent_and_at_the_end = 0.25 * 2.0 / 3 * wish / wish.norm()
-    torch.testing.assert_close(action, halved_in_descent_and_at_the_end)
+def test_it_foresees_what_the_constraints_leave() -> None:
+    """Along a wall: what is no longer spent on the way into it goes on beside it."""
+    reading = walled(1)[0]
+    reading["z"] = torch.zeros_like(reading["z"])
+    free, _ = foreseeing((3.0, -1.0)).predict(reading)
+    held, memory = foreseeing((3.0, -1.0), [off_the_wall]).predict(reading)
+
+    room = (reading["wall"] - memory["x"][:1]) / 0.1
+    torch.testing.assert_close(held[:1], room)
+    assert held[1] < free[1] - 0.05 < 0
 
 
 def test_singles_are_rows_of_a_batch() -> None:
@@ -159,10 +173,15 @@ def test_it_needs_a_limit_and_says_so(limit: Any) -> None:
 
 
 def test_a_policy_checks_its_law() -> None:
-    model = steered().model
-    model.actuators["a"] = dataclasses.replace(model.actuators["a"], limit=math.inf)
+    model = WorldModel(
+        sensors={"z": Sensor(2, "m")},
+        actuators={"a": Actuator(2, "m")},
+        estimators=[Deterministic("x", lambda a, z: a + z)],
+        goals=[Goal("reach", lambda x: (x**2).sum(-1))],
+    )
     with pytest.raises(OptionError, match="Actuator 'a' has limit=inf"):
         Policy(model, Sum())
+    Policy(model, Sum(), DirectDescent())
 
 
 @pytest.mark.parametrize(

@@ -113,12 +113,12 @@ def test_an_anticipated_motion_is_the_motion(servo: Servo | None) -> None:
     motion = PusherMotion(servo).double()
     a = normal(4, 2).requires_grad_()
     values = {"v_pusher": 0.3 * normal(4, 2, seed=1), "a": a, "dt": 0.1}
-    moved = motion.update(values)
+    moved = motion.update(values | {"a": a.detach()})
 
     for name in motion.outputs:
         anticipated = motion(values, name)
         torch.testing.assert_close(anticipated, moved[name])
-        assert anticipated.requires_grad and not moved[name].requires_grad
+        assert anticipated.requires_grad
 
 
 def test_the_pusher_moves_as_the_model_believes() -> None:
