@@ -64,7 +64,6 @@ def test_candidates_differ_in_law_step_gain_and_speed() -> None:
     ]
 
 
-
 @pytest.mark.parametrize(
     ("name", "law"),
     [

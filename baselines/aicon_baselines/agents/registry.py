@@ -43,7 +43,7 @@ def factory(task: str, name: str, **options: Any) -> Factory:
     Args:
         task: Name of the task; an unknown one is an error that lists the tasks.
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
-        **options: Options of the policy, by name or dotted path (`**{"law.gain": 1e6}`); they
+        **options: Options of the policy, by name or dotted path (`**{"law.step": 0.5}`); they
             override those of its name and of the condition.
     """
     if name not in names(task):
