@@ -1,7 +1,7 @@
 """Vary the options of a policy and compare each variant with the policy itself, pair by pair.
 
 Example: python scripts/study.py --task pusht --episodes 500 --out runs/study \
-           --variants without_softmax resolution.temperature=None law.gain=1e5,max_speed=0.4
+           --variants without_softmax resolution.temperature=None law.step=0.5,max_speed=0.4
 
 A variant is a policy of the task, or options of the policy "aicon", or a policy and options;
 options are named as in `make_policy`. The same command goes on where a stopped run was; another one

@@ -55,7 +55,7 @@ def factory(task: str, name: str, **options: Any) -> Factory:
         task: Name of the task; an unknown one is an error that lists the tasks.
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
             Planners of pushT are named as well.
-        **options: Options of the policy, by name or dotted path (`**{"law.gain": 1e6}`); they
+        **options: Options of the policy, by name or dotted path (`**{"law.step": 0.5}`); they
             override those of its name and of the condition.
     """
     if name in PLANNERS and task == "pusht":

@@ -32,7 +32,7 @@ def make_variants(task: Task, condition: str, texts: Sequence[str]) -> dict[str,
 
 
 def parse_variant(text: str) -> tuple[str, dict[str, Any]]:
-    """Read "steepest", "law.gain=1e6,max_speed=0.3" or "steepest,max_speed=0.3".
+    """Read "steepest", "law.step=0.5,max_speed=0.3" or "steepest,max_speed=0.3".
 
     Options are named as in `make_policy`, by dotted paths where they lie deeper. Values are Python
     literals; a word alone is a string, as in "resolution.projector=oblique".

@@ -77,10 +77,10 @@ def test_an_ablation_is_ours_without_one_part() -> None:
 
 
 def test_options_override_those_of_the_name_and_of_the_condition() -> None:
-    options = {"law.gain": 3.0, "sensing": "range_bearing", "max_speed": 0.3}
+    options = {"law.step": 0.5, "sensing": "range_bearing", "max_speed": 0.3}
     policy = agents.factory("nav2d", "without_softmax", **options)("range")
     assert isinstance(policy, Policy)
-    assert policy.resolution.temperature is None and policy.law.gain == 3.0
+    assert policy.resolution.temperature is None and policy.law.step == 0.5
     assert policy.model.actuators["a"].limit == 0.3
     assert "z_dir" in policy.model.sensors
 

@@ -14,8 +14,8 @@ from aicon_torch import Policy
         ("steepest", ("steepest", {})),
         ("max_speed=0.3", ("aicon", {"max_speed": 0.3})),
         (
-            "resolution.temperature=None,law.gain=1e6",
-            ("aicon", {"resolution.temperature": None, "law.gain": 1e6}),
+            "resolution.temperature=None,law.step=0.5",
+            ("aicon", {"resolution.temperature": None, "law.step": 0.5}),
         ),
         (
             "steepest, resolution.projector=oblique, law.accumulate=True",
@@ -30,7 +30,7 @@ def test_variants_are_read(text: str, expected: object) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "a,b", "margin=", "margin=2*x", "margin=0.1)+f(", "*x", "law.=1", "law.gain", "=1"],
+    ["", "a,b", "margin=", "margin=2*x", "margin=0.1)+f(", "*x", "law.=1", "law.step", "=1"],
 )
 def test_what_is_no_variant_is_refused(text: str) -> None:
     message = "a variant is written 'policy', 'option=value,option=value'"

@@ -13,7 +13,7 @@ from aicon_baselines.agents.diffusion.start_states import reset_options
 from aicon_baselines.evaluation import ComparisonError
 from aicon_envs.pusht import PushTEnv
 
-QUICK: dict[str, Any] = {"episodes": 3, "max_speed": 800.0, "smoothing": 0.1}
+QUICK: dict[str, Any] = {"episodes": 3, "max_speed": 800.0, "smoothing": 0.02}
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ Observation = dict[str, np.ndarray]
 @pytest.fixture(scope="session")
 def quick() -> dict[str, Any]:
     """Options of a recording of short episodes."""
-    return {"episodes": 3, "max_speed": 800.0, "smoothing": 0.1}
+    return {"episodes": 3, "max_speed": 800.0, "smoothing": 0.02}
 
 
 @pytest.fixture(scope="session")

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from torch import Tensor
 
 from aicon_baselines.figures.nav2d import NavigationRecording, record
 from aicon_torch import Policy, make_policy
@@ -15,17 +16,17 @@ MAP, SEED = "u_trap_05", 1000
 
 @pytest.fixture(scope="session")
 def followed() -> tuple[NavigationRecording, list[NDArray[np.float64]]]:
-    """A rollout, and the gradient at the action that the policy followed in each step, by m."""
+    """A rollout with one gradient a step, and that gradient of each step at the action, by m."""
     gradients: list[NDArray[np.float64]] = []
 
-    class NotingLaw(DirectDescent):
-        def __call__(self, gradient: Any, *others: Any) -> Any:
-            *_, dt = others
-            gradients.append(gradient.numpy() / dt)
-            return super().__call__(gradient, *others)
-
     policy = make_policy("nav2d")
-    law = NotingLaw(**vars(policy.law))
+
+    class NotingLaw(DirectDescent):
+        def descend(self, action: Tensor, gradient: Tensor, *others: Any) -> Tensor:
+            gradients.append(gradient.numpy() / policy.model.dt)
+            return super().descend(action, gradient, *others)
+
+    law = NotingLaw(gain=20.0)
     noting_policy = Policy(policy.model, policy.resolution, law)
     return record(noting_policy, MAP, SEED), gradients
 
