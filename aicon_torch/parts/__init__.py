@@ -66,7 +66,7 @@ from aicon_torch.parts.self_collision import (
     SelfCollision,
     segment_distance,
 )
-from aicon_torch.parts.servo import PositionTarget, Servo
+from aicon_torch.parts.servo import PositionTarget, PusherMotion, Servo
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
 from aicon_torch.parts.workspace import Workspace
 
@@ -101,6 +101,7 @@ __all__ = [
     "PoseDistance",
     "PoseMotion",
     "PositionTarget",
+    "PusherMotion",
     "RGBDImage",
     "RigidObject",
     "SelfCollision",

@@ -3,6 +3,8 @@
 ``paper_literal`` has each path as a candidate of its own and the second strongest as partner, the
 softmax over magnitudes as they are, one likelihood for all contacts, the angle for the effect of
 one, and Eq. 2 at the current estimates, as a velocity.
+
+The first step of the baselines' foresight is the best of a search (``scripts/tune.py``).
 """
 
 from collections.abc import Mapping
@@ -28,8 +30,8 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
         "paper_literal": _PAPER_LITERAL,
-        "steepest": {"resolution": SteepestPath()},
-        "potential_field": {"resolution": Sum()},
+        "steepest": {"resolution": SteepestPath(), "law.step": 2 / 3},
+        "potential_field": {"resolution": Sum(), "law.step": 4 / 3},
     }
 )
 """Options by dotted name, for each preset."""
