@@ -48,4 +48,4 @@ PRESETS: Mapping[str, Options] = MappingProxyType(
         "mppi_small": Options(samples=32, horizon=10),
     }
 )
-"""The planner as it was tuned: within the control period of 0.1 s on one core, and in 2 ms or so."""
+"""The planner as it was tuned: within the control period of 0.1 s on a core, and in 2 ms or so."""
