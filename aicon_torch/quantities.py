@@ -84,7 +84,7 @@ class Actuator:
         limit: One number limits the Euclidean norm; a sequence limits each component's magnitude.
         constraints: What else limits it, one after the other: functions of the action and of any
             quantities, wired by their parameter names, that return an action that is allowed,
-            ``(*B, size)``.
+            ``(*B, size)``, and leave one that is allowed as it is.
         command: What the robot is sent instead of the action, if it takes another command: a
             function wired likewise.
     """

@@ -166,8 +166,8 @@ class WorldModel(nn.Module):
     ) -> tuple[dict[str, Tensor], LocalGraphs]:
         """The values that these actions would bring within one step, and their local graphs.
 
-        Every estimator anticipates once, from what those before it anticipate. Nothing is read, so
-        nothing is corrected.
+        Every estimator anticipates once, from what those before it anticipate: means move as the
+        model says, covariances as if the next measurements were made there.
 
         Args:
             values: Values after a step.
