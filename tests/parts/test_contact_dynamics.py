@@ -16,6 +16,7 @@ from aicon_envs.pusht import OBJECTS
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.models.pusht.benchmark import T_WIDTH
 from aicon_torch.parts import ContactDynamics, ContactOptions, PoseMotion
+from aicon_torch.parts.servo import even_motion
 
 CONTACT = ContactOptions(size=T_WIDTH)
 
@@ -107,7 +108,7 @@ def test_the_object_goes_where_the_model_believes(name: str) -> None:
             info = env.step((action / PIXEL).numpy().astype(np.float32))[-1]
             after = body.pose_of_frame(torch.as_tensor(info["block_pose"] / to_pixels))
 
-            believed = motion(before, pusher + 0.1 * action, action, 0.1)
+            believed = motion(before, pusher + 0.1 * action, even_motion(0.1 * action))
             errors.append(float((scale * (believed - after)).norm()))
             moves.append(float((scale * (after - before)).norm()))
 
