@@ -29,7 +29,6 @@ from aicon_baselines.evaluation.task import Task
 from aicon_baselines.extras import missing_extra
 from aicon_baselines.files import replacing
 from aicon_baselines.tasks import load
-from aicon_torch import Policy
 
 _PICTURES_PER_SECOND = 20  # of a video, at most; it runs as fast as the episode did
 
@@ -110,8 +109,8 @@ class _Remembering:
 
     @property
     def can_explain(self) -> bool:
-        """Whether it is one of the library's; a planner has nothing to tell."""
-        return isinstance(self._policy, Policy)
+        """Whether it says what it decided; a planner has nothing to tell."""
+        return hasattr(self._policy, "explain")
 
     def predict(
         self,
