@@ -43,7 +43,7 @@ def no_lerobot(monkeypatch: pytest.MonkeyPatch) -> None:
         (collect, "--out demos"),
         (train, "--data demos --out policy"),
         (compare, f"{DIFFUSION} ."),
-        (compare, f"{DIFFUSION} a/b"),
+        (compare, f"{DIFFUSION} a/b@{'0' * 40}"),
     ],
     ids=["collect", "train", "compare a folder", "compare a repository"],
 )
