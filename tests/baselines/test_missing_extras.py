@@ -7,11 +7,12 @@ import pytest
 from gymnasium.error import DependencyNotInstalled
 
 from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
-from aicon_baselines.agents.registry import import_sb3
+from aicon_baselines.agents.registry import import_mppi, import_sb3
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.backends import joblib_backend
 from aicon_baselines.extras import EXTRAS
 from aicon_baselines.tasks import load, upstream
+from aicon_torch.parts import Chain
 
 # What is missing, what is imported then, and the extra that is named.
 IMPORTS = [
@@ -60,14 +61,17 @@ def test_a_task_names_the_extra(monkeypatch: pytest.MonkeyPatch, missing: str, t
 def test_what_is_imported_when_it_is_needed_names_the_extra(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    for module in ("stable_baselines3", "distributed", "lerobot"):
+    for module in ("stable_baselines3", "distributed", "lerobot", "pytorch_mppi"):
         hide(monkeypatch, module)
     hide(monkeypatch, "stable_baselines3", "aicon_baselines.agents.sb3")
+    hide(monkeypatch, "pytorch_mppi", "aicon_baselines.agents.mppi")
 
     with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[sb3\]'"):
         import_sb3()
     with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[lerobot\]'"):
         import_lerobot("policies.factory")
+    with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[peers\]'"):
+        import_mppi()
     message = r"pip install 'aicon-torch\[cluster\]'"
     with pytest.raises(ComparisonError, match=message), joblib_backend("dask", 1, None):
         pass
@@ -79,6 +83,15 @@ def test_the_condition_upstream_names_its_extra(monkeypatch: pytest.MonkeyPatch)
         upstream.UpstreamPushT(1, 10)
 
 
+def test_a_chain_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    hide(monkeypatch, "pytorch_kinematics")
+    turned = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    robot = f'<robot name="r"><link name="a"/><link name="b"/>{turned}</robot>'
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'aicon-torch\[robots\]'"):
+        Chain.from_urdf(robot)
+
+
 def test_every_extra_is_tried() -> None:
-    tried = {extra for _, _, extra in IMPORTS} | {"sb3", "lerobot", "cluster", "upstream"}
-    assert tried == set(EXTRAS)
+    when_imported = {extra for _, _, extra in IMPORTS}
+    when_needed = {"sb3", "lerobot", "cluster", "peers", "upstream", "robots"}
+    assert when_imported | when_needed == set(EXTRAS)
