@@ -35,7 +35,7 @@ RULES: dict[str, dict[str, Any]] = {
     "weighted sum": {"resolution.projector": "none"},
     "projection": {},
 }
-"""Options of the rule for gradients that meet; their sum is a weighted one, by their own lengths."""
+"""Options of the rule for gradients that meet; their sum is weighted by their own lengths."""
 
 EXPLORATION: dict[str, dict[str, Any]] = {
     "no exploration": {"resolution.exploration": None},
