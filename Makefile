@@ -18,7 +18,7 @@ LEROBOT_AICON := $(LEROBOT_VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push figures benchmark lint format clean
+.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -76,6 +76,10 @@ panda_push: $(INSTALLED) ## Compare the arm's policies and draw its film; render
 	$(AICON) compare --task panda_push --policies aicon steepest --conditions camera true_pose \
 	  --episodes $(PANDA_PUSH_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda_push
 	$(AICON) figures panda_push --out $(OUT)/panda_push
+
+docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
+	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build
+	@echo "The site: docs/_build/index.html"
 
 figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task of the plane
 	$(AICON) figures nav2d --out $(OUT)/nav2d
