@@ -165,6 +165,7 @@ class Options:
         pullback: How a gradient goes from the end effector to the joints: see
             :class:`aicon_torch.parts.end_effector.EndEffector`.
         damping: λ of the pseudo-inverse there, m/rad.
+        watchdog: Whether the arm stops on readings that are too old or frozen.
     """
 
     resolution: Resolution = field(default_factory=NullspaceProjection)
@@ -197,6 +198,7 @@ class Options:
     lever: float = 0.2
     pullback: Pullback = "natural"
     damping: float = 0.02
+    watchdog: bool = True
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves.
