@@ -146,7 +146,7 @@ def _as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
     # Whatever numpy has: other byte orders, other widths, reversed.
     array = _as_array(called, unit, value)
     with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
-        plain = np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+        plain = array.astype(np.float64, order="C")
     return torch.as_tensor(plain).to(like)
 
 

@@ -24,7 +24,10 @@ from aicon_torch import (
 @pytest.mark.parametrize(
     ("observation", "culprit"),
     [
-        ({"range": np.array([1.0])}, r"'bearing'.*'z_tar'.*no 'bearing'.*'range'.*\(\*batch, 1\) in rad"),
+        (
+            {"range": np.array([1.0])},
+            r"'bearing'.*'z_tar'.*no 'bearing'.*'range'.*\(\*batch, 1\) in rad",
+        ),
         ({}, r"'z_tar'.*no 'bearing'"),
         (observation_with(range=np.ones(2)), r"'z_obs'.*expected shape \(.*1\), got \(2,\)"),
         (observation_with(range=np.array(1.0)), r"'z_obs'.*got \(\)"),
@@ -73,7 +76,8 @@ def test_optional_readings_may_be_anything_that_is_no_number() -> None:
 @pytest.mark.parametrize("kind", [np.asarray, torch.as_tensor])
 def test_beyond_the_range_there_is_no_reading(far: float, kind: Any) -> None:
     _, memory = navigation().predict(observation_with())
-    _, after = navigation().predict(observation_with(range=kind([far])), memory)
+    turned = observation_with(bearing=kind([0.31]), range=kind([far]))
+    _, after = navigation().predict(turned, memory)
 
     assert not after["z_obs.present"] and after["z_tar.present"]
     assert after["z_obs.missed"] == 1 and after["z_obs.age"] == pytest.approx(0.05)

@@ -74,9 +74,13 @@ def world_model(options: Options) -> WorldModel:
 
 def _sensors(options: Options) -> dict[str, Sensor]:
     """Encoders and target, and either the pose of the object or the camera and the wrist."""
-    watched: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}
-    fastest = JUMP * max(options.robot.speed)
-    moving = {"rate_limit": fastest, "driven_by": "a", **watched} if options.watchdog else {}
+    latency = options.delay * options.dt
+    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
+    moving: dict[str, Any] = {}
+    if options.watchdog:
+        watched["max_age"] = latency + MAX_GAP * options.dt
+        moving = {"rate_limit": JUMP * max(options.robot.speed), "driven_by": "a"}
+    moving |= watched
     sensors = {
         "z_joints": Sensor(len(options.robot.frames), "rad", key="q", range=TURNS, **moving),
         "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS),
@@ -104,7 +108,7 @@ def _actuator(scene: Scene) -> Actuator:
 
     limits = ArmLimits(scene.end_effector, robot.speed, options.limits, contact)
     speed = options.limits.joint_speed
-    return Actuator(len(robot.frames), "rad/s", limit=speed, constraints=[limits])
+    return Actuator(len(robot.frames), "rad/s", limit=speed, constraints=[limits], key="executed")
 
 
 def _heights(scene: Scene) -> list[Estimator]:
