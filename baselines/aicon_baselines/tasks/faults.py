@@ -43,6 +43,7 @@ class Faults:
         pause: For how long they do, steps.
         bias: Offset by key.
         ranges: Range of the outliers by key; others have none.
+        held: What a policy is told where actions are held: how many steps its own may come late.
         tells_action: Whether the action that is held is told, as ``executed``.
     """
 
@@ -53,6 +54,7 @@ class Faults:
     pause: int
     bias: Mapping[str, float]
     ranges: Mapping[str, tuple[float, float]]
+    held: int = 0
     tells_action: bool = False
 
     def wrap(self, env: VectorEnv[Any, Any, Any], fault: str) -> VectorEnv[Any, Any, Any]:
@@ -69,6 +71,8 @@ class Faults:
             return {"delay": self.late}
         if fault == "jitter":
             return {"delay": self.jitter}
+        if fault == "held" and self.held:
+            return {"delay": self.held}
         return {}
 
 
@@ -140,19 +144,23 @@ class _Held(_Faulty):
         held = self._draw(lambda generator: generator.uniform() < HELD)
         self._last = np.where(held[:, np.newaxis], self._last, actions)
         observation, *rest = self.env.step(self._last)
-        sensed = dict(observation)
-        if self._faults.tells_action:
-            sensed["executed"] = self._last.copy()
-        return (sensed, *rest)
+        return (self._sensed(dict(observation)), *rest)
 
     def _begin(self, observation: Observation) -> Observation:
         space: Any = self.env.action_space
-        at_rest = np.zeros(space.shape, space.dtype)
-        self._last: NDArray[Any] = at_rest
-        if not self._faults.tells_action:  # where rest is no action, it is the first one
+        if self._faults.tells_action:
+            self._last: NDArray[Any] = np.zeros(space.shape, space.dtype)
+        else:  # where zero is not rest, the place where it is
             self._last = np.asarray(observation["agent_pos"], space.dtype)
-            return observation
-        return {**observation, "executed": at_rest}
+        return self._sensed(observation)
+
+    def _sensed(self, observation: Observation) -> Observation:
+        """The observation, which is on time, and the action that was executed."""
+        if self._faults.held:
+            observation["age"] = np.zeros((self.num_envs, 1))
+        if self._faults.tells_action:
+            observation["executed"] = self._last.copy()
+        return observation
 
 
 class _Disturbed(_Faulty):
