@@ -61,8 +61,8 @@ def read(
         if name not in readings:
             readings[name] = like.new_full((*(batch or ()), sensor.size), torch.nan)
         if sensor.is_aged:
-            shape = readings[name].shape[:-1]
-            readings[name + AGE] = _age(sensor, observation, tuple(shape), like)
+            own_batch = tuple(readings[name].shape[:-1])
+            readings[name + AGE] = _age(sensor, observation, own_batch, like)
 
     # What was executed.
     for name, actuator in actuators.items():

@@ -139,19 +139,23 @@ class _Late(_Faulty):
 class _Held(_Faulty):
     """In half of the steps the last action is executed again."""
 
+    def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults) -> None:
+        super().__init__(env, faults)
+        self._executed: NDArray[Any] = np.zeros(0)
+
     def step(self, actions: Any) -> Any:
         """Move by the actions, or by the last ones."""
         held = self._draw(lambda generator: generator.uniform() < HELD)
-        self._last = np.where(held[:, np.newaxis], self._last, actions)
-        observation, *rest = self.env.step(self._last)
+        self._executed = np.where(held[:, np.newaxis], self._executed, actions)
+        observation, *rest = self.env.step(self._executed)
         return (self._sensed(dict(observation)), *rest)
 
     def _begin(self, observation: Observation) -> Observation:
         space: Any = self.env.action_space
         if self._faults.tells_action:
-            self._last: NDArray[Any] = np.zeros(space.shape, space.dtype)
+            self._executed = np.zeros(space.shape, space.dtype)
         else:  # where zero is not rest, the place where it is
-            self._last = np.asarray(observation["agent_pos"], space.dtype)
+            self._executed = np.asarray(observation["agent_pos"], space.dtype)
         return self._sensed(observation)
 
     def _sensed(self, observation: Observation) -> Observation:
@@ -159,7 +163,7 @@ class _Held(_Faulty):
         if self._faults.held:
             observation["age"] = np.zeros((self.num_envs, 1))
         if self._faults.tells_action:
-            observation["executed"] = self._last.copy()
+            observation["executed"] = self._executed.copy()
         return observation
 
 
