@@ -10,7 +10,14 @@ from aicon_torch.control import (
     StepTrace,
 )
 from aicon_torch.errors import AiconError, GraphError, ObservationError, OptionError
-from aicon_torch.estimation import EKF, Deterministic, Estimator, KalmanFilter, Measurement
+from aicon_torch.estimation import (
+    EKF,
+    Deterministic,
+    Estimator,
+    KalmanFilter,
+    LateEKF,
+    Measurement,
+)
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
@@ -43,6 +50,7 @@ __all__ = [
     "GraphError",
     "Interconnection",
     "KalmanFilter",
+    "LateEKF",
     "Measurement",
     "NullspaceProjection",
     "ObservationError",

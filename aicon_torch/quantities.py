@@ -10,7 +10,16 @@ from torch import Tensor
 from aicon_torch.errors import GraphError
 
 PRESENT = ".present"
-"""Suffix of the flag ``(*B,)`` that says whether an optional sensor has a reading in this step."""
+"""Suffix of the flag ``(*B,)`` that says whether a sensor has a reading in this step."""
+
+AGE = ".age"
+"""Suffix of the age ``(*B,)`` of a sensor's last reading, s."""
+
+MISSED = ".missed"
+"""Suffix of the number ``(*B,)`` of steps of an episode in which a sensor had no reading."""
+
+FROZEN = ".frozen"
+"""Suffix of the flag ``(*B,)`` that says whether a sensor repeats itself while it should not."""
 
 
 @dataclass(frozen=True)
@@ -42,16 +51,31 @@ class Quantity:
 class Sensor:
     """A reading of shape ``(*B, size)`` that the observation brings.
 
+    A reading that is not finite, or that the instrument cannot have meant, is none: the estimators
+    predict, and correct again when the next one comes. What reads it without a measurement reads
+    the last one again. Each row of a batch misses its readings alone, and counts them.
+
     Args:
         size: Number of components.
         unit: Unit of each component, for people and error messages.
         key: The observation's key; by default the sensor's name in the graph.
-        optional: Whether a reading may be absent. NaN, or a missing key, then means "no reading":
-            the estimators predict and correct again when the next one comes. What reads it without
-            a measurement reads the last one again.
-        range: Lowest and highest value that the instrument can report; readings saturate there.
+        optional: Whether the key may be missing, and an episode begin without a reading. (An
+            estimate that starts at a reading waits for it in any case.)
+        range: Lowest and highest value that the instrument can report; beyond, there is no reading.
         scale: Factor from the observation's unit to the graph's, one for all components or one
             each: a sensor that reports px in a graph of metres has the size of a px here.
+        age: How old a reading is where the observation does not tell, s.
+        age_key: The observation's key of the reading's age, ``(*B,)`` or ``(*B, 1)``, s: now minus
+            its time stamp. A reading that is not newer than the last one is none.
+        max_age: Age of the last reading beyond which actions decay, to rest at twice this age, s;
+            None for a sensor that nobody watches.
+        rate_limit: How fast a component can change, in the observation's unit per second: a reading
+            that has jumped farther since the last one is none. The longer there is none, the
+            farther it may be.
+        period: Of a reading that wraps, such as 2π of an angle in rad.
+        driven_by: An actuator whose motion the reading must show: one that stays the same to the
+            last bit while that acts, but for the ends of its range, is frozen, and none until it
+            changes.
     """
 
     size: int
@@ -60,9 +84,15 @@ class Sensor:
     optional: bool = False
     range: tuple[float, float] | None = None
     scale: float | tuple[float, ...] = 1.0
+    age: float = 0.0
+    age_key: str | None = None
+    max_age: float | None = None
+    rate_limit: float | None = None
+    period: float | None = None
+    driven_by: str | None = None
 
     def __post_init__(self) -> None:
-        """Check size, range and scale."""
+        """Check size, range, scale and times."""
         if self.size < 1:
             raise GraphError(f"Sensor size {self.size!r}: expected 1 or more components.")
         if self.range is not None and not self.range[0] < self.range[1]:
@@ -72,6 +102,15 @@ class Sensor:
                 f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a "
                 "component."
             )
+        for name in ("max_age", "rate_limit", "period"):
+            value = getattr(self, name)
+            if value is not None and not value > 0:
+                raise GraphError(f"Sensor {name}={value!r}: expected a number > 0, or None.")
+
+    @property
+    def is_aged(self) -> bool:
+        """Whether its readings have an age."""
+        return self.age_key is not None or self.age > 0
 
 
 @dataclass(frozen=True)
@@ -87,6 +126,8 @@ class Actuator:
             ``(*B, size)``, and leave one that is allowed as it is.
         command: What the robot is sent instead of the action, if it takes another command: a
             function wired likewise.
+        key: The observation's key of the action that the robot executed in the last step, if that
+            may be another one, ``(*B, size)``; NaN or no key stands for the one that it was sent.
     """
 
     size: int
@@ -94,6 +135,7 @@ class Actuator:
     limit: float | Sequence[float] = field(default=math.inf)
     constraints: Sequence[Callable[..., Tensor]] = ()
     command: Callable[..., Tensor] | None = None
+    key: str | None = None
 
     def __post_init__(self) -> None:
         """Check limit and constraints."""

@@ -1,12 +1,16 @@
 """Explanations: what one control step decided, in numbers to read."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
+from aicon_torch.control.admission import BEGINS, NEVER
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.trace import UNUSED, QuantityTrace, trace
+from aicon_torch.control.watchdog import confidence
+from aicon_torch.quantities import AGE, FROZEN, PRESENT
 from aicon_torch.resolution import Memory
 
 
@@ -52,11 +56,13 @@ class Explanation:
         action: The action by actuator.
         goals: Cost and predicted change by goal.
         quantities: What happened, by quantity.
+        alerts: Sentences on sensors without a reading, and on what that does to the action.
     """
 
     action: dict[str, tuple[float, ...]]
     goals: dict[str, GoalReport]
     quantities: dict[str, QuantityReport]
+    alerts: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """A few lines to read."""
@@ -69,6 +75,7 @@ class Explanation:
             lines.append(f"goal {name}: cost {goal.cost:.4g}, {change}")
         for name, quantity in self.quantities.items():
             lines += _in_words(name, quantity)
+        lines += self.alerts
         return "\n".join(lines)
 
 
@@ -95,7 +102,31 @@ def explain(backward: BackwardPass, memory: Memory, row: int | tuple[int, ...] =
         action={name: tuple(action.tolist()) for name, action in actions.items()},
         goals=_goal_reports(backward, one_robot, actions),
         quantities={name: _report(quantity) for name, quantity in step.quantities.items()},
+        alerts=tuple(_alerts(backward, one_robot)),
     )
+
+
+def _alerts(backward: BackwardPass, memory: Memory) -> Iterator[str]:
+    """Which sensors have no reading, why, and what the action does."""
+    model = backward.model
+    share = float(confidence(model.sensors, memory))
+    for name, sensor in model.sensors.items():
+        if bool(memory[name + PRESENT]):
+            continue
+
+        # Since when, and why.
+        key, age = sensor.key or name, float(memory[name + AGE])
+        since = "none ever" if age >= NEVER else f"the last is {age:.2f} s old"
+        if sensor.driven_by is not None and bool(memory[name + FROZEN]):
+            since += ", and it repeats itself"
+        yield f"no reading of {key!r}: {since}"
+
+        # What that does.
+        if sensor.max_age is not None and age > sensor.max_age:
+            yield f"  older than {sensor.max_age:.2f} s: {share:.0%} of the action is executed"
+
+    if bool(memory[BEGINS]):
+        yield "at rest: the episode begins with the first reading of each sensor"
 
 
 def _goal_reports(

@@ -4,39 +4,47 @@ from collections.abc import Mapping
 
 import numpy as np
 import torch
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from torch import Tensor
 
+from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.errors import ObservationError, choices
-from aicon_torch.quantities import PRESENT
 from aicon_torch.resolution import Memory
 
 GOAL_FACTORS = "goals/active"
 """Key of the factor of each goal, ``(*B, goals)``."""
 
 
-def memory_keys(backward: BackwardPass) -> frozenset[str]:
-    """The keys of a memory: every quantity, what is remembered of the gradients, and the goals."""
+def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tuple[int, ...]]:
+    """The shapes of a memory without the batch: quantities, gradients, goals and sensors."""
     model = backward.model
-    present = [name + PRESENT for name in model.declaration.optional_sensors]
-    return frozenset([GOAL_FACTORS, *present, *model.quantities, *backward.initial()])
+    shapes = {name: quantity.shape for name, quantity in model.quantities.items()}
+    shapes[GOAL_FACTORS] = (len(model.goals),)
+    for key, value in (backward.initial() | admission.initial()).items():
+        shapes[key] = tuple(value.shape)
+    return shapes
 
 
 def initial_memory(
-    backward: BackwardPass, readings: Mapping[str, Tensor], batch: tuple[int, ...]
+    backward: BackwardPass,
+    admission: Admission,
+    readings: Mapping[str, Tensor],
+    batch: tuple[int, ...],
 ) -> Memory:
     """The memory before the first step.
 
     Args:
         backward: The backward pass, with its model.
-        readings: The first readings, ``(*B, size)``.
+        admission: Says what is remembered of the sensors.
+        readings: The first readings, ``(*B, size)``, zero where there is none.
         batch: The leading dimensions B.
     """
     model = backward.model
     memory = model.initial(readings, batch)
 
-    constants = backward.initial() | {GOAL_FACTORS: torch.ones(len(model.goals))}
+    constants = backward.initial() | admission.initial()
+    constants[GOAL_FACTORS] = torch.ones(len(model.goals))
     for key, value in constants.items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype
         value = value.to(model.like.device, dtype)
@@ -58,34 +66,39 @@ def restart_rows(memory: Memory, fresh: Memory, starts: Tensor) -> Memory:
 
 
 def check_memory(
-    memory: Mapping[str, Tensor],
-    keys: frozenset[str],
-    actuator: str,
-    batch: tuple[int, ...],
+    memory: Mapping[str, Tensor], shapes: Mapping[str, tuple[int, ...]], batch: tuple[int, ...]
 ) -> None:
     """Check that a memory is one of this policy, and as large as the observation.
 
     Args:
         memory: The memory.
-        keys: Keys that it must have.
-        actuator: Name of an actuator, whose action tells the batch.
+        shapes: What it must have, by key, without the batch.
         batch: Leading dimensions of the observation.
 
     Raises:
         ObservationError: If not.
     """
-    if memory.keys() != keys:
-        missing, unknown = keys - memory.keys(), memory.keys() - keys
+    if not isinstance(memory, Mapping):
+        raise ObservationError(
+            f"state: expected the memory that the last step returned, got {type(memory)}."
+        )
+    if memory.keys() != shapes.keys():
+        missing, unknown = shapes.keys() - memory.keys(), memory.keys() - shapes.keys()
         raise ObservationError(
             f"state: not a memory of this policy; it lacks {choices(missing)} and has "
             f"{choices(unknown)} besides."
         )
 
-    own_batch = tuple(memory[actuator].shape[:-1])
-    if own_batch != batch:
-        raise ObservationError(
-            f"state: its batch is {own_batch}, that of the observation {batch}; expected the same."
-        )
+    for key, shape in shapes.items():
+        value = memory[key]
+        if not isinstance(value, Tensor):
+            raise ObservationError(f"state[{key!r}]: expected a tensor, got {type(value)}.")
+        if tuple(value.shape) != (*batch, *shape):
+            own = tuple(value.shape[: value.dim() - len(shape)])
+            raise ObservationError(
+                f"state: the batch of {key!r} is {own}, that of the observation {batch}; expected "
+                f"shape {(*batch, *shape)}, got {tuple(value.shape)}."
+            )
 
 
 def starting_rows(
@@ -96,17 +109,18 @@ def starting_rows(
     Raises:
         ObservationError: If there is neither one flag nor one for each row.
     """
-    if episode_start is None or isinstance(episode_start, Tensor):
-        return episode_start
-
-    flags: NDArray[np.bool_] = np.asarray(episode_start, dtype=bool)
-    if flags.shape != batch and flags.size != 1:
-        raise ObservationError(
-            f"episode_start: expected shape {batch}, the batch, got {flags.shape}."
-        )
-    if not flags.any():
+    if episode_start is None:
         return None
+    if isinstance(episode_start, Tensor):
+        flags = episode_start.to(device, torch.bool)
+    else:
+        try:
+            flags = torch.as_tensor(np.array(episode_start, dtype=bool), device=device)
+        except (ValueError, TypeError) as error:
+            raise ObservationError(f"episode_start: expected flags; {error}.") from error
 
-    if flags.size == 1:
-        flags = flags.reshape(-1)[0]
-    return torch.as_tensor(np.broadcast_to(flags, batch).copy(), device=device)
+    if tuple(flags.shape) != batch and flags.numel() != 1:
+        raise ObservationError(
+            f"episode_start: expected shape {batch}, the batch, got {tuple(flags.shape)}."
+        )
+    return flags.reshape(()).expand(batch) if flags.numel() == 1 else flags

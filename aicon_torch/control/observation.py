@@ -1,4 +1,4 @@
-"""Observations: checked where numpy becomes torch, and held where a reading is missing."""
+"""Observations: checked where numpy becomes torch; what is no reading becomes NaN."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,23 +9,32 @@ from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from aicon_torch.errors import ObservationError, choices
-from aicon_torch.quantities import PRESENT, Sensor
+from aicon_torch.quantities import AGE, Actuator, Sensor
+
+ROUNDING = 1e-6
+"""Share of a range by which a reading may exceed it: the instrument may have rounded."""
 
 
 def read(
-    observation: Mapping[str, Any], sensors: Mapping[str, Sensor], like: Tensor
+    observation: Mapping[str, Any],
+    sensors: Mapping[str, Sensor],
+    actuators: Mapping[str, Actuator],
+    like: Tensor,
 ) -> dict[str, Tensor]:
-    """The readings by sensor, ``(*B, size)``, in the graph's units; NaN where one is absent.
+    """The readings by sensor, ``(*B, size)``, in the graph's units; ages and executed actions.
+
+    A component that is not finite or beyond the sensor's range is NaN, tensor or array, and so is
+    what is absent; nothing waits for the device.
 
     Args:
         observation: Arrays or tensors by the sensors' keys.
         sensors: The sensors by name.
+        actuators: The actuators by name.
         like: A tensor of the wanted type and device.
 
     Raises:
-        ObservationError: If a reading is missing, wrongly shaped, not real, NaN or infinite, unless
-            the sensor is optional. Tensors are not checked for NaN and infinity, so that nothing
-            waits for the device.
+        ObservationError: If a reading is wrongly shaped or not real, or if one that is not optional
+            has no key.
     """
     if not isinstance(observation, Mapping):
         keys = [sensor.key or name for name, sensor in sensors.items()]
@@ -33,101 +42,72 @@ def read(
             f"expected an observation by sensor ({choices(keys)}), got {type(observation)}."
         )
 
+    # What is there.
     readings: dict[str, Tensor] = {}
     batch: tuple[int, ...] | None = None
     for name, sensor in sensors.items():
         key = sensor.key or name
         if key in observation:
-            readings[name] = _reading(name, sensor, observation[key], batch, like)
+            readings[name] = _reading(_called(name, sensor), sensor, observation[key], batch, like)
             batch = tuple(readings[name].shape[:-1])
         elif not sensor.optional:
             raise ObservationError(
-                f"Sensor {name!r}: the observation has no {key!r}; it has {choices(observation)}. "
-                f"Expected shape (*batch, {sensor.size}) in {sensor.unit}."
+                f"{_called(name, sensor)}: the observation has no {key!r}; it has "
+                f"{choices(observation)}. Expected shape (*batch, {sensor.size}) in {sensor.unit}."
             )
 
+    # What is not, and how old it is.
     for name, sensor in sensors.items():
         if name not in readings:
             readings[name] = like.new_full((*(batch or ()), sensor.size), torch.nan)
+        if sensor.is_aged:
+            own_batch = tuple(readings[name].shape[:-1])
+            readings[name + AGE] = _age(sensor, observation, own_batch, like)
+
+    # What was executed.
+    for name, actuator in actuators.items():
+        if actuator.key is not None:
+            shape = (*(batch or ()), actuator.size)
+            readings[name] = _executed(actuator.key, observation, shape, like)
     return readings
 
 
-def hold(
-    readings: Mapping[str, Tensor],
-    sensors: Mapping[str, Sensor],
-    memory: Mapping[str, Tensor] | None = None,
-    starts: Tensor | None = None,
-) -> dict[str, Tensor]:
-    """For optional sensors the last reading where there is none, and a flag ``(*B,)`` that says so.
+def _executed(
+    key: str, observation: Mapping[str, Any], shape: tuple[int, ...], like: Tensor
+) -> Tensor:
+    """The action ``(*B, size)`` that was executed; NaN where that is not told."""
+    if key not in observation:
+        return like.new_full(shape, torch.nan)
 
-    Args:
-        readings: The readings by sensor.
-        sensors: The sensors by name.
-        memory: The memory with the last readings; None before the first step, where zero stands for
-            none.
-        starts: Rows ``(*B,)`` that begin an episode, where zero stands for none as well.
-    """
-    held = dict(readings)
-    for name, sensor in sensors.items():
-        if not sensor.optional:
-            continue
-
-        # Zero stands for a reading that never came.
-        last = torch.zeros_like(readings[name]) if memory is None else memory[name]
-        if starts is not None:
-            last = torch.where(starts.unsqueeze(-1), 0.0, last)
-
-        is_present = readings[name].isfinite().all(-1)
-        held[name] = torch.where(is_present.unsqueeze(-1), readings[name], last)
-        held[name + PRESENT] = is_present
-    return held
+    action = _as_tensor(repr(key), "the action's unit", observation[key], like)
+    if tuple(action.shape) != shape:
+        raise ObservationError(
+            f"{key!r}: expected an action for each row, shape {shape}, got {tuple(action.shape)}."
+        )
+    return action
 
 
-def check_first_readings(
-    observation: Mapping[str, Any],
-    readings: Mapping[str, Tensor],
-    sensors: Mapping[str, Sensor],
-    needed: tuple[str, ...],
-    starts: Tensor | None = None,
-) -> None:
-    """Check that an episode's first observation has what an estimate starts at.
-
-    Args:
-        observation: The observation; tensors in it are not checked.
-        readings: The readings by sensor.
-        sensors: The sensors by name.
-        needed: Optional sensors that a prior reads.
-        starts: Rows ``(*B,)`` that begin an episode; None for all.
-
-    Raises:
-        ObservationError: If such a reading is absent.
-    """
-    for name in needed:
-        key = sensors[name].key or name
-        if isinstance(observation.get(key), Tensor):
-            continue
-
-        is_absent = ~readings[name].isfinite().all(-1)
-        if starts is not None:
-            is_absent = is_absent & starts
-        if is_absent.any():
-            raise ObservationError(
-                f"Sensor {name!r}: an episode's first observation must have a reading under "
-                f"{key!r}, where an estimate starts; it has {choices(observation)}."
-            )
+def _called(name: str, sensor: Sensor) -> str:
+    """What an error calls a sensor: the user's own key first."""
+    key = sensor.key or name
+    return f"{key!r}" if key == name else f"{key!r} (sensor {name!r})"
 
 
 def _reading(
-    name: str, sensor: Sensor, value: Any, batch: tuple[int, ...] | None, like: Tensor
+    called: str, sensor: Sensor, value: Any, batch: tuple[int, ...] | None, like: Tensor
 ) -> Tensor:
-    """One reading, checked, within the sensor's range and in the graph's unit."""
-    if isinstance(value, Tensor):
-        _check_shape(name, sensor, tuple(value.shape), batch)
-        reading = _from_tensor(name, sensor, value, like)
+    """One reading, checked, NaN where there is none, in the graph's unit."""
+    reading = _as_tensor(called, sensor.unit, value, like)
+    _check_shape(called, sensor, tuple(reading.shape), batch)
+
+    # Beyond the range, or infinite, there is no reading.
+    if sensor.range is None:
+        within = reading.isfinite()
     else:
-        array = _as_array(name, sensor, value)
-        _check_shape(name, sensor, array.shape, batch)
-        reading = _from_array(name, sensor, array, like)
+        low, high = sensor.range
+        slack = ROUNDING * (high - low)
+        within = (reading >= low - slack) & (reading <= high + slack)
+    reading = torch.where(within, reading, torch.nan)
 
     if sensor.scale == 1:
         return reading
@@ -136,52 +116,54 @@ def _reading(
     return reading * reading.new_tensor(sensor.scale)
 
 
-def _from_tensor(name: str, sensor: Sensor, value: Tensor, like: Tensor) -> Tensor:
-    """A tensor as a reading; nothing here waits for its device."""
-    if value.is_complex():
+def _age(
+    sensor: Sensor, observation: Mapping[str, Any], batch: tuple[int, ...], like: Tensor
+) -> Tensor:
+    """The age of readings ``(*B,)``, s."""
+    key = sensor.age_key
+    if key is None or key not in observation:
+        return like.new_full(batch, sensor.age)
+
+    age = _as_tensor(repr(key), "s", observation[key], like)
+    if tuple(age.shape) == (*batch, 1):
+        age = age.squeeze(-1)
+    if tuple(age.shape) != batch:
         raise ObservationError(
-            f"Sensor {name!r}: expected real numbers in {sensor.unit}, got {value.dtype}."
+            f"{key!r}: expected an age in s for each row, shape {batch} or {(*batch, 1)}, got "
+            f"{tuple(age.shape)}."
         )
-
-    reading = value.detach().to(like)  # a reading is a constant of the step
-    if reading.is_inference():
-        reading = reading.clone()  # what comes of it must be differentiable
-    return reading if sensor.range is None else reading.clamp(*sensor.range)
+    return age
 
 
-def _from_array(name: str, sensor: Sensor, array: NDArray[Any], like: Tensor) -> Tensor:
-    """An array as a reading."""
-    reading = torch.as_tensor(array, dtype=like.dtype)
-    if sensor.range is not None:
-        reading = reading.clamp(*sensor.range)
+def _as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
+    """Numbers as a tensor of the wanted type and device, as they are."""
+    if isinstance(value, Tensor):
+        if value.is_complex():
+            raise ObservationError(f"{called}: expected real numbers in {unit}, got {value.dtype}.")
+        reading = value.detach().to(like)  # a reading is a constant of the step
+        return reading.clone() if reading.is_inference() else reading  # to be differentiated by
 
-    is_finite = np.isfinite(array).all() and reading.isfinite().all()
-    if not sensor.optional and not is_finite:
-        raise ObservationError(
-            f"Sensor {name!r}: expected finite values in {sensor.unit}, got NaN or infinity. "
-            "Sensor(..., optional=True) declares that NaN means no reading."
-        )
-    return reading.to(like.device)
+    # Whatever numpy has: other byte orders, other widths, reversed.
+    array = _as_array(called, unit, value)
+    with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
+        plain = array.astype(np.float64, order="C")
+    return torch.as_tensor(plain).to(like)
 
 
-def _as_array(name: str, sensor: Sensor, value: ArrayLike) -> NDArray[Any]:
+def _as_array(called: str, unit: str, value: ArrayLike) -> NDArray[Any]:
     """A reading as an array of real numbers."""
     try:
         array = np.asarray(value)
-    except ValueError as error:  # a ragged list
-        raise ObservationError(
-            f"Sensor {name!r}: expected an array in {sensor.unit}; {error}."
-        ) from error
+    except (ValueError, TypeError, RuntimeError) as error:  # a ragged list
+        raise ObservationError(f"{called}: expected an array in {unit}; {error}.") from error
 
     if array.dtype.kind not in "fiub":
-        raise ObservationError(
-            f"Sensor {name!r}: expected real numbers in {sensor.unit}, got {array.dtype}."
-        )
+        raise ObservationError(f"{called}: expected real numbers in {unit}, got {array.dtype}.")
     return array
 
 
 def _check_shape(
-    name: str, sensor: Sensor, shape: tuple[int, ...], batch: tuple[int, ...] | None
+    called: str, sensor: Sensor, shape: tuple[int, ...], batch: tuple[int, ...] | None
 ) -> None:
     """A reading has as many components as its sensor, and the batch of those before it."""
     has_size = len(shape) > 0 and shape[-1] == sensor.size
@@ -189,6 +171,4 @@ def _check_shape(
         return
 
     leading = "*batch" if batch is None else ", ".join(map(str, batch))
-    raise ObservationError(
-        f"Sensor {name!r}: expected shape ({leading}, {sensor.size}), got {shape}."
-    )
+    raise ObservationError(f"{called}: expected shape ({leading}, {sensor.size}), got {shape}.")

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from torch import Tensor, nn
 
 from aicon_torch.control.action_law import ActionLaw
+from aicon_torch.control.admission import BEGINS
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.explanation import Explanation, explain
 from aicon_torch.control.foresight import Foresight
@@ -16,14 +17,15 @@ from aicon_torch.control.memory import (
     GOAL_FACTORS,
     check_memory,
     initial_memory,
-    memory_keys,
+    memory_shapes,
     restart_rows,
     starting_rows,
 )
-from aicon_torch.control.observation import check_first_readings, hold, read
+from aicon_torch.control.observation import read
 from aicon_torch.control.perception import Perception
 from aicon_torch.control.step import ControlStep, last_values
 from aicon_torch.control.trace import StepTrace, trace
+from aicon_torch.control.watchdog import keep_finite
 from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
@@ -64,7 +66,7 @@ class Policy(nn.Module):
 
         self.backward_pass = BackwardPass(model, self.resolution)
         self._step = ControlStep(model, self.backward_pass, self.law)
-        self._keys = memory_keys(self.backward_pass)
+        self._shapes = memory_shapes(self.backward_pass, self._step.admit)
         self._memory: Memory | None = None
 
     def predict(
@@ -88,8 +90,9 @@ class Policy(nn.Module):
             several actuators), and the memory.
 
         Raises:
-            ObservationError: If a reading is missing, wrongly shaped, NaN or infinite. Tensors are
-                not checked for NaN and infinity, so that nothing waits for the device.
+            ObservationError: If the key of a sensor that is not optional is missing, or a reading
+                is wrongly shaped or not real. A number that is not finite or beyond the sensor's
+                range is no error but no reading, in its row alone.
         """
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
@@ -128,8 +131,10 @@ class Policy(nn.Module):
 
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
-            values = self.model.update(last_values(self.model, memory) | readings | executed)
-        return memory | values
+            admitted = self._step.admit(readings, memory)
+            values = self.model.update(last_values(self.model, memory) | admitted | executed)
+            _, new_memory = keep_finite(self.model, {}, memory | values, memory)
+        return new_memory
 
     def compile(self) -> "Policy":  # type: ignore[override]  # torch's compiles in place and in silence
         """The same policy with its step compiled, many times faster.
@@ -195,27 +200,24 @@ class Policy(nn.Module):
         """The memory with the rows that start anew, and the new readings."""
         if self.perception is not None:
             observation = self._perceive(self.perception, observation, state, episode_start)
-        model = self.model
-        readings = read(observation, model.sensors, model.like)
-        batch = tuple(next(iter(readings.values())).shape[:-1])
-        needed = model.graph.first_readings
+        model, admission = self.model, self._step.admit
+        readings = read(observation, model.sensors, model.actuators, model.like)
+        batch = tuple(readings[next(iter(model.sensors))].shape[:-1])
 
         # An episode of all rows begins.
         if state is None:
-            check_first_readings(observation, readings, model.sensors, needed)
-            readings = hold(readings, model.sensors)
-            return initial_memory(self.backward_pass, readings, batch), readings
+            first = admission.first(readings)
+            return initial_memory(self.backward_pass, admission, first, batch), readings
 
-        # All go on.
-        check_memory(state, self._keys, next(iter(model.actuators)), batch)
+        # Some rows begin, and some wait for the reading that they begin with.
+        check_memory(state, self._shapes, batch)
         starts = starting_rows(episode_start, batch, model.like.device)
-        if starts is None:
-            return state, hold(readings, model.sensors, state)
+        starts = state[BEGINS] if starts is None else starts | state[BEGINS]
+        if starts.device.type == "cpu" and not starts.any():  # elsewhere this would wait
+            return state, readings
 
-        # Some go on, and some begin.
-        check_first_readings(observation, readings, model.sensors, needed, starts)
-        readings = hold(readings, model.sensors, state, starts)
-        fresh = initial_memory(self.backward_pass, readings, batch)
+        first = admission.first(readings)
+        fresh = initial_memory(self.backward_pass, admission, first, batch)
         return restart_rows(state, fresh, starts), readings
 
     def _perceive(

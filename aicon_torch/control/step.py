@@ -6,8 +6,10 @@ import torch
 from torch import Tensor
 
 from aicon_torch.control.action_law import ActionLaw
+from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.control.watchdog import confidence, keep_finite
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory
 
@@ -26,13 +28,15 @@ class ControlStep:
 
     def __init__(self, model: WorldModel, backward: BackwardPass, law: ActionLaw) -> None:
         self.model, self.backward, self.law = model, backward, law
+        needed = model.graph.first_readings
+        self.admit = Admission(model.sensors, model.actuators, needed, model.dt)
 
     @torch.enable_grad()
     def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
         """One step.
 
         Args:
-            readings: The readings by sensor, held where there are none, ``(*B, size)``.
+            readings: The readings by sensor, ``(*B, size)``, with NaN where there are none.
             memory: The memory before the step.
 
         Returns:
@@ -55,7 +59,8 @@ class ControlStep:
         self, readings: Mapping[str, Tensor], memory: Memory
     ) -> tuple[dict[str, Tensor], dict[str, Tensor]]:
         """The values after the new readings, and the cost of each goal there, ``(*B,)``."""
-        values = self.model.update(last_values(self.model, memory) | dict(readings))
+        admitted = self.admit(readings, memory)
+        values = self.model.update(last_values(self.model, memory) | admitted)
         with torch.no_grad():
             return values, self.model.costs(values)
 
@@ -110,12 +115,14 @@ class ControlStep:
     ) -> tuple[Actions, Memory]:
         """What to send to each actuator, and the memory."""
         final = dict(values)
+        share = confidence(self.model.sensors, values)
         for name, actuator in self.model.actuators.items():
             final[name] = self.law.finish(actions[name], values[name], actuator, self.model.dt)
-            final[name] = self.model.constrain(name, final)
+            final[name] = actuator.clip(share * self.model.constrain(name, final))
 
         goal_factors = {GOAL_FACTORS: memory[GOAL_FACTORS]}
-        return self.model.commands(final), {**final, **resolved, **goal_factors}
+        new_memory = {**final, **resolved, **goal_factors}
+        return keep_finite(self.model, self.model.commands(final), new_memory, memory)
 
 
 def last_values(model: WorldModel, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:

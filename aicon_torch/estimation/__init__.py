@@ -6,6 +6,7 @@ from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.estimation.deterministic import Deterministic
 from aicon_torch.estimation.ekf import EKF, Derivative
 from aicon_torch.estimation.kalman import KalmanFilter
+from aicon_torch.estimation.late import LateEKF
 from aicon_torch.estimation.measurement import Measurement
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "Deterministic",
     "Estimator",
     "KalmanFilter",
+    "LateEKF",
     "Measurement",
     "Noise",
 ]

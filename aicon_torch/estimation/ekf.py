@@ -102,23 +102,7 @@ class EKF(Estimator):
         mean, transition = self._predicted_mean(values)
         covariance = self._predicted_covariance(values, transition)
 
-        # Correct, one measurement after the other, each from the belief that the last one left.
-        for measurement in self._measurements:
-            belief = {**values, self.mean: mean, self.covariance: covariance}
-            residual, jacobian, noise = measurement.innovation(belief, self.mean)
-            correction = Correction.by(covariance, jacobian, noise)
-            mean_change = correction.of_mean(residual)
-            covariance_change = correction.of_covariance()
-
-            # A reading that is absent or refused changes nothing in its row.
-            distance = partial(correction.squared_distance, residual)
-            accepted = measurement.accepted(values, distance)
-            if accepted is not None:
-                mean_change = torch.where(accepted[..., None], mean_change, 0.0)
-                covariance_change = torch.where(accepted[..., None, None], covariance_change, 0.0)
-
-            mean, covariance = mean - mean_change, covariance - covariance_change
-
+        mean, covariance = self._corrected(values, mean, covariance)
         return {self.mean: mean, self.covariance: covariance}
 
     def forward(self, values: Values, output: str) -> Tensor:
@@ -197,6 +181,27 @@ class EKF(Estimator):
         if transition is not None:
             covariance = transition @ covariance @ transition.mT
         return covariance + cast(Tensor, self.noise(values))
+
+    def _corrected(self, values: Values, mean: Tensor, covariance: Tensor) -> tuple[Tensor, Tensor]:
+        """The belief after the measurements; those absent or beyond the gate change nothing."""
+        # One after the other, each from the belief that the last one left.
+        for measurement in self._measurements:
+            belief = {**values, self.mean: mean, self.covariance: covariance}
+            residual, jacobian, noise = measurement.innovation(belief, self.mean)
+            correction = Correction.by(covariance, jacobian, noise)
+            mean_change = correction.of_mean(residual)
+            covariance_change = correction.of_covariance()
+
+            # A reading that is absent or refused changes nothing in its row.
+            distance = partial(correction.squared_distance, residual)
+            accepted = measurement.accepted(values, distance)
+            if accepted is not None:
+                mean_change = torch.where(accepted[..., None], mean_change, 0.0)
+                covariance_change = torch.where(accepted[..., None, None], covariance_change, 0.0)
+
+            mean, covariance = mean - mean_change, covariance - covariance_change
+
+        return mean, covariance
 
     def _anticipate_covariance(
         self, measurement: Measurement, belief: dict[str, Tensor | float]

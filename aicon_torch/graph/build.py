@@ -23,7 +23,8 @@ class Graph:
         owners: The estimator of each estimate.
         quantities: Sensors, actuators and estimates, with their shapes.
         edges: For each quantity and goal on a path, the quantities that its gradient goes on to.
-        first_readings: Optional sensors without which an episode cannot begin: a prior reads them.
+        first_readings: Sensors without which an episode cannot begin: those that are not optional,
+            and those that a prior reads.
     """
 
     estimators: tuple[Estimator, ...]
@@ -57,12 +58,17 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
     check_reach(declaration.goals, declaration.actuators, edges)
 
     prior_inputs = {name for estimator in estimators for name in estimator.prior_inputs}
+    first_readings: list[str] = []
+    for name, sensor in declaration.sensors.items():
+        if not sensor.optional or name in prior_inputs:
+            first_readings.append(name)
+
     return Graph(
         estimators=estimators,
         owners={name: estimator for estimator in estimators for name in estimator.outputs},
         quantities=quantities,
         edges=edges,
-        first_readings=tuple(name for name in declaration.optional_sensors if name in prior_inputs),
+        first_readings=tuple(first_readings),
     )
 
 

@@ -7,7 +7,7 @@ from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.paths import Edge
-from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
+from aicon_torch.quantities import Actuator, Quantity, Sensor
 
 Result = TypeVar("Result")
 
@@ -33,9 +33,9 @@ def check_names(
                 f"{name!r} is declared {declared.count(name)} times; each name stands for one "
                 "thing."
             )
-        if name == "dt" or "/" in name or name.endswith(PRESENT):
+        if name == "dt" or "/" in name or "." in name:
             raise GraphError(
-                f"{name!r} is taken: 'dt' is the time step, and '/' and {PRESENT!r} mark what is "
+                f"{name!r} is taken: 'dt' is the time step, and '/' and '.' mark what is "
                 "remembered."
             )
 
@@ -43,6 +43,13 @@ def check_names(
     for kind, parts in (("sensor", sensors), ("goal", goals), ("actuator", actuators)):
         if not parts:
             raise GraphError(f"{kind}s: a model needs at least one {kind}.")
+
+    for name, sensor in sensors.items():
+        if sensor.driven_by is not None and sensor.driven_by not in actuators:
+            raise GraphError(
+                f"Sensor {name!r}: driven_by={sensor.driven_by!r}; expected an actuator: "
+                f"{choices(actuators)}."
+            )
 
     # Everything that is read is there.
     known = [*sensors, *actuators, *outputs, "dt"]

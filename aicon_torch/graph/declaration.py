@@ -77,11 +77,6 @@ class Declaration:
             return (*self.constraints[actuator], self.commands[actuator])
         return self.constraints[actuator]
 
-    @property
-    def optional_sensors(self) -> tuple[str, ...]:
-        """Sensors whose reading may be absent."""
-        return tuple(name for name, sensor in self.sensors.items() if sensor.optional)
-
 
 def _wired(actuator: str, function: Callable[..., Tensor], known: Sequence[str]) -> Interconnection:
     """A constraint or command as an interconnection whose inputs are in the graph."""

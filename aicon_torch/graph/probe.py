@@ -12,7 +12,7 @@ from aicon_torch.graph.checks import attempt
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.values import initial_values, with_dt
 from aicon_torch.interconnections import Interconnection
-from aicon_torch.quantities import PRESENT
+from aicon_torch.quantities import AGE, PRESENT
 
 BATCH = (7, 5)
 """Leading dimensions of the probe: a function that does not leave them free fails here."""
@@ -30,7 +30,7 @@ def probe(
     readings: dict[str, Tensor] = {}
     for name, sensor in declaration.sensors.items():
         readings[name] = like.new_zeros(*BATCH, sensor.size)
-    for name in declaration.optional_sensors:
+        readings[name + AGE] = like.new_zeros(BATCH)
         readings[name + PRESENT] = torch.ones(BATCH, dtype=torch.bool)
 
     values = initial_values(declaration, estimators, readings, BATCH, like)

@@ -11,6 +11,7 @@ from aicon_torch.parts.camera import (
 from aicon_torch.parts.capsules import Capsules
 from aicon_torch.parts.chain import Chain, Joint
 from aicon_torch.parts.clearance import (
+    ClearanceLimits,
     ClearancePrior,
     CollisionLikelihood,
     direction_residual,
@@ -31,13 +32,6 @@ from aicon_torch.parts.contact import (
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_limits import ContactLimits
 from aicon_torch.parts.contact_options import ContactLimitOptions, ContactOptions
-from aicon_torch.parts.delay import (
-    CurrentPose,
-    DelayedPoseMotion,
-    MotionHistory,
-    current_position,
-    delayed_position,
-)
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.image_registration import Detection, ImageRegistration
@@ -78,6 +72,7 @@ __all__ = [
     "CapsuleSegments",
     "Capsules",
     "Chain",
+    "ClearanceLimits",
     "ClearancePrior",
     "CollisionLikelihood",
     "ContactDynamics",
@@ -86,8 +81,6 @@ __all__ = [
     "ContactLimitOptions",
     "ContactLimits",
     "ContactOptions",
-    "CurrentPose",
-    "DelayedPoseMotion",
     "Detection",
     "EndEffector",
     "FixedTarget",
@@ -97,7 +90,6 @@ __all__ = [
     "Joint",
     "JointLimits",
     "KeypointRegistration",
-    "MotionHistory",
     "PoseDistance",
     "PoseMotion",
     "PositionTarget",
@@ -119,8 +111,6 @@ __all__ = [
     "bearing_residual",
     "closest_point",
     "cross",
-    "current_position",
-    "delayed_position",
     "direction_residual",
     "expected_distance",
     "fixed_closest_point",

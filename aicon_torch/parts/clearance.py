@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.interconnections import Affine
+from aicon_torch.vectors import unit
 
 DIRECTION_VARIANCE = 0.5
 """Variance of each component of ∇d before the first motion: any direction is possible."""
@@ -99,3 +100,51 @@ class CollisionLikelihood:
     def __call__(self, x_obs: Tensor) -> Tensor:
         """The likelihood ``(*B,)`` with a clearance (d, ∇d) ``(*B, 3)``."""
         return torch.exp(-x_obs[..., 0] / self.length)
+
+
+@dataclass(frozen=True)
+class ClearanceLimits:
+    """Near an obstacle a velocity is limited by what may have happened since it was felt.
+
+    With the clearance d₋ = d − 2σ_d that is certain enough, ‖a‖ ≤ max(v_min, d₋/τ), and the
+    velocity away from the obstacle n·a ≥ (m − d₋)/τ: a damper, which asks for retreat below m.
+
+    Attributes:
+        time: τ, s.
+        margin: m, m.
+        slowest: v_min, m/s: without motion the direction of an obstacle stays unknown.
+    """
+
+    time: float
+    margin: float
+    slowest: float
+
+    @classmethod
+    def for_latency(cls, latency: float) -> "ClearanceLimits":
+        """Limits for readings that are so late, s; margin and times are from trials."""
+        return cls(time=0.2 + 2.0 * latency, margin=0.04, slowest=0.05)
+
+    def __call__(self, a: Tensor, x_obs: Tensor, P_obs: Tensor) -> Tensor:
+        """The velocity within the limits.
+
+        Args:
+            a: The velocity that is wished for, ``(*B, 2)``, m/s.
+            x_obs: (d, ∇d), ``(*B, 3)``, m and m/m.
+            P_obs: Its covariance, ``(*B, 3, 3)``.
+
+        Returns:
+            ``(*B, 2)``, m/s.
+        """
+        deviation = P_obs[..., 0, 0].clamp(min=0.0).sqrt()
+        certain = (x_obs[..., 0] - 2.0 * deviation).unsqueeze(-1)
+
+        # No faster than what is left allows.
+        speed = torch.linalg.vector_norm(a, dim=-1, keepdim=True)
+        fastest = (certain / self.time).clamp(min=self.slowest)
+        slowed = a * (fastest / torch.maximum(speed, fastest))
+
+        # Away from the obstacle where it is too near.
+        away = unit(x_obs[..., 1:])
+        retreat = (self.margin - certain) / self.time
+        missing = (retreat - (slowed * away).sum(-1, keepdim=True)).clamp(min=0.0)
+        return slowed + missing * away

@@ -9,16 +9,18 @@ motion, so x_obs is (d, ∇d). Everything is relative to the agent and aligned w
 """
 
 import math
+from typing import Any
 
 from torch import Tensor
 
 from aicon_torch.control import Policy
-from aicon_torch.estimation import EKF, Deterministic, Measurement
+from aicon_torch.estimation import EKF, Deterministic, LateEKF, Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.models.nav2d.options import Options
 from aicon_torch.parts.clearance import (
+    ClearanceLimits,
     ClearancePrior,
     CollisionLikelihood,
     direction_residual,
@@ -40,6 +42,12 @@ from aicon_torch.quantities import Actuator, Sensor
 UNIT_GRADIENT_VARIANCE = 0.05
 """Variance of |∇d| − 1: near a corner a clearance grows by less than one metre a metre."""
 
+JUMP_DEVIATIONS = 6.0
+"""Change of a clearance between two steps that noise may bring, in its standard deviations."""
+
+MAX_GAP = 3.0
+"""Steps without a reading after which the agent slows down."""
+
 TURN_RATE = 2.0
 """Variance by which each component of ∇d grows in a second, m²/m² s⁻¹: obstacles are no walls."""
 
@@ -53,7 +61,7 @@ def world_model(options: Options) -> WorldModel:
     """The graph of the paper's navigation, with its paths p₁, p₂ and p₃."""
     return WorldModel(
         sensors=_sensors(options),
-        actuators={"a": Actuator(2, "m/s", limit=options.max_speed)},
+        actuators={"a": _actuator(options)},
         estimators=[
             Deterministic("x_rob", displacement, is_motion=True),
             _target(options),
@@ -75,15 +83,53 @@ def displacement(a: Tensor, dt: float) -> Tensor:
 
 def _sensors(options: Options) -> dict[str, Sensor]:
     """What the agent reads; angles may come from any one turn."""
-    turn = (-2 * math.pi, 2 * math.pi)
+    angle: dict[str, Any] = {
+        "range": (-2 * math.pi, 2 * math.pi),
+        "period": 2 * math.pi,
+        **_watched(options),
+    }
+    fastest = options.max_speed + JUMP_DEVIATIONS * options.range_noise / options.dt
     sensors = {
-        "z_tar": Sensor(1, "rad", key="bearing", range=turn),
-        "z_obs": Sensor(1, "m", key="range", range=(-1.0, 1e3)),
+        "z_tar": Sensor(1, "rad", key="bearing", **angle),
+        "z_obs": Sensor(
+            1,
+            "m",
+            key="range",
+            range=(-1.0, options.max_range),
+            rate_limit=fastest,
+            **_watched(options),
+        ),
     }
 
     if options.sensing == "range_bearing":
-        sensors["z_dir"] = Sensor(1, "rad", key="obstacle_bearing", range=turn)
+        sensors["z_dir"] = Sensor(1, "rad", key="obstacle_bearing", **angle)
     return sensors
+
+
+def _watched(options: Options) -> dict[str, Any]:
+    """How old readings may be, and that they change while the agent moves: all are noisy."""
+    latency = options.delay * options.dt
+    told: dict[str, Any] = {"age": latency, "age_key": "age"}
+    if options.watchdog:
+        told |= {"max_age": latency + MAX_GAP * options.dt, "driven_by": "a"}
+    return told
+
+
+def _actuator(options: Options) -> Actuator:
+    """The velocity, which late readings limit where obstacles are near."""
+    limits = ()
+    if options.delay:
+        limits = (ClearanceLimits.for_latency(options.delay * options.dt),)
+    return Actuator(2, "m/s", limit=options.max_speed, constraints=limits, key="executed")
+
+
+def _filter(options: Options, mean: str, covariance: str, sensor: str, **filtered: Any) -> EKF:
+    """A filter for readings that are prompt, or late."""
+    if not options.delay:
+        return EKF(mean, covariance, **filtered)
+    return LateEKF(
+        mean, covariance, sensor=sensor, steps=options.delay, moved_by={"x_rob": 2}, **filtered
+    )
 
 
 def _target(options: Options) -> EKF:
@@ -95,9 +141,11 @@ def _target(options: Options) -> EKF:
         along=options.prior_range_noise,
     )
 
-    return EKF(
+    return _filter(
+        options,
         "p_tar",
         "P_tar",
+        "z_tar",
         predict=approach(),
         noise=_motion_variance(options),
         initial=prior,
@@ -118,9 +166,11 @@ def _obstacle(options: Options) -> EKF:
         measurements.append(Measurement(direction_residual, options.bearing_noise**2, size=2))
 
     turn_variance = TURN_RATE * options.dt
-    return EKF(
+    return _filter(
+        options,
         "x_obs",
         "P_obs",
+        "z_obs",
         predict=Interconnection(slide, x_obs=slide_jacobian),
         noise=(_motion_variance(options), turn_variance, turn_variance),
         initial=ClearancePrior(options.range_noise),

@@ -6,6 +6,7 @@ from typing import Literal
 import torch
 
 from aicon_torch.control import ActionLaw, Foresight
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.validation import check_choice, check_positive
 from aicon_torch.resolution import Escape, Exploration, NullspaceProjection, Resolution
 
@@ -33,6 +34,10 @@ class Options:
         actuation_noise: Standard deviation of each velocity component, m/s.
         prior_range: Distance at which the target is believed before the first step, m.
         prior_range_noise: Its standard deviation, m.
+        max_range: Largest clearance that the sensor reports, m.
+        delay: Largest age of a reading that is made up for, steps; ages come as ``age``, s, and
+            are this one where they do not.
+        watchdog: Whether the agent stops on readings that are too old or frozen.
         collision_length: ℓ of p_collision = exp(−d/ℓ), m.
     """
 
@@ -47,6 +52,9 @@ class Options:
     actuation_noise: float = 0.02
     prior_range: float = 5.0
     prior_range_noise: float = 3.0
+    max_range: float = 20.0
+    delay: int = 0
+    watchdog: bool = True
     collision_length: float = 0.04
 
     def __post_init__(self) -> None:
@@ -56,6 +64,9 @@ class Options:
             OptionError: If an option is not what it may be.
         """
         check_positive(self, ("dt", "max_speed", "prior_range", "collision_length"))
+        check_positive(self, ("max_range",))
+        if not (type(self.delay) is int and self.delay >= 0):
+            raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
         check_positive(self, ("bearing_noise", "range_noise"))
         check_positive(self, ("actuation_noise", "prior_range_noise"))
         check_choice(self, "sensing", ("range", "range_bearing"))

@@ -1,10 +1,18 @@
 """The arm's estimators: joints, end effector, camera, the stick as a pusher, and its height."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from torch import Tensor, nn
 
-from aicon_torch.estimation import Deterministic, Estimator, KalmanFilter, Measurement
+from aicon_torch.estimation import (
+    EKF,
+    Deterministic,
+    Estimator,
+    KalmanFilter,
+    LateEKF,
+    Measurement,
+)
 from aicon_torch.interconnections import Affine
 from aicon_torch.models.panda_push.options import Options
 from aicon_torch.models.panda_push.scene import Scene
@@ -42,19 +50,23 @@ def hand(scene: Scene) -> list[Estimator]:
     return [Deterministic("x_cam", camera), Deterministic("x_force", force)]
 
 
-def joints(options: Options) -> KalmanFilter:
+def joints(options: Options) -> EKF:
     """x_joints: the encoders, filtered."""
     low, high = options.robot.low, options.robot.high
     middle = [(lower + upper) / 2 for lower, upper in zip(low, high, strict=True)]
     agreement = Affine(x_joints=1.0, z_joints=-1.0)
-    return KalmanFilter(
-        "x_joints",
-        "P_joints",
-        predict=Affine(x_joints=1.0, a=options.dt),
-        noise=JOINT_DRIFT,
-        initial=(middle, UNKNOWN_JOINT),
-        correct=[Measurement(agreement, options.joint_noise**2, size=len(middle))],
-    )
+    belief: dict[str, Any] = {
+        "predict": Affine(x_joints=1.0, a=options.dt),
+        "noise": JOINT_DRIFT,
+        "initial": (middle, UNKNOWN_JOINT),
+        "correct": [Measurement(agreement, options.joint_noise**2, size=len(middle))],
+    }
+
+    if not options.delay:
+        return KalmanFilter("x_joints", "P_joints", **belief)
+    moved_by = {"a": len(middle)}
+    late: dict[str, Any] = {"sensor": "z_joints", "steps": options.delay, "moved_by": moved_by}
+    return LateEKF("x_joints", "P_joints", **late, **belief)
 
 
 def planar_position(x_ee: Tensor) -> Tensor:

@@ -6,6 +6,7 @@ kinematics.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from torch import Tensor
@@ -29,6 +30,18 @@ from aicon_torch.parts.pose import PoseDistance
 from aicon_torch.parts.self_collision import SelfCollision
 from aicon_torch.parts.workspace import Workspace
 from aicon_torch.quantities import Actuator, Sensor
+
+TURNS = (-10.0, 10.0)
+"""Range of angles, rad, and of places on the table, m."""
+
+SEEN = (-100.0, 100.0)
+"""Range of what the camera shows, m."""
+
+MAX_GAP = 5.0
+"""Steps without a reading after which the arm slows down."""
+
+JUMP = 3.0
+"""How fast a joint's reading may change, in speed limits: it has noise."""
 
 
 def build(options: Options) -> Policy:
@@ -61,18 +74,27 @@ def world_model(options: Options) -> WorldModel:
 
 def _sensors(options: Options) -> dict[str, Sensor]:
     """Encoders and target, and either the pose of the object or the camera and the wrist."""
+    latency = options.delay * options.dt
+    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
+    moving: dict[str, Any] = {}
+    if options.watchdog:
+        watched["max_age"] = latency + MAX_GAP * options.dt
+        moving = {"rate_limit": JUMP * max(options.robot.speed), "driven_by": "a"}
+    moving |= watched
     sensors = {
-        "z_joints": Sensor(len(options.robot.frames), "rad", key="q"),
-        "z_target": Sensor(3, "m, m, rad", key="target"),
+        "z_joints": Sensor(len(options.robot.frames), "rad", key="q", range=TURNS, **moving),
+        "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS),
     }
     if options.sensing == "pose":
-        sensors["z_object"] = Sensor(3, "m, m, rad", key="object_pose", optional=True)
+        sensors["z_object"] = Sensor(
+            3, "m, m, rad", key="object_pose", optional=True, range=TURNS, **watched
+        )
         return sensors
 
-    sensors["z_ft"] = Sensor(6, "N, Nm", key="ft", range=(-100.0, 100.0))
-    sensors[KEYPOINTS] = Sensor(3 * len(options.corners), "m", optional=True)
-    sensors[BLOB] = Sensor(3, "m", optional=True)
-    sensors["z_age"] = Sensor(1, "s", key="image_age")
+    sensors["z_ft"] = Sensor(6, "N, Nm", key="ft", range=(-1e3, 1e3))
+    sensors[KEYPOINTS] = Sensor(3 * len(options.corners), "m", optional=True, range=SEEN)
+    sensors[BLOB] = Sensor(3, "m", optional=True, range=SEEN)
+    sensors["z_age"] = Sensor(1, "s", key="image_age", range=(-1.0, 1e6))
     return sensors
 
 
@@ -86,7 +108,7 @@ def _actuator(scene: Scene) -> Actuator:
 
     limits = ArmLimits(scene.end_effector, robot.speed, options.limits, contact)
     speed = options.limits.joint_speed
-    return Actuator(len(robot.frames), "rad/s", limit=speed, constraints=[limits])
+    return Actuator(len(robot.frames), "rad/s", limit=speed, constraints=[limits], key="executed")
 
 
 def _heights(scene: Scene) -> list[Estimator]:

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 import torch
 
 from aicon_torch.control import ActionLaw, DirectDescent
+from aicon_torch.errors import OptionError
 from aicon_torch.models.panda_push.robot import PANDA, Robot
 from aicon_torch.parts.camera import Steering
 from aicon_torch.parts.contact_options import ContactLimitOptions, ContactOptions
@@ -165,6 +166,9 @@ class Options:
         pullback: How a gradient goes from the end effector to the joints: see
             :class:`aicon_torch.parts.end_effector.EndEffector`.
         damping: λ of the pseudo-inverse there, m/rad.
+        delay: Largest age of encoders and of an observed pose that is made up for, steps; ages come
+            as ``age``, s, and are this one where they do not.
+        watchdog: Whether the arm stops on readings that are too old or frozen.
     """
 
     resolution: Resolution = field(default_factory=NullspaceProjection)
@@ -197,6 +201,8 @@ class Options:
     lever: float = 0.2
     pullback: Pullback = "natural"
     damping: float = 0.02
+    delay: int = 0
+    watchdog: bool = True
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves.
@@ -210,3 +216,5 @@ class Options:
             self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping")
         )
         check_not_negative(self, ("height_tolerance",))
+        if not (type(self.delay) is int and self.delay >= 0):
+            raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement
+from aicon_torch.estimation import EKF, Deterministic, Estimator, LateEKF, Measurement
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.panda_push.measurements import (
     ObservedPose,
@@ -81,13 +81,16 @@ def _pushed_pose(scene: Scene, **belief: Any) -> EKF:
     motion = PoseMotion(scene.dynamics, scene.options.robot.stick_radius)
     moved_by = ["x_pose", "x_pusher", "d_pusher"]
     deviation = scene.options.drift * scene.options.dt**0.5
-    return EKF(
-        "x_pose",
-        "P_pose",
-        predict=Interconnection(motion, moved_by, x_pose=pose_jacobian),
-        noise=pose_variances(scene, deviation),
-        **belief,
-    )
+    belief |= {
+        "predict": Interconnection(motion, moved_by, x_pose=pose_jacobian),
+        "noise": pose_variances(scene, deviation),
+    }
+    if not scene.options.delay or scene.options.sensing == "camera":
+        return EKF("x_pose", "P_pose", **belief)
+
+    moves = {"x_pusher": 2, "d_pusher": 2}
+    late: dict[str, Any] = {"sensor": "z_object", "steps": scene.options.delay, "moved_by": moves}
+    return LateEKF("x_pose", "P_pose", **late, **belief)
 
 
 def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]:

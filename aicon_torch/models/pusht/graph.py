@@ -24,7 +24,7 @@ from aicon_torch.models.pusht.benchmark import PUSHER_RADIUS, SUBSTEP
 from aicon_torch.models.pusht.interface import actuator, sensors
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.models.pusht.pushed_object import object_estimators, rigid_object
-from aicon_torch.models.pusht.pusher import pusher_estimators
+from aicon_torch.models.pusht.pusher import motion_in_step, pusher_estimators
 from aicon_torch.parts.contact import closest_point, fixed_closest_point
 from aicon_torch.parts.pose import FixedTarget, PoseDistance
 from aicon_torch.parts.rigid_object import RigidObject
@@ -47,7 +47,7 @@ def world_model(options: Options) -> WorldModel:
         actuators={"a": actuator(options, servo)},
         estimators=[
             *pusher_estimators(options, servo),
-            *object_estimators(options, dynamics),
+            *object_estimators(options, dynamics, motion_in_step(options, servo).parts),
             _target(options, body),
             *_contacts(options, body),
             Deterministic("x_obj", dynamics),

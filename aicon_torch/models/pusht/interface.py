@@ -1,6 +1,7 @@
 """Sensors and actuator of the benchmark: where px become metres, and metres px."""
 
 from collections.abc import Callable
+from typing import Any
 
 from torch import Tensor
 
@@ -10,19 +11,48 @@ from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.parts.servo import PositionTarget, Servo
 from aicon_torch.quantities import Actuator, Sensor
 
+BOARD = (-512.0, 1024.0)
+"""Where anything can be seen, px: on the board, or a board's width beside it."""
+
+MAX_GAP = 1.5
+"""Steps without a reading after which the pusher slows down."""
+
+FASTEST = 3.0
+"""How fast the pusher can be for a moment, in speed limits: a controller moves it."""
+
+JUMP_DEVIATIONS = 6.0
+"""Change of a reading between two steps that noise may bring, in its standard deviations."""
+
 
 def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     """What is read, px in m; pusher and object may be out of sight for a while."""
+    seen = {"optional": True, "scale": PIXEL, "range": BOARD, **_watched(options)}
     size = 2 * len(body.keypoints)
     found = {
-        "z_pusher": Sensor(2, "m", key="agent_pos", optional=True, scale=PIXEL),
-        "z_keypoints": Sensor(size, "m", key="environment_state", optional=True, scale=PIXEL),
+        "z_pusher": Sensor(2, "m", key="agent_pos", **_moving(options), **seen),
+        "z_keypoints": Sensor(size, "m", key="environment_state", **seen),
     }
 
     if options.observe_goal:
         scale = (PIXEL, PIXEL, 1.0)
-        found["z_target"] = Sensor(3, "m, m, rad", key="goal_pose", scale=scale)
+        found["z_target"] = Sensor(3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale)
     return found
+
+
+def _watched(options: Options) -> dict[str, Any]:
+    """How old readings are, and may be."""
+    latency = options.delay * options.dt
+    told: dict[str, Any] = {"age": latency, "age_key": "age"}
+    if options.watchdog:
+        told["max_age"] = latency + MAX_GAP * options.dt
+    return told
+
+
+def _moving(options: Options) -> dict[str, Any]:
+    """The pusher's place changes while it is driven, and not faster than it can."""
+    noise = JUMP_DEVIATIONS * options.pusher_noise / options.dt
+    fastest = (FASTEST * options.max_speed + noise) / PIXEL
+    return {"rate_limit": fastest, "driven_by": "a"} if options.watchdog else {}
 
 
 def actuator(options: Options, servo: Servo) -> Actuator:

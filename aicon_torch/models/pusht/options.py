@@ -41,7 +41,9 @@ class Options:
         process_noise: Standard deviation of each coordinate of what moves pusher and object in a
             step besides the model, m.
         estimation: Whether pusher and object are filtered, or read off the sensors.
-        delay: Age of every reading, steps; without estimation readings are taken as they come.
+        delay: Largest age of a reading that is made up for, steps; ages come as ``age``, s, and
+            are this one where they do not. Without estimation readings are taken as they come.
+        watchdog: Whether the pusher stops on readings that are too old or frozen.
         likelihood_path: Whether p₁ is there, which leads over the likelihood of a contact.
         position_path: Whether p₂ is there, which leads over its position.
         contact: What a contact does and how likely it is.
@@ -65,6 +67,7 @@ class Options:
     process_noise: float = 0.5 * PIXEL
     estimation: bool = True
     delay: int = 0
+    watchdog: bool = True
     likelihood_path: bool = True
     position_path: bool = True
     contact: ContactOptions = CONTACT

@@ -1,10 +1,8 @@
 """Estimators of the object that is pushed: where it is, and where its corners are."""
 
-from collections.abc import Callable
+from typing import Any
 
-from torch import Tensor
-
-from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement
+from aicon_torch.estimation import EKF, Deterministic, Estimator, LateEKF, Measurement
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.models.pusht.benchmark import (
     PIXEL,
@@ -17,7 +15,6 @@ from aicon_torch.models.pusht.benchmark import (
 )
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.delay import CurrentPose, DelayedPoseMotion
 from aicon_torch.parts.pose import (
     KeypointRegistration,
     PoseMotion,
@@ -45,41 +42,37 @@ def rigid_object(options: Options) -> RigidObject:
     )
 
 
-def object_estimators(options: Options, dynamics: ContactDynamics) -> list[Estimator]:
-    """x_pose, x_keypoints: the object's pose, and its corners there."""
-    body = dynamics.body
-    motion = PoseMotion(dynamics, PUSHER_RADIUS)
-    placed = Interconnection(body.keypoints_at, inputs=["x_pose"])
-    keypoints = Deterministic("x_keypoints", placed)
+def object_estimators(options: Options, dynamics: ContactDynamics, parts: int) -> list[Estimator]:
+    """x_pose, x_keypoints: the object's pose, and its corners there.
 
-    if not options.is_delayed:
-        predict = motion if options.estimation else resting_pose
-        return [_pose(options, body, "x_pose", "P_pose", predict), keypoints]
-
-    # With a delay the pose of then is filtered, and moved on to now.
-    return [
-        _pose(options, body, "y_pose", "Q_pose", DelayedPoseMotion(motion)),
-        Deterministic("x_pose", CurrentPose(motion)),
-        keypoints,
-    ]
+    Args:
+        options: The options.
+        dynamics: What a push does.
+        parts: Number of parts in which the pusher's way through a step is known.
+    """
+    placed = Interconnection(dynamics.body.keypoints_at, inputs=["x_pose"])
+    return [_pose(options, dynamics, parts), Deterministic("x_keypoints", placed)]
 
 
-def _pose(
-    options: Options, body: RigidObject, name: str, covariance: str, predict: Callable[..., Tensor]
-) -> EKF:
+def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     """The pose as the keypoints show it."""
-    jacobians: dict[str, Callable[..., Tensor]] = {name: pose_jacobian}
+    body = dynamics.body
+    motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
     registration = KeypointRegistration(body, PRIOR_DEVIATION)
-    residual = Interconnection(registration, [name, "z_keypoints"], **jacobians)
+    residual = Interconnection(registration, x_pose=pose_jacobian)
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
 
     process = options.process_noise**2
-    return EKF(
-        name,
-        covariance,
-        predict=Interconnection(predict, None, **jacobians),
-        noise=(process, process, process / body.radius_of_gyration**2),
-        initial=registration.prior,
-        size=3,
-        correct=[Measurement(residual, registration.variances(reading_noise), size=3)],
-    )
+    belief: dict[str, Any] = {
+        "predict": Interconnection(motion, x_pose=pose_jacobian),
+        "noise": (process, process, process / body.radius_of_gyration**2),
+        "initial": registration.prior,
+        "size": 3,
+        "correct": [Measurement(residual, registration.variances(reading_noise), size=3)],
+    }
+
+    if not options.is_delayed:
+        return EKF("x_pose", "P_pose", **belief)
+    moved_by = {"x_pusher": 2, "d_pusher": 2 * parts}
+    late: dict[str, Any] = {"sensor": "z_keypoints", "steps": options.delay, "moved_by": moved_by}
+    return LateEKF("x_pose", "P_pose", **late, **belief)

@@ -1,15 +1,14 @@
 """Estimators of the pusher: where it is and how fast."""
 
-from collections.abc import Callable
+from typing import Any
 
 import torch
 from torch import Tensor
 
-from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement
+from aicon_torch.estimation import EKF, Estimator, LateEKF, Measurement
 from aicon_torch.interconnections import Affine
 from aicon_torch.models.pusht.benchmark import PIXEL, PRIOR_DEVIATION
 from aicon_torch.models.pusht.options import Options
-from aicon_torch.parts.delay import MotionHistory, current_position, delayed_position
 from aicon_torch.parts.servo import PusherMotion, Servo
 
 UNFILTERED_VARIANCE = 1e-9 * PIXEL**2
@@ -18,18 +17,12 @@ UNFILTERED_VARIANCE = 1e-9 * PIXEL**2
 
 def pusher_estimators(options: Options, servo: Servo) -> list[Estimator]:
     """x_pusher, v_pusher: the pusher's position and velocity."""
-    motion_in_step = PusherMotion(servo if options.command == "position" else None)
-    if not options.is_delayed:
-        motion = Affine(x_pusher=1.0, a=options.dt)
-        return [_position(options, "x_pusher", "P_pusher", motion), motion_in_step]
+    return [_position(options), motion_in_step(options, servo)]
 
-    # With a delay the position of then is filtered, and moved on to now.
-    return [
-        motion_in_step,
-        MotionHistory(options.delay + 1, motion_in_step.parts),
-        _position(options, "y_pusher", "Q_pusher", delayed_position),
-        Deterministic("x_pusher", current_position),
-    ]
+
+def motion_in_step(options: Options, servo: Servo) -> PusherMotion:
+    """d_pusher, v_pusher: the pusher's way through its last step."""
+    return PusherMotion(servo if options.command == "position" else None)
 
 
 def first_position(z_pusher: Tensor) -> tuple[Tensor, Tensor]:
@@ -38,19 +31,19 @@ def first_position(z_pusher: Tensor) -> tuple[Tensor, Tensor]:
     return z_pusher, PRIOR_DEVIATION**2 * identity
 
 
-def _position(
-    options: Options, name: str, covariance: str, motion: Callable[..., Tensor] | Affine
-) -> EKF:
+def _position(options: Options) -> EKF:
     """The position as it is read."""
     variance = options.pusher_noise**2 if options.estimation else UNFILTERED_VARIANCE
-    agreement = Affine(**{name: 1.0, "z_pusher": -1.0})
+    agreement = Affine(x_pusher=1.0, z_pusher=-1.0)
+    belief: dict[str, Any] = {
+        "predict": Affine(x_pusher=1.0, a=options.dt),
+        "noise": options.process_noise**2,
+        "initial": first_position,
+        "size": 2,
+        "correct": [Measurement(agreement, variance, size=2)],
+    }
 
-    return EKF(
-        name,
-        covariance,
-        predict=motion,
-        noise=options.process_noise**2,
-        initial=first_position,
-        size=2,
-        correct=[Measurement(agreement, variance, size=2)],
-    )
+    if not options.is_delayed:
+        return EKF("x_pusher", "P_pusher", **belief)
+    late: dict[str, Any] = {"sensor": "z_pusher", "steps": options.delay, "moved_by": {"a": 2}}
+    return LateEKF("x_pusher", "P_pusher", **late, **belief)

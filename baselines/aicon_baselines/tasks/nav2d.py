@@ -1,5 +1,6 @@
 """The evaluation task "nav2d": 15 classes of traps and, twice as often, mazes."""
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
@@ -9,6 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.tasks.faults import FAULTS, Faults
 from aicon_envs.nav2d import Physics, make_map, shortest_path_length
 
 _SLOTS = (
@@ -32,8 +34,25 @@ _SLOTS = (
 )
 
 
+_FAULTS = Faults(
+    dt=Physics().dt,
+    late=4,
+    jitter=8,
+    onset=(40, 200),
+    pause=100,
+    bias={"range": 0.05},
+    ranges={"range": (0.0, Physics().max_range), "bearing": (-math.pi, math.pi)},
+    held=4,
+    tells_action=True,
+)
+
+
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     """Build the environment; a policy may ask for another `sensing` than that of the condition."""
+    if condition in FAULTS:
+        env = _make_env(count, "range", horizon, **options)
+        return _FAULTS.wrap(env, condition)
+
     return gymnasium.make_vec(
         "aicon/Nav2D-v0",
         num_envs=count,
@@ -52,7 +71,9 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 
 def _policy_options(condition: str) -> dict[str, Any]:
-    """Tell the policy what its sensors are."""
+    """Tell the policy what its sensors are, and how late."""
+    if condition in FAULTS:
+        return {"sensing": "range", **_FAULTS.policy_options(condition)}
     return {"sensing": condition}
 
 
@@ -72,7 +93,7 @@ TASK = Task(
     horizon=12_000,
     chunk_size=128,
     maps=_SLOTS,
-    conditions=("range", "range_bearing"),
+    conditions=("range", "range_bearing", *FAULTS),
     make_env=_make_env,
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,

@@ -15,6 +15,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Measure, Task
+from aicon_baselines.tasks.faults import FAULTS, Faults
 from aicon_envs.panda_push import PandaPushEnv
 
 # The arguments of the environment in each condition. Near the base the arm meets its joint limits
@@ -32,7 +33,18 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "hard_kick": {"kick_time": 10.0, "kick_force": 6.0},
     "near_true_pose": {"area": ((0.36, 0.44), (-0.1, 0.1)), "obs_type": "pose"},
     "far_true_pose": {"area": ((0.62, 0.70), (-0.1, 0.1)), "obs_type": "pose"},
+    **{fault: {"obs_type": "pose"} for fault in FAULTS},
 }
+_FAULTS = Faults(
+    dt=0.01,
+    late=10,
+    jitter=10,
+    onset=(100, 1000),
+    pause=500,
+    bias={"object_pose": 0.005},
+    ranges={"q": (-2.8, 2.8), "object_pose": (-1.0, 1.0)},
+    tells_action=True,
+)
 
 _Step = tuple[Any, Any, bool, bool, dict[str, Any]]
 
@@ -80,7 +92,8 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
         limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon)
         return _StandStillAfterEnd(limited)
 
-    return _SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
+    env = _SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
+    return _FAULTS.wrap(env, condition) if condition in FAULTS else env
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -93,7 +106,9 @@ def _policy_options(condition: str) -> dict[str, Any]:
     from aicon_torch.models.panda_push import Robot
 
     env = PandaPushEnv(**_ARGUMENTS[condition])
+    late = _FAULTS.policy_options(condition) if condition in FAULTS else {}
     return {
+        **late,
         "robot": Robot.from_description(env.description()),
         "corners": tuple((float(x), float(y)) for x, y in env.object.corners),
         "sensing": "pose" if env.obs_type == "pose" else "camera",

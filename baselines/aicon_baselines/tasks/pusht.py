@@ -12,6 +12,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.tasks.faults import FAULTS, Faults
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
@@ -41,13 +42,24 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "keypoint_noise": {"wrappers": [partial(SensorNoise, sigma=2.0)]},
     "goal_jumps": {"goal_jumps": 2, "observe_goal": True},
     _UPSTREAM: {},
+    **{fault: {} for fault in FAULTS},
 }
 # What a policy knows of the sensors in a condition.
 _SENSORS: dict[str, dict[str, Any]] = {
     "delay": {"delay": 3},
     "keypoint_noise": {"keypoint_noise": 2.0 * PIXEL},
 }
+_FAULTS = Faults(
+    dt=0.1,
+    late=3,
+    jitter=3,
+    onset=(20, 60),
+    pause=50,
+    bias={"environment_state": 5.0},
+    ranges={"environment_state": (0.0, 512.0), "agent_pos": (0.0, 512.0)},
+)
 _NOISY = (
+    *FAULTS,
     "noise_2",
     "noise_4",
     "quasi_static_50_noise_2",
@@ -63,12 +75,13 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
         return UpstreamPushT(count, horizon, **options)
 
     # Built by name, because `gymnasium.make_vec` keeps the argument `wrappers` to itself.
-    return PushTVectorEnv(
+    env: VectorEnv[Any, Any, Any] = PushTVectorEnv(
         num_envs=count,
         max_episode_steps=horizon,
         autoreset_mode=AutoresetMode.DISABLED,
         **_ARGUMENTS[condition] | options,
     )
+    return _FAULTS.wrap(env, condition) if condition in FAULTS else env
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -83,6 +96,8 @@ def _policy_options(condition: str) -> dict[str, Any]:
     """
     arguments = _ARGUMENTS[condition]
     options = dict(_SENSORS.get(condition, {}))
+    if condition in FAULTS:
+        options |= _FAULTS.policy_options(condition)
 
     if "object" in arguments:
         outline = OBJECTS[arguments["object"]]

@@ -1,12 +1,14 @@
 """Readings that are missing: the estimates predict and go on; an episode must begin with them."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import torch
 from _asserts import rollout
 from _inputs.pushing import RADIUS, body_of, wandering, without
 
-from aicon_torch import ObservationError, make_policy
+from aicon_torch import make_policy
 from aicon_torch.models import pusht
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import PoseMotion
@@ -81,28 +83,31 @@ each_missing = pytest.mark.parametrize("missing", MISSING, ids=str)
 
 
 @each_missing
-def test_an_episode_that_begins_blind_is_refused(missing: tuple[str, ...]) -> None:
-    """The estimates start at the first readings; a row that starts anew needs them as well."""
+@pytest.mark.parametrize("kind", [np.asarray, torch.as_tensor])
+def test_an_episode_begins_with_the_first_readings(missing: tuple[str, ...], kind: Any) -> None:
+    """Until they have come a row rests, and the others do not notice."""
     reading = {name: value.numpy() for name, value in wandering(1, 3)[0].items()}
-    blind, some = dict(reading), dict(reading)
+    some = dict(reading)
     for name in missing:
-        blind[name] = np.full_like(reading[name], np.nan)
         some[name] = np.where([[False], [True], [False]], np.nan, reading[name])
-    absent = {name: value for name, value in reading.items() if name not in missing}
+    reading, some = (
+        {name: kind(value) for name, value in given.items()} for given in (reading, some)
+    )
 
-    for bad in (absent, blind, some):
-        with pytest.raises(ObservationError, match=f"first observation.*{missing[0]!r}"):
-            POLICY.predict(bad)
+    _, expected = POLICY.predict(reading)
+    _, waiting = POLICY.predict(some)
+    assert waiting["begins"].tolist() == [False, True, False]
+    assert waiting["a"][1].tolist() == [0.0, 0.0]
+    assert torch.equal(waiting["a"][[0, 2]], expected["a"][[0, 2]])
+    assert "at rest" in str(POLICY.explain(waiting, row=1))
 
-    _, memory = POLICY.predict(reading)
-    POLICY.predict(some, memory, episode_start=np.array([True, False, True]))
-    with pytest.raises(ObservationError, match=f"first observation.*{missing[0]!r}"):
-        POLICY.predict(some, memory, episode_start=np.array([False, True, False]))
+    _, after = POLICY.predict(reading, waiting)
+    torch.testing.assert_close(after["a"][1], expected["a"][1])
+    torch.testing.assert_close(after["x_pose"][1], expected["x_pose"][1])
 
 
 @each_missing
-def test_tensors_are_not_checked_and_the_first_reading_tells(missing: tuple[str, ...]) -> None:
-    """Nothing waits for the device; nothing breaks either."""
+def test_however_long_it_waits_the_first_reading_tells(missing: tuple[str, ...]) -> None:
     readings = wandering(4, 2)
     memory = None
     for reading in readings[:2]:

@@ -1,0 +1,151 @@
+"""Admission: which readings are believed, and how old the last one is, sensor by sensor."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+from aicon_torch.quantities import AGE, FROZEN, MISSED, PRESENT, Actuator, Sensor
+from aicon_torch.resolution import Memory
+
+BEGINS = "begins"
+"""Key of the flag ``(*B,)`` of rows whose episode begins with the next reading that it needs."""
+
+NEVER = 1e9
+"""Age of a reading that never came, s."""
+
+DRIVEN = 0.02
+"""Share of an actuator's limit from which on it counts as acting."""
+
+
+class Admission(NamedTuple):
+    """Takes readings as they come, and says which of them are believed.
+
+    Attributes:
+        sensors: The sensors by name.
+        actuators: The actuators by name.
+        needed: Sensors without which an episode cannot begin.
+        dt: Time step, s.
+    """
+
+    sensors: dict[str, Sensor]
+    actuators: dict[str, Actuator]
+    needed: tuple[str, ...]
+    dt: float
+
+    def initial(self) -> Memory:
+        """What is remembered besides readings before the first, without batch dimensions."""
+        memory = {BEGINS: torch.tensor(True)}
+        for name, sensor in self.sensors.items():
+            memory[name + PRESENT] = torch.tensor(False)
+            memory[name + AGE] = torch.tensor(NEVER)
+            memory[name + MISSED] = torch.tensor(0)
+            if sensor.driven_by is not None:
+                memory[name + FROZEN] = torch.tensor(False)
+        return memory
+
+    def first(self, readings: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """The readings ``(*B, size)`` from which estimates start; zero stands for none."""
+        first: dict[str, Tensor] = {}
+        for name in self.sensors:
+            is_present = readings[name].isfinite().all(-1, keepdim=True)
+            first[name] = torch.where(is_present, readings[name], 0.0)
+        return first
+
+    def __call__(
+        self, readings: Mapping[str, Tensor], memory: Mapping[str, Tensor]
+    ) -> dict[str, Tensor]:
+        """The readings, the last ones where there are none, and what is known of each.
+
+        Args:
+            readings: The readings ``(*B, size)``, with NaN where there is none, and their ages.
+            memory: The memory before the step.
+        """
+        admitted: dict[str, Tensor] = {}
+        for name, sensor in self.sensors.items():
+            admitted |= self._admit(name, sensor, readings, memory)
+
+        # What was executed, where that is told; no action is beyond its limit.
+        for name, actuator in self.actuators.items():
+            if actuator.key is not None:
+                told = readings[name].isfinite().all(-1, keepdim=True)
+                executed = actuator.clip(readings[name].nan_to_num(0.0))
+                admitted[name] = torch.where(told, executed, memory[name])
+
+        # An episode begins with the first step that has what it needs.
+        lacks = torch.zeros_like(memory[BEGINS])
+        for name in self.needed:
+            lacks = lacks | ~admitted[name + PRESENT]
+        admitted[BEGINS] = memory[BEGINS] & lacks
+        return admitted
+
+    def _admit(
+        self,
+        name: str,
+        sensor: Sensor,
+        readings: Mapping[str, Tensor],
+        memory: Mapping[str, Tensor],
+    ) -> dict[str, Tensor]:
+        """One sensor's reading, and what is known of it."""
+        reading, last = readings[name], memory[name]
+        waited = memory[name + AGE] + self.dt
+        is_first = memory[name + AGE] >= NEVER
+        age = readings.get(name + AGE, torch.zeros_like(waited))
+        admitted: dict[str, Tensor] = {}
+
+        # There is one, it is newer than the last, ...
+        is_present = reading.isfinite().all(-1)
+        if sensor.is_aged:
+            is_new = (age >= 0) & (is_first | (age < waited - 1e-3 * self.dt))
+            is_present = is_present & is_new & (age < NEVER)
+
+        # ... it has not jumped farther than it can, ...
+        if sensor.rate_limit is not None:
+            jump = self._jump(sensor, reading, last)
+            is_present = is_present & (jump <= sensor.rate_limit * waited)
+
+        # ... and it does not repeat itself while it should change.
+        if sensor.driven_by is not None:
+            frozen = self._is_frozen(sensor, reading, last, memory, name) & ~is_first
+            is_present = is_present & ~frozen
+            admitted[name + FROZEN] = frozen
+
+        age = torch.where(is_present, age, waited).clamp(max=NEVER)
+        admitted[name] = torch.where(is_present.unsqueeze(-1), reading, last)
+        admitted[name + PRESENT] = is_present
+        admitted[name + AGE] = age
+        admitted[name + MISSED] = memory[name + MISSED] + ~is_present
+        return admitted
+
+    @staticmethod
+    def _jump(sensor: Sensor, reading: Tensor, last: Tensor) -> Tensor:
+        """The largest change of a component since the last reading, ``(*B,)``, as it is read."""
+        scale = sensor.scale
+        if not isinstance(scale, int | float):
+            scale = reading.new_tensor(scale)
+
+        change = (reading - last) / scale
+        if sensor.period is not None:
+            change = torch.remainder(change + sensor.period / 2, sensor.period) - sensor.period / 2
+        largest: Tensor = change.abs().amax(-1)
+        return largest
+
+    def _is_frozen(
+        self,
+        sensor: Sensor,
+        reading: Tensor,
+        last: Tensor,
+        memory: Mapping[str, Tensor],
+        name: str,
+    ) -> Tensor:
+        """Whether the reading repeats the last one, and did so while the actuator acted."""
+        actuator = str(sensor.driven_by)
+        bound = DRIVEN * torch.as_tensor(self.actuators[actuator].limit).to(reading)
+        acts = (memory[actuator].abs() > bound).any(-1)
+
+        repeats = (reading == last).all(-1)
+        if sensor.range is not None:  # at its ends an instrument repeats itself
+            low, high = (bound * reading.new_tensor(sensor.scale) for bound in sensor.range)
+            repeats = repeats & ((reading > low) & (reading < high)).all(-1)
+        return repeats & (acts | memory[name + FROZEN])

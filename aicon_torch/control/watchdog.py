@@ -1,0 +1,76 @@
+"""The watchdog: nothing moves on readings that are too old, and what is sent is finite."""
+
+from collections.abc import Mapping
+
+import torch
+from torch import Tensor
+
+from aicon_torch.control.admission import BEGINS
+from aicon_torch.graph import WorldModel
+from aicon_torch.quantities import AGE, Sensor
+from aicon_torch.resolution import Memory
+
+
+def confidence(sensors: Mapping[str, Sensor], values: Mapping[str, Tensor]) -> Tensor:
+    """The share of its action that a row may execute, ``(*B, 1)``: min over sensors of 2 − t/t_max.
+
+    t is the age of a sensor's last reading, and t_max its ``max_age``: 1 up to that age, 0 from
+    twice that age on, and 0 before an episode's first readings.
+
+    Args:
+        sensors: The sensors by name.
+        values: The values of the step, with ages.
+    """
+    share = (~values[BEGINS]).to(next(iter(values.values())).dtype)
+    for name, sensor in sensors.items():
+        if sensor.max_age is not None:
+            left = 2.0 - values[name + AGE] / sensor.max_age
+            share = torch.minimum(share, left.clamp(0.0, 1.0))
+    return share.unsqueeze(-1)
+
+
+def keep_finite(
+    model: WorldModel, commands: Mapping[str, Tensor], new: Memory, old: Memory
+) -> tuple[dict[str, Tensor], Memory]:
+    """Commands and memory, of which rows that are not finite rest, and begin anew.
+
+    Args:
+        model: The world model.
+        commands: What is to be sent to each actuator, ``(*B, size)``.
+        new: The memory after the step.
+        old: The memory before it.
+
+    Returns:
+        The commands and the memory; a broken row keeps its old memory until its next reading.
+    """
+    # The sum of what is finite, times zero, is zero.
+    broken = torch.zeros_like(new[BEGINS])
+    for value in (*commands.values(), *new.values()):
+        if value.is_floating_point():
+            broken = broken | ~_per_row(value, broken).isfinite().all(-1)
+
+    # Such a row stays where it was, at rest.
+    healed: Memory = {}
+    for key, value in new.items():
+        kept = torch.where(_like(broken, value), old[key], value)
+        healed[key] = kept.nan_to_num(0.0) if kept.is_floating_point() else kept
+    healed[BEGINS] = new[BEGINS] | broken
+    for name in model.actuators:
+        healed[name] = torch.where(broken.unsqueeze(-1), 0.0, healed[name])
+
+    at_rest = model.commands({name: healed[name] for name in model.quantities})
+    sent: dict[str, Tensor] = {}
+    for name, command in commands.items():
+        rest = at_rest[name].nan_to_num(0.0)
+        sent[name] = torch.where(_like(broken, command), rest, command)
+    return sent, healed
+
+
+def _per_row(value: Tensor, rows: Tensor) -> Tensor:
+    """The numbers of each row, ``(*B, n)``."""
+    return value.flatten(rows.dim()) if value.dim() > rows.dim() else value.unsqueeze(-1)
+
+
+def _like(rows: Tensor, value: Tensor) -> Tensor:
+    """Flags ``(*B,)`` that broadcast with a value ``(*B, …)``."""
+    return rows.reshape((*rows.shape, *[1] * (value.dim() - rows.dim())))

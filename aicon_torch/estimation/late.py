@@ -1,0 +1,132 @@
+"""The extended Kalman filter for readings that come late."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, cast
+
+import torch
+from torch import Tensor
+
+from aicon_torch.errors import GraphError, choices
+from aicon_torch.estimation.ekf import EKF
+from aicon_torch.interconnections import Values
+from aicon_torch.quantities import AGE, PRESENT
+
+
+class LateEKF(EKF):
+    """An :class:`EKF` whose readings are late, by any and varying amounts of up to L steps.
+
+    A reading corrects the belief of when it was taken, which is then moved on to now by what moved
+    the quantity since: filter, then predict (Larsen et al. 1998). Beside mean and covariance it
+    owns, under their names with a suffix, the belief at the last reading (``_then``), how many
+    steps ago that was (``_lag``), and what moved it in the last L + 1 steps (``_moves``). Times
+    count to the nearest step. With L = 0 it is an :class:`EKF`.
+
+    Args:
+        mean: As for :class:`EKF`.
+        covariance: As for :class:`EKF`.
+        sensor: The sensor whose age tells when the readings were taken.
+        steps: L, the largest age of a reading that is made up for; an older one counts as so old.
+        moved_by: What ``predict`` reads besides the mean, with the number of its components.
+        **options: As for :class:`EKF`.
+
+    Example:
+        >>> LateEKF("p_tar", "P_tar", sensor="z_tar", steps=8, moved_by={"x_rob": 2},
+        ...     predict=approach, noise=1e-6, initial=((5.0, 0.0), 9.0), correct=[bearing])
+    """
+
+    def __init__(
+        self,
+        mean: str,
+        covariance: str,
+        *,
+        sensor: str,
+        steps: int,
+        moved_by: Mapping[str, int],
+        **options: Any,
+    ) -> None:
+        super().__init__(mean, covariance, **options)
+        self.sensor, self.steps, self.moved_by = sensor, steps, dict(moved_by)
+        for name in self.moved_by:
+            if name not in self.predict.inputs:
+                raise GraphError(
+                    f"moved_by of {mean!r}: predict reads {choices(self.predict.inputs)}, not "
+                    f"{name!r}."
+                )
+
+        self.then = (f"{mean}_then", f"{covariance}_then")
+        self.lag, self.moves = f"{mean}_lag", f"{mean}_moves"
+        self.outputs = (mean, covariance, *self.then, self.lag, self.moves)
+        self.covariances = (covariance, self.then[1])
+        self.inputs = (*self.inputs, sensor, *self.then, self.lag, self.moves)
+
+    def initial(self, values: Values) -> dict[str, Tensor]:
+        """The prior belief, of now; nothing has moved."""
+        belief = super().initial(values)
+        mean, covariance = belief[self.mean], belief[self.covariance]
+        at_rest = mean.new_zeros((self.steps + 1) * sum(self.moved_by.values()))
+        past = {self.then[0]: mean, self.then[1]: covariance}
+        return {**belief, **past, self.lag: mean.new_zeros(1), self.moves: at_rest}
+
+    @torch.no_grad()
+    def update(self, values: Values) -> dict[str, Tensor]:
+        """Move the belief to when the reading was taken, correct it, and move it on to now."""
+        moves = self._remembered_moves(values)
+        steps = list(self._steps(moves))
+
+        # How old is the belief, and how old will it be?
+        lag = cast(Tensor, values[self.lag]) + 1
+        age = cast(Tensor, values[self.sensor + AGE]).unsqueeze(-1) / cast(float, values["dt"])
+        is_present = cast(Tensor, values[self.sensor + PRESENT]).unsqueeze(-1)
+        new_lag = torch.where(is_present, age.round(), lag).clamp(0, self.steps)
+        new_lag = torch.minimum(new_lag, lag)
+
+        # To when the reading was taken, ...
+        mean, covariance = (cast(Tensor, values[name]) for name in self.then)
+        for back, step in steps:
+            is_due = (back <= lag) & (back > new_lag)
+            mean, covariance = self._moved(values, step, mean, covariance, is_due)
+        mean, covariance = self._corrected(values, mean, covariance)
+        then = {self.then[0]: mean, self.then[1]: covariance}
+
+        # ... and on to now.
+        for back, step in steps[1:]:
+            is_due = back <= new_lag
+            mean, covariance = self._moved(values, step, mean, covariance, is_due)
+        now = {self.mean: mean, self.covariance: covariance}
+        return {**now, **then, self.lag: new_lag, self.moves: moves}
+
+    def forward(self, values: Values, output: str) -> Tensor:
+        """The belief one step ahead, as if readings were on time; what is past stays."""
+        if output in (self.mean, self.covariance):
+            return super().forward(values, output)
+        return cast(Tensor, values[output])
+
+    def _remembered_moves(self, values: Values) -> Tensor:
+        """What moved it in the last L + 1 steps, oldest first, ``(*B, (L + 1) m)``."""
+        last = torch.cat([cast(Tensor, values[name]) for name in self.moved_by], dim=-1)
+        kept = cast(Tensor, values[self.moves])[..., last.shape[-1] :]
+        return torch.cat((kept, last), dim=-1)
+
+    def _steps(self, moves: Tensor) -> Iterator[tuple[int, dict[str, Tensor]]]:
+        """For each step how long ago it began, from L + 1 to 1, and what moved it then."""
+        sizes = list(self.moved_by.values())
+        for index, step in enumerate(moves.split(sum(sizes), dim=-1)):
+            parts = step.split(sizes, dim=-1)
+            yield self.steps + 1 - index, dict(zip(self.moved_by, parts, strict=True))
+
+    def _moved(
+        self,
+        values: Values,
+        step: Mapping[str, Tensor],
+        mean: Tensor,
+        covariance: Tensor,
+        is_due: Tensor,
+    ) -> tuple[Tensor, Tensor]:
+        """The belief after one step, in the rows ``(*B, 1)`` where it is due."""
+        belief = {**values, **step, self.mean: mean, self.covariance: covariance}
+        moved, transition = self._predicted_mean(belief)
+        spread = self._predicted_covariance(belief, transition)
+        return (
+            torch.where(is_due, moved, mean),
+            torch.where(is_due.unsqueeze(-1), spread, covariance),
+        )

@@ -1,0 +1,215 @@
+"""Faults of sensors and of the way to the robot, for any task: conditions of a comparison.
+
+A fault changes what the policy reads, or which of its actions the robot executes; the world stays
+as it is. Its randomness comes from the episode's seed alone.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import VectorEnv, VectorWrapper
+from numpy.typing import NDArray
+
+Observation = dict[str, NDArray[Any]]
+
+FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "gone")
+"""The conditions.
+
+- ``late``: every observation is so old; its age is told.
+- ``jitter``: likewise, by an amount of its own each time, from none.
+- ``held``: in half of the steps the robot executes its last action again; which one is told.
+- ``stuck``: from a random time on all readings stay the same for a while.
+- ``outliers``: one reading in twenty is any number of its range.
+- ``bias``: some sensors are off by a constant.
+- ``blackout``: from a random time on there is no reading for a while.
+- ``gone``: from a random time on there is no reading any more.
+"""
+
+HELD, OUTLIERS = 0.5, 0.05
+_STREAM = 7919  # sets the faults' random numbers apart from the environment's
+
+
+@dataclass(frozen=True)
+class Faults:
+    """How large the faults of a task are.
+
+    Attributes:
+        dt: Control step, s.
+        late: Age of late observations, steps.
+        jitter: Largest age of observations that come after a while of their own, steps.
+        onset: Earliest and latest time at which readings stop or freeze, steps.
+        pause: For how long they do, steps.
+        bias: Offset by key.
+        ranges: Range of the outliers by key; others have none.
+        held: What a policy is told where actions are held: how many steps its own may come late.
+        tells_action: Whether the action that is held is told, as ``executed``.
+    """
+
+    dt: float
+    late: int
+    jitter: int
+    onset: tuple[int, int]
+    pause: int
+    bias: Mapping[str, float]
+    ranges: Mapping[str, tuple[float, float]]
+    held: int = 0
+    tells_action: bool = False
+
+    def wrap(self, env: VectorEnv[Any, Any, Any], fault: str) -> VectorEnv[Any, Any, Any]:
+        """The environment with a fault."""
+        if fault in ("late", "jitter"):
+            return _Late(env, self, self.late if fault == "late" else None)
+        if fault == "held":
+            return _Held(env, self)
+        return _Disturbed(env, self, fault)
+
+    def policy_options(self, fault: str) -> dict[str, Any]:
+        """What a policy is told: how old readings may be."""
+        if fault == "late":
+            return {"delay": self.late}
+        if fault == "jitter":
+            return {"delay": self.jitter}
+        if fault == "held" and self.held:
+            return {"delay": self.held}
+        return {}
+
+
+class _Faulty(VectorWrapper):
+    """An environment with a fault: each row has random numbers of its own."""
+
+    def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults) -> None:
+        super().__init__(env)
+        self._faults = faults
+        self._generators: list[np.random.Generator] = []
+
+    def reset(self, *, seed: Any = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
+        """Start all episodes; ``seed`` is one number for each."""
+        observation, info = self.env.reset(seed=seed, options=options)
+        self._generators = [np.random.default_rng([_STREAM, one]) for one in seed]
+        return self._begin(dict(observation)), info
+
+    def _draw(self, draw: Callable[[np.random.Generator], Any]) -> NDArray[Any]:
+        """A number or an array for each row."""
+        return np.array([draw(generator) for generator in self._generators])
+
+    def _begin(self, observation: Observation) -> Observation:
+        """The first observation."""
+        return observation
+
+
+class _Late(_Faulty):
+    """Observations are ``steps`` old, or by default any age up to ``jitter``; ``age`` is told."""
+
+    def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults, steps: int | None) -> None:
+        super().__init__(env, faults)
+        self._age = steps
+        self._recent: list[Observation] = []
+
+    def step(self, actions: Any) -> Any:
+        """Move, and observe what was."""
+        observation, *rest = self.env.step(actions)
+        self._recent = [dict(observation), *self._recent[: max(self._longest, 1)]]
+        return (self._sensed(), *rest)
+
+    @property
+    def _longest(self) -> int:
+        return self._faults.jitter if self._age is None else self._age
+
+    def _begin(self, observation: Observation) -> Observation:
+        self._recent = [observation]
+        return self._sensed()
+
+    def _sensed(self) -> Observation:
+        if self._age is None:
+            ages = self._draw(lambda generator: generator.integers(self._longest + 1))
+        else:
+            ages = np.full(self.num_envs, self._age)
+        ages = np.minimum(ages, len(self._recent) - 1)
+
+        rows = range(self.num_envs)
+        sensed: Observation = {}
+        for key in self._recent[0]:
+            sensed[key] = np.stack([self._recent[ages[row]][key][row] for row in rows])
+        sensed["age"] = (self._faults.dt * ages)[:, np.newaxis]
+        return sensed
+
+
+class _Held(_Faulty):
+    """In half of the steps the last action is executed again."""
+
+    def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults) -> None:
+        super().__init__(env, faults)
+        self._executed: NDArray[Any] = np.zeros(0)
+
+    def step(self, actions: Any) -> Any:
+        """Move by the actions, or by the last ones."""
+        held = self._draw(lambda generator: generator.uniform() < HELD)
+        self._executed = np.where(held[:, np.newaxis], self._executed, actions)
+        observation, *rest = self.env.step(self._executed)
+        return (self._sensed(dict(observation)), *rest)
+
+    def _begin(self, observation: Observation) -> Observation:
+        space: Any = self.env.action_space
+        if self._faults.tells_action:
+            self._executed = np.zeros(space.shape, space.dtype)
+        else:  # where zero is not rest, the place where it is
+            self._executed = np.asarray(observation["agent_pos"], space.dtype)
+        return self._sensed(observation)
+
+    def _sensed(self, observation: Observation) -> Observation:
+        """The observation, which is on time, and the action that was executed."""
+        if self._faults.held:
+            observation["age"] = np.zeros((self.num_envs, 1))
+        if self._faults.tells_action:
+            observation["executed"] = self._executed.copy()
+        return observation
+
+
+class _Disturbed(_Faulty):
+    """Readings are wrong or missing, now and then or from some time on."""
+
+    def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults, fault: str) -> None:
+        super().__init__(env, faults)
+        self._fault = fault
+        self._steps = 0
+        self._frozen: Observation = {}
+
+    def step(self, actions: Any) -> Any:
+        """Move, and sense with the fault."""
+        observation, *rest = self.env.step(actions)
+        self._steps += 1
+        return (self._sensed(dict(observation)), *rest)
+
+    def _begin(self, observation: Observation) -> Observation:
+        earliest, latest = self._faults.onset
+        self._onset = self._draw(lambda generator: generator.integers(earliest, latest + 1))
+        self._steps, self._frozen = 0, observation
+        return self._sensed(observation)
+
+    def _sensed(self, observation: Observation) -> Observation:
+        since = self._steps - self._onset
+        pauses = (since >= 0) & ((since < self._faults.pause) | (self._fault == "gone"))
+        sensed: Observation = {}
+        for key, reading in observation.items():
+            sensed[key] = self._reading(key, reading, pauses.reshape(-1, *[1] * (reading.ndim - 1)))
+        if self._fault == "stuck":
+            self._frozen = sensed
+        return sensed
+
+    def _reading(self, key: str, reading: NDArray[Any], pauses: NDArray[np.bool_]) -> NDArray[Any]:
+        if self._fault == "stuck":
+            return np.where(pauses, self._frozen[key], reading)
+        if self._fault in ("blackout", "gone"):
+            return np.where(pauses, np.nan, reading)
+        if self._fault == "bias":
+            return reading + self._faults.bias.get(key, 0.0)
+
+        # Outliers.
+        if key not in self._faults.ranges:
+            return reading
+        low, high = self._faults.ranges[key]
+        is_wrong = self._draw(lambda generator: generator.uniform() < OUTLIERS)
+        wrong = self._draw(lambda generator: generator.uniform(low, high, reading.shape[1:]))
+        return np.where(is_wrong.reshape(pauses.shape), wrong, reading).astype(reading.dtype)

@@ -1,0 +1,153 @@
+"""Feed hostile readings to the policies, and check every command and every memory.
+
+Each row of a batch reads numbers that no instrument should give: NaN, infinity, denormals, 1e308,
+anything of 64 random bits, and now and then what is plausible; then three good readings. Every
+command must be finite and legal, and from the first good reading on every memory finite.
+
+Example: python scripts/hostile_rows.py --task pusht --rows 1000000 --tensors --compile
+"""
+
+import argparse
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from aicon_torch import Policy, make_policy
+from aicon_torch.models.pusht import PIXEL
+
+BATCH, HOSTILE_STEPS, GOOD_STEPS = 500, 7, 3
+"""Rows of a batch; how many hostile steps come in a row, and then how many good ones."""
+
+SPECIAL = np.array(
+    [np.nan, np.inf, -np.inf, 0.0, -0.0, 5e-324, 1e-300, 1e38, -1e38, 1e308, -1e308, 4.0, 1e6]
+)
+
+Readings = dict[str, NDArray[Any]]
+
+
+def main() -> None:
+    """Run the steps, and print what was found."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--task", choices=tuple(GOOD), required=True)
+    parser.add_argument("--rows", type=int, default=1_000_000, help="readings in all")
+    parser.add_argument("--seed", type=int, default=60_000)
+    parser.add_argument("--tensors", action="store_true", help="tensors instead of arrays")
+    parser.add_argument("--compile", action="store_true", help="the compiled policy")
+    arguments = parser.parse_args()
+
+    torch.set_num_threads(1)
+    policy = make_policy(arguments.task, **OPTIONS[arguments.task])
+    if arguments.compile:
+        policy = policy.compile()
+
+    started = time.perf_counter()
+    counts = run(policy, arguments.task, arguments.rows, arguments.seed, arguments.tensors)
+    counts["seconds"] = round(time.perf_counter() - started)
+    print(f"{arguments.task}: " + ", ".join(f"{key} {value}" for key, value in counts.items()))
+    if counts["illegal"] or counts["unhealed"]:
+        raise SystemExit(1)
+
+
+def run(policy: Policy, task: str, rows: int, seed: int, tensors: bool) -> dict[str, int]:
+    """Step through hostile and good readings; count what is not as it should be."""
+    generator = np.random.default_rng(seed)
+    counts = {"rows": 0, "illegal": 0, "unhealed": 0}
+    memory: Any = None
+    step = 0
+    while counts["rows"] < rows:
+        is_good = step % (HOSTILE_STEPS + GOOD_STEPS) >= HOSTILE_STEPS
+        readings = GOOD[task](generator)
+        if not is_good:
+            readings = {key: hostile(value, generator) for key, value in readings.items()}
+
+        given: Mapping[str, Any] = readings
+        if tensors:
+            given = {key: torch.as_tensor(value) for key, value in readings.items()}
+        action, memory = policy.predict(given, memory)
+
+        counts["rows"] += BATCH
+        counts["illegal"] += int((~is_legal(task, np.asarray(action))).sum())
+        if is_good:
+            counts["unhealed"] += int((~is_finite(memory)).sum())
+        step += 1
+    return counts
+
+
+def hostile(reading: NDArray[np.float64], generator: np.random.Generator) -> NDArray[np.float64]:
+    """A reading of which every number is one of a kind that is drawn for each row."""
+    count, size = reading.shape
+    bits = generator.integers(0, 2**63, (count, size)) * 2 + generator.integers(0, 2, (count, size))
+    kinds = np.stack(
+        [
+            bits.astype(np.uint64).view(np.float64),
+            generator.choice(SPECIAL, (count, size)),
+            10.0 ** generator.uniform(-10, 10, (count, size)),
+            np.where(generator.uniform(size=(count, size)) < 0.1, np.nan, reading),
+            reading,
+        ]
+    )
+    chosen = generator.integers(0, len(kinds), count)
+    picked: NDArray[np.float64] = kinds[chosen, np.arange(count)]
+    return picked
+
+
+def is_finite(memory: Mapping[str, torch.Tensor]) -> NDArray[np.bool_]:
+    """Which rows of a memory are finite, ``(B,)``."""
+    finite = torch.ones(BATCH, dtype=torch.bool)
+    for value in memory.values():
+        finite &= value.reshape(BATCH, -1).isfinite().all(-1)
+    return finite.numpy()
+
+
+def is_legal(task: str, action: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which commands ``(B, n)`` are finite and within their limits, ``(B,)``."""
+    finite = np.isfinite(action).all(-1)
+    if task == "pusht":
+        return finite & (action >= 0.0).all(-1) & (action <= 512.0).all(-1)
+
+    limit = {"nav2d": 0.5, "panda_push": 1.6}[task]
+    speed = np.linalg.norm(action.astype(np.float64), axis=-1)
+    legal: NDArray[np.bool_] = finite & (speed <= limit * (1 + 1e-6))
+    return legal
+
+
+def _nav2d(generator: np.random.Generator) -> Readings:
+    return {
+        "bearing": generator.uniform(-np.pi, np.pi, (BATCH, 1)),
+        "range": generator.uniform(0.0, 20.0, (BATCH, 1)),
+    }
+
+
+def _pusht(generator: np.random.Generator) -> Readings:
+    from aicon_torch.models.pusht import Options, rigid_object
+
+    body = rigid_object(Options())
+    places = generator.uniform(100.0, 400.0, (BATCH, 2)) * PIXEL
+    poses = np.concatenate((places, generator.uniform(-np.pi, np.pi, (BATCH, 1))), axis=-1)
+    keypoints = body.keypoints_at(torch.as_tensor(poses)).flatten(-2).numpy() / PIXEL
+    return {
+        "agent_pos": generator.uniform(0.0, 512.0, (BATCH, 2)),
+        "environment_state": keypoints,
+    }
+
+
+def _panda_push(generator: np.random.Generator) -> Readings:
+    from aicon_torch.models.panda_push import PANDA
+
+    near, far = np.array([0.4, -0.2, -np.pi]), np.array([0.7, 0.2, np.pi])
+    return {
+        "q": generator.uniform(PANDA.low, PANDA.high, (BATCH, 7)),
+        "target": generator.uniform(near, far, (BATCH, 3)),
+        "object_pose": generator.uniform(near, far, (BATCH, 3)),
+    }
+
+
+GOOD = {"nav2d": _nav2d, "pusht": _pusht, "panda_push": _panda_push}
+OPTIONS: dict[str, dict[str, Any]] = {"nav2d": {}, "pusht": {}, "panda_push": {"sensing": "pose"}}
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+"""The watchdog: on readings that are gone, frozen or impossible nothing moves for long."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from _inputs import drifting, navigation
+from torch import Tensor
+
+from aicon_torch import (
+    EKF,
+    Actuator,
+    DirectDescent,
+    Goal,
+    GraphError,
+    Measurement,
+    Policy,
+    Sensor,
+    Sum,
+    WorldModel,
+)
+
+DT = 0.1
+
+
+def residual(x: Tensor, z: Tensor) -> Tensor:
+    return x - z
+
+
+def move(x: Tensor, a: Tensor) -> Tensor:
+    return x + DT * a
+
+
+def policy(**sensor: Any) -> Policy:
+    """A point that goes to the right at full speed, and reads where it is."""
+    place = EKF(
+        "x",
+        "P",
+        predict=move,
+        noise=1e-4,
+        initial=((0.0, 0.0), 1.0),
+        correct=[Measurement(residual, 1e-4, size=2)],
+    )
+    model = WorldModel(
+        sensors={"z": Sensor(2, "m", key="place", **sensor)},
+        actuators={"a": Actuator(2, "m/s", limit=1.0, key="executed")},
+        estimators=[place],
+        goals=[Goal("right", lambda x: -x[..., 0])],
+        dt=DT,
+        dtype=torch.float64,
+    )
+    return Policy(model, Sum(), DirectDescent(smoothing=0.0))
+
+
+def speeds(policy: Policy, places: Any) -> list[float]:
+    """The speed after each reading."""
+    memory, found = None, []
+    for place in places:
+        action, memory = policy.predict({"place": np.array(place)}, memory)
+        found.append(float(np.linalg.norm(action)))
+    return found
+
+
+GONE = [np.nan, np.nan]
+MOVING = [[0.1 * step, 0.0] for step in range(10)]
+
+
+def test_without_readings_the_command_decays_to_rest() -> None:
+    found = speeds(policy(max_age=0.2), [*MOVING[:3], *[GONE] * 5, *MOVING[8:]])
+    assert found == pytest.approx([1, 1, 1, 1, 1, 0.5, 0, 0, 1, 1])
+
+
+def test_nobody_watches_a_sensor_without_a_largest_age() -> None:
+    assert speeds(policy(), [*MOVING[:3], *[GONE] * 5]) == pytest.approx([1.0] * 8)
+
+
+def test_a_reading_that_repeats_itself_while_it_should_change_is_none() -> None:
+    """Until it changes; a point that stood still may repeat itself."""
+    frozen = [MOVING[3]] * 5
+    found = speeds(policy(max_age=0.1, driven_by="a"), [*MOVING[:4], *frozen, *MOVING[5:]])
+    assert found == pytest.approx([1, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 1])
+
+
+def test_a_reading_that_jumps_farther_than_it_can_is_none_for_a_while() -> None:
+    """Where it stays, it is believed in the end."""
+    watched = policy(rate_limit=2.0)
+    memory = None
+    present = []
+    for place in [*MOVING[:3], *[[1.0, 0.0]] * 5]:
+        _, memory = watched.predict({"place": np.array(place)}, memory)
+        present.append(bool(memory["z.present"]))
+    assert present == [True] * 3 + [False] * 3 + [True] * 2
+
+
+def test_an_angle_may_go_round() -> None:
+    watched, memory = policy(rate_limit=2.0, period=2 * np.pi), None
+    for angle in (3.1, -3.1):
+        _, memory = watched.predict({"place": np.array([angle, 0.0])}, memory)
+        assert memory["z.present"]
+
+
+def test_an_older_reading_than_the_last_is_none() -> None:
+    watched, memory = policy(age_key="age"), None
+    present = []
+    for age in (0.0, 0.05, 0.3, 0.2, 0.0):
+        reading = {"place": np.zeros(2), "age": np.array(age)}
+        _, memory = watched.predict(reading, memory)
+        present.append(bool(memory["z.present"]))
+    assert present == [True, True, False, True, True]
+    assert memory is not None and memory["z.age"] == 0.0
+
+
+def test_the_executed_action_takes_the_place_of_the_one_that_was_sent() -> None:
+    watched = policy()
+    _, memory = watched.predict({"place": np.zeros(2)})
+    told = {"place": np.full(2, np.nan), "executed": np.array([0.0, -0.5])}
+    _, after = watched.predict(told, memory)
+    torch.testing.assert_close(after["x"], memory["x"] + DT * torch.tensor([0.0, -0.5]).double())
+
+
+def test_it_says_why() -> None:
+    _, memory = navigation().predict(drifting(1)[0])
+    for _ in range(5):
+        gone = {"bearing": np.full(1, np.nan), "range": np.array([1.0])}
+        _, memory = navigation().predict(gone, memory)
+
+    explanation = navigation().explain(memory)
+    assert "no reading of 'bearing': the last is 0.25 s old" in explanation.alerts
+    assert "33% of the action is executed" in str(explanation)
+
+
+@pytest.mark.parametrize("bad", [{"max_age": 0.0}, {"rate_limit": -1.0}, {"period": np.nan}])
+def test_times_must_be_positive(bad: dict[str, Any]) -> None:
+    with pytest.raises(GraphError, match=next(iter(bad))):
+        Sensor(1, "m", **bad)
+
+
+def test_what_drives_a_reading_must_be_an_actuator() -> None:
+    with pytest.raises(GraphError, match=r"driven_by='b'.*'a'"):
+        policy(driven_by="b")

@@ -1,0 +1,86 @@
+"""Late readings: the belief of then is corrected, and moved on to now."""
+
+from typing import Any
+
+import pytest
+import torch
+from _inputs import normal
+from torch import Tensor
+
+from aicon_torch import EKF, Affine, GraphError, LateEKF, Measurement
+from aicon_torch.quantities import AGE, PRESENT
+
+DT = 0.1
+OPTIONS: dict[str, Any] = {
+    "predict": Affine(x=1.0, u=1.0),
+    "noise": 0.01,
+    "initial": ((0.0, 0.0), 100.0),
+}
+
+
+def residual(x: Tensor, z: Tensor) -> Tensor:
+    return x - z
+
+
+def late(steps: int) -> LateEKF:
+    correct = [Measurement(residual, 0.04, size=2)]
+    moved_by = {"u": 2}
+    own: dict[str, Any] = {"sensor": "z", "steps": steps, "moved_by": moved_by}
+    return LateEKF("x", "P", **own, correct=correct, **OPTIONS).double()
+
+
+def run(filtered: EKF, ages: list[int | None], seed: int = 0) -> tuple[dict[str, Tensor], Tensor]:
+    """Beliefs after readings of these ages, in steps, None for no reading; and where it is."""
+    moves = normal(len(ages), 3, 2, seed=seed)
+    places = moves.cumsum(0)
+    belief = filtered.initial({})
+    belief = {name: value.expand(3, *value.shape) for name, value in belief.items()}
+
+    for step, age in enumerate(ages):
+        taken = places[max(step - (age or 0), 0)]
+        known = {
+            "u": moves[step],
+            "z": taken,
+            "z" + AGE: torch.full((3,), DT * (age or 0), dtype=torch.float64),
+            "z" + PRESENT: torch.full((3,), age is not None),
+            "dt": DT,
+        }
+        belief = filtered.update({**belief, **known})
+    return belief, places[-1]
+
+
+@pytest.mark.parametrize("steps", [1, 4])
+def test_prompt_readings_are_filtered_as_ever(steps: int) -> None:
+    prompt = EKF("x", "P", correct=[Measurement(residual, 0.04, size=2)], **OPTIONS).double()
+    ages: list[int | None] = [0, 0, None, 0, None, None, 0]
+
+    expected, _ = run(prompt, ages)
+    belief, _ = run(late(steps), ages)
+    torch.testing.assert_close(belief["x"], expected["x"])
+    torch.testing.assert_close(belief["P"], expected["P"])
+
+
+@pytest.mark.parametrize(
+    "ages", [[0, 1, 2, 3, 3, 3, 3], [0, 1, None, None, 2, 1, 0], [0, 1, 2, 0, None, None, 2]]
+)
+def test_readings_of_any_age_tell_where_it_is_now(ages: list[int | None]) -> None:
+    """Without noise in readings and motion; each is newer than the one before."""
+    belief, place = run(late(3), ages)
+    torch.testing.assert_close(belief["x"], place, rtol=0, atol=1e-2)
+
+
+def test_it_becomes_less_certain_by_what_happened_since() -> None:
+    belief, _ = run(late(3), [0, 1, 2, 3, 3, 3])
+    assert belief["x_lag"].eq(3).all()
+    noise = 0.01 * torch.eye(2, dtype=torch.float64)
+    torch.testing.assert_close(belief["P"], belief["P_then"] + 3 * noise)
+
+
+def test_without_readings_the_belief_of_then_goes_along() -> None:
+    belief, _ = run(late(2), [0, *[None] * 6])
+    assert belief["x_lag"].eq(2).all() and belief["x"].isfinite().all()
+
+
+def test_what_moves_it_must_be_read() -> None:
+    with pytest.raises(GraphError, match=r"moved_by of 'x'.*'x', 'u', not 'v'"):
+        LateEKF("x", "P", sensor="z", steps=1, moved_by={"v": 2}, **OPTIONS)

@@ -1,0 +1,79 @@
+"""Every model stands soon after its readings are gone or frozen, and goes on when they are back."""
+
+from typing import Any
+
+import pytest
+import torch
+from _inputs import drifting
+from _inputs.pushing import wandering
+from torch import Tensor
+
+from aicon_torch import Policy, make_policy
+
+Reading = dict[str, Tensor]
+
+
+def arm_readings(count: int) -> list[Reading]:
+    """Joints that turn slowly, an object and its target that lie still."""
+    readings: list[Reading] = []
+    for step in range(count):
+        turned = torch.tensor([0.0, 0.2, 0.0, -2.2, 0.0, 2.4, 0.8]) + 1e-3 * step
+        place = torch.tensor([0.5, 0.0, 0.3])
+        target = torch.tensor([0.55, 0.1, 0.0])
+        readings.append({"q": turned[None], "object_pose": place[None], "target": target[None]})
+    return readings
+
+
+MODELS = {
+    "nav2d": (make_policy("nav2d"), drifting(24, (1,)), 6),
+    "pusht": (make_policy("pusht"), wandering(12, 1), 3),
+    "panda_push": (make_policy("panda_push", sensing="pose"), arm_readings(24), 10),
+}
+"""A policy, readings, and the number of steps after which it must stand."""
+
+each_model = pytest.mark.parametrize("name", MODELS)
+
+
+def blind(reading: Reading, name: str) -> Reading:
+    return {key: torch.full_like(value, torch.nan) for key, value in reading.items()}
+
+
+def frozen(reading: Reading, name: str) -> Reading:
+    return dict(MODELS[name][1][2])
+
+
+@each_model
+@pytest.mark.parametrize("fault", [blind, frozen])
+def test_it_stands_and_goes_on(name: str, fault: Any) -> None:
+    policy, readings, bound = MODELS[name]
+    memory, speeds = run(policy, readings[:3])
+    assert speeds[-1] > 0
+
+    faulty = [fault(reading, name) for reading in readings[3 : 5 + bound]]
+    memory, speeds = run(policy, faulty, memory)
+    assert max(speeds[bound - 1 :]) < 1e-9
+    assert "0% of the action" in str(policy.explain(memory, row=0))
+
+    _, speeds = run(policy, readings[5 + bound :], memory)
+    assert speeds[-1] > 0
+
+
+@pytest.mark.parametrize("name", ["nav2d", "pusht"])
+def test_the_watchdog_is_an_option(name: str) -> None:
+    _, readings, bound = MODELS[name]
+    policy = make_policy(name, watchdog=False)
+    memory, _ = run(policy, readings[:3])
+    _, speeds = run(policy, [blind(reading, name) for reading in readings[3 : 5 + bound]], memory)
+    assert speeds[-1] > 0
+
+
+def run(
+    policy: Policy, readings: list[Reading], memory: dict[str, Tensor] | None = None
+) -> tuple[dict[str, Tensor], list[float]]:
+    """The memory after these readings, and the speed after each."""
+    speeds = []
+    for reading in readings:
+        _, memory = policy.predict(reading, memory)
+        speeds.append(float(memory["a"].norm()))
+    assert memory is not None
+    return memory, speeds
