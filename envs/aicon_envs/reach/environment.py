@@ -4,6 +4,7 @@ import math
 from typing import Any, get_args
 
 import gymnasium as gym
+import mujoco
 import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
@@ -45,8 +46,8 @@ class ReachEnv(gym.Env[Observation, Action]):
     |---|---|---|
     | `q`, `dq` | (n,) | values of the joints (rad or m) and their velocities |
     | `target_position` | (3,) | where the tip should be, m |
-    | `target_axis` | (3,) | with `target="axis"`: where its z axis should point |
-    | `target_rotation` | (9,) | with `target="pose"`: the rows of its rotation matrix |
+    | `target_orientation` | (3,) or (4,) | where its z axis should point, with `target="axis"`, or \
+its rotation as a quaternion (w, x, y, z), with `target="pose"` |
     | `ball_1`, `ball_2`, … | (3,) | where the middle of each ball is, m |
 
     ## Action space
@@ -239,9 +240,9 @@ class ReachEnv(gym.Env[Observation, Action]):
         }
 
         if self.target == "axis":
-            observation["target_axis"] = rotation[:, 2].copy()
+            observation["target_orientation"] = rotation[:, 2].copy()
         elif self.target == "pose":
-            observation["target_rotation"] = rotation.ravel().copy()
+            observation["target_orientation"] = _to_quaternion(rotation)
         for number, ball in enumerate(self._ball_positions(), start=1):
             observation[f"ball_{number}"] = ball
         return observation
@@ -283,6 +284,13 @@ class ReachEnv(gym.Env[Observation, Action]):
         cosine = (float(np.trace(between)) - 1.0) / 2.0
         sine = float(np.linalg.norm(between - between.T)) / (2.0 * math.sqrt(2.0))
         return math.atan2(sine, cosine)
+
+
+def _to_quaternion(rotation: FloatArray) -> FloatArray:
+    """Return a rotation matrix ``(3, 3)`` as (w, x, y, z)."""
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, rotation.ravel())
+    return quaternion
 
 
 def _home(robot: Robot, scene: Scene) -> FloatArray:

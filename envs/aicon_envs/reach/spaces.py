@@ -23,10 +23,8 @@ def observation_space(count: int, target: Target, balls: int) -> spaces.Space[Ob
         "target_position": _symmetric_box(_LARGE, 3),
     }
 
-    if target == "axis":
-        boxes["target_axis"] = _symmetric_box(1.001, 3)
-    elif target == "pose":
-        boxes["target_rotation"] = _symmetric_box(1.001, 9)
+    if target != "position":
+        boxes["target_orientation"] = _symmetric_box(1.001, 3 if target == "axis" else 4)
     for number in range(1, balls + 1):
         boxes[f"ball_{number}"] = _symmetric_box(_LARGE, 3)
 
