@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import GraphError
+from aicon_torch.safety import VelocityDampers
 
 PRESENT = ".present"
 """Suffix of the flag ``(*B,)`` that says whether an optional sensor has a reading in this step."""
@@ -87,6 +88,10 @@ class Actuator:
             ``(*B, size)``, and leave one that is allowed as it is.
         command: What the robot is sent instead of the action, if it takes another command: a
             function wired likewise.
+        keeps_direction: Whether an action beyond a sequence of limits is shortened as a whole,
+            instead of component by component.
+        dampers: How it keeps the safety goals, where there are any: see
+            :class:`aicon_torch.Goal`.
     """
 
     size: int
@@ -94,6 +99,8 @@ class Actuator:
     limit: float | Sequence[float] = field(default=math.inf)
     constraints: Sequence[Callable[..., Tensor]] = ()
     command: Callable[..., Tensor] | None = None
+    keeps_direction: bool = False
+    dampers: VelocityDampers = field(default_factory=VelocityDampers)
 
     def __post_init__(self) -> None:
         """Check limit and constraints."""
@@ -109,7 +116,7 @@ class Actuator:
             )
 
     def clip(self, action: Tensor) -> Tensor:
-        """The nearest action within the limit: in the same direction (a norm), or in the box.
+        """The nearest action within the limit, in the box of a sequence or in the same direction.
 
         Args:
             action: ``(*B, size)``.
@@ -119,6 +126,9 @@ class Actuator:
         """
         if not isinstance(self.limit, int | float):
             bound = action.new_tensor(tuple(self.limit))
+            if self.keeps_direction:
+                excess = (action.abs() / bound).amax(-1, keepdim=True)
+                action = action / excess.clamp(min=1.0)
             return torch.minimum(torch.maximum(action, -bound), bound)
         if math.isinf(self.limit):
             return action

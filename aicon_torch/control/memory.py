@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from aicon_torch.control.backward import BackwardPass
+from aicon_torch.control.safety import safety_of
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.quantities import PRESENT
 from aicon_torch.resolution import Memory
@@ -20,7 +21,16 @@ def memory_keys(backward: BackwardPass) -> frozenset[str]:
     """The keys of a memory: every quantity, what is remembered of the gradients, and the goals."""
     model = backward.model
     present = [name + PRESENT for name in model.declaration.optional_sensors]
-    return frozenset([GOAL_FACTORS, *present, *model.quantities, *backward.initial()])
+    constants = constant_memory(backward)
+    return frozenset([GOAL_FACTORS, *present, *model.quantities, *constants])
+
+
+def constant_memory(backward: BackwardPass) -> Memory:
+    """What is remembered before the first step whatever is read, without batch dimensions."""
+    memory = backward.initial()
+    for safety in safety_of(backward.model).values():
+        memory |= safety.initial()
+    return memory
 
 
 def initial_memory(
@@ -36,7 +46,7 @@ def initial_memory(
     model = backward.model
     memory = model.initial(readings, batch)
 
-    constants = backward.initial() | {GOAL_FACTORS: torch.ones(len(model.goals))}
+    constants = constant_memory(backward) | {GOAL_FACTORS: torch.ones(len(model.goals))}
     for key, value in constants.items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype
         value = value.to(model.like.device, dtype)

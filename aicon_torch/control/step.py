@@ -8,6 +8,7 @@ from torch import Tensor
 from aicon_torch.control.action_law import ActionLaw
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.control.safety import safety_of
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory
 
@@ -26,6 +27,7 @@ class ControlStep:
 
     def __init__(self, model: WorldModel, backward: BackwardPass, law: ActionLaw) -> None:
         self.model, self.backward, self.law = model, backward, law
+        self.safety = safety_of(model)
 
     @torch.enable_grad()
     def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
@@ -109,13 +111,18 @@ class ControlStep:
         resolved: Memory,
     ) -> tuple[Actions, Memory]:
         """What to send to each actuator, and the memory."""
-        final = dict(values)
+        final, goal_factors = dict(values), memory[GOAL_FACTORS]
+        remembered: Memory = {GOAL_FACTORS: goal_factors}
         for name, actuator in self.model.actuators.items():
             final[name] = self.law.finish(actions[name], values[name], actuator, self.model.dt)
             final[name] = self.model.constrain(name, final)
 
-        goal_factors = {GOAL_FACTORS: memory[GOAL_FACTORS]}
-        return self.model.commands(final), {**final, **resolved, **goal_factors}
+            # Last come the safety goals, which nothing may violate.
+            if name in self.safety:
+                final[name], own = self.safety[name](values, final[name], memory, goal_factors)
+                remembered |= own
+
+        return self.model.commands(final), {**final, **resolved, **remembered}
 
 
 def last_values(model: WorldModel, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:

@@ -1,0 +1,121 @@
+"""Stalemates: where constraints bring an actuator to rest short of its goals, and the way out."""
+
+from collections.abc import Mapping
+
+import torch
+from torch import Tensor
+
+from aicon_torch.graph import WorldModel
+from aicon_torch.resolution import Memory
+from aicon_torch.safety import ConstraintEscape, SafeAction
+from aicon_torch.vectors import unit
+
+
+class Stalemate:
+    """Detects that constraints hold up the goals, and moves along the constraints' force.
+
+    See :class:`aicon_torch.safety.ConstraintEscape`.
+
+    Args:
+        model: The world model.
+        actuator: Name of the actuator.
+        options: When an escape begins and ends.
+        time: T, the time constant of the dampers, s.
+    """
+
+    def __init__(
+        self, model: WorldModel, actuator: str, options: ConstraintEscape, time: float
+    ) -> None:
+        self.model, self.actuator, self.options = model, actuator, options
+        self.tick = model.dt / time
+        self.followed = [name for name, goal in model.goals.items() if not goal.safety]
+
+    def initial(self) -> Memory:
+        """Not escaping; nothing was reached yet. Without batch dimensions."""
+        size = self.model.actuators[self.actuator].size
+        return {
+            "escaping": torch.tensor(False),
+            "clock": torch.tensor(0.0),
+            "lowest": torch.tensor(torch.inf),
+            "direction": torch.zeros(size),
+        }
+
+    def aim(self, wish: Tensor, limits: Tensor, memory: Memory) -> Tensor:
+        """What the actuator tries: the wish, or at full speed what leads out, ``(*B, n)``.
+
+        Args:
+            wish: What the goals wish for, ``(*B, n)``.
+            limits: Of the actuator, ``(n,)``.
+            memory: What was remembered.
+        """
+        direction = memory["direction"]
+        excess = (direction.abs() / limits).amax(-1, keepdim=True)
+        fastest = direction / excess.clamp(min=torch.finfo(wish.dtype).tiny ** 0.5)
+        return torch.where(memory["escaping"].unsqueeze(-1), fastest, wish)
+
+    def judge(
+        self,
+        values: Mapping[str, Tensor],
+        wish: Tensor,
+        safe: SafeAction,
+        limits: Tensor,
+        memory: Memory,
+        goal_factors: Tensor,
+    ) -> Memory:
+        """Whether to escape from the next step on, and where to.
+
+        Args:
+            values: Values after the new readings.
+            wish: What the goals wish for, ``(*B, n)``.
+            safe: What the constraints made of what was tried.
+            limits: Of the actuator, ``(n,)``.
+            memory: What was remembered.
+            goal_factors: Factor of each goal, ``(*B, goals)``.
+        """
+        options, escaping = self.options, memory["escaping"]
+        cost = self._cost_ahead(values, torch.zeros_like(wish), goal_factors)
+        clock = memory["clock"] + self.tick
+
+        # Does it stand still? The cost has not fallen for long, and constraints oppose the wish.
+        has_fallen = cost < memory["lowest"] - options.progress
+        opposed = (safe.force * wish).sum(-1) < 0
+        enters = ~has_fallen & (clock >= options.patience) & opposed
+
+        # Is it over the crest? The cost falls along the motion as it does along the wish.
+        falls = self._fall(values, safe.action, cost, goal_factors)
+        could_fall = self._fall(values, wish, cost, goal_factors)
+        over = (falls > 0) & (falls >= options.crest * could_fall)
+        blocked = (safe.action.abs() / limits).amax(-1) < options.blocked
+        leaves = (clock >= options.shortest) & (over | blocked) | (clock >= options.longest)
+
+        # The clock begins anew with every progress, escape and attempt.
+        changes = torch.where(escaping, leaves, enters)
+        progresses = ~escaping & has_fallen
+        begins = ~escaping & enters
+        return {
+            "escaping": escaping ^ changes,
+            "clock": torch.where(changes | progresses, 0.0, clock),
+            "lowest": torch.where(changes | progresses, cost, memory["lowest"]),
+            "direction": torch.where(
+                begins.unsqueeze(-1), unit(safe.force), memory["direction"]
+            ),
+        }
+
+    def _fall(
+        self, values: Mapping[str, Tensor], action: Tensor, cost: Tensor, goal_factors: Tensor
+    ) -> Tensor:
+        """By how much the goals' cost falls along an action of length one, ``(*B,)``."""
+        length = torch.linalg.vector_norm(action, dim=-1)
+        smallest = torch.finfo(length.dtype).tiny ** 0.5
+        return (cost - self._cost_ahead(values, action, goal_factors)) / length.clamp(min=smallest)
+
+    def _cost_ahead(
+        self, values: Mapping[str, Tensor], action: Tensor, goal_factors: Tensor
+    ) -> Tensor:
+        """What the goals that are followed cost after a step of this action, ``(*B,)``."""
+        total = torch.zeros_like(action[..., 0])
+        for index, name in enumerate(self.model.goals):
+            if name in self.followed:
+                cost = self.model.displaced_cost(name, self.actuator, action, values)
+                total = total + goal_factors[..., index] * cost
+        return total

@@ -1,0 +1,84 @@
+"""Options of velocity dampers, and of the escape from where they bring an actuator to rest."""
+
+from dataclasses import dataclass, field
+
+from aicon_torch.errors import OptionError
+
+
+@dataclass(frozen=True)
+class ConstraintEscape:
+    """What is done where constraints bring an actuator to rest: the conflict of a goal with them.
+
+    All times are multiples of the dampers' time constant T, so a faster robot needs no new number.
+
+    A *stalemate* is that the cost of the goals has not fallen by ``progress`` for ``patience``,
+    while the constraints take away from what the goals wish. Then the actuator moves along the
+    constraints' force f = a − w, what they add to the wish w to make it the action a, in the
+    direction that f had at the stalemate, and within the same constraints. It ends after
+    ``shortest`` at the earliest: once the cost falls along the motion at least ``crest`` times as
+    much as it would along the wish, or where the constraints block this motion as well; and after
+    ``longest`` anyhow.
+
+    Attributes:
+        progress: By how much the cost must fall, in its unit.
+        patience: For how long it may fail to.
+        shortest: Least duration of an escape.
+        longest: Largest.
+        crest: See above.
+        blocked: Share of the actuator's limit below which a motion counts as blocked.
+
+    Raises:
+        OptionError: If a number is not positive.
+    """
+
+    progress: float = 0.01
+    patience: float = 2.5
+    shortest: float = 1.5
+    longest: float = 30.0
+    crest: float = 0.2
+    blocked: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        _check_positive(self, ("progress", "patience", "shortest", "longest", "crest", "blocked"))
+
+
+@dataclass(frozen=True)
+class VelocityDampers:
+    """A gap closes the slower, the smaller it is (Faverjon and Tournassoud 1987).
+
+    For every gap d ≥ 0 of the safety goals: ḋ ≥ −d/T, so that it shrinks no faster than
+    exponentially. T = braking / a_max, with the median of the actuator's limits: a robot twice as
+    fast brakes on the same way. Every step takes the action nearest to the wish that keeps this,
+    see :func:`aicon_torch.safety.nearest_safe`.
+
+    Attributes:
+        braking: The way on which an actuator at its limit comes to rest, in the unit of its action
+            times s: rad for an arm.
+        gaps: Of each goal as many gaps are considered, the smallest.
+        sweeps: Number of sweeps of the solver.
+        escape: How a stalemate is left; None stays there.
+
+    Raises:
+        OptionError: If a number is not positive.
+
+    Example:
+        >>> Actuator(6, "rad/s", limit=(3.1,) * 6, dampers=VelocityDampers(braking=0.3))
+    """
+
+    braking: float = 0.3
+    gaps: int = 12
+    sweeps: int = 12
+    escape: ConstraintEscape | None = field(default_factory=ConstraintEscape)
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        _check_positive(self, ("braking", "gaps", "sweeps"))
+
+
+def _check_positive(options: object, names: tuple[str, ...]) -> None:
+    """Check that fields of some options are positive."""
+    for name in names:
+        value = getattr(options, name)
+        if not value > 0:
+            raise OptionError(f"{name}={value!r}: expected a number > 0.")
