@@ -46,8 +46,8 @@ class ReachEnv(gym.Env[Observation, Action]):
     |---|---|---|
     | `q`, `dq` | (n,) | values of the joints (rad or m) and their velocities |
     | `target_position` | (3,) | where the tip should be, m |
-    | `target_orientation` | (3,) or (4,) | where its z axis should point, with `target="axis"`, or \
-its rotation as a quaternion (w, x, y, z), with `target="pose"` |
+    | `target_orientation` | (3,) | with `target="axis"`: where its z axis should point |
+    | | (4,) | with `target="pose"`: its rotation, a quaternion (w, x, y, z) |
     | `ball_1`, `ball_2`, … | (3,) | where the middle of each ball is, m |
 
     ## Action space
