@@ -61,10 +61,12 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 
 def _policy_options(condition: str) -> dict[str, Any]:
-    """Tell the policy its robot, what counts, and how fast it may be."""
+    """Tell the policy its robot, what counts, how fast it may be, and of balls if there are any."""
     arguments = _ARGUMENTS[condition]
     env = ReachEnv(**arguments)
     description = env.description()
+    balls = {name: description[name] for name in ("balls", "ball_radius")}
+
     return {
         "robot": description["urdf"],
         "tip": description["tip"],
@@ -72,6 +74,7 @@ def _policy_options(condition: str) -> dict[str, Any]:
         "orientation": _ORIENTATIONS[env.target],
         "speed": arguments.get("speed", 1.5),
         "dt": description["time_step"],
+        **(balls if description["balls"] else {}),
     }
 
 
@@ -79,7 +82,7 @@ TASK = Task(
     name="reach",
     time_step=0.02,
     horizon=1_000,
-    chunk_size=100,
+    chunk_size=50,
     maps=("free",),
     conditions=tuple(_ARGUMENTS),
     make_env=_make_env,

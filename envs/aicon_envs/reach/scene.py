@@ -23,6 +23,9 @@ TIMESTEP = 0.002
 BANDWIDTH = 60.0
 """Of the servos, rad/s: a joint alone follows a step of its velocity in a tenth of a second."""
 
+ROTOR = 0.1
+"""Inertia of a rotor as its joint feels it through the gears, kg m²."""
+
 _WIDEST = math.pi
 """Joints without limits are drawn from ± this, rad."""
 
@@ -92,7 +95,13 @@ def draw_postures(
 
 
 def _read(description: Description) -> mujoco.MjSpec:
-    return mujoco.MjSpec.from_string(description.text, assets=dict(description.assets))
+    """Return the robot alone, with the rotors that its description says nothing of."""
+    spec = mujoco.MjSpec.from_string(description.text, assets=dict(description.assets))
+    for name in description.joints:
+        joint = spec.joint(name)
+        if joint.type == mujoco.mjtJoint.mjJNT_HINGE:
+            joint.armature = ROTOR
+    return spec
 
 
 def _compile_bare(description: Description) -> mujoco.MjModel:
