@@ -34,6 +34,7 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "far_true_pose": {"area": ((0.62, 0.70), (-0.1, 0.1)), "obs_type": "pose"},
 }
 
+
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     def make_one() -> gymnasium.Env[Any, Any]:
         env = PandaPushEnv(**{**_ARGUMENTS[condition], **options})

@@ -127,7 +127,7 @@ class EpisodeDrawer:
         low, high = scene.low + distance, scene.high - distance
 
         while True:
-            (posture,) = draw_postures(low, high, 1, generator)
+            posture: FloatArray = draw_postures(low, high, 1, generator)[0]
             if self._gap(posture) >= self._clearance:
                 return posture
 

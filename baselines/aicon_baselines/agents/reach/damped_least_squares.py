@@ -47,4 +47,5 @@ class DampedLeastSquares(InverseKinematics):
         # A joint that would come to its stop in this step goes there.
         least = (robot.low + self.stop_distance - joints) / self.dt
         most = (robot.high - self.stop_distance - joints) / self.dt
-        return np.clip(wish, np.minimum(least, 0.0), np.maximum(most, 0.0))
+        clamped: FloatArray = np.clip(wish, np.minimum(least, 0.0), np.maximum(most, 0.0))
+        return clamped

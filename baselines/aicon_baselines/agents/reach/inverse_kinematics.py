@@ -67,9 +67,7 @@ class InverseKinematics:
         """The robot."""
         from aicon_baselines.agents.reach.kinematics import Kinematics
 
-        return Kinematics(
-            self.robot, self.tip, self.srdf, self.balls, self.ball_radius, self.speed
-        )
+        return Kinematics(self.robot, self.tip, self.srdf, self.balls, self.ball_radius, self.speed)
 
     def predict(
         self,

@@ -94,7 +94,9 @@ class Kinematics:
         return pairs
 
 
-def target_rotation(orientation: str, observation: Mapping[str, Any], now: FloatArray) -> FloatArray:
+def target_rotation(
+    orientation: str, observation: Mapping[str, Any], now: FloatArray
+) -> FloatArray:
     """Return the rotation ``(3, 3)`` that the tip should have.
 
     Args:

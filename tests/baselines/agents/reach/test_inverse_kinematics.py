@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-mujoco = pytest.importorskip("mujoco")
+pytest.importorskip("mujoco")
 pytest.importorskip("trimesh")
+
+import mujoco
 
 from aicon_baselines.agents import factory, opponents
 from aicon_baselines.agents.reach import Mink
