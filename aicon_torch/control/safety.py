@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import cast
 
 import torch
 from torch import Tensor
@@ -10,6 +11,7 @@ from aicon_torch.control.stalemate import Stalemate
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import Values
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import GapRows, nearest_safe
 

@@ -96,7 +96,9 @@ class Stalemate:
             "escaping": escaping ^ changes,
             "clock": torch.where(changes | progresses, 0.0, clock),
             "lowest": torch.where(changes | progresses, cost, memory["lowest"]),
-            "direction": torch.where(begins.unsqueeze(-1), unit(safe.force), memory["direction"]),
+            "direction": torch.where(
+                begins.unsqueeze(-1), unit(safe.force), memory["direction"]
+            ),
         }
 
     def _fall(

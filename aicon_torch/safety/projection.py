@@ -34,7 +34,7 @@ class SafeAction(NamedTuple):
 
 
 def nearest_safe(wish: Tensor, rows: GapRows, limits: Tensor, sweeps: int) -> SafeAction:
-    """A = argmin ‖a − w‖² subject to c·a ≥ b for every row, and |aⱼ| ≤ limitⱼ.
+    """a = argmin ‖a − w‖² subject to c·a ≥ b for every row, and |aⱼ| ≤ limitⱼ.
 
     Hildreth's method (1957): one row after the other is satisfied by the least change, and what an
     earlier sweep changed too much is taken back; the limits are one more set to project on. After a

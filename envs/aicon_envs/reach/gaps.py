@@ -28,7 +28,7 @@ class GapMeter:
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        """Make a copy of the scene in which MuJoCo lists what is near, and not only what touches."""
+        """Make a copy of the scene in which MuJoCo lists what is near, not only what touches."""
         self._model = copy.copy(model)
         self._model.geom_margin[:] = SIGHT / 2.0  # the margins of two shapes add up
         self._model.geom_gap[:] = 0.0

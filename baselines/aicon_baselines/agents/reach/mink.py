@@ -57,7 +57,7 @@ class Mink(InverseKinematics):
             mink.CollisionAvoidanceLimit(
                 robot.model,
                 robot.pairs_that_can_meet(),
-                gain=share,
+                gain=share * self.dt,  # mink divides it by dt, but bounds displacements
                 minimum_distance_from_collisions=self.gap,
                 collision_detection_distance=self.sight,
             ),

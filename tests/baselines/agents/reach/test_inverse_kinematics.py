@@ -76,12 +76,17 @@ def test_mink_does_not_touch_itself() -> None:
     joints = folded + np.array([0.0, 0.0, -0.8, 0.0, 0.0, 0.0])
     seen = observation(joints, folded, agent)
     env = TASK.make_env(1, "ur5_pose_home", 5)
-    simulation = env.envs[0].unwrapped._simulation
+    simulation, last = env.envs[0].unwrapped._simulation, 0.05
 
     for _ in range(100):
         action, _ = agent.predict({**seen, "q": joints[None]})
         joints = joints + 0.02 * action[0]
-        assert simulation.measure(joints, np.zeros((0, 3))).to_itself > 0.005
+        gap = simulation.measure(joints, np.zeros((0, 3))).to_itself
+        assert gap > 0.009
+        if last < 0.05:
+            assert gap - 0.01 >= 0.85 * (last - 0.01) - 1e-4  # the damper
+        last = gap
+    assert last < 0.03
 
 
 @pytest.mark.parametrize("name", NAMES)
