@@ -1,8 +1,7 @@
-"""Safety goals at an actuator: rows of its gaps, and the action nearest to the wish within them."""
+"""Safety goals at an actuator: how fast gaps may close, and the action nearest to the wish."""
 
 import math
 from collections.abc import Mapping
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -11,9 +10,9 @@ from aicon_torch.control.stalemate import Stalemate
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
-from aicon_torch.interconnections import Values
+from aicon_torch.quantities import PRESENT
 from aicon_torch.resolution import Memory
-from aicon_torch.safety import GapRows, nearest_safe
+from aicon_torch.safety import SafetyBounds, nearest_safe
 
 FARTHEST = 1e3
 """A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
@@ -48,6 +47,7 @@ class ActuatorSafety:
         self.limits = limits
         self.time = self.options.braking / float(limits.median())
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
+        self._boxed = [goal.name for goal in goals if self._is_box(goal)]
 
         escape = self.options.escape
         self.stalemate = None if escape is None else Stalemate(model, actuator, escape, self.time)
@@ -76,36 +76,50 @@ class ActuatorSafety:
         Returns:
             The action ``(*B, n)``, and what is remembered of it.
         """
-        limits = self.limits.to(wish)
-        rows = self.rows(values, goal_factors)
+        limits, sweeps = self.limits.to(wish), self.options.sweeps
+        within = self.bounds(values, goal_factors)
         if self.stalemate is None:
-            return nearest_safe(wish, rows, limits, self.options.sweeps).action, {}
+            return nearest_safe(wish, within, sweeps).action, {}
 
         # While escaping, the direction of the escape stands for the wish.
         own = {key: memory[self._key(key)] for key in self.stalemate.initial()}
         aim = self.stalemate.aim(wish, limits, own)
-        safe = nearest_safe(aim, rows, limits, self.options.sweeps)
+        safe = nearest_safe(aim, within, sweeps)
 
-        remembered = self.stalemate.judge(values, wish, safe, limits, own, goal_factors)
+        remembered = self.stalemate.judge(values, wish, safe, within, limits, own, goal_factors)
         return safe.action, {self._key(key): value for key, value in remembered.items()}
 
-    def rows(self, values: Mapping[str, Tensor], goal_factors: Tensor) -> GapRows:
-        """The rows of all goals: their slopes ``(*B, m, n)`` and bounds ``(*B, m)``."""
-        slopes: list[Tensor] = []
-        bounds: list[Tensor] = []
+    def bounds(self, values: Mapping[str, Tensor], goal_factors: Tensor) -> SafetyBounds:
+        """What all goals ask of the action, and its limits.
+
+        Args:
+            values: Values after the new readings.
+            goal_factors: Factor of each goal, ``(*B, goals)``; one that is off asks for nothing.
+        """
         names = list(self.model.goals)
+        at_rest = torch.zeros_like(values[self.actuator])
+        high = at_rest + self.limits.to(at_rest)
+        low = -high
+        slopes, bounds = [at_rest.unsqueeze(-2)[..., :0, :]], [at_rest[..., :0]]
+
         for goal in self.goals:
             slope, bound = self._rows_of(goal, values)
             is_on = goal_factors[..., names.index(goal.name), None] != 0
-            slopes.append(slope)
-            bounds.append(torch.where(is_on, bound, -FARTHEST / self.model.dt))
-        return GapRows(torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1))
+            bound = torch.where(is_on, bound, -FARTHEST / self.model.dt)
+            if goal.name in self._boxed:
+                low, high = _narrowed(low, high, slope, bound)
+            else:
+                slopes.append(slope)
+                bounds.append(bound)
+        return SafetyBounds(torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1), low, high)
 
     def _rows_of(self, goal: Goal, values: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
         """The rows of one goal: d(t + dt) ≈ d₀ + C a, and ≥ e^(−dt/T) d(t)."""
         # The smallest gaps now.
         gaps = goal.gaps(self._with_dt(values)).clamp(max=FARTHEST)
-        count = min(self.options.gaps, gaps.shape[-1])
+        count = gaps.shape[-1]
+        if goal.name not in self._boxed:
+            count = min(self.options.gaps, count)
         smallest = gaps.topk(count, dim=-1, largest=False).indices
         now = gaps.gather(-1, smallest)
 
@@ -129,11 +143,42 @@ class ActuatorSafety:
             inputs[name] = self.model.owners[name](inputs, name)
         return goal.gaps(inputs).clamp(max=FARTHEST)
 
+    def _is_box(self, goal: Goal) -> bool:
+        """Whether each of a goal's gaps depends on one component of the action, as joint stops do.
+
+        Then the components can be bounded one by one, which no sweep needs to approach.
+        """
+        self._boxed = []
+        generator = torch.Generator().manual_seed(0)
+        readings: dict[str, Tensor] = {}
+        for name, sensor in self.model.sensors.items():
+            reading = torch.rand(4, sensor.size, generator=generator, dtype=torch.float64)
+            readings[name] = reading.to(self.model.like)
+        for name in self.model.declaration.optional_sensors:
+            readings[name + PRESENT] = torch.ones(4, dtype=torch.bool)
+
+        values = self.model.update(self.model.initial(readings, (4,)))
+        slopes, _ = self._rows_of(goal, values)
+        return bool(((slopes != 0).sum(-1) <= 1).all())
+
     def _with_dt(self, values: Mapping[str, Tensor]) -> dict[str, Tensor | float]:
         return {**values, "dt": self.model.dt}
 
     def _key(self, key: str) -> str:
         return f"{self.actuator}/escape/{key}"
+
+
+def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:
+    """A box within which rows hold that depend on one component each, ``(*B, n)`` both."""
+    largest = torch.finfo(slopes.dtype).max
+    ratios = bounds.unsqueeze(-1) / torch.where(slopes == 0, 1.0, slopes)
+    from_below = torch.where(slopes > 0, ratios, -largest).amax(-2)
+    from_above = torch.where(slopes < 0, ratios, largest).amin(-2)
+
+    # What is beyond a gap comes back as fast as it may.
+    lowest = torch.minimum(torch.maximum(low, from_below), high)
+    highest = torch.maximum(torch.minimum(high, from_above), lowest)
+    return lowest, highest
 
 
 def safety_of(model: WorldModel) -> dict[str, ActuatorSafety]:

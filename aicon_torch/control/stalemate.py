@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory
-from aicon_torch.safety import ConstraintEscape, SafeAction
+from aicon_torch.safety import ConstraintEscape, SafeAction, SafetyBounds
 from aicon_torch.vectors import unit
 
 
@@ -37,6 +37,8 @@ class Stalemate:
             "escaping": torch.tensor(False),
             "clock": torch.tensor(0.0),
             "lowest": torch.tensor(torch.inf),
+            "best": torch.tensor(torch.inf),
+            "tries": torch.tensor(0),
             "direction": torch.zeros(size),
         }
 
@@ -58,6 +60,7 @@ class Stalemate:
         values: Mapping[str, Tensor],
         wish: Tensor,
         safe: SafeAction,
+        within: SafetyBounds,
         limits: Tensor,
         memory: Memory,
         goal_factors: Tensor,
@@ -68,6 +71,7 @@ class Stalemate:
             values: Values after the new readings.
             wish: What the goals wish for, ``(*B, n)``.
             safe: What the constraints made of what was tried.
+            within: The constraints.
             limits: Of the actuator, ``(n,)``.
             memory: What was remembered.
             goal_factors: Factor of each goal, ``(*B, goals)``.
@@ -76,10 +80,9 @@ class Stalemate:
         cost = self._cost_ahead(values, torch.zeros_like(wish), goal_factors)
         clock = memory["clock"] + self.tick
 
-        # Does it stand still? The cost has not fallen for long, and constraints oppose the wish.
+        # Does it stand still? The cost has not fallen for long, though there is far to go.
         has_fallen = cost < memory["lowest"] - options.progress
-        opposed = (safe.force * wish).sum(-1) < 0
-        enters = ~has_fallen & (clock >= options.patience) & opposed
+        enters = ~has_fallen & (clock >= options.patience) & (cost > options.progress)
 
         # Is it over the crest? The cost falls along the motion as it does along the wish.
         falls = self._fall(values, safe.action, cost, goal_factors)
@@ -92,14 +95,31 @@ class Stalemate:
         changes = torch.where(escaping, leaves, enters)
         progresses = ~escaping & has_fallen
         begins = ~escaping & enters
+
+        # Every escape without a new best is one more try.
+        is_best = ~escaping & (cost < memory["best"] - options.progress)
+        tries = torch.where(is_best, 0, memory["tries"] + begins)
+        direction = self._way_out(wish, safe, within, memory["tries"])
         return {
             "escaping": escaping ^ changes,
             "clock": torch.where(changes | progresses, 0.0, clock),
             "lowest": torch.where(changes | progresses, cost, memory["lowest"]),
-            "direction": torch.where(
-                begins.unsqueeze(-1), unit(safe.force), memory["direction"]
-            ),
+            "best": torch.where(is_best, cost, memory["best"]),
+            "tries": tries,
+            "direction": torch.where(begins.unsqueeze(-1), direction, memory["direction"]),
         }
+
+    def _way_out(
+        self, wish: Tensor, safe: SafeAction, within: SafetyBounds, tries: Tensor
+    ) -> Tensor:
+        """The direction of an escape ``(*B, n)``: the force at first, then the axes in turn."""
+        opposed = (safe.force * wish).sum(-1) < -0.01 * (wish * wish).sum(-1)
+        by_force = opposed & (tries < self.options.forced)
+
+        components = torch.arange(wish.shape[-1], device=wish.device)
+        turn = (tries.unsqueeze(-1) % wish.shape[-1]) == components
+        axis = torch.where(within.high >= -within.low, 1.0, -1.0) * turn
+        return torch.where(by_force.unsqueeze(-1), unit(safe.force), axis)
 
     def _fall(
         self, values: Mapping[str, Tensor], action: Tensor, cost: Tensor, goal_factors: Tensor

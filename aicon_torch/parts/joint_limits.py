@@ -39,7 +39,7 @@ class JointLimits(nn.Module):
         return self.cost(self.distances(x_joints))
 
     def gaps(self, x_joints: Tensor) -> Tensor:
-        """mᵢ − m₀: how far each joint is from where it costs something, ``(*B, n)``, rad."""
+        """How far each joint is from where it costs something, mᵢ − m₀, ``(*B, n)``, rad."""
         return self.distances(x_joints) - self.cost.margin
 
     def distances(self, x_joints: Tensor) -> Tensor:

@@ -100,7 +100,7 @@ class SelfCollision(nn.Module):
         return self.cost(self.distances(x_body))
 
     def gaps(self, x_body: Tensor) -> Tensor:
-        """d − d₀: how far each pair is from where it costs something, ``(*B, pairs)``, m."""
+        """How far each pair is from where it costs something, d − d₀, ``(*B, pairs)``, m."""
         return self.distances(x_body) - self.cost.margin
 
     def distances(self, x_body: Tensor) -> Tensor:

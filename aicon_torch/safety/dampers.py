@@ -37,6 +37,7 @@ class ConstraintEscape:
     longest: float = 30.0
     crest: float = 0.2
     blocked: float = 0.05
+    forced: int = 2
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -67,7 +68,7 @@ class VelocityDampers:
     """
 
     braking: float = 0.3
-    gaps: int = 12
+    gaps: int = 8
     sweeps: int = 12
     escape: ConstraintEscape | None = field(default_factory=ConstraintEscape)
 

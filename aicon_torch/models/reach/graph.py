@@ -2,8 +2,9 @@
 
 An observation has the joints ``q`` ``(*B, n)``, rad or m, ``target_position`` ``(*B, 3)``, m, in
 the frame of the base, and, where the orientation matters, ``target_orientation``: the direction of
-the tip's axis ``(*B, 3)``, or a quaternion (w, x, y, z) ``(*B, 4)``. The action is the velocity of
-the joints ``(*B, n)``, rad/s or m/s.
+the tip's axis ``(*B, 3)``, or a quaternion (w, x, y, z) ``(*B, 4)``. Where there are balls,
+``ball_1``, ``ball_2``, … are their middles ``(*B, 3)``, m. The action is the velocity of the joints
+``(*B, n)``, rad/s or m/s.
 """
 
 import copy
@@ -17,13 +18,14 @@ from aicon_torch.errors import OptionError, choices
 from aicon_torch.estimation import Deterministic, Estimator, KalmanFilter, Measurement
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
-from aicon_torch.interconnections import Affine
+from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.reach.options import Options
 from aicon_torch.models.reach.robot import Robot
 from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.end_effector import EndEffector
 from aicon_torch.parts.joint_limits import JointLimits
+from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 from aicon_torch.parts.tip_pose import TipPose
@@ -42,12 +44,16 @@ def build(options: Options) -> Policy:
 
 
 def world_model(options: Options) -> WorldModel:
-    """The graph: target and joints → end effector → reach; joints → body → self-collision.
+    """The graph: joints → end effector → reach, and joints → body → what the body keeps off.
 
     Raises:
-        OptionError: If there is no robot, or a joint has no largest speed.
+        OptionError: If there is no robot, a joint has no largest speed, or there are balls and the
+            robot has no shape.
     """
     robot = _robot(options)
+    if options.balls and robot.shape is None:
+        raise OptionError(f"balls={options.balls!r}: expected 0, since the robot has no shape.")
+
     pose = TipPose(options.orientation, options.lever, options.axis)
     end_effector = EndEffector(robot.chain, pose, damping=options.damping)
     return WorldModel(
@@ -82,7 +88,14 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
         sensors["z_orientation"] = Sensor(3, "a direction", key="target_orientation")
     if options.orientation == "full":
         sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", key="target_orientation")
+    for ball in _balls(options):
+        sensors[f"z_{ball}"] = Sensor(3, "m", key=ball)
     return sensors
+
+
+def _balls(options: Options) -> tuple[str, ...]:
+    """Their names: ``("ball_1", "ball_2", …)``."""
+    return tuple(f"ball_{number}" for number in range(1, options.balls + 1))
 
 
 def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actuator:
@@ -115,14 +128,18 @@ def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> li
     """Target, joints, end effector, and the body if it has a shape."""
     pose = end_effector.pose
     assert isinstance(pose, TipPose)
-    estimators = [
+    estimators: list[Estimator] = [
         Deterministic("x_target", _target(pose)),
         _joints(options, len(robot.chain.names)),
         Deterministic("x_ee", end_effector),
     ]
-    if robot.shape is not None and robot.shape.pairs:
+    if robot.shape is not None:
         segments = CapsuleSegments(robot.chain, robot.shape.capsules)
         estimators.append(Deterministic("x_body", segments))
+
+    for ball in _balls(options):
+        motion = moving_point(f"x_{ball}", f"z_{ball}", options.dt, options.ball_noise)
+        estimators.append(motion)
     return estimators
 
 
@@ -163,8 +180,16 @@ def _goals(options: Options, robot: Robot, pose: TipPose) -> list[Goal]:
         Goal("reach", PoseReach(pose, options.tolerance)),
         Goal("joint_limits", limits, safety=options.safety),
     ]
-    if robot.shape is not None and robot.shape.pairs:
-        shape = robot.shape
-        collision = SelfCollision(shape.capsules, options.self_collision, shape.pairs)
+    if robot.shape is None:
+        return goals
+
+    # The body keeps off itself and off the balls.
+    capsules, pairs = robot.shape.capsules, robot.shape.pairs
+    if pairs:
+        collision = SelfCollision(capsules, options.self_collision, pairs)
         goals.append(Goal("self_collision", collision, safety=options.safety))
+    for ball in _balls(options):
+        obstacle = Obstacle(Sphere(options.ball_radius), capsules, options.ball_distance)
+        distance = Interconnection(obstacle, inputs=["x_body", f"x_{ball}"])
+        goals.append(Goal(ball, distance, safety=options.safety))
     return goals

@@ -31,6 +31,10 @@ class Options:
         safety: Whether they are safety goals, which nothing violates, or goals like any other.
         joint_limits: How far from its limits a joint stays, rad, or its margin as a goal.
         self_collision: How far links stay from each other, m, or their margin as a goal.
+        balls: Number of balls that are seen, still or moving, and not to be touched.
+        ball_radius: Their radius, m.
+        ball_distance: How far links stay from them, m, or their margin as a goal.
+        ball_noise: Standard deviation of a ball's position as it is seen, m.
         dtype: Precision of the estimates.
         dt: Time step, s.
         speed: Largest speed of a joint, rad/s; None for those of the robot.
@@ -51,6 +55,10 @@ class Options:
     safety: bool = True
     joint_limits: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.02, 1.0))
     self_collision: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.01, 1.0))
+    balls: int = 0
+    ball_radius: float = 0.08
+    ball_distance: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.03, 1.0))
+    ball_noise: float = 0.002
     dtype: torch.dtype = torch.float64
     dt: float = 0.02
     speed: float | None = None
@@ -67,6 +75,7 @@ class Options:
         """
         check_choice(self, "orientation", ("free", "axis", "full"))
         check_positive(self, ("dt", "lever", "damping", "joint_noise"))
-        check_not_negative(self, ("tolerance",))
+        check_positive(self, ("ball_radius", "ball_noise"))
+        check_not_negative(self, ("tolerance", "balls"))
         if self.speed is not None:
             check_positive(self, ("speed",))
