@@ -84,6 +84,7 @@ REACH_CONDITIONS := $(foreach robot,panda ur5 xarm7,$(addprefix $(robot)_,positi
 reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum and the steepest path
 	$(AICON) compare --task reach --policies aicon steepest potential_field damped_least_squares mink \
 	  --conditions $(REACH_CONDITIONS) --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/reach
+	$(AICON) figures reach --out $(OUT)/reach
 
 figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task of the plane
 	$(AICON) figures nav2d --out $(OUT)/nav2d

@@ -112,6 +112,7 @@ class Simulation:
         """Show the target in pictures."""
         self.data.mocap_pos[0] = position
         mujoco.mju_mat2Quat(self.data.mocap_quat[0], rotation.ravel())
+        mujoco.mj_kinematics(self.scene.model, self.data)
 
     @property
     def joints(self) -> FloatArray:

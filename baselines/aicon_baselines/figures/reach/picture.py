@@ -13,7 +13,7 @@ from aicon_baselines.figures.rendering import save_picture
 MOMENTS = (0.0, 1 / 3, 2 / 3, 1.0)
 """What is shown of an episode, as shares of its pictures."""
 
-ZOOM = slice(60, 420)
+ZOOM = slice(45, 435)
 """What is shown of a picture, in both directions, px."""
 
 DISTANCE, ANGLE, GAP, STOP = "#0059a8", "#56b4e9", "#d55e00", "#a3569b"
