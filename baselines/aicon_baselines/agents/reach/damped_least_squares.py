@@ -22,7 +22,7 @@ class DampedLeastSquares(InverseKinematics):
         damping: λ, m/rad.
     """
 
-    damping: float = 0.05
+    damping: float = 0.2
 
     def velocity(self, observation: Mapping[str, FloatArray]) -> FloatArray:
         """Velocities of the joints ``(n,)``, rad/s or m/s, in one episode."""

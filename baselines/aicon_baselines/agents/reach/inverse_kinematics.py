@@ -48,7 +48,7 @@ class InverseKinematics:
     balls: int = 0
     ball_radius: float = 0.08
     dt: float = 0.02
-    gain: float = 5.0
+    gain: float = 20.0
     lever: float = 0.2
     stop_distance: float = 0.02
 

@@ -27,7 +27,7 @@ class Mink(InverseKinematics):
         braking_time: T of gaps and stops, s.
     """
 
-    damping: float = 1e-3
+    damping: float = 1e-4
     gap: float = 0.01
     sight: float = 0.15
     braking_time: float = 0.2
