@@ -38,6 +38,7 @@ class ConstraintEscape:
     crest: float = 0.2
     blocked: float = 0.05
     forced: int = 2
+    detour: float = 10.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
