@@ -82,8 +82,8 @@ class Stalemate:
         clock = memory["clock"] + self.tick
 
         # Does it stand still? The cost has not fallen for long, though there is far to go.
-        has_fallen = cost < memory["lowest"] - options.progress
-        enters = ~has_fallen & (clock >= options.patience) & (cost > options.progress)
+        has_fallen = cost < (1.0 - options.progress) * memory["lowest"]
+        enters = ~has_fallen & (clock >= options.patience) & (cost > options.near)
 
         # Is it over the crest? The cost falls along the motion, not only a little.
         falls = self._fall(values, safe.action, cost, goal_factors)
@@ -99,7 +99,7 @@ class Stalemate:
         begins = ~escaping & enters
 
         # Every escape without a new best is one more try.
-        is_best = ~escaping & (cost < memory["best"] - options.progress)
+        is_best = ~escaping & (cost < (1.0 - options.progress) * memory["best"])
         tries = torch.where(is_best, 0, memory["tries"] + begins)
         opposed = (safe.force * wish).sum(-1) < -0.1 * (wish * wish).sum(-1)
         detours = ~opposed | (memory["tries"] >= options.forced)

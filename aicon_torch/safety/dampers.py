@@ -31,7 +31,8 @@ class ConstraintEscape:
         OptionError: If a number is not positive.
     """
 
-    progress: float = 0.01
+    progress: float = 0.1
+    near: float = 0.01
     patience: float = 2.5
     shortest: float = 1.5
     longest: float = 30.0

@@ -30,7 +30,9 @@ def test_a_segment_is_as_far_as_its_nearest_point(shape: Shape) -> None:
     start, end = 0.6 * normal(100, 3, seed=1), 0.6 * normal(100, 3, seed=2)
     points = along(start, end)
     expected = shape.distance(points, points).amin(0)
-    torch.testing.assert_close(shape.distance(start, end), expected, rtol=0, atol=1e-4)
+    found = shape.distance(start, end)
+    assert (found <= expected + 1e-4).all()
+    assert (found >= expected - 3e-3).all()  # the nearest point lies between two of those
 
 
 def test_a_point_is_as_far_from_a_box_as_from_its_nearest_side() -> None:
