@@ -39,6 +39,7 @@ class Stalemate:
             "lowest": torch.tensor(torch.inf),
             "best": torch.tensor(torch.inf),
             "tries": torch.tensor(0),
+            "detour": torch.tensor(False),
             "direction": torch.zeros(size),
         }
 
@@ -81,15 +82,16 @@ class Stalemate:
         clock = memory["clock"] + self.tick
 
         # Does it stand still? The cost has not fallen for long, though there is far to go.
-        has_fallen = cost < memory["lowest"] - options.progress
-        enters = ~has_fallen & (clock >= options.patience) & (cost > options.progress)
+        has_fallen = cost < (1.0 - options.progress) * memory["lowest"]
+        enters = ~has_fallen & (clock >= options.patience) & (cost > options.near)
 
-        # Is it over the crest? The cost falls along the motion as it does along the wish.
+        # Is it over the crest? The cost falls along the motion, not only a little.
         falls = self._fall(values, safe.action, cost, goal_factors)
-        could_fall = self._fall(values, wish, cost, goal_factors)
-        over = (falls > 0) & (falls >= options.crest * could_fall)
+        steepness = self._steepness(values, limits, cost, goal_factors)
+        over = falls > options.crest * steepness
         blocked = (safe.action.abs() / limits).amax(-1) < options.blocked
-        leaves = (clock >= options.shortest) & (over | blocked) | (clock >= options.longest)
+        ends = (clock >= options.shortest) & (over | blocked) | (clock >= options.longest)
+        leaves = torch.where(memory["detour"], clock >= options.detour, ends)
 
         # The clock begins anew with every progress, escape and attempt.
         changes = torch.where(escaping, leaves, enters)
@@ -97,29 +99,22 @@ class Stalemate:
         begins = ~escaping & enters
 
         # Every escape without a new best is one more try.
-        is_best = ~escaping & (cost < memory["best"] - options.progress)
+        is_best = ~escaping & (cost < (1.0 - options.progress) * memory["best"])
         tries = torch.where(is_best, 0, memory["tries"] + begins)
-        direction = self._way_out(wish, safe, within, memory["tries"])
+        opposed = (safe.force * wish).sum(-1) < -0.1 * (wish * wish).sum(-1)
+        detours = ~opposed | (memory["tries"] >= options.forced)
+        way_out = torch.where(
+            detours.unsqueeze(-1), _spread(memory["tries"], wish), unit(safe.force)
+        )
         return {
             "escaping": escaping ^ changes,
             "clock": torch.where(changes | progresses, 0.0, clock),
             "lowest": torch.where(changes | progresses, cost, memory["lowest"]),
             "best": torch.where(is_best, cost, memory["best"]),
             "tries": tries,
-            "direction": torch.where(begins.unsqueeze(-1), direction, memory["direction"]),
+            "detour": torch.where(begins, detours, memory["detour"]),
+            "direction": torch.where(begins.unsqueeze(-1), way_out, memory["direction"]),
         }
-
-    def _way_out(
-        self, wish: Tensor, safe: SafeAction, within: SafetyBounds, tries: Tensor
-    ) -> Tensor:
-        """The direction of an escape ``(*B, n)``: the force at first, then the axes in turn."""
-        opposed = (safe.force * wish).sum(-1) < -0.01 * (wish * wish).sum(-1)
-        by_force = opposed & (tries < self.options.forced)
-
-        components = torch.arange(wish.shape[-1], device=wish.device)
-        turn = (tries.unsqueeze(-1) % wish.shape[-1]) == components
-        axis = torch.where(within.high >= -within.low, 1.0, -1.0) * turn
-        return torch.where(by_force.unsqueeze(-1), unit(safe.force), axis)
 
     def _fall(
         self, values: Mapping[str, Tensor], action: Tensor, cost: Tensor, goal_factors: Tensor
@@ -128,6 +123,19 @@ class Stalemate:
         length = torch.linalg.vector_norm(action, dim=-1)
         smallest = torch.finfo(length.dtype).tiny ** 0.5
         return (cost - self._cost_ahead(values, action, goal_factors)) / length.clamp(min=smallest)
+
+    def _steepness(
+        self, values: Mapping[str, Tensor], limits: Tensor, cost: Tensor, goal_factors: Tensor
+    ) -> Tensor:
+        """By how much it falls along its steepest descent, ``(*B,)``: from each component alone."""
+        count = len(limits)
+        copies = {name: value.expand(count, *value.shape) for name, value in values.items()}
+        alone = torch.diag(limits).reshape(count, *[1] * cost.dim(), count)
+        actions = alone.expand_as(copies[self.actuator])
+
+        change = self._cost_ahead(copies, actions, goal_factors) - cost
+        slopes = change / limits.reshape(count, *[1] * cost.dim())
+        return torch.linalg.vector_norm(slopes, dim=0)
 
     def _cost_ahead(
         self, values: Mapping[str, Tensor], action: Tensor, goal_factors: Tensor
@@ -139,3 +147,17 @@ class Stalemate:
                 cost = self.model.displaced_cost(name, self.actuator, action, values)
                 total = total + goal_factors[..., index] * cost
         return total
+
+
+def _spread(index: Tensor, like: Tensor) -> Tensor:
+    """Direction number i of a sequence that covers all directions evenly, ``(*B, n)``.
+
+    Component j is the i-th number of an additive recurrence with the step φ⁻ʲ⁻¹, where φ is the
+    positive root of xⁿ⁺¹ = x + 1 (Roberts 2018), spread over [−1, 1].
+    """
+    size = like.shape[-1]
+    root = 2.0
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (size + 1))
+    steps = like.new_tensor([root ** -(component + 1) for component in range(size)])
+    return 2.0 * torch.remainder(0.5 + (index.unsqueeze(-1) + 1) * steps, 1.0) - 1.0

@@ -31,13 +31,15 @@ class ConstraintEscape:
         OptionError: If a number is not positive.
     """
 
-    progress: float = 0.01
+    progress: float = 0.1
+    near: float = 0.01
     patience: float = 2.5
     shortest: float = 1.5
     longest: float = 30.0
     crest: float = 0.2
     blocked: float = 0.05
     forced: int = 2
+    detour: float = 10.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""

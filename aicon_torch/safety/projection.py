@@ -6,7 +6,8 @@ import torch
 from torch import Tensor
 
 SLACK = 1e-4
-"""Share of the widest range of a component by which a bound may be missed: rounding must not bring a robot to rest."""
+"""By how much a bound may be missed, as a share of the widest range of a component: rounding must
+not bring a robot to rest."""
 
 
 class SafetyBounds(NamedTuple):
@@ -91,9 +92,7 @@ def _normalised(within: SafetyBounds) -> tuple[Tensor, Tensor]:
     return normals, bounds
 
 
-def _shortened(
-    action: Tensor, normals: Tensor, bounds: Tensor, within: SafetyBounds
-) -> Tensor:
+def _shortened(action: Tensor, normals: Tensor, bounds: Tensor, within: SafetyBounds) -> Tensor:
     """The action times the largest factor ≤ 1 with which it keeps all rows that rest keeps."""
     if normals.shape[-2] == 0:
         return action
