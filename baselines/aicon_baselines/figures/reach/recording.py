@@ -40,7 +40,7 @@ class ReachRecording:
     @property
     def times(self) -> FloatArray:
         """When each step ended, (n,), s."""
-        return CONTROL_STEP * np.arange(1, len(self.distance) + 1)
+        return CONTROL_STEP * np.arange(1.0, len(self.distance) + 1.0)
 
 
 def record(
