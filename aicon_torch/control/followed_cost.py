@@ -45,7 +45,8 @@ class FollowedCost:
         """(G(0) − G(a))/‖a‖: by how much it falls along a motion, ``(*B,)``."""
         length = torch.linalg.vector_norm(action, dim=-1)
         smallest = torch.finfo(length.dtype).tiny ** 0.5
-        return (self.at_rest - self.ahead(action)) / length.clamp(min=smallest)
+        fall: Tensor = (self.at_rest - self.ahead(action)) / length.clamp(min=smallest)
+        return fall
 
     def steepness(self, steps: Tensor) -> Tensor:
         """‖∂G/∂a‖ by differences, ``(*B,)``: by how much it falls along its steepest descent.
@@ -60,4 +61,6 @@ class FollowedCost:
         actions = alone.expand(len(steps), *self.values[self.actuator].shape)
 
         change = self.ahead(actions) - self.at_rest
-        return torch.linalg.vector_norm(change / steps.reshape(-1, *own_dimensions), dim=0)
+        slopes = change / steps.reshape(-1, *own_dimensions)
+        steepness: Tensor = torch.linalg.vector_norm(slopes, dim=0)
+        return steepness

@@ -28,4 +28,5 @@ class SpeedLimit(nn.Module):
         jacobian = self.end_effector.jacobian(x_joints)[..., :3, :]
         velocity = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
         speed = torch.linalg.vector_norm(velocity, dim=-1, keepdim=True)
-        return a * (self.speed / speed.clamp(min=self.speed))
+        shortened: Tensor = a * (self.speed / speed.clamp(min=self.speed))
+        return shortened
