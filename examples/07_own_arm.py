@@ -35,12 +35,12 @@ def find(name: str) -> Path:
 def main() -> None:
     """Reach five targets."""
     arm = Robot.from_urdf(find("urdf/so101.urdf"), tip="gripper_frame_link")
-    policy = make_policy("reach", robot=arm, orientation="axis", speed=1.5, dt=DT)
+    policy = make_policy("reach", robot=arm, orientation="axis", speed=2.0, dt=DT)
 
     # Targets that can be reached: where the tip is in some posture within the limits.
     low, high = arm.chain.low, arm.chain.high
     generator = torch.Generator().manual_seed(4)
-    shares = 0.2 + 0.6 * torch.rand(5, len(low), generator=generator, dtype=torch.float64)
+    shares = 0.3 + 0.4 * torch.rand(5, len(low), generator=generator, dtype=torch.float64)
     targets = arm.chain(low + shares * (high - low))
 
     q, memory = (low + high) / 2, None

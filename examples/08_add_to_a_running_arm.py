@@ -113,9 +113,8 @@ def main() -> None:
     without, _ = run(adds_goal=False)
     with_goal, distance = run(adds_goal=True)
     print(f"without the goal: least gap to the ball {1e3 * without:.0f} mm")
-    print(
-        f"with the goal: least gap {1e3 * with_goal:.0f} mm, and then {1e3 * distance:.1f} mm from the target"
-    )
+    print(f"with the goal: least gap {1e3 * with_goal:.0f} mm")
+    print(f"and in the end {1e3 * distance:.1f} mm from the target")
 
     if not (without < 0 < with_goal and distance < 0.005):
         raise SystemExit("The new goal did not do what was announced.")

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
+from aicon_torch.control.followed_cost import FollowedCost
 from aicon_torch.control.stalemate import Stalemate
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
@@ -50,7 +51,8 @@ class ActuatorSafety:
         self._boxed = [goal.name for goal in goals if self._is_box(goal)]
 
         escape = self.options.escape
-        self.stalemate = None if escape is None else Stalemate(model, actuator, escape, self.time)
+        step = model.dt / self.time
+        self.stalemate = None if escape is None else Stalemate(escape, limits, step)
 
     def initial(self) -> Memory:
         """What is remembered before the first step, without batch dimensions."""
@@ -76,17 +78,16 @@ class ActuatorSafety:
         Returns:
             The action ``(*B, n)``, and what is remembered of it.
         """
-        limits, sweeps = self.limits.to(wish), self.options.sweeps
-        within = self.bounds(values, goal_factors)
+        within, sweeps = self.bounds(values, goal_factors), self.options.sweeps
         if self.stalemate is None:
             return nearest_safe(wish, within, sweeps).action, {}
 
         # While escaping, the direction of the escape stands for the wish.
         own = {key: memory[self._key(key)] for key in self.stalemate.initial()}
-        aim = self.stalemate.aim(wish, limits, own)
-        safe = nearest_safe(aim, within, sweeps)
+        safe = nearest_safe(self.stalemate.aim(wish, own), within, sweeps)
 
-        remembered = self.stalemate.judge(values, wish, safe, within, limits, own, goal_factors)
+        cost = FollowedCost(self.model, self.actuator, values, goal_factors)
+        remembered = self.stalemate.judge(cost, wish, safe, own)
         return safe.action, {self._key(key): value for key, value in remembered.items()}
 
     def bounds(self, values: Mapping[str, Tensor], goal_factors: Tensor) -> SafetyBounds:

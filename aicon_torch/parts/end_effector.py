@@ -174,7 +174,8 @@ class EndEffector(nn.Module):
         """(S + λ²I)⁻¹ c, ``(*B, m, 1)``, for a symmetric S ``(*B, m, m)``."""
         identity = torch.eye(square.shape[-1], dtype=square.dtype, device=square.device)
         damped = square + self.damping**2 * identity
-        return torch.linalg.solve_ex(damped, column).result
+        solution: Tensor = torch.linalg.solve_ex(damped, column).result
+        return solution
 
     def natural_gradient(self, jacobian: Tensor, gradient: Tensor) -> Tensor:
         """The joint gradient along J⁺h for a gradient h of x_ee.

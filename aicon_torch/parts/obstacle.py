@@ -1,8 +1,8 @@
 """Obstacles, still or moving, and how far a robot's capsules are from them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, cast
 
 import torch
 from torch import Tensor, nn
@@ -198,13 +198,16 @@ def moving_point(
     position = torch.eye(6, dtype=torch.float64)[:3]
 
     drift = [(acceleration * dt**2 / 2) ** 2] * 3 + [(acceleration * dt) ** 2] * 3
-    seen = Affine(**{name: position, reading: -1.0})
+    difference: dict[str, float | Tensor] = {name: position, reading: -1.0}
+    prior = cast(
+        Callable[..., Tensor], MotionPrior(noise, speed)
+    )  # an EKF takes mean and covariance
     return EKF(
         name,
         name.replace("x_", "P_", 1) if name.startswith("x_") else f"P_{name}",
         predict=Affine(**{name: transition}),
         noise=drift,
-        initial=Interconnection(MotionPrior(noise, speed), inputs=[reading]),
-        correct=[Measurement(seen, noise**2, size=3)],
+        initial=Interconnection(prior, inputs=[reading]),
+        correct=[Measurement(Affine(**difference), noise**2, size=3)],
         size=6,
     )

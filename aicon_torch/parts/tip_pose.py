@@ -79,7 +79,7 @@ class TipPose:
         # A turn about an axis moves a direction by axis × direction.
         directions = self._directions(tool).unsqueeze(-1)
         axes = turning.unsqueeze(-3)
-        turned = torch.linalg.cross(*torch.broadcast_tensors(axes, directions), dim=-2)
+        turned = torch.linalg.cross(axes, directions, dim=-2)
         return torch.cat((motion, turned.flatten(-3, -2)), dim=-2)
 
     def target(self, position: Tensor, orientation: Tensor | None = None) -> Tensor:
@@ -164,7 +164,8 @@ def _angle_of_rotations(first: Tensor, second: Tensor) -> Tensor:
     ‖vee(R − Rᵀ)‖ = 2 sin θ and tr R = 1 + 2 cos θ. The columns' cross products sum up to the former
     (R₁R₂ᵀ = Σ aᵢbᵢᵀ), their scalar products to the latter.
     """
-    columns, others = first.unflatten(-1, (3, 3)), second.unflatten(-1, (3, 3))
+    columns = first.reshape(*first.shape[:-1], 3, 3)
+    others = second.reshape(*second.shape[:-1], 3, 3)
     doubled = torch.linalg.cross(columns, others).sum(-2)
     doubled_sine = torch.sqrt((doubled * doubled).sum(-1) + SMALLEST)
     return torch.atan2(doubled_sine, (first * second).sum(-1) - 1.0)

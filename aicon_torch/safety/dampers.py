@@ -1,6 +1,6 @@
 """Options of velocity dampers, and of the escape from where they bring an actuator to rest."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from aicon_torch.errors import OptionError
 
@@ -11,39 +11,46 @@ class ConstraintEscape:
 
     All times are multiples of the dampers' time constant T, so a faster robot needs no new number.
 
-    A *stalemate* is that the cost of the goals has not fallen by ``progress`` for ``patience``,
-    while the constraints take away from what the goals wish. Then the actuator moves along the
-    constraints' force f = a − w, what they add to the wish w to make it the action a, in the
-    direction that f had at the stalemate, and within the same constraints. It ends after
-    ``shortest`` at the earliest: once the cost falls along the motion at least ``crest`` times as
-    much as it would along the wish, or where the constraints block this motion as well; and after
-    ``longest`` anyhow.
+    A *stalemate* is that the cost of the goals has not fallen by the share ``progress`` for
+    ``patience``. Then the actuator moves along the constraints' force f = a − w, what they add to
+    the wish w to make it the action a, in the direction that f had at the stalemate, and within the
+    same constraints. It ends over the crest: once the cost falls along the motion, at least
+    ``crest`` times as much as along its steepest descent, or where the motion is blocked as well.
+
+    Where the constraints do not oppose the wish, as at a singularity, and where ``forced`` escapes
+    have led to no better cost, it makes a detour instead: it moves for a while in a direction of a
+    sequence that fills the space of directions evenly.
 
     Attributes:
-        progress: By how much the cost must fall, in its unit.
+        progress: Share by which the cost must fall.
         patience: For how long it may fail to.
-        shortest: Least duration of an escape.
+        near: A cost below this, in its unit, is near enough to stay.
+        forced: Number of escapes along the force, from the last best cost on.
+        opposition: Share of the wish that the constraints must take away to oppose it.
+        shortest: Least duration of an escape along the force.
         longest: Largest.
         crest: See above.
         blocked: Share of the actuator's limit below which a motion counts as blocked.
+        detour: Duration of a detour.
 
     Raises:
         OptionError: If a number is not positive.
     """
 
     progress: float = 0.1
-    near: float = 0.01
     patience: float = 2.5
+    near: float = 0.01
+    forced: int = 2
+    opposition: float = 0.1
     shortest: float = 1.5
     longest: float = 30.0
     crest: float = 0.2
     blocked: float = 0.05
-    forced: int = 2
-    detour: float = 10.0
+    detour: float = 6.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        _check_positive(self, ("progress", "patience", "shortest", "longest", "crest", "blocked"))
+        _check_positive(self, tuple(option.name for option in fields(self)))
 
 
 @dataclass(frozen=True)
