@@ -18,7 +18,7 @@ LEROBOT_AICON := $(LEROBOT_VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push reach figures benchmark lint format clean
+.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push reach figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -85,6 +85,10 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 	$(AICON) compare --task reach --policies aicon steepest potential_field damped_least_squares mink \
 	  --conditions $(REACH_CONDITIONS) --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/reach
 	$(AICON) figures reach --out $(OUT)/reach
+
+docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
+	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build
+	@echo "The site: docs/_build/index.html"
 
 figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task of the plane
 	$(AICON) figures nav2d --out $(OUT)/nav2d

@@ -4,11 +4,17 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from aicon_torch.control import Foresight
+
 ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         # How a gradient goes from the end effector to the joints, and how conflicts are resolved.
         "transpose": {"pullback": "transpose"},
         "without_exploration": {"resolution.exploration": None},
+        "without_projection": {"resolution.projector": "none"},
+        # What keeps the tip from pushing too far: limits near contact, or pushT's foresight.
+        "without_contact_limits": {"contact_limits": None},
+        "foresight": {"law": Foresight(), "contact_limits": None},
         # What seeing the object well is worth, and what the wrist feels of it.
         "without_trace": {"camera.trace_weight": 0.0},
         "tenfold_trace_weight": {"camera.trace_weight": 600.0},

@@ -32,6 +32,8 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "double_speed": {"velocity_limit": 2.0 * _SPEED},
     "quasi_static_50": {"velocity_limit": 50.0},
     "quasi_static_25": {"velocity_limit": 25.0},
+    "quasi_static_50_noise_2": {"velocity_limit": 50.0, "action_noise": 2.0},
+    "quasi_static_25_noise_2": {"velocity_limit": 25.0, "action_noise": 2.0},
     **{f"object_{name}": {"object": name} for name in _OBJECTS},
     "kicks": {"kick_interval": 50},
     "dropout": {"wrappers": [partial(Dropout, probability=0.5)]},
@@ -45,7 +47,15 @@ _SENSORS: dict[str, dict[str, Any]] = {
     "delay": {"delay": 3},
     "keypoint_noise": {"keypoint_noise": 2.0 * PIXEL},
 }
-_NOISY = ("noise_2", "noise_4", "kicks", "dropout", "keypoint_noise")
+_NOISY = (
+    "noise_2",
+    "noise_4",
+    "quasi_static_50_noise_2",
+    "quasi_static_25_noise_2",
+    "kicks",
+    "dropout",
+    "keypoint_noise",
+)
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:

@@ -1,10 +1,15 @@
 """The task "pusht"."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 pytest.importorskip("pymunk")
 
+from aicon_baselines.agents.registry import make
+from aicon_baselines.evaluation.rollout import rollout
+from aicon_baselines.evaluation.task import Episode
 from aicon_baselines.tasks.pusht import TASK
 from aicon_torch.models.pusht import PIXEL
 
@@ -42,3 +47,18 @@ def test_the_policy_is_told_lengths_in_metres() -> None:
     assert set(told) == {"keypoints", "outline_order"}
     assert 50 * PIXEL < np.ptp(corners, axis=0).max() < 300 * PIXEL
     assert sorted(told["outline_order"]) == list(range(len(corners)))
+
+
+def test_aicon_pushes_the_t_in_place_where_sum_and_steepest_path_do_not() -> None:
+    """Whole episodes, within 60 steps."""
+    seeds = (1000, 1015, 1024)
+    episodes = [Episode(seed, 0, "uniform") for seed in seeds]
+    task = replace(TASK, horizon=60)
+
+    success = {}
+    for name in ("aicon", "potential_field", "steepest"):
+        outcome = rollout(make("pusht", name), task, "deterministic", episodes, seeds)
+        success[name] = outcome.success.tolist()
+
+    assert success["aicon"] == [True, True, True]
+    assert success["potential_field"] == success["steepest"] == [False, False, False]
