@@ -18,7 +18,7 @@ LEROBOT_AICON := $(LEROBOT_VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push figures benchmark lint docs format clean
+.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push reach figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -76,6 +76,15 @@ panda_push: $(INSTALLED) ## Compare the arm's policies and draw its film; render
 	$(AICON) compare --task panda_push --policies aicon steepest --conditions camera true_pose \
 	  --episodes $(PANDA_PUSH_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda_push
 	$(AICON) figures panda_push --out $(OUT)/panda_push
+
+# Every robot with the same numbers; 20 s an episode.
+REACH_CONDITIONS := $(foreach robot,panda ur5 xarm7,$(addprefix $(robot)_,position_home position_random \
+  pose_home pose_random pose_home_fast pose_random_fast))
+
+reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum and the steepest path
+	$(AICON) compare --task reach --policies aicon steepest potential_field damped_least_squares mink \
+	  --conditions $(REACH_CONDITIONS) --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/reach
+	$(AICON) figures reach --out $(OUT)/reach
 
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build

@@ -5,28 +5,58 @@ from typing import cast
 
 from torch import Tensor
 
+from aicon_torch.errors import GraphError
 from aicon_torch.interconnections import Interconnection, Node, Values
 
 
 class Goal(Node):
     """A scalar cost g(x) on the quantities that its function names.
 
+    A *safety* goal is not followed: no action may raise its cost above the tolerance. Each of its
+    gaps, what is left until it costs something, bounds the actions that act on it (see
+    :class:`aicon_torch.safety.VelocityDampers`). Its gradient meets no other and is never projected
+    away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the parameters
+    of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is ε − g.
+
     Args:
         name: Name of the goal, by which it is switched and explained.
         cost: A function that returns the cost ``(*B,)``; lower is better.
+        tolerance: ε, in the unit of the cost: a cost below it counts as none, max(0, g − ε).
+        safety: Whether nothing may violate it.
+
+    Raises:
+        GraphError: If the tolerance is negative.
 
     Example:
         >>> def expected_distance(p_tar, P_tar):  # g₁ of the paper's navigation
         ...     return p_tar.norm(dim=-1) + P_tar.diagonal(dim1=-2, dim2=-1).sum(-1)
         >>> Goal("reach", expected_distance)
+        >>> Goal("stops", JointLimits(low, high, SquaredHinge(0.02, 1.0)), safety=True)
     """
 
-    def __init__(self, name: str, cost: Callable[..., Tensor] | Interconnection) -> None:
+    def __init__(
+        self,
+        name: str,
+        cost: Callable[..., Tensor] | Interconnection,
+        *,
+        tolerance: float = 0.0,
+        safety: bool = False,
+    ) -> None:
         super().__init__()
-        self.name = name
+        if not tolerance >= 0:
+            raise GraphError(f"Goal {name!r}: tolerance={tolerance!r}; expected a number >= 0.")
+        self.name, self.tolerance, self.safety = name, tolerance, safety
         self.cost = Interconnection.of(cost)
         self.inputs = self.cost.inputs
 
     def forward(self, values: Values) -> Tensor:
         """The cost, ``(*B,)``."""
-        return cast(Tensor, self.cost(values))
+        cost = cast(Tensor, self.cost(values))
+        return (cost - self.tolerance).clamp(min=0.0) if self.tolerance else cost
+
+    def gaps(self, values: Values) -> Tensor:
+        """What is left until it costs something, ``(*B, m)``; negative where it does."""
+        own = getattr(self.cost.function, "gaps", None)
+        if own is not None:
+            return cast(Tensor, own(*[values[name] for name in self.inputs]))
+        return self.tolerance - cast(Tensor, self.cost(values)).unsqueeze(-1)

@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import GraphError
+from aicon_torch.safety import VelocityDampers
 
 PRESENT = ".present"
 """Suffix of the flag ``(*B,)`` that says whether a sensor has a reading in this step."""
@@ -128,6 +129,10 @@ class Actuator:
             function wired likewise.
         key: The observation's key of the action that the robot executed in the last step, if that
             may be another one, ``(*B, size)``; NaN or no key stands for the one that it was sent.
+        keeps_direction: Whether an action beyond a sequence of limits is shortened as a whole,
+            instead of component by component.
+        dampers: How it keeps the safety goals, where there are any: see
+            :class:`aicon_torch.Goal`.
     """
 
     size: int
@@ -136,6 +141,8 @@ class Actuator:
     constraints: Sequence[Callable[..., Tensor]] = ()
     command: Callable[..., Tensor] | None = None
     key: str | None = None
+    keeps_direction: bool = False
+    dampers: VelocityDampers = field(default_factory=VelocityDampers)
 
     def __post_init__(self) -> None:
         """Check limit and constraints."""
@@ -151,7 +158,7 @@ class Actuator:
             )
 
     def clip(self, action: Tensor) -> Tensor:
-        """The nearest action within the limit: in the same direction (a norm), or in the box.
+        """The nearest action within the limit, in the box of a sequence or in the same direction.
 
         Args:
             action: ``(*B, size)``.
@@ -161,6 +168,9 @@ class Actuator:
         """
         if not isinstance(self.limit, int | float):
             bound = action.new_tensor(tuple(self.limit))
+            if self.keeps_direction:
+                excess = (action.abs() / bound).amax(-1, keepdim=True)
+                action = action / excess.clamp(min=1.0)
             return torch.minimum(torch.maximum(action, -bound), bound)
         if math.isinf(self.limit):
             return action

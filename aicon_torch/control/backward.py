@@ -46,7 +46,9 @@ class IncomingEdge(NamedTuple):
 
 
 class BackwardPass:
-    """Pulls the gradients of all goals back to the actuators, edge by edge.
+    """Pulls the gradients of the goals back to the actuators, edge by edge.
+
+    Safety goals are not among them: they bound the actions instead.
 
     With a resolution that merges, one gradient leaves each quantity, and the cost of a pass grows
     with the edges. Otherwise every path is followed to its end (Eq. 1), and the cost grows with the
@@ -72,9 +74,10 @@ class BackwardPass:
                     f"The resolution names the goal {goal!r}. Goals: {choices(model.goals)}."
                 )
         self.model, self.resolution = model, resolution
+        self.goals = tuple(name for name, goal in model.goals.items() if not goal.safety)
 
         # What arrives where, and along which paths.
-        self.levels = _levels(model)
+        self.levels = _levels(model, self.goals)
         self._incoming = self._follow_edges()
         self.paths = {name: _paths_of(incoming) for name, incoming in self._incoming.items()}
 
@@ -134,7 +137,8 @@ class BackwardPass:
 
         # A goal's own gradient is its factor.
         for goal, factor in zip(self.model.goals, goal_factors.unbind(-1), strict=True):
-            arrived[goal] = [factor]
+            if goal in self.goals:
+                arrived[goal] = [factor]
 
         # Level by level: resolve, then pull back along every edge (Eq. 1).
         for level in self.levels:
@@ -156,7 +160,7 @@ class BackwardPass:
         """What arrives at each quantity, in the order of the pass."""
         incoming: dict[str, list[IncomingEdge]] = {}
         leaving: dict[str, list[PartialPath]] = {}
-        for goal in self.model.goals:
+        for goal in self.goals:
             leaving[goal] = [PartialPath((goal,), frozenset([goal]))]
 
         # Level by level, so that everything has arrived at a quantity before anything leaves it.
@@ -307,19 +311,21 @@ def _joined(first: PartialPath, second: PartialPath) -> PartialPath:
     return PartialPath((f"{first} + {second}",), goals)
 
 
-def _levels(model: WorldModel) -> list[list[str]]:
+def _levels(model: WorldModel, goals: Sequence[str]) -> list[list[str]]:
     """Goals and quantities in the order of the pass: the longest way from a goal counts."""
-    names = list(model.goals)
+    names = list(goals)
     for estimator in reversed(model.estimators):
         names.extend(name for name in estimator.outputs if name in model.edges)
 
-    depth = dict.fromkeys(model.goals, 0)
+    depth = dict.fromkeys(goals, 0)
     for name in names:
+        if name not in depth:
+            continue  # only safety goals depend on it
         for edge in model.edges[name]:
             depth[edge.source] = max(depth.get(edge.source, 0), depth[name] + 1)
 
     levels: dict[int, list[str]] = {}
-    for name in names:
+    for name in filter(depth.__contains__, names):
         levels.setdefault(depth[name], []).append(name)
     return [levels[level] for level in sorted(levels)]
 

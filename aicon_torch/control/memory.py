@@ -9,6 +9,7 @@ from torch import Tensor
 
 from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
+from aicon_torch.control.safety import safety_of
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.resolution import Memory
 
@@ -21,9 +22,17 @@ def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tup
     model = backward.model
     shapes = {name: quantity.shape for name, quantity in model.quantities.items()}
     shapes[GOAL_FACTORS] = (len(model.goals),)
-    for key, value in (backward.initial() | admission.initial()).items():
+    for key, value in constant_memory(backward, admission).items():
         shapes[key] = tuple(value.shape)
     return shapes
+
+
+def constant_memory(backward: BackwardPass, admission: Admission) -> Memory:
+    """What is remembered before the first step whatever is read, without batch dimensions."""
+    memory = backward.initial() | admission.initial()
+    for safety in safety_of(backward.model).values():
+        memory |= safety.initial()
+    return memory
 
 
 def initial_memory(
@@ -43,7 +52,7 @@ def initial_memory(
     model = backward.model
     memory = model.initial(readings, batch)
 
-    constants = backward.initial() | admission.initial()
+    constants = constant_memory(backward, admission)
     constants[GOAL_FACTORS] = torch.ones(len(model.goals))
     for key, value in constants.items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype

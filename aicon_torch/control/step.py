@@ -9,6 +9,7 @@ from aicon_torch.control.action_law import ActionLaw
 from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.control.safety import safety_of
 from aicon_torch.control.watchdog import confidence, keep_finite
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory
@@ -30,6 +31,7 @@ class ControlStep:
         self.model, self.backward, self.law = model, backward, law
         needed = model.graph.first_readings
         self.admit = Admission(model.sensors, model.actuators, needed, model.dt)
+        self.safety = safety_of(model)
 
     @torch.enable_grad()
     def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
@@ -114,14 +116,20 @@ class ControlStep:
         resolved: Memory,
     ) -> tuple[Actions, Memory]:
         """What to send to each actuator, and the memory."""
-        final = dict(values)
+        final, goal_factors = dict(values), memory[GOAL_FACTORS]
+        remembered: Memory = {GOAL_FACTORS: goal_factors}
         share = confidence(self.model.sensors, values)
         for name, actuator in self.model.actuators.items():
             final[name] = self.law.finish(actions[name], values[name], actuator, self.model.dt)
-            final[name] = actuator.clip(share * self.model.constrain(name, final))
+            final[name] = self.model.constrain(name, final)
 
-        goal_factors = {GOAL_FACTORS: memory[GOAL_FACTORS]}
-        new_memory = {**final, **resolved, **goal_factors}
+            # Last come the safety goals, which nothing may violate, and then the watchdog.
+            if name in self.safety:
+                final[name], own = self.safety[name](values, final[name], memory, goal_factors)
+                remembered |= own
+            final[name] = actuator.clip(share * final[name])
+
+        new_memory = {**final, **resolved, **remembered}
         return keep_finite(self.model, self.model.commands(final), new_memory, memory)
 
 

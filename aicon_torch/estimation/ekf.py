@@ -20,7 +20,7 @@ Derivative = Literal["model", "update", "detached_gain"]
 ConstantPrior = tuple[Sequence[float], float | Sequence[float]]
 """Mean and variances before the first step."""
 
-PriorFunction = Callable[..., tuple[Tensor, Tensor]]
+PriorFunction = Callable[..., tuple[Tensor, Tensor]] | Interconnection
 """A function of the first readings that returns x ``(*B, n)`` and P ``(*B, n, n)``."""
 
 
@@ -92,7 +92,7 @@ class EKF(Estimator):
         if self.prior is None:
             mean, covariance = cast(Tensor, self.prior_mean), cast(Tensor, self.prior_covariance)
         else:
-            mean, covariance = self.prior(*[values[name] for name in self.prior_inputs])
+            mean, covariance = self.prior(values)
         return {self.mean: mean, self.covariance: covariance}
 
     @torch.no_grad()
@@ -156,8 +156,9 @@ class EKF(Estimator):
                 raise GraphError(
                     f"{self.mean!r}: a function as initial= needs size=, the number of components."
                 )
-            self.prior: PriorFunction | None = initial
-            self.prior_inputs = Interconnection(cast(Callable[..., Tensor], initial)).inputs
+            relation = Interconnection.of(cast(Callable[..., Tensor], initial))
+            self.prior: Interconnection | None = relation
+            self.prior_inputs = relation.inputs
             return size
 
         mean, variances = initial

@@ -11,6 +11,7 @@ MODELS = {
     "nav2d": "aicon_torch.models.nav2d",
     "pusht": "aicon_torch.models.pusht",
     "panda_push": "aicon_torch.models.panda_push",
+    "reach": "aicon_torch.models.reach",
 }
 """The package of each model: its ``Options``, its ``PRESETS`` and ``build(options) -> Policy``."""
 

@@ -1,5 +1,6 @@
 """What graphs are made of: in SI units, each usable alone."""
 
+from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.camera import (
     STEERED_COMPONENTS,
     CameraFrame,
@@ -44,6 +45,7 @@ from aicon_torch.parts.landmark import (
     bearing_residual,
     expected_distance,
 )
+from aicon_torch.parts.obstacle import Box, MotionPrior, Obstacle, Rod, Sphere, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, rotate, wrap_angle
 from aicon_torch.parts.pose import (
     FixedTarget,
@@ -53,6 +55,7 @@ from aicon_torch.parts.pose import (
     pose_jacobian,
     resting_pose,
 )
+from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.parts.self_collision import (
     Capsule,
@@ -61,12 +64,16 @@ from aicon_torch.parts.self_collision import (
     segment_distance,
 )
 from aicon_torch.parts.servo import PositionTarget, PusherMotion, Servo
+from aicon_torch.parts.speed_limit import SpeedLimit
+from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
 from aicon_torch.parts.workspace import Workspace
 
 __all__ = [
     "STEERED_COMPONENTS",
+    "Arrive",
     "BearingPrior",
+    "Box",
     "CameraFrame",
     "Capsule",
     "CapsuleSegments",
@@ -90,15 +97,22 @@ __all__ = [
     "Joint",
     "JointLimits",
     "KeypointRegistration",
+    "MotionPrior",
+    "Obstacle",
     "PoseDistance",
     "PoseMotion",
+    "PoseReach",
     "PositionTarget",
     "PusherMotion",
     "RGBDImage",
     "RigidObject",
+    "Rod",
     "SelfCollision",
     "Servo",
+    "SpeedLimit",
+    "Sphere",
     "SquaredHinge",
+    "TipPose",
     "ToolPose",
     "TopFace",
     "TopFaceSegmentation",
@@ -116,6 +130,7 @@ __all__ = [
     "fixed_closest_point",
     "inward_normal",
     "is_interior",
+    "moving_point",
     "norm",
     "pose_error",
     "pose_jacobian",

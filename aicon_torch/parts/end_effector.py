@@ -1,7 +1,7 @@
-"""The end effector: its pose as six lengths, and how a gradient goes from there to the joints."""
+"""The end effector: its pose as lengths, and how a gradient goes from there to the joints."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Protocol, get_args
 
 import torch
 from torch import Tensor, nn
@@ -11,6 +11,22 @@ from aicon_torch.parts.chain import Chain
 
 Pullback = Literal["natural", "transpose"]
 """Which joint gradient stands for a gradient of the end effector: see :class:`EndEffector`."""
+
+
+class TipLengths(Protocol):
+    """What x_ee is: the pose of a tip as k lengths."""
+
+    def of_frame(self, tool: Tensor) -> Tensor:
+        """x_ee ``(*B, k)``, m, of the tool's transform ``(*B, 4, 4)``."""
+        ...
+
+    def point(self, tool: Tensor) -> Tensor:
+        """The point ``(*B, 3)``, m, whose position is a part of x_ee."""
+        ...
+
+    def jacobian(self, tool: Tensor, geometric: Tensor) -> Tensor:
+        """∂x_ee/∂q ``(*B, k, n)``, from the geometric Jacobian of that point, ``(*B, 6, n)``."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -31,12 +47,35 @@ class ToolPose:
 
     def of_frame(self, tool: Tensor) -> Tensor:
         """x_ee ``(*B, 6)`` of the tool's transform ``(*B, 4, 4)``."""
-        x_axis, _, z_axis, origin = tool[..., :3, :].unbind(-1)
-        tip = origin + self.length * z_axis
-
+        x_axis, _, z_axis, _ = tool[..., :3, :].unbind(-1)
         x, y, _ = torch.split(x_axis, 1, dim=-1)
         heading = torch.atan2(y, x)
-        return torch.cat((tip, self.lever * z_axis[..., :2], self.lever * heading), dim=-1)
+
+        directions = (self.lever * z_axis[..., :2], self.lever * heading)
+        return torch.cat((self.point(tool), *directions), dim=-1)
+
+    def point(self, tool: Tensor) -> Tensor:
+        """The tip, ``(*B, 3)``, m."""
+        _, _, z_axis, origin = tool[..., :3, :].unbind(-1)
+        return origin + self.length * z_axis
+
+    def jacobian(self, tool: Tensor, geometric: Tensor) -> Tensor:
+        """∂x_ee/∂q ``(*B, 6, n)``, from the geometric Jacobian of the tip, ``(*B, 6, n)``."""
+        x_axis, _, z_axis, _ = tool[..., :3, :].unbind(-1)
+        tip_motion, turning = torch.split(geometric.mT, 3, dim=-1)
+
+        # A turn about an axis moves a direction by axis × direction.
+        x_axis, z_axis = x_axis.unsqueeze(-2), z_axis.unsqueeze(-2)
+        x_motion = torch.linalg.cross(turning, x_axis.expand_as(turning))
+        z_motion = torch.linalg.cross(turning, z_axis.expand_as(turning))
+
+        # ψ = atan2(y, x), so dψ = (x dy − y dx)/(x² + y²).
+        x, y, _ = torch.split(x_axis, 1, dim=-1)
+        dx, dy, _ = torch.split(x_motion, 1, dim=-1)
+        heading_motion = (x * dy - y * dx) / (x * x + y * y)
+
+        rows = (tip_motion, self.lever * z_motion[..., :2], self.lever * heading_motion)
+        return torch.cat(rows, dim=-1).mT
 
     def to_frame(self, x_ee: Tensor) -> tuple[Tensor, Tensor]:
         """The inverse: rotation ``(*B, 3, 3)`` and origin ``(*B, 3)`` of the tool, m."""
@@ -65,7 +104,7 @@ class EndEffector(nn.Module):
 
     Args:
         chain: From the joints to the tool.
-        pose: From the tool to x_ee.
+        pose: From the tool to x_ee, such as :class:`aicon_torch.parts.tip_pose.TipPose`.
         pullback: Which of them.
         damping: λ of the damped pseudo-inverse, m/rad.
 
@@ -78,7 +117,7 @@ class EndEffector(nn.Module):
     """
 
     def __init__(
-        self, chain: Chain, pose: ToolPose, pullback: Pullback = "natural", damping: float = 0.02
+        self, chain: Chain, pose: TipLengths, pullback: Pullback = "natural", damping: float = 0.02
     ) -> None:
         super().__init__()
         if pullback not in get_args(Pullback):
@@ -88,7 +127,7 @@ class EndEffector(nn.Module):
         self.pullback, self.damping = pullback, damping
 
     def forward(self, x_joints: Tensor) -> Tensor:
-        """x_ee ``(*B, 6)``, m, at the joint angles ``(*B, n)``, rad."""
+        """x_ee ``(*B, k)``, m, at the joint angles ``(*B, n)``, rad."""
         if self.pullback == "transpose" or not x_joints.requires_grad:
             return self.at(self.chain.frames(x_joints))
 
@@ -97,50 +136,46 @@ class EndEffector(nn.Module):
         return x_ee
 
     def jacobian(self, x_joints: Tensor) -> Tensor:
-        """J = ∂x_ee/∂q, ``(*B, 6, n)``, m/rad, at the joint angles ``(*B, n)``."""
+        """J = ∂x_ee/∂q, ``(*B, k, n)``, m/rad, at the joint angles ``(*B, n)``."""
         return self.jacobian_at(self.chain.frames(x_joints))
 
     def at(self, frames: Tensor) -> Tensor:
-        """x_ee ``(*B, 6)`` where the chain has these frames ``(*B, n + 1, 4, 4)``."""
+        """x_ee ``(*B, k)`` where the chain has these frames ``(*B, n + 1, 4, 4)``."""
         return self.pose.of_frame(frames[..., -1, :, :])
 
     def jacobian_at(self, frames: Tensor) -> Tensor:
-        """J ``(*B, 6, n)`` there, from the geometric Jacobian of the tip."""
-        x_axis, _, z_axis, origin = frames[..., -1, :3, :].unbind(-1)
-        tip = origin + self.pose.length * z_axis
-        tip_motion, turning = torch.split(self.chain.jacobian_at(frames, tip).mT, 3, dim=-1)
-
-        # A turn about an axis moves a direction by axis × direction.
-        x_axis, z_axis = x_axis.unsqueeze(-2), z_axis.unsqueeze(-2)
-        x_motion = torch.linalg.cross(turning, x_axis.expand_as(turning))
-        z_motion = torch.linalg.cross(turning, z_axis.expand_as(turning))
-
-        # ψ = atan2(y, x), so dψ = (x dy − y dx)/(x² + y²).
-        x, y, _ = torch.split(x_axis, 1, dim=-1)
-        dx, dy, _ = torch.split(x_motion, 1, dim=-1)
-        heading_motion = (x * dy - y * dx) / (x * x + y * y)
-
-        lever = self.pose.lever
-        rows = (tip_motion, lever * z_motion[..., :2], lever * heading_motion)
-        return torch.cat(rows, dim=-1).mT
+        """J ``(*B, k, n)`` there, from the geometric Jacobian of the tip."""
+        tool = frames[..., -1, :, :]
+        geometric = self.chain.jacobian_at(frames, self.pose.point(tool))
+        return self.pose.jacobian(tool, geometric)
 
     def solve(self, jacobian: Tensor, motion: Tensor) -> Tensor:
-        """J⁺w = Jᵀ(JJᵀ + λ²I)⁻¹ w, the motion of the joints that moves x_ee by w.
+        """J⁺w = Jᵀ(JJᵀ + λ²I)⁻¹ w = (JᵀJ + λ²I)⁻¹Jᵀ w, the joints' motion that moves x_ee by w.
 
         Args:
-            jacobian: J, ``(*B, 6, n)``.
-            motion: w, ``(*B, 6)``.
+            jacobian: J, ``(*B, k, n)``.
+            motion: w, ``(*B, k)``.
 
         Returns:
             ``(*B, n)``.
         """
-        square = jacobian @ jacobian.mT
+        lengths, joints = jacobian.shape[-2:]
+        column = motion.unsqueeze(-1)
+
+        # Of the two forms the one with the smaller matrix.
+        if lengths <= joints:
+            solution = jacobian.mT @ self._solve_damped(jacobian @ jacobian.mT, column)
+        else:
+            solution = self._solve_damped(jacobian.mT @ jacobian, jacobian.mT @ column)
+        joint_motion: Tensor = solution.squeeze(-1)
+        return joint_motion
+
+    def _solve_damped(self, square: Tensor, column: Tensor) -> Tensor:
+        """(S + λ²I)⁻¹ c, ``(*B, m, 1)``, for a symmetric S ``(*B, m, m)``."""
         identity = torch.eye(square.shape[-1], dtype=square.dtype, device=square.device)
         damped = square + self.damping**2 * identity
-
-        solution = torch.linalg.solve_ex(damped, motion.unsqueeze(-1)).result
-        joint_motion: Tensor = (jacobian.mT @ solution).squeeze(-1)
-        return joint_motion
+        solution: Tensor = torch.linalg.solve_ex(damped, column).result
+        return solution
 
     def natural_gradient(self, jacobian: Tensor, gradient: Tensor) -> Tensor:
         """The joint gradient along J⁺h for a gradient h of x_ee.
@@ -150,8 +185,8 @@ class EndEffector(nn.Module):
         singularity outgrow all gradients that it meets.
 
         Args:
-            jacobian: J, ``(*B, 6, n)``.
-            gradient: h, ``(*B, 6)``.
+            jacobian: J, ``(*B, k, n)``.
+            gradient: h, ``(*B, k)``.
 
         Returns:
             ``(*B, n)``.

@@ -14,13 +14,15 @@ class JointLimits(nn.Module):
     The paper's g₃ = p_limit(x_joints).
 
     Args:
-        low: Lower limits of the n joints, rad.
-        high: Upper limits, rad.
+        low: Lower limits of the n joints, rad, or m where they slide; −∞ for none.
+        high: Upper limits, likewise.
         cost: Margin m₀ (rad), farther than which from its limits a joint is free, and weight w.
 
     Example:
         >>> cost = SquaredHinge(margin=0.1, weight=0.5)
         >>> Goal("joint_limits", JointLimits(low=(-2.9, -1.8), high=(2.9, 1.8), cost=cost))
+        >>> stops = JointLimits(chain.low.tolist(), chain.high.tolist(), SquaredHinge(0.02, 1.0))
+        >>> Goal("joint_stops", stops, safety=True)  # no joint comes nearer than 0.02 rad
     """
 
     low: Tensor
@@ -34,5 +36,13 @@ class JointLimits(nn.Module):
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """The cost ``(*B,)`` of the joint angles ``(*B, n)``, rad."""
+        return self.cost(self.distances(x_joints))
+
+    def gaps(self, x_joints: Tensor) -> Tensor:
+        """How far each joint is from where it costs something, mᵢ − m₀, ``(*B, n)``, rad."""
+        return self.distances(x_joints) - self.cost.margin
+
+    def distances(self, x_joints: Tensor) -> Tensor:
+        """mᵢ: the distance of each joint to its nearer limit, ``(*B, n)``, rad."""
         to_low, to_high = x_joints - self.low.to(x_joints), self.high.to(x_joints) - x_joints
-        return self.cost(torch.minimum(to_low, to_high))
+        return torch.minimum(to_low, to_high)

@@ -99,6 +99,10 @@ class SelfCollision(nn.Module):
         """The cost ``(*B,)`` of the segments ``(*B, C, 6)``, m."""
         return self.cost(self.distances(x_body))
 
+    def gaps(self, x_body: Tensor) -> Tensor:
+        """How far each pair is from where it costs something, d − d₀, ``(*B, pairs)``, m."""
+        return self.distances(x_body) - self.cost.margin
+
     def distances(self, x_body: Tensor) -> Tensor:
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]

@@ -5,7 +5,11 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
+
+SAMPLES = 8192
+"""Random postures of which the one that reaches farthest counts."""
 
 
 @dataclass(frozen=True)
@@ -18,13 +22,40 @@ class Workspace:
     Attributes:
         radius: Radius of the circle, m.
         cost: Margin m₀ (m) and weight w.
+
+    Example:
+        >>> Goal("workspace", Workspace.of_chain(chain, SquaredHinge(margin=0.05, weight=1.0)))
     """
 
     radius: float
     cost: SquaredHinge
 
+    @classmethod
+    def of_chain(cls, chain: Chain, cost: SquaredHinge) -> "Workspace":
+        """The workspace of an arm: as far from the base's axis as its tip came in random postures.
+
+        Args:
+            chain: The arm; joints without limits turn within ±π, or slide within ±1 m.
+            cost: Margin m₀ (m) and weight w.
+        """
+        widest = torch.where(chain.turns.squeeze(-1), torch.pi, 1.0).to(chain.low)
+        low, high = torch.maximum(chain.low, -widest), torch.minimum(chain.high, widest)
+
+        generator = torch.Generator().manual_seed(0)
+        share = torch.rand(SAMPLES, len(low), generator=generator, dtype=torch.float64)
+        tips = chain(low + share.to(low) * (high - low))[..., :2, 3]
+        return cls(float(torch.linalg.vector_norm(tips, dim=-1).max()), cost)
+
     def __call__(self, x_ee: Tensor) -> Tensor:
         """The cost ``(*B,)`` of x_ee ``(*B, k)``, whose first two components are x and y, m."""
+        return self.cost(self.distances(x_ee))
+
+    def gaps(self, x_ee: Tensor) -> Tensor:
+        """How far the tip is from where it costs something, m − m₀, ``(*B, 1)``, m."""
+        return self.distances(x_ee) - self.cost.margin
+
+    def distances(self, x_ee: Tensor) -> Tensor:
+        """The distance m to the circle, ``(*B, 1)``, m; negative beyond it."""
         x, y = x_ee[..., 0], x_ee[..., 1]
         distance = torch.sqrt(x * x + y * y + 1e-18)  # differentiable on the base's axis, too
-        return self.cost((self.radius - distance).unsqueeze(-1))
+        return (self.radius - distance).unsqueeze(-1)

@@ -1,13 +1,14 @@
 """Escape: what leaving a trap needs beyond the paper's text."""
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
 from aicon_torch.resolution.base import GradientStack, RankedGradients
-from aicon_torch.vectors import unit
+from aicon_torch.vectors import reject, unit
 
 
 @dataclass(frozen=True)
@@ -22,24 +23,27 @@ class Escape:
             against its cost had the quantity not moved since the conflict began, under the current
             belief.
         progress_margin: By how much it must have fallen, in the unit of the cost.
-        hold: A goal whose level is held while exploring. Moving in a nullspace means staying on a
-            level set, and discrete, noisy motion needs feedback for that. The level is where its
-            gradient is as strong as the strongest of the others.
+        hold: A goal, or several, whose level is held while exploring. Moving in a nullspace means
+            staying on a level set, and discrete, noisy motion needs feedback for that. The level is
+            where its gradient is as strong as the strongest of the others.
         hold_gain: Gain of that feedback, per relative error of the strength.
-        along: A goal in whose nullspace to explore, instead of the dominant gradient's.
+        along: A goal, or several, in whose common nullspace to explore, instead of the dominant
+            gradient's.
+
+    Example:
+        >>> Escape(progress="reach", hold=("stops", "collision"), along=("stops", "collision"))
     """
 
     progress: str | None = None
     progress_margin: float = 0.1
-    hold: str | None = None
+    hold: str | Sequence[str] | None = None
     hold_gain: float = 3.0
-    along: str | None = None
+    along: str | Sequence[str] | None = None
 
     @property
     def goals(self) -> tuple[str, ...]:
         """The goals that it names."""
-        named = (self.progress, self.hold, self.along)
-        return tuple(goal for goal in named if goal is not None)
+        return (*_names(self.progress), *_names(self.hold), *_names(self.along))
 
     def waits_for_progress(self, stack: GradientStack, displacement: Tensor) -> Tensor | None:
         """Whether the goal ``progress`` is no better than where exploring began, ``(*B,)``.
@@ -56,23 +60,43 @@ class Escape:
         cost_at_start = stack.displaced_cost(self.progress, -displacement)
         return stack.costs[self.progress] >= cost_at_start - self.progress_margin
 
-    def normal(self, stack: GradientStack, ranked: RankedGradients) -> Tensor | None:
-        """The direction in whose nullspace to explore, ``(*B, d)``; None for the dominant one."""
-        if self.along is None or self.along not in stack.all_goals:
-            return None
-        direction, _, _ = _gradient_of(self.along, stack, ranked)
-        return direction
+    def normals(self, stack: GradientStack, ranked: RankedGradients) -> list[Tensor]:
+        """The directions in whose nullspace to explore, ``(*B, d)`` each and at right angles.
+
+        None of them stands for the dominant gradient's.
+        """
+        normals: list[Tensor] = []
+        for goal in _names(self.along):
+            if goal not in stack.all_goals:
+                continue
+            direction, _, _ = _gradient_of(goal, stack, ranked)
+            if normals:
+                for earlier in normals:
+                    direction = reject(direction, earlier)
+                direction = unit(direction)
+            normals.append(direction)
+        return normals
 
     def hold_level(self, tangent: Tensor, stack: GradientStack, ranked: RankedGradients) -> Tensor:
-        """A direction of motion ``(*B, d)``, led back to the level that is held."""
-        if self.hold is None or self.hold not in stack.all_goals:
+        """A direction of motion ``(*B, d)``, led back to the levels that are held."""
+        held_goals = [goal for goal in _names(self.hold) if goal in stack.all_goals]
+        if not held_goals:
             return tangent
 
-        held, strength, strongest_other = _gradient_of(self.hold, stack, ranked)
-        smallest = torch.finfo(strength.dtype).tiny
-        excess = strength / strongest_other.clamp(min=smallest) - 1.0
+        led_back = tangent
+        for goal in held_goals:
+            held, strength, strongest_other = _gradient_of(goal, stack, ranked)
+            smallest = torch.finfo(strength.dtype).tiny
+            excess = strength / strongest_other.clamp(min=smallest) - 1.0
+            led_back = led_back - self.hold_gain * excess.clamp(-1.0, 1.0).unsqueeze(-1) * held
+        return unit(led_back)
 
-        return unit(tangent - self.hold_gain * excess.clamp(-1.0, 1.0).unsqueeze(-1) * held)
+
+def _names(option: str | Sequence[str] | None) -> tuple[str, ...]:
+    """The goals that an option names: none, one or several."""
+    if option is None:
+        return ()
+    return (option,) if isinstance(option, str) else tuple(option)
 
 
 def _gradient_of(

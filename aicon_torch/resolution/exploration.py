@@ -173,15 +173,21 @@ class Exploration:
 
     def direction(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
         """The unit direction in a nullspace that best continues the motion average, ``(*B, d)``."""
-        normal = self.escape.normal(stack, ranked)
-        if normal is None:
-            normal = select(ranked.directions, ranked.leader)
+        normals = self.escape.normals(stack, ranked) or [select(ranked.directions, ranked.leader)]
 
         # The motion so far decides; where it has no say the descent does, and else an axis.
         descent = -1e-6 * ranked.weighted.sum(-2)
-        components = torch.arange(normal.shape[-1], device=normal.device)
-        axis = 1e-9 * (components == normal.abs().argmin(-1, keepdim=True))
-        free = reject(average + descent, normal) + axis
-        tangent = unit(reject(free, normal))
+        components = torch.arange(average.shape[-1], device=average.device)
+        largest = torch.stack(normals).abs().amax(0)
+        axis = 1e-9 * (components == largest.argmin(-1, keepdim=True))
+        free = _reject_all(average + descent, normals) + axis
+        tangent = unit(_reject_all(free, normals))
 
         return self.escape.hold_level(tangent, stack, ranked)
+
+
+def _reject_all(vector: Tensor, normals: list[Tensor]) -> Tensor:
+    """A vector ``(*B, d)`` without its components along directions at right angles."""
+    for normal in normals:
+        vector = reject(vector, normal)
+    return vector

@@ -21,3 +21,9 @@ register(
     entry_point="aicon_envs.panda_push.environment:PandaPushEnv",
     max_episode_steps=18_000,
 )
+
+register(
+    id="aicon/Reach-v0",
+    entry_point="aicon_envs.reach.environment:ReachEnv",
+    max_episode_steps=1_000,
+)

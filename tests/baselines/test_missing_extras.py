@@ -91,7 +91,17 @@ def test_a_chain_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
         Chain.from_urdf(robot)
 
 
+def test_a_robot_that_reaches_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mujoco")
+    urdf = import_module("aicon_envs.reach.urdf")
+    robots = import_module("aicon_envs.reach.robots").ROBOTS
+
+    hide(monkeypatch, "trimesh")
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'aicon-torch\[reach\]'"):
+        urdf.read_description(robots["ur5"])
+
+
 def test_every_extra_is_tried() -> None:
     when_imported = {extra for _, _, extra in IMPORTS}
-    when_needed = {"sb3", "lerobot", "cluster", "peers", "upstream", "robots"}
+    when_needed = {"sb3", "lerobot", "cluster", "peers", "upstream", "robots", "reach"}
     assert when_imported | when_needed == set(EXTRAS)

@@ -11,11 +11,13 @@ import pytest
 
 pytest.importorskip("pymunk")
 pytest.importorskip("mujoco")
+pytest.importorskip("trimesh")
 
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv
 from aicon_envs.panda_push import PandaPushEnv
 from aicon_envs.pusht import PushTEnv, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
+from aicon_envs.reach import ReachEnv
 
 DISTURBED: dict[str, Any] = {
     "action_noise": 4.0,
@@ -38,6 +40,7 @@ ENVIRONMENTS: dict[str, Callable[[], Any]] = {
     "pusht_velocity": partial(PushTEnv, action_mode="velocity"),
     "pusht_vector": partial(PushTVectorEnv, 2, max_episode_steps=20, wrappers=WRAPPERS),
     "panda_push": partial(PandaPushEnv, obs_type="pose"),
+    "reach": partial(ReachEnv, "ur5", balls=1, ball_speed=0.2),
 }
 COPIES: dict[str, Callable[[Any], Any]] = {
     "deepcopy": copy.deepcopy,

@@ -9,16 +9,19 @@ import pytest
 
 pytest.importorskip("pymunk")
 pytest.importorskip("mujoco")
+pytest.importorskip("trimesh")
 
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv, Physics
 from aicon_envs.panda_push import PandaPushEnv
 from aicon_envs.panda_push.spaces import SPEED_LIMIT
 from aicon_envs.pusht import PushTEnv, PushTVectorEnv, TaskSettings
+from aicon_envs.reach import ReachEnv
 
 IDS = {
     "aicon/Nav2D-v0": (Nav2DEnv, Nav2DVectorEnv),
     "aicon/PushT-v0": (PushTEnv, PushTVectorEnv),
     "aicon/PandaPush-v0": (PandaPushEnv, None),
+    "aicon/Reach-v0": (ReachEnv, None),
 }
 
 
@@ -26,7 +29,7 @@ def arguments(kind: Any) -> dict[str, inspect.Parameter]:
     return dict(inspect.signature(kind).parameters)
 
 
-@pytest.mark.parametrize("kind", [Nav2DEnv, PushTEnv, PandaPushEnv])
+@pytest.mark.parametrize("kind", [Nav2DEnv, PushTEnv, PandaPushEnv, ReachEnv])
 def test_every_argument_is_in_the_docstring(kind: Any) -> None:
     settings: list[Any] = {Nav2DEnv: [Physics], PushTEnv: [TaskSettings]}.get(kind, [])
     names = [name for name in arguments(kind) if name not in ("physics", "settings")]

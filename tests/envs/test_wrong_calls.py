@@ -9,21 +9,27 @@ from gymnasium.error import ResetNeeded
 
 pytest.importorskip("pymunk")
 pytest.importorskip("mujoco")
+pytest.importorskip("trimesh")
 
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv
 from aicon_envs.panda_push import PandaPushEnv
 from aicon_envs.pusht import PushTEnv, PushTVectorEnv
+from aicon_envs.reach import ReachEnv
 
 SINGLE: dict[str, Any] = {
     "nav2d": Nav2DEnv(),
     "pusht": PushTEnv(),
     "panda_push": PandaPushEnv(obs_type="pose"),
+    "reach": ReachEnv("ur5"),
 }
 VECTOR: dict[str, Any] = {"nav2d": Nav2DVectorEnv(2), "pusht": PushTVectorEnv(2)}
 ALL = [*SINGLE.values(), *VECTOR.values()]
 
 
-@pytest.mark.parametrize("kind", [Nav2DEnv, PushTEnv, PandaPushEnv, Nav2DVectorEnv, PushTVectorEnv])
+KINDS = [Nav2DEnv, PushTEnv, PandaPushEnv, ReachEnv, Nav2DVectorEnv, PushTVectorEnv]
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_before_the_first_reset_there_is_nothing_to_step_or_draw(kind: Any) -> None:
     env = kind(render_mode="rgb_array")
     with pytest.raises(ResetNeeded, match="reset"):

@@ -18,8 +18,14 @@ CLAIMS = {
     "04_compare_resolutions": "The shipped rule solves the episode.",
     "05_own_object": "The arrow is in place each time.",
     "06_many_robots": "The robots arrive, and none noticed",
+    "07_own_arm": "The arm reached every target, within its limits.",
+    "08_add_to_a_running_arm": "The arm gave way to the ball, and came back.",
 }
-NEEDED = {"04_compare_resolutions": ["pymunk"], "05_own_object": ["pymunk"]}
+NEEDED = {
+    "04_compare_resolutions": ["pymunk"],
+    "05_own_object": ["pymunk"],
+    "07_own_arm": ["pytorch_kinematics", "trimesh"],
+}
 
 
 def test_every_example_has_a_claim_here() -> None:

@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 import torch
-from _inputs.robots import random_postures, read_chain
+from _inputs.robots import ROBOTS, random_postures, read_chain
 from torch.fx.experimental.proxy_tensor import make_fx
 
 from aicon_torch import Actuator, Deterministic, Goal, Policy, Sensor, WorldModel
@@ -52,6 +52,20 @@ def test_a_step_is_traced_into_one_graph(kinematics: str, batch: tuple[int, ...]
     graph = make_fx(step)(here)
     for found, wanted in zip(graph(there), step(there), strict=True):
         torch.testing.assert_close(found, wanted)
+
+
+@pytest.mark.parametrize("batch", [(), (3,), (2, 3)], ids=str)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_traced_step_of_every_robot_is_the_untraced(name: str, batch: tuple[int, ...]) -> None:
+    chain = read_chain(name)
+    here, there = random_postures(chain, 12).chunk(2)
+    count = torch.Size(batch).numel()
+
+    step = traced(chain)
+    graph = make_fx(step)(here[:count].reshape(*batch, -1))
+    q = there[:count].reshape(*batch, -1)
+    for found, wanted in zip(graph(q), step(q), strict=True):
+        torch.testing.assert_close(found, wanted, rtol=0, atol=1e-12)
 
 
 @pytest.mark.slow

@@ -60,6 +60,22 @@ def test_along_explores_in_the_nullspace_of_that_goal(goal: int) -> None:
     torch.testing.assert_close(lengths(total), ONES)
 
 
+def test_along_several_explores_in_their_common_nullspace() -> None:
+    gradients, average = conflict(4), normal(4, 3, seed=2)
+    rule = literal(Escape(along=("g0", "g2")))
+    total, _ = resolve(rule, gradients, exploring_memory(gradients, rule, average=average))
+
+    for goal in (0, 2):
+        work = (total * direction(gradients[:, goal])).sum(-1)
+        torch.testing.assert_close(work, NONE, rtol=0, atol=1e-9)
+    torch.testing.assert_close(lengths(total), ONES)
+
+
+def test_several_goals_are_named_one_by_one() -> None:
+    escape = Escape(progress="g0", hold=("g1", "g2"), along="g1")
+    assert escape.goals == ("g0", "g1", "g2", "g1")
+
+
 def test_along_a_goal_that_does_not_meet_here_is_the_text() -> None:
     gradients = conflict(4)
     text, far = literal(), literal(Escape(along="far"))

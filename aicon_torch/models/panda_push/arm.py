@@ -17,7 +17,7 @@ from aicon_torch.interconnections import Affine
 from aicon_torch.models.panda_push.options import Options
 from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.camera import CameraFrame
-from aicon_torch.parts.end_effector import EndEffector
+from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.self_collision import CapsuleSegments
 from aicon_torch.parts.touch import ContactForce
 
@@ -44,7 +44,8 @@ def arm(scene: Scene) -> list[Estimator]:
 
 def hand(scene: Scene) -> list[Estimator]:
     """The camera in the hand, and the force at the wrist."""
-    robot, pose = scene.options.robot, scene.end_effector.pose
+    robot = scene.options.robot
+    pose = ToolPose(robot.stick_length, scene.options.lever)
     camera = CameraFrame(pose, robot.camera, scene.options.camera.steering)
     force = ContactForce(pose, robot.tool_mass)
     return [Deterministic("x_cam", camera), Deterministic("x_force", force)]

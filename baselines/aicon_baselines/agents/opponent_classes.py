@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from aicon_baselines.agents.nav2d import Bug2, WallFollower
+from aicon_baselines.agents.reach import DampedLeastSquares, Mink
 from aicon_baselines.resolutions import Aggregation, CAGrad, PCGrad, UPGrad
 
 AGGREGATIONS: Mapping[str, type[Aggregation]] = MappingProxyType(
@@ -20,6 +21,7 @@ AGENTS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "nav2d": {"bug2": Bug2, "wall_follower": WallFollower},
         "pusht": {},
         "panda_push": {},
+        "reach": {"damped_least_squares": DampedLeastSquares, "mink": Mink},
     }
 )
 """Agents that share nothing with AICON but the task, by task."""

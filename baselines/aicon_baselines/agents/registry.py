@@ -7,7 +7,7 @@ planners, too, which need an extra; agents that were trained come from their fol
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -85,7 +85,7 @@ def _opponent(task: str, name: str, options: Mapping[str, Any]) -> Factory:
         resolution = module.AGGREGATIONS[name]()
         return ModelPolicy(task, "aicon", {"resolution": resolution, **options})
 
-    build = PlainAgent(module.AGENTS[task][name], options)
+    build = PlainAgent(module.AGENTS[task][name], task, options)
     build.make()
     return build
 
@@ -176,21 +176,28 @@ class ModelPolicy:
 
 @dataclass(frozen=True)
 class PlainAgent:
-    """Builds an agent that has nothing of the library: the same one for every condition."""
+    """Builds an agent that has nothing of the library.
+
+    What the task tells a policy about the condition, it is told as far as it has such options.
+    """
 
     agent: Any
+    task: str
     options: Mapping[str, Any] = field(default_factory=dict)
 
-    def make(self) -> Predictor:
+    def make(self, **told: Any) -> Predictor:
         """Build it; an unknown option is an error that lists the valid ones."""
         from aicon_torch.models import replace_options
 
-        agent: Predictor = replace_options(self.agent(), self.options, self.agent.__name__)
+        options = {**told, **self.options}
+        agent: Predictor = replace_options(self.agent(), options, self.agent.__name__)
         return agent
 
     def __call__(self, condition: str) -> Predictor:
-        """Build it, whatever the condition."""
-        return self.make()
+        """Build it for a condition."""
+        own = {option.name for option in fields(self.agent)}
+        told = load(self.task).policy_options(condition)
+        return self.make(**{name: value for name, value in told.items() if name in own})
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ nav2d saves nav2d_rollout.png (six moments of the evolving potential), nav2d_rol
 figure's numbers) and nav2d_rollout.mp4 or .gif. pusht saves the same as pusht_rollout: six moments
 of an episode, and the gradients that arrive at the pusher. panda_push saves panda_push_film.mp4 or
 .gif, an episode of the arm from outside and from its hand above the strengths of its gradients, and
-panda_push_film.png, a picture from the middle of it.
+panda_push_film.png, a picture from the middle of it. reach saves reach.png, moments of three arms'
+episodes beside their errors and gaps, and reach.mp4 or .gif.
 """
 
 import argparse
@@ -21,6 +22,7 @@ _FIGURES = {
     "nav2d": "2D navigation: the evolving potential",
     "pusht": "pushing: the gradients that arrive at the pusher",
     "panda_push": "pushing with an arm: its views and its gradients",
+    "reach": "reaching with three arms: moments, errors and gaps",
 }
 
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
-import numpy as np
-from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
+from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Measure, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults
+from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
 from aicon_envs.panda_push import PandaPushEnv
 
 # The arguments of the environment in each condition. Near the base the arm meets its joint limits
@@ -46,53 +46,14 @@ _FAULTS = Faults(
     tells_action=True,
 )
 
-_Step = tuple[Any, Any, bool, bool, dict[str, Any]]
-
-
-class _StandStillAfterEnd(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Stands still, in the dark, once its episode has ended, so that it costs no time."""
-
-    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
-        super().__init__(env)
-        self._last: _Step | None = None
-
-    def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
-        """Start an episode."""
-        self._last = None
-        return super().reset(**arguments)
-
-    def step(self, action: Any) -> _Step:
-        """Move, or repeat what the episode ended with."""
-        if self._last is not None:
-            return self._last
-
-        observation, reward, terminated, truncated, info = super().step(action)
-        if terminated or truncated:
-            at_rest = dict(observation)
-            # A black image: there is nothing more to look for.
-            if "rgb" in at_rest:
-                at_rest["rgb"] = np.zeros_like(at_rest["rgb"])
-            self._last = (at_rest, reward, terminated, truncated, info)
-        return observation, reward, terminated, truncated, info
-
-
-class _SideBySide(SyncVectorEnv):
-    """Environments side by side, of which some may have ended."""
-
-    def step(self, actions: Any) -> Any:
-        """Move those that have not ended."""
-        # Gymnasium's own would refuse to go on with the others.
-        self._autoreset_envs[:] = False
-        return super().step(actions)
-
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     def make_one() -> gymnasium.Env[Any, Any]:
         env = PandaPushEnv(**{**_ARGUMENTS[condition], **options})
         limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon)
-        return _StandStillAfterEnd(limited)
+        return StandStillAfterEnd(limited)
 
-    env = _SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
+    env = SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
     return _FAULTS.wrap(env, condition) if condition in FAULTS else env
 
 

@@ -12,8 +12,9 @@ _MODULES = {
     "nav2d": "aicon_baselines.tasks.nav2d",
     "pusht": "aicon_baselines.tasks.pusht",
     "panda_push": "aicon_baselines.tasks.panda_push",
+    "reach": "aicon_baselines.tasks.reach",
 }
-_EXTRAS = {"pusht": "pusht", "panda_push": "panda"}
+_EXTRAS = {"pusht": "pusht", "panda_push": "panda", "reach": "reach"}
 
 
 def names() -> tuple[str, ...]:

@@ -111,6 +111,22 @@ class Simulation:
 
         self.wrench = total_wrench / self._substeps  # contact chatters at 1 kHz
         external_force[:] = 0.0
+        self._unwind()
+
+    def _unwind(self) -> None:
+        """Take back what the integrals of the servos hold beyond the torque that a joint can give.
+
+        A servo's torque is kₚ (integral − angle) − kᵥ velocity. Where something blocks a joint, the
+        integral goes no further than to its largest torque (anti-windup), such that the joint turns
+        back as soon as it is told to.
+        """
+        stiffness = self.model.actuator_gainprm[:7, 0]
+        damping = -self.model.actuator_biasprm[:7, 2]
+        largest = self.model.jnt_actfrcrange[:7, 1]
+
+        middle = self.joints + damping * self.speeds / stiffness
+        integrals = self.data.act[:7]
+        np.clip(integrals, middle - largest / stiffness, middle + largest / stiffness, integrals)
 
     @property
     def joints(self) -> FloatArray:

@@ -50,3 +50,17 @@ def test_the_self_distance_is_that_of_points_on_the_capsules(env: PandaPushEnv) 
             gaps.append(distances.min() - radius - other_radius)
 
     assert env._simulation.self_distance == pytest.approx(min(gaps), abs=1e-4)
+
+
+def test_a_joint_that_was_blocked_turns_back_at_once(env: PandaPushEnv) -> None:
+    """The integral of its servo did not wind up while the stick was pressed on the table."""
+    env.reset(seed=2)
+    down = np.array([0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
+    for _ in range(200):
+        blocked, *_ = env.step(down)
+    simulation = env._simulation
+    torques = 4500.0 * (simulation.data.act[:4] - simulation.joints[:4])
+    assert (np.abs(torques) <= 87.0 + 450.0 * np.abs(simulation.speeds[:4]) + 1e-6).all()
+
+    after, *_ = [env.step(-down) for _ in range(30)][-1]
+    assert after["q"][1] < blocked["q"][1] - 0.05

@@ -1,0 +1,66 @@
+"""What the goals that are followed would cost after a step of an actuator."""
+
+from collections.abc import Mapping
+
+import torch
+from torch import Tensor
+
+from aicon_torch.graph import WorldModel
+
+
+class FollowedCost:
+    """G(a) = Σ wᵢ gᵢ one step ahead, over the goals that are no safety goals, with their factors.
+
+    Args:
+        model: The world model.
+        actuator: Name of the actuator.
+        values: Values after the new readings.
+        goal_factors: wᵢ, ``(*B, goals)``.
+    """
+
+    def __init__(
+        self,
+        model: WorldModel,
+        actuator: str,
+        values: Mapping[str, Tensor],
+        goal_factors: Tensor,
+    ) -> None:
+        self.model, self.actuator = model, actuator
+        self.values, self.goal_factors = values, goal_factors
+        self.at_rest = self.ahead(torch.zeros_like(values[actuator]))
+
+    def ahead(self, action: Tensor) -> Tensor:
+        """G(a) ``(*B,)`` of an action ``(*B, n)``, or ``(m, *B)`` of m for each row."""
+        copies = action.shape[: action.dim() - self.goal_factors.dim()]
+        values = {name: value.expand(*copies, *value.shape) for name, value in self.values.items()}
+
+        total = torch.zeros_like(action[..., 0])
+        for index, (name, goal) in enumerate(self.model.goals.items()):
+            if not goal.safety:
+                cost = self.model.displaced_cost(name, self.actuator, action, values)
+                total = total + self.goal_factors[..., index] * cost
+        return total
+
+    def fall_along(self, action: Tensor) -> Tensor:
+        """(G(0) − G(a))/‖a‖: by how much it falls along a motion, ``(*B,)``."""
+        length = torch.linalg.vector_norm(action, dim=-1)
+        smallest = torch.finfo(length.dtype).tiny ** 0.5
+        fall: Tensor = (self.at_rest - self.ahead(action)) / length.clamp(min=smallest)
+        return fall
+
+    def steepness(self, steps: Tensor) -> Tensor:
+        """‖∂G/∂a‖ by differences, ``(*B,)``: by how much it falls along its steepest descent.
+
+        It is the true gradient, whatever an estimator makes of the gradients that go through it.
+
+        Args:
+            steps: By how much each component is varied, ``(n,)``.
+        """
+        own_dimensions = [1] * self.at_rest.dim()
+        alone = torch.diag(steps).reshape(len(steps), *own_dimensions, len(steps))
+        actions = alone.expand(len(steps), *self.values[self.actuator].shape)
+
+        change = self.ahead(actions) - self.at_rest
+        slopes = change / steps.reshape(-1, *own_dimensions)
+        steepness: Tensor = torch.linalg.vector_norm(slopes, dim=0)
+        return steepness

@@ -1,0 +1,120 @@
+"""Stalemates: where constraints bring an actuator to rest short of its goals, and the way out."""
+
+import torch
+from torch import Tensor
+
+from aicon_torch.control.followed_cost import FollowedCost
+from aicon_torch.resolution import Memory
+from aicon_torch.safety import ConstraintEscape, SafeAction
+from aicon_torch.vectors import unit
+
+
+class Stalemate:
+    """Detects that an actuator is held up, and moves it along the constraints' force.
+
+    See :class:`aicon_torch.safety.ConstraintEscape`.
+
+    Args:
+        options: When an escape begins and ends.
+        limits: Of the actuator, ``(n,)``.
+        step: The time step, as a share of the dampers' time constant.
+    """
+
+    def __init__(self, options: ConstraintEscape, limits: Tensor, step: float) -> None:
+        self.options, self.limits, self.step = options, limits, step
+
+    def initial(self) -> Memory:
+        """Not escaping; nothing was reached yet. Without batch dimensions."""
+        return {
+            "escaping": torch.tensor(False),
+            "by_force": torch.tensor(False),
+            "direction": torch.zeros(len(self.limits)),
+            "clock": torch.tensor(0.0),
+            "lowest": torch.tensor(torch.inf),
+            "best": torch.tensor(torch.inf),
+            "tries": torch.tensor(0),
+        }
+
+    def aim(self, wish: Tensor, memory: Memory) -> Tensor:
+        """What the actuator tries, ``(*B, n)``: the wish, or at full speed what leads out.
+
+        Args:
+            wish: What the goals wish for, ``(*B, n)``.
+            memory: What was remembered.
+        """
+        direction = memory["direction"]
+        excess = (direction.abs() / self.limits.to(wish)).amax(-1, keepdim=True)
+        fastest = direction / excess.clamp(min=torch.finfo(wish.dtype).tiny ** 0.5)
+        return torch.where(memory["escaping"].unsqueeze(-1), fastest, wish)
+
+    def judge(self, cost: FollowedCost, wish: Tensor, safe: SafeAction, memory: Memory) -> Memory:
+        """Whether to escape from the next step on, and where to.
+
+        Args:
+            cost: What the goals cost, here and after a step.
+            wish: What they wish for, ``(*B, n)``.
+            safe: What the constraints made of what was tried.
+            memory: What was remembered.
+        """
+        now, share = cost.at_rest, 1.0 - self.options.progress
+        was_escaping, clock = memory["escaping"], memory["clock"] + self.step
+
+        # Begin where the cost has not fallen for long; end over the crest.
+        falls = now < share * memory["lowest"]
+        is_stuck = ~falls & (clock >= self.options.patience) & (now > self.options.near)
+        begins = ~was_escaping & is_stuck
+        ends = was_escaping & self._is_out(cost, safe.action, clock, memory["by_force"])
+
+        # Every escape without a new best cost is one more try.
+        is_best = ~was_escaping & (now < share * memory["best"])
+        tries = torch.where(is_best, 0, memory["tries"])
+        by_force, direction = self._way_out(wish, safe.force, tries)
+
+        # The clock begins anew with every escape, attempt and progress.
+        restarts = begins | ends | (~was_escaping & falls)
+        return {
+            "escaping": (was_escaping | begins) & ~ends,
+            "by_force": torch.where(begins, by_force, memory["by_force"]),
+            "direction": torch.where(begins.unsqueeze(-1), direction, memory["direction"]),
+            "clock": torch.where(restarts, 0.0, clock),
+            "lowest": torch.where(restarts, now, memory["lowest"]),
+            "best": torch.where(is_best, now, memory["best"]),
+            "tries": tries + begins,
+        }
+
+    def _is_out(
+        self, cost: FollowedCost, action: Tensor, clock: Tensor, by_force: Tensor
+    ) -> Tensor:
+        """Whether an escape is over, ``(*B,)``."""
+        options, limits = self.options, self.limits.to(action)
+        is_over_crest = cost.fall_along(action) > options.crest * cost.steepness(limits)
+        is_blocked = (action.abs() / limits).amax(-1) < options.blocked
+
+        may_end = (clock >= options.shortest) & (is_over_crest | is_blocked)
+        return torch.where(by_force, may_end | (clock >= options.longest), clock >= options.detour)
+
+    def _way_out(self, wish: Tensor, force: Tensor, tries: Tensor) -> tuple[Tensor, Tensor]:
+        """Whether it is the force's, ``(*B,)``, and the direction of an escape, ``(*B, n)``."""
+        opposition = -(force * wish).sum(-1)
+        is_opposed = opposition > self.options.opposition * (wish * wish).sum(-1)
+        by_force = is_opposed & (tries < self.options.forced)
+        return by_force, torch.where(by_force.unsqueeze(-1), unit(force), spread(tries, wish))
+
+
+def spread(index: Tensor, like: Tensor) -> Tensor:
+    """Number i of a sequence of directions that fills [−1, 1]ⁿ evenly, ``(*B, n)``.
+
+    Component j is 2·frac(½ + (i + 1) φ⁻ʲ⁻¹) − 1, where φ is the positive root of xⁿ⁺¹ = x + 1 (the
+    additive recurrence R of Roberts 2018).
+
+    Args:
+        index: i, ``(*B,)``.
+        like: What has n components.
+    """
+    size = like.shape[-1]
+    root = 2.0
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (size + 1))
+
+    steps = like.new_tensor([root ** -(component + 1) for component in range(size)])
+    return 2.0 * torch.remainder(0.5 + (index.unsqueeze(-1) + 1) * steps, 1.0) - 1.0

@@ -1,0 +1,8 @@
+"""The model "reach": any arm that takes its tip to a target, within its limits."""
+
+from aicon_torch.models.reach.graph import build, world_model
+from aicon_torch.models.reach.options import Options
+from aicon_torch.models.reach.presets import PRESETS
+from aicon_torch.models.reach.robot import Robot
+
+__all__ = ["PRESETS", "Options", "Robot", "build", "world_model"]

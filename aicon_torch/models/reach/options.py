@@ -1,0 +1,81 @@
+"""Options of reaching."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import torch
+
+from aicon_torch.control import ActionLaw, DirectDescent
+from aicon_torch.models.reach.robot import Robot
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.tip_pose import Orientation
+from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
+from aicon_torch.resolution import NullspaceProjection, Resolution
+from aicon_torch.safety import VelocityDampers
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of reaching.
+
+    Attributes:
+        robot: The arm: a URDF or a :class:`Robot`.
+        tip: The link of the URDF that reaches; may be left out if the robot does not branch.
+        srdf: Says which links of the URDF need not be compared.
+        orientation: ``"free"`` for a position, ``"axis"`` for a position and an approach direction,
+            ``"full"`` for a pose.
+        axis: The axis of the tip that ``"axis"`` turns, a unit vector in its frame.
+        resolution: What happens where gradients meet.
+        law: From the gradient to the action.
+        dampers: How joint limits and self-collision are kept.
+        safety: Whether they are safety goals, which nothing violates, or goals like any other.
+        joint_limits: How far from its limits a joint stays, rad, or its margin as a goal.
+        self_collision: How far links stay from each other, m, or their margin as a goal.
+        balls: Number of balls that are seen, still or moving, and not to be touched.
+        ball_radius: Their radius, m.
+        ball_distance: How far links stay from them, m, or their margin as a goal.
+        ball_noise: Standard deviation of a ball's position as it is seen, m.
+        dtype: Precision of the estimates.
+        dt: Time step, s.
+        speed: Largest speed of a joint, rad/s; None for those of the robot.
+        lever: A rotation by one rad counts as much as a motion of the tip by this, m.
+        damping: Of the pseudo-inverse of the Jacobian, m/rad.
+        tolerance: Within which a target asks for nothing, m.
+        joint_noise: Standard deviation of the encoders, rad.
+    """
+
+    robot: Robot | str | Path | None = None
+    tip: str | None = None
+    srdf: str | Path | None = None
+    orientation: Orientation = "free"
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    resolution: Resolution = field(default_factory=NullspaceProjection)
+    law: ActionLaw = field(default_factory=lambda: DirectDescent(smoothing=0.0))
+    dampers: VelocityDampers = field(default_factory=VelocityDampers)
+    safety: bool = True
+    joint_limits: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.02, 1.0))
+    self_collision: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.01, 1.0))
+    balls: int = 0
+    ball_radius: float = 0.08
+    ball_distance: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.03, 1.0))
+    ball_noise: float = 0.002
+    dtype: torch.dtype = torch.float64
+    dt: float = 0.02
+    speed: float | None = None
+    lever: float = 0.2
+    damping: float = 0.05
+    tolerance: float = 0.001
+    joint_noise: float = 1e-4
+
+    def __post_init__(self) -> None:
+        """Check what the parts do not check themselves.
+
+        Raises:
+            OptionError: If an option is not what it may be.
+        """
+        check_choice(self, "orientation", ("free", "axis", "full"))
+        check_positive(self, ("dt", "lever", "damping", "joint_noise"))
+        check_positive(self, ("ball_radius", "ball_noise"))
+        check_not_negative(self, ("tolerance", "balls"))
+        if self.speed is not None:
+            check_positive(self, ("speed",))

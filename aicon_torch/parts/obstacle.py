@@ -1,0 +1,213 @@
+"""Obstacles, still or moving, and how far a robot's capsules are from them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, cast
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.estimation import EKF, Measurement
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.planar import norm
+from aicon_torch.parts.self_collision import Capsule, segment_distance
+
+SECTIONS = 24
+"""Golden sections by which the point of a segment nearest to a box is found: 1e-5 of its length."""
+
+GOLDEN = 0.6180339887498949
+"""What each of them leaves of the interval."""
+
+
+class Shape(Protocol):
+    """The shape of an obstacle, about its own origin."""
+
+    def distance(self, start: Tensor, end: Tensor) -> Tensor:
+        """From a segment to the surface, ``(*B,)``, m; negative inside.
+
+        Args:
+            start: One end of the segment, ``(*B, 3)``, m, relative to the obstacle.
+            end: The other end.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere.
+
+    Attributes:
+        radius: m.
+    """
+
+    radius: float
+
+    def distance(self, start: Tensor, end: Tensor) -> Tensor:
+        """From a segment to the sphere, ``(*B,)``: see :class:`Shape`."""
+        origin = torch.zeros_like(start)
+        segment = torch.cat((start, end), dim=-1)
+        return segment_distance(segment, torch.cat((origin, origin), dim=-1)) - self.radius
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A capsule: all points within a radius of a segment.
+
+    Attributes:
+        half: From its middle to one end of the segment, m.
+        radius: m.
+    """
+
+    half: tuple[float, float, float]
+    radius: float
+
+    def distance(self, start: Tensor, end: Tensor) -> Tensor:
+        """From a segment to the rod, ``(*B,)``: see :class:`Shape`."""
+        half = torch.zeros_like(start) + start.new_tensor(self.half)
+        segment, axis = torch.cat((start, end), dim=-1), torch.cat((-half, half), dim=-1)
+        return segment_distance(segment, axis) - self.radius
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box whose sides are parallel to the axes of the base.
+
+    Attributes:
+        size: Its lengths along x, y and z, m.
+    """
+
+    size: tuple[float, float, float]
+
+    def distance(self, start: Tensor, end: Tensor) -> Tensor:
+        """From a segment to the box, ``(*B,)``: see :class:`Shape`."""
+        with torch.no_grad():  # at the nearest point the distance is stationary, or it is an end
+            share = self._nearest(start, end)
+        return self._of_point(start + share.unsqueeze(-1) * (end - start))
+
+    def _of_point(self, point: Tensor) -> Tensor:
+        """The signed distance ``(*B,)`` of points ``(*B, 3)``, which is convex."""
+        beyond = point.abs() - point.new_tensor(self.size) / 2
+        outside = norm(beyond.clamp(min=0.0))
+        return outside + beyond.amax(-1).clamp(max=0.0)
+
+    def _nearest(self, start: Tensor, end: Tensor) -> Tensor:
+        """Where on the segment it is least, ``(*B,)`` in [0, 1], by golden sections."""
+        low = torch.zeros_like(start[..., 0])
+        high = torch.ones_like(low)
+        for _ in range(SECTIONS):
+            width = high - low
+            first, second = high - GOLDEN * width, low + GOLDEN * width
+            at_first = self._of_point(start + first.unsqueeze(-1) * (end - start))
+            at_second = self._of_point(start + second.unsqueeze(-1) * (end - start))
+            is_left = at_first < at_second
+            low, high = torch.where(is_left, low, first), torch.where(is_left, second, high)
+        return (low + high) / 2
+
+
+class Obstacle(nn.Module):
+    """g = w Σ max(0, 1 − dᵢ/d₀)², where dᵢ is the distance of capsule i to an obstacle.
+
+    Args:
+        shape: Of the obstacle.
+        capsules: The shape of the robot; those on its base are left out, since they cannot give
+            way.
+        cost: Margin d₀ (m) and weight w.
+
+    Example:
+        >>> ball = Obstacle(Sphere(0.08), shape.capsules, SquaredHinge(margin=0.02, weight=1.0))
+        >>> Goal("ball", Interconnection(ball, inputs=["x_body", "x_ball"]), safety=True)
+    """
+
+    radii: Tensor
+
+    def __init__(self, shape: Shape, capsules: Sequence[Capsule], cost: SquaredHinge) -> None:
+        super().__init__()
+        self.shape, self.cost = shape, cost
+        self.moving = [index for index, capsule in enumerate(capsules) if capsule.link > 0]
+
+        radii = [capsules[index].radius for index in self.moving]
+        self.register_buffer("radii", torch.tensor(radii, dtype=torch.float64))
+
+    def forward(self, x_body: Tensor, x_obstacle: Tensor) -> Tensor:
+        """The cost ``(*B,)``.
+
+        Args:
+            x_body: The segments of the robot's capsules, ``(*B, C, 6)``, m.
+            x_obstacle: Where the obstacle is, ``(*B, 3)``, m; what follows, such as its velocity,
+                is not read.
+        """
+        return self.cost(self.distances(x_body, x_obstacle))
+
+    def gaps(self, x_body: Tensor, x_obstacle: Tensor) -> Tensor:
+        """How far each capsule is from where it costs something, dᵢ − d₀, ``(*B, C)``, m."""
+        return self.distances(x_body, x_obstacle) - self.cost.margin
+
+    def distances(self, x_body: Tensor, x_obstacle: Tensor) -> Tensor:
+        """The distance of each capsule, ``(*B, C)``, m; negative where they overlap."""
+        origin = x_obstacle[..., None, :3]
+        start, end = torch.split(x_body[..., self.moving, :], 3, dim=-1)
+        return self.shape.distance(start - origin, end - origin) - self.radii.to(x_body)
+
+
+@dataclass(frozen=True)
+class MotionPrior:
+    """What is believed of a moving point at first: it is where it is seen, and rests.
+
+    Attributes:
+        noise: Standard deviation of a reading, m.
+        speed: Standard deviation of each component of the velocity, m/s.
+    """
+
+    noise: float
+    speed: float
+
+    def __call__(self, position: Tensor) -> tuple[Tensor, Tensor]:
+        """Mean ``(*B, 6)`` and covariance ``(6, 6)`` by the first reading ``(*B, 3)``, m."""
+        mean = torch.cat((position, torch.zeros_like(position)), dim=-1)
+        variances = [self.noise**2] * 3 + [self.speed**2] * 3
+        return mean, torch.diag(position.new_tensor(variances))
+
+
+def moving_point(
+    name: str,
+    reading: str,
+    dt: float,
+    noise: float = 0.002,
+    acceleration: float = 2.0,
+    speed: float = 0.5,
+) -> EKF:
+    """Position and velocity of something that is seen: a Kalman filter with constant velocity.
+
+    p⁻ = p + v dt, v⁻ = v + N(0, (σ dt)²) in each component.
+
+    Args:
+        name: Of the estimate ``(*B, 6)``, m and m/s, such as ``"x_ball"``; its covariance is
+            ``"P_ball"``.
+        reading: The sensor of its position, ``(*B, 3)``, m.
+        dt: Time step, s.
+        noise: Standard deviation of a reading, m.
+        acceleration: σ, m/s².
+        speed: Standard deviation of the velocity before the first motion, m/s.
+
+    Example:
+        >>> moving_point("x_ball", "z_ball", dt=0.02)
+    """
+    transition = torch.eye(6, dtype=torch.float64)
+    transition[:3, 3:] = dt * torch.eye(3, dtype=torch.float64)
+    position = torch.eye(6, dtype=torch.float64)[:3]
+
+    drift = [(acceleration * dt**2 / 2) ** 2] * 3 + [(acceleration * dt) ** 2] * 3
+    difference: dict[str, float | Tensor] = {name: position, reading: -1.0}
+    prior = cast(
+        Callable[..., Tensor], MotionPrior(noise, speed)
+    )  # an EKF takes mean and covariance
+    return EKF(
+        name,
+        name.replace("x_", "P_", 1) if name.startswith("x_") else f"P_{name}",
+        predict=Affine(**{name: transition}),
+        noise=drift,
+        initial=Interconnection(prior, inputs=[reading]),
+        correct=[Measurement(Affine(**difference), noise**2, size=3)],
+        size=6,
+    )

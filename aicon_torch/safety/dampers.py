@@ -1,0 +1,94 @@
+"""Options of velocity dampers, and of the escape from where they bring an actuator to rest."""
+
+from dataclasses import dataclass, field, fields
+
+from aicon_torch.errors import OptionError
+
+
+@dataclass(frozen=True)
+class ConstraintEscape:
+    """What is done where constraints bring an actuator to rest: the conflict of a goal with them.
+
+    All times are multiples of the dampers' time constant T, so a faster robot needs no new number.
+
+    A *stalemate* is that the cost of the goals has not fallen by the share ``progress`` for
+    ``patience``. Then the actuator moves along the constraints' force f = a − w, what they add to
+    the wish w to make it the action a, in the direction that f had at the stalemate, and within the
+    same constraints. It ends over the crest: once the cost falls along the motion, at least
+    ``crest`` times as much as along its steepest descent, or where the motion is blocked as well.
+
+    Where the constraints do not oppose the wish, as at a singularity, and where ``forced`` escapes
+    have led to no better cost, it makes a detour instead: it moves for a while in a direction of a
+    sequence that fills the space of directions evenly.
+
+    Attributes:
+        progress: Share by which the cost must fall.
+        patience: For how long it may fail to.
+        near: A cost below this, in its unit, is near enough to stay.
+        forced: Number of escapes along the force, from the last best cost on.
+        opposition: Share of the wish that the constraints must take away to oppose it.
+        shortest: Least duration of an escape along the force.
+        longest: Largest.
+        crest: See above.
+        blocked: Share of the actuator's limit below which a motion counts as blocked.
+        detour: Duration of a detour.
+
+    Raises:
+        OptionError: If a number is not positive.
+    """
+
+    progress: float = 0.1
+    patience: float = 2.5
+    near: float = 0.01
+    forced: int = 2
+    opposition: float = 0.1
+    shortest: float = 1.5
+    longest: float = 30.0
+    crest: float = 0.2
+    blocked: float = 0.05
+    detour: float = 6.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        _check_positive(self, tuple(option.name for option in fields(self)))
+
+
+@dataclass(frozen=True)
+class VelocityDampers:
+    """A gap closes the slower, the smaller it is (Faverjon and Tournassoud 1987).
+
+    For every gap d ≥ 0 of the safety goals: ḋ ≥ −d/T, so that it shrinks no faster than
+    exponentially. T = braking / a_max, with the median of the actuator's limits: a robot twice as
+    fast brakes on the same way. Every step takes the action nearest to the wish that keeps this,
+    see :func:`aicon_torch.safety.nearest_safe`.
+
+    Attributes:
+        braking: The way on which an actuator at its limit comes to rest, in the unit of its action
+            times s: rad for an arm.
+        gaps: Of each goal as many gaps are considered, the smallest.
+        sweeps: Number of sweeps of the solver.
+        escape: How a stalemate is left; None stays there.
+
+    Raises:
+        OptionError: If a number is not positive.
+
+    Example:
+        >>> Actuator(6, "rad/s", limit=(3.1,) * 6, dampers=VelocityDampers(braking=0.3))
+    """
+
+    braking: float = 0.3
+    gaps: int = 8
+    sweeps: int = 12
+    escape: ConstraintEscape | None = field(default_factory=ConstraintEscape)
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        _check_positive(self, ("braking", "gaps", "sweeps"))
+
+
+def _check_positive(options: object, names: tuple[str, ...]) -> None:
+    """Check that fields of some options are positive."""
+    for name in names:
+        value = getattr(options, name)
+        if not value > 0:
+            raise OptionError(f"{name}={value!r}: expected a number > 0.")

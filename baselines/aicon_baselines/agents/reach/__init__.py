@@ -1,0 +1,14 @@
+"""Inverse kinematics, to compare AICON with: damped least squares, and mink.
+
+| file | content |
+|---|---|
+| `kinematics.py` | the robot as they know it, and how far it is from its target |
+| `inverse_kinematics.py` | what both have in common |
+| `damped_least_squares.py` | the damped pseudo-inverse of the Jacobian |
+| `mink.py` | a quadratic program in each step, by mink |
+"""
+
+from aicon_baselines.agents.reach.damped_least_squares import DampedLeastSquares
+from aicon_baselines.agents.reach.mink import Mink
+
+__all__ = ["DampedLeastSquares", "Mink"]

@@ -1,0 +1,51 @@
+"""Damped least squares, the classical inverse kinematics."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aicon_baselines.agents.reach.inverse_kinematics import InverseKinematics
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DampedLeastSquares(InverseKinematics):
+    """q̇ = k Jᵀ (J Jᵀ + λ² I)⁻¹ h (Wampler 1986), as a whole within the speeds, joints clamped.
+
+    h is what position (m) and rotation (rad, times a lever in m) of the tip lack. It knows nothing
+    of collisions.
+
+    Attributes:
+        damping: λ, m/rad.
+    """
+
+    damping: float = 0.2
+
+    def velocity(self, observation: Mapping[str, FloatArray]) -> FloatArray:
+        """Velocities of the joints ``(n,)``, rad/s or m/s, in one episode."""
+        from aicon_baselines.agents.reach.kinematics import rotation_vector, target_rotation
+
+        robot, joints = self.kinematics, observation["q"]
+        robot.move(joints)
+        position, rotation = robot.tip()
+        target = target_rotation(self.orientation, observation, rotation)
+
+        # What is missing, and how the joints move it; of a position only the first three rows.
+        turn = rotation_vector(target @ rotation.T)
+        missing = np.concatenate((observation["target_position"] - position, self.lever * turn))
+        jacobian = robot.jacobian() * np.repeat([1.0, self.lever], 3)[:, None]
+        if self.orientation == "free":
+            missing, jacobian = missing[:3], jacobian[:3]
+
+        damped = jacobian @ jacobian.T + self.damping**2 * np.eye(len(missing))
+        wish = self.gain * jacobian.T @ np.linalg.solve(damped, missing)
+        wish /= max(1.0, float(np.abs(wish / robot.speed).max()))
+
+        # A joint that would come to its stop in this step goes there.
+        least = (robot.low + self.stop_distance - joints) / self.dt
+        most = (robot.high - self.stop_distance - joints) / self.dt
+        clamped: FloatArray = np.clip(wish, np.minimum(least, 0.0), np.maximum(most, 0.0))
+        return clamped

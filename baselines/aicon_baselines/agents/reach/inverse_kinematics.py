@@ -1,0 +1,89 @@
+"""What methods of inverse kinematics have in common when they control an arm."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.extras import pip_command
+
+if TYPE_CHECKING:
+    from aicon_baselines.agents.reach.kinematics import Kinematics
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class InverseKinematics:
+    """A method that maps the error of the tip to velocities of the joints, without a memory.
+
+    Attributes:
+        robot: The file of the URDF.
+        tip: The link that reaches.
+        srdf: Says which links need not be compared.
+        orientation: "free", "axis" or "full": what of the orientation counts.
+        speed: Largest speed of the joints that turn, rad/s.
+        balls: Number of balls.
+        ball_radius: Their radius, m.
+        dt: Time step, s.
+        gain: Rate at which an error should vanish, 1/s.
+        lever: A rotation by 1 rad counts as much as a motion by this, m.
+        stop_distance: Distance of the joints from their stops, rad or m.
+        modules: What it needs, of the extra "peers".
+
+    Raises:
+        ComparisonError: If a module is not installed; it says how to install it.
+    """
+
+    robot: str = ""
+    tip: str = ""
+    srdf: str | None = None
+    orientation: str = "free"
+    speed: float = 1.5
+    balls: int = 0
+    ball_radius: float = 0.08
+    dt: float = 0.02
+    gain: float = 20.0
+    lever: float = 0.2
+    stop_distance: float = 0.02
+
+    modules: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        """Check that what it needs is there."""
+        missing = [module for module in self.modules if find_spec(module) is None]
+        if missing:
+            raise ComparisonError(
+                f"{type(self).__name__} needs {' and '.join(missing)}: {pip_command('peers')}"
+            )
+
+    @cached_property
+    def kinematics(self) -> "Kinematics":
+        """The robot."""
+        from aicon_baselines.agents.reach.kinematics import Kinematics
+
+        return Kinematics(self.robot, self.tip, self.srdf, self.balls, self.ball_radius, self.speed)
+
+    def predict(
+        self,
+        observation: dict[str, NDArray[Any]],
+        state: Any = None,
+        episode_start: NDArray[np.bool_] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[FloatArray, int]:
+        """Choose the next velocities (B, n); see `aicon_baselines.evaluation.Predictor`."""
+        count = len(observation["q"])
+        velocities = []
+        for row in range(count):
+            one = {name: values[row] for name, values in observation.items()}
+            velocities.append(self.velocity(one))
+        return np.array(velocities), 0
+
+    def velocity(self, observation: Mapping[str, FloatArray]) -> FloatArray:
+        """Velocities of the joints ``(n,)``, rad/s or m/s, in one episode."""
+        raise NotImplementedError

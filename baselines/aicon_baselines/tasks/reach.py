@@ -1,0 +1,99 @@
+"""The evaluation task "reach": arms that reach for positions and poses.
+
+A condition names the robot, what counts, where the joints start and what else is different, such as
+"ur5_pose_random_fast". The environment's seed is the episode's seed; there is no noise.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import gymnasium
+from gymnasium.vector import AutoresetMode, VectorEnv
+
+from aicon_baselines.evaluation.task import Episode, Measure, Task
+from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
+from aicon_envs.reach import ReachEnv
+
+ROBOTS = ("panda", "ur5", "xarm7")
+
+_VARIANTS: dict[str, dict[str, Any]] = {
+    "": {},
+    "_fast": {"speed": 3.0},
+    "_ball": {"balls": 1},
+    "_moving_ball": {"balls": 1, "ball_speed": 0.2},
+}
+"""What else is different, by the end of the condition's name."""
+
+_ORIENTATIONS = {"position": "free", "axis": "axis", "pose": "full"}
+"""What the policy calls the environment's targets."""
+
+
+def _arguments() -> dict[str, dict[str, Any]]:
+    """The arguments of the environment in each condition."""
+    by_name: dict[str, dict[str, Any]] = {}
+    for robot, target, start in product(ROBOTS, ("pose", "position"), ("home", "random")):
+        for ending, different in _VARIANTS.items():
+            name = f"{robot}_{target}_{start}{ending}"
+            by_name[name] = {"robot": robot, "target": target, "start": start, **different}
+
+    # Five joints reach a position and an approach axis.
+    for start in ("home", "random"):
+        by_name[f"so101_axis_{start}"] = {"robot": "so101", "target": "axis", "start": start}
+    return by_name
+
+
+_ARGUMENTS = _arguments()
+
+
+def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
+    def make_one() -> gymnasium.Env[Any, Any]:
+        env = ReachEnv(**{**_ARGUMENTS[condition], **options})
+        limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon)
+        return StandStillAfterEnd(limited)
+
+    return SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
+
+
+def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
+    return {"seed": [episode.seed for episode in episodes]}
+
+
+def _policy_options(condition: str) -> dict[str, Any]:
+    """Tell the policy its robot, what counts, how fast it may be, and of balls if there are any."""
+    arguments = _ARGUMENTS[condition]
+    env = ReachEnv(**arguments)
+    description = env.description()
+    balls = {name: description[name] for name in ("balls", "ball_radius")}
+
+    return {
+        "robot": description["urdf"],
+        "tip": description["tip"],
+        "srdf": description["srdf"],
+        "orientation": _ORIENTATIONS[env.target],
+        "speed": arguments.get("speed", 1.5),
+        "dt": description["time_step"],
+        **(balls if description["balls"] else {}),
+    }
+
+
+TASK = Task(
+    name="reach",
+    time_step=0.02,
+    horizon=1_000,
+    chunk_size=50,
+    maps=("free",),
+    conditions=tuple(_ARGUMENTS),
+    make_env=_make_env,
+    reset_arguments=_reset_arguments,
+    policy_options=_policy_options,
+    noiseless=tuple(_ARGUMENTS),
+    milestones=(250, 500),
+    measures=(
+        Measure("angle", "median angle at the end", "{:.1f}°", math.degrees(1.0)),
+        Measure("limit_margin", "least distance to a joint's stop", "{:.3f} rad", least=True),
+        Measure("self_gap", "least gap of the robot to itself", "{:.0f} mm", 1e3, least=True),
+        Measure("ball_gap", "least gap to a ball", "{:.0f} mm", 1e3, least=True),
+    ),
+)

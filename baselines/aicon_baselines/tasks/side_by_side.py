@@ -1,0 +1,46 @@
+"""Environments without a vectorized form of their own, side by side as one."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import SyncVectorEnv
+
+_Step = tuple[Any, Any, bool, bool, dict[str, Any]]
+
+
+class StandStillAfterEnd(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Stands still, in the dark, once its episode has ended, so that it costs no time."""
+
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        super().__init__(env)
+        self._last: _Step | None = None
+
+    def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
+        """Start an episode."""
+        self._last = None
+        return super().reset(**arguments)
+
+    def step(self, action: Any) -> _Step:
+        """Move, or repeat what the episode ended with."""
+        if self._last is not None:
+            return self._last
+
+        observation, reward, terminated, truncated, info = super().step(action)
+        if terminated or truncated:
+            at_rest = dict(observation)
+            # A black image: there is nothing more to look for.
+            if "rgb" in at_rest:
+                at_rest["rgb"] = np.zeros_like(at_rest["rgb"])
+            self._last = (at_rest, reward, terminated, truncated, info)
+        return observation, reward, terminated, truncated, info
+
+
+class SideBySide(SyncVectorEnv):
+    """Environments side by side, of which some may have ended."""
+
+    def step(self, actions: Any) -> Any:
+        """Move those that have not ended."""
+        # Gymnasium's own would refuse to go on with the others.
+        self._autoreset_envs[:] = False
+        return super().step(actions)

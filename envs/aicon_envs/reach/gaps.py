@@ -1,0 +1,60 @@
+"""How far the robot is from itself and from the balls, by MuJoCo's own collision detection."""
+
+import copy
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+SIGHT = 0.05
+"""Gaps are measured up to this, m."""
+
+
+class Gaps(NamedTuple):
+    """Smallest gaps, m: at most `SIGHT`, and below 0 where something touches."""
+
+    to_itself: float
+    to_balls: float
+
+
+class GapMeter:
+    """Measures gaps between the collision shapes of a scene that can meet.
+
+    Args:
+        model: The compiled scene.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        """Make a copy of the scene in which MuJoCo lists what is near, not only what touches."""
+        self._model = copy.copy(model)
+        self._model.geom_margin[:] = SIGHT / 2.0  # the margins of two shapes add up
+        self._model.geom_gap[:] = 0.0
+        self._data = mujoco.MjData(self._model)
+
+        bodies = self._model.geom_bodyid
+        self._is_ball = self._model.body_mocapid[bodies] >= 0
+
+    def __call__(self, positions: FloatArray, balls: FloatArray) -> Gaps:
+        """Return the gaps in a state.
+
+        Args:
+            positions: MuJoCo's `qpos`.
+            balls: MuJoCo's `mocap_pos`.
+        """
+        data = self._data
+        data.qpos[:], data.mocap_pos[:] = positions, balls
+        mujoco.mj_kinematics(self._model, data)
+        mujoco.mj_collision(self._model, data)
+        return self.near(data)
+
+    def near(self, data: mujoco.MjData) -> Gaps:
+        """Return the gaps among the contacts that MuJoCo has listed."""
+        distances = data.contact.dist
+        with_ball = self._is_ball[data.contact.geom].any(axis=1)
+        return Gaps(
+            to_itself=float(distances[~with_ball].min(initial=SIGHT)),
+            to_balls=float(distances[with_ball].min(initial=SIGHT)),
+        )

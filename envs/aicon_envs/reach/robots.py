@@ -1,0 +1,100 @@
+"""The robots that come with `example-robot-data`, and where their files are."""
+
+import importlib.metadata
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot that a URDF describes.
+
+    Attributes:
+        urdf: The file, or its path within `example-robot-data`, such as
+            "panda_description/urdf/panda.urdf".
+        tip: The link that reaches.
+        srdf: Says which links need not be compared; the same kinds of path, or None.
+        home: Where an episode may start, rad or m for each joint between root and tip; the middles
+            of the joints' limits if None.
+    """
+
+    urdf: str
+    tip: str
+    srdf: str | None = None
+    home: tuple[float, ...] | None = None
+
+
+ROBOTS = {
+    "panda": Robot(
+        "panda_description/urdf/panda.urdf",
+        "panda_hand_tcp",
+        "panda_description/srdf/panda.srdf",
+        (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
+    ),
+    "ur5": Robot(
+        "ur_description/urdf/ur5_joint_limited_robot.urdf",
+        "tool0",
+        "ur_description/srdf/ur5_joint_limited_robot.srdf",
+        (0.0, -1.571, 1.571, -1.571, -1.571, 0.0),
+    ),
+    "xarm7": Robot(
+        "xarm_description/urdf/xarm7.urdf",
+        "link7",
+        "xarm_description/srdf/xarm7.srdf",
+        (0.0, -0.247, 0.0, 0.909, 0.0, 1.156, 0.0),
+    ),
+    "so101": Robot("so_arm_description/urdf/so101.urdf", "gripper_frame_link"),
+    "z1": Robot(
+        "z1_description/urdf/z1.urdf",
+        "gripperStator",
+        "z1_description/srdf/z1.srdf",
+        (0.0, 0.785, -0.785, -0.3, 0.0, 0.0),
+    ),
+    "kinova": Robot(
+        "kinova_description/robots/kinova.urdf",
+        "j2s6s200_end_effector",
+        "kinova_description/srdf/kinova.srdf",
+        (1.571, 2.618, 4.712, 3.142, 2.618, 0.0),
+    ),
+    "tiago": Robot("tiago_description/robots/tiago.urdf", "arm_tool_link"),
+}
+"""Robots by name; their arms start as their makers' examples do."""
+
+
+def resolve_robot(robot: str | Robot) -> Robot:
+    """Return the robot of a name, or the robot itself.
+
+    Raises:
+        ValueError: If there is none of this name; it lists those there are.
+    """
+    if isinstance(robot, Robot):
+        return robot
+    if not isinstance(robot, str) or robot not in ROBOTS:
+        raise ValueError(f"robot must be a Robot or one of {', '.join(ROBOTS)}, got {robot!r}")
+
+    return ROBOTS[robot]
+
+
+def find_file(name: str) -> Path:
+    """Return the file of a path, or of a path within `example-robot-data`.
+
+    Raises:
+        FileNotFoundError: If there is none.
+        ModuleNotFoundError: If the package is missing.
+    """
+    path = Path(name)
+    if path.is_file():
+        return path.resolve()
+
+    try:
+        files = importlib.metadata.files("example-robot-data") or []
+    except importlib.metadata.PackageNotFoundError as error:
+        raise ModuleNotFoundError(
+            "the descriptions of robots are missing; "
+            "they come with: pip install 'aicon-torch[reach]'"
+        ) from error
+
+    for file in files:
+        if str(file).endswith(f"example-robot-data/robots/{name}"):
+            return Path(str(file.locate())).resolve()
+    raise FileNotFoundError(f"{name} is no file, and no file of example-robot-data's robots")

@@ -1,0 +1,143 @@
+"""The simulated robot: physics, servos, and what is watched at every one of their steps."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from aicon_envs.reach.gaps import SIGHT, GapMeter, Gaps
+from aicon_envs.reach.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+CONTROL_STEP = 0.02
+"""Duration of a control step, s."""
+
+WINDUP = 0.05
+"""The integral of a servo leads its joint by at most this, rad or m."""
+
+
+class Simulation:
+    """Physics at 500 Hz under joint velocities that change at 50 Hz.
+
+    Args:
+        scene: The compiled scene.
+
+    Attributes:
+        scene: The compiled scene.
+        data: Its state.
+        gaps: The smallest gaps during the last control step.
+        limit_margin: The smallest distance of a joint to its limits during the last control step,
+            rad or m; infinite without limits.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Find the joints of the scene."""
+        self.scene = scene
+        self.data = mujoco.MjData(scene.model)
+        self._measure = GapMeter(scene.model)
+
+        model = scene.model
+        self._substeps = round(CONTROL_STEP / model.opt.timestep)
+        self._positions = np.array([model.joint(name).qposadr[0] for name in scene.joints])
+        self._velocities = np.array([model.joint(name).dofadr[0] for name in scene.joints])
+        self._tip = model.site("tip").id
+
+    def start(self, joints: FloatArray, balls: FloatArray) -> None:
+        """Put the robot at rest.
+
+        Args:
+            joints: Values of the joints, ``(n,)``, rad or m.
+            balls: Positions of the balls, ``(balls, 3)``, m.
+        """
+        mujoco.mj_resetData(self.scene.model, self.data)
+        self.data.qpos[self._positions] = joints
+        self.data.act[:] = joints  # the servos hold what is reached
+        self.data.mocap_pos[1:] = balls
+        mujoco.mj_forward(self.scene.model, self.data)
+
+        self.gaps = self.measure(joints, balls)
+        self.limit_margin = self._margin()
+
+    def step(self, velocity: FloatArray, balls: FloatArray) -> None:
+        """Move by one control step.
+
+        Args:
+            velocity: Of each joint, ``(n,)``, rad/s or m/s.
+            balls: Where the balls are at its end, ``(balls, 3)``, m.
+        """
+        data, count = self.data, len(velocity)
+        data.ctrl[:count] = velocity
+        data.ctrl[count:] = velocity
+        start = data.mocap_pos[1:].copy()
+        nearest, margin = Gaps(SIGHT, SIGHT), np.inf
+
+        for number in range(1, self._substeps + 1):
+            data.mocap_pos[1:] = start + (balls - start) * (number / self._substeps)
+            mujoco.mj_step(self.scene.model, data)
+            if data.ncon:
+                nearest = _smaller(nearest, self._measure.near(data))
+            margin = min(margin, self._margin())
+
+        # Anti-windup: what blocks a joint does not make its servo push harder and harder.
+        joints = self.joints
+        np.clip(data.act, joints - WINDUP, joints + WINDUP, out=data.act)
+
+        self.gaps = _smaller(nearest, self.measure(joints, balls))
+        self.limit_margin = margin
+
+    def measure(self, joints: FloatArray, balls: FloatArray) -> Gaps:
+        """Return the gaps at values of the joints ``(n,)`` with balls at positions, m."""
+        positions, mocap = self.data.qpos.copy(), self.data.mocap_pos.copy()
+        positions[self._positions] = joints
+        mocap[1:] = balls
+        return self._measure(positions, mocap)
+
+    def tip_at(self, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return position ``(3,)``, m, and rotation ``(3, 3)`` of the tip at values of the joints.
+
+        The state is that of `start` afterwards.
+        """
+        self.data.qpos[self._positions] = joints
+        mujoco.mj_kinematics(self.scene.model, self.data)
+        return self.tip
+
+    def base_points(self, joints: FloatArray) -> FloatArray:
+        """Return where the first two joints are, ``(2, 3)``, m, at values of the joints."""
+        self.tip_at(joints)
+        numbers = [self.scene.model.joint(name).id for name in self.scene.joints[:2]]
+        points: FloatArray = self.data.xanchor[numbers].copy()
+        return points
+
+    def show_target(self, position: FloatArray, rotation: FloatArray) -> None:
+        """Show the target in pictures."""
+        self.data.mocap_pos[0] = position
+        mujoco.mju_mat2Quat(self.data.mocap_quat[0], rotation.ravel())
+        mujoco.mj_kinematics(self.scene.model, self.data)
+
+    @property
+    def joints(self) -> FloatArray:
+        """Values of the joints, ``(n,)``, rad or m."""
+        values: FloatArray = self.data.qpos[self._positions].copy()
+        return values
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Velocities of the joints, ``(n,)``, rad/s or m/s."""
+        values: FloatArray = self.data.qvel[self._velocities].copy()
+        return values
+
+    @property
+    def tip(self) -> tuple[FloatArray, FloatArray]:
+        """Position ``(3,)``, m, and rotation ``(3, 3)`` of the tip."""
+        position = self.data.site_xpos[self._tip].copy()
+        rotation = self.data.site_xmat[self._tip].reshape(3, 3).copy()
+        return position, rotation
+
+    def _margin(self) -> float:
+        joints = self.data.qpos[self._positions]
+        above, below = joints - self.scene.low, self.scene.high - joints
+        return float(np.minimum(above, below).min())
+
+
+def _smaller(one: Gaps, other: Gaps) -> Gaps:
+    return Gaps(min(one.to_itself, other.to_itself), min(one.to_balls, other.to_balls))

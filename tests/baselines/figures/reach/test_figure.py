@@ -1,0 +1,53 @@
+"""The figure of arms that reach: its files and what they show."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco")
+pytest.importorskip("trimesh")
+pytest.importorskip("pytorch_kinematics")
+
+from matplotlib.figure import Figure
+from PIL import Image
+
+from aicon_baselines.agents import factory
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.figures.reach import ReachRecording, draw_picture, make_figure, record
+from aicon_baselines.figures.reach.picture import _draw_curves
+
+
+@pytest.fixture(scope="module")
+def episode() -> ReachRecording:
+    policy = factory("reach", "damped_least_squares")("ur5_pose_home")
+    try:
+        return record(policy, "ur5", 1000, 7)
+    except RuntimeError as error:
+        pytest.skip(f"no OpenGL without a display: {error}")
+
+
+def test_every_second_step_is_seen_and_every_step_is_measured(episode: ReachRecording) -> None:
+    assert len(episode.frames) == 4 and episode.frames[0].shape == (480, 480, 3)
+    assert not np.array_equal(episode.frames[0], episode.frames[-1])
+    np.testing.assert_allclose(episode.times, 0.02 * np.arange(1, 8))
+    for values in (episode.distance, episode.angle, episode.self_gap, episode.limit_margin):
+        assert values.shape == (7,) and (values > 0.0).all()
+
+
+def test_the_picture_shows_each_robot(episode: ReachRecording, tmp_path: Path) -> None:
+    draw_picture([episode, episode], tmp_path / "reach.png")
+    with Image.open(tmp_path / "reach.png") as picture:
+        assert picture.width > 1000 and picture.height > 500
+
+
+def test_the_curves_are_those_of_the_episode(episode: ReachRecording) -> None:
+    axes = Figure().add_subplot()
+    _draw_curves(axes, episode)
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), episode.distance)
+    np.testing.assert_array_equal(axes.lines[2].get_ydata(), episode.self_gap)
+
+
+def test_an_unknown_format_is_an_error_before_anything_runs(tmp_path: Path) -> None:
+    with pytest.raises(ComparisonError, match="unknown video 'avi'; valid: mp4, gif, none"):
+        make_figure(tmp_path, video="avi")

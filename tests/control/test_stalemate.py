@@ -1,0 +1,119 @@
+"""Where constraints bring an actuator to rest short of its goal, the mechanism finds a way out."""
+
+import dataclasses
+import math
+
+import pytest
+import torch
+from _inputs.walls import place
+from torch import Tensor
+
+from aicon_torch import (
+    Actuator,
+    Affine,
+    DirectDescent,
+    Goal,
+    Interconnection,
+    KalmanFilter,
+    Measurement,
+    Policy,
+    Sensor,
+    WorldModel,
+)
+from aicon_torch.parts import JointLimits, SquaredHinge
+from aicon_torch.safety import ConstraintEscape, VelocityDampers
+
+DT, STOP = 0.05, 3.0
+
+
+def angle_to_target(q: Tensor, z_target: Tensor) -> Tensor:
+    """The angle between a hand and its target, rad, in [0, π]; the hand may go either way round."""
+    sine, cosine = torch.sin(q - z_target), torch.cos(q - z_target)
+    return torch.atan2(sine.abs(), cosine)[..., 0]
+
+
+def hand(escape: ConstraintEscape | None, speed: float = 1.0, dt: float = DT) -> Policy:
+    """A hand that turns between two stops, so that one of the two ways to a target is closed."""
+    stops = JointLimits((-STOP,), (STOP,), SquaredHinge(0.02, 1.0))
+    joint = KalmanFilter(
+        "q",
+        "P",
+        predict=Affine(q=1.0, a=dt),
+        noise=1e-4,
+        initial=((0.0,), 1.0),
+        correct=[Measurement(Affine(q=1.0, z=-1.0), 1e-8)],
+    )
+    limits = Goal("stops", Interconnection(stops, inputs=["q"]), safety=True)
+    model = WorldModel(
+        sensors={"z": Sensor(1, "rad"), "z_target": Sensor(1, "rad")},
+        actuators={
+            "a": Actuator(1, "rad/s", limit=(speed,), dampers=VelocityDampers(escape=escape))
+        },
+        estimators=[joint],
+        goals=[Goal("point", angle_to_target, tolerance=0.02), limits],
+        dt=dt,
+        dtype=torch.float64,
+    )
+    return Policy(model, law=DirectDescent(smoothing=0.0))
+
+
+def turn(policy: Policy, start: float, target: float, steps: int) -> tuple[Tensor, Tensor]:
+    """The angles ``(steps + 1,)`` and whether the hand was escaping ``(steps,)``."""
+    q, memory = [place(start)], None
+    escaping: list[Tensor] = []
+    for _ in range(steps):
+        action, memory = policy.predict({"z": q[-1], "z_target": place(target)}, memory)
+        q.append(q[-1] + policy.model.dt * action)
+        escaping.append(memory.get("a/escape/escaping", torch.tensor(False)))
+    return torch.stack(q)[:, 0], torch.stack(escaping)
+
+
+def test_behind_a_stop_it_goes_the_other_way_round() -> None:
+    way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=-2.8, steps=200)
+    assert way.abs().max() < STOP
+    assert way[-1] == pytest.approx(-2.8, abs=0.05)
+    assert escaping.any()
+    assert not escaping[-1]
+
+
+def test_without_an_escape_it_stays_at_the_stop() -> None:
+    way, _ = turn(hand(None), start=2.5, target=-2.8, steps=200)
+    assert way[-1] == pytest.approx(STOP, abs=0.05)
+
+
+def test_where_the_way_is_free_it_never_escapes() -> None:
+    _, escaping = turn(hand(ConstraintEscape()), start=0.5, target=-1.0, steps=200)
+    assert not escaping.any()
+
+
+def test_it_is_over_the_crest_before_it_turns_to_the_target_again() -> None:
+    way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=-2.8, steps=200)
+    left = int(escaping.nonzero()[-1])
+    assert way[left] < -2.8 + math.pi + 0.1
+
+
+@pytest.mark.parametrize("factor", [2, 4])
+def test_a_robot_as_many_times_as_fast_escapes_alike(factor: int) -> None:
+    slow, fast = hand(ConstraintEscape()), hand(ConstraintEscape(), float(factor), DT / factor)
+    ways = [turn(policy, start=2.5, target=-2.8, steps=200)[0] for policy in (slow, fast)]
+    torch.testing.assert_close(*ways, rtol=0, atol=1e-6)
+
+
+def test_it_gives_up_an_escape_after_its_largest_duration() -> None:
+    brief = dataclasses.replace(ConstraintEscape(), longest=2.0, shortest=1.0, detour=2.0)
+    _, escaping = turn(hand(brief), start=2.5, target=-2.8, steps=60)
+    started = int(escaping.nonzero()[0])
+    time_constant = VelocityDampers().braking / 1.0
+    duration = int((~escaping[started:]).nonzero()[0]) * DT
+    assert duration == pytest.approx(2.0 * time_constant, abs=2 * DT)
+
+
+def test_each_row_of_a_batch_escapes_by_itself() -> None:
+    policy, memory = hand(ConstraintEscape()), None
+    q, target = torch.tensor([[2.5], [0.5]], dtype=torch.float64), torch.tensor([[-2.8], [1.0]])
+    for _ in range(200):
+        action, memory = policy.predict({"z": q, "z_target": target.double()}, memory)
+        q = q + DT * action
+    torch.testing.assert_close(q, target.double(), rtol=0, atol=0.05)
+    assert memory is not None
+    assert memory["a/escape/best"][0] < 0.1

@@ -1,0 +1,91 @@
+import pytest
+import torch
+from _inputs import normal
+from _inputs.random_numbers import BATCHES
+from torch import Tensor
+
+from aicon_torch.safety import SafetyBounds, nearest_safe
+
+
+def random_bounds(*batch: int, rows: int = 5, size: int = 4, seed: int = 0) -> SafetyBounds:
+    """Rows that rest keeps, and a box about rest."""
+    low = -normal(*batch, size, seed=seed + 2).abs() - 0.1
+    return SafetyBounds(
+        slopes=normal(*batch, rows, size, seed=seed),
+        bounds=-0.5 * normal(*batch, rows, seed=seed + 1).abs(),
+        low=low,
+        high=-low,
+    )
+
+
+def closing(action: Tensor, within: SafetyBounds) -> Tensor:
+    """c·a − b of each row, at least 0 where it holds."""
+    return (within.slopes * action.unsqueeze(-2)).sum(-1) - within.bounds
+
+
+def test_a_safe_wish_stays_as_it_is() -> None:
+    within = random_bounds(50)
+    wish = torch.zeros(50, 4, dtype=torch.float64)
+    action, force = nearest_safe(wish, within, sweeps=3)
+    assert (action == wish).all()
+    assert (force == 0).all()
+
+
+@pytest.mark.parametrize("sweeps", [1, 3, 12])
+def test_what_rest_keeps_is_kept_even_where_the_sweeps_have_not_converged(sweeps: int) -> None:
+    within = random_bounds(500, rows=12)
+    action, _ = nearest_safe(5 * normal(500, 4, seed=9), within, sweeps)
+    slack = 1e-3 * within.high.amax(-1, keepdim=True) * within.slopes.norm(dim=-1)
+    assert (closing(action, within) >= -slack).all()
+    assert (action >= within.low).all()
+    assert (action <= within.high).all()
+
+
+def test_it_is_the_nearest_action_once_the_sweeps_have_converged() -> None:
+    """No action within the bounds is nearer to the wish: (v − a)·(w − a) ≤ 0 for every such v."""
+    within = random_bounds(40, rows=3)
+    wish = 2 * normal(40, 4, seed=9)
+    action, _ = nearest_safe(wish, within, sweeps=500)
+
+    candidates = 2 * normal(2000, 40, 4, seed=10)
+    allowed = (closing(candidates, within) >= 0).all(-1)
+    allowed &= ((candidates >= within.low) & (candidates <= within.high)).all(-1)
+    gain = ((candidates - action) * (wish - action)).sum(-1)
+    assert allowed.any(0).float().mean() > 0.5
+    assert (gain[allowed] < 1e-3).all()
+
+
+def test_the_force_is_what_the_bounds_add_to_the_wish() -> None:
+    within = random_bounds(40, rows=3)
+    wish = 2 * normal(40, 4, seed=9)
+    action, force = nearest_safe(wish, within, sweeps=500)
+    torch.testing.assert_close(wish + force, action, rtol=1e-3, atol=1e-3)
+
+
+def test_a_gap_that_closes_by_itself_moves_what_rests() -> None:
+    slopes = torch.tensor([[1.0, 0.0]])
+    limits = torch.ones(2)
+    within = SafetyBounds(slopes, torch.tensor([0.3]), -limits, limits)
+    action, _ = nearest_safe(torch.zeros(2), within, sweeps=3)
+    torch.testing.assert_close(action, torch.tensor([0.3, 0.0]))
+
+
+def test_a_gap_that_no_action_changes_asks_for_nothing() -> None:
+    limits = torch.ones(2)
+    within = SafetyBounds(torch.zeros(1, 2), torch.tensor([0.3]), -limits, limits)
+    wish = torch.tensor([0.5, -0.5])
+    action, _ = nearest_safe(wish, within, sweeps=3)
+    torch.testing.assert_close(action, wish)
+
+
+@pytest.mark.parametrize("batch", BATCHES)
+def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
+    within, wish = random_bounds(*batch), normal(*batch, 4, seed=9)
+    action, force = nearest_safe(wish, within, sweeps=4)
+    assert action.shape == force.shape == wish.shape
+
+    flat = SafetyBounds(*(value.reshape(-1, *value.shape[len(batch) :]) for value in within))
+    for row, expected in enumerate(action.reshape(-1, 4)):
+        single = SafetyBounds(*(value[row] for value in flat))
+        found, _ = nearest_safe(wish.reshape(-1, 4)[row], single, sweeps=4)
+        torch.testing.assert_close(found, expected)
