@@ -105,9 +105,10 @@ def is_finite(memory: Mapping[str, torch.Tensor]) -> NDArray[np.bool_]:
 
 def is_legal(task: str, action: NDArray[Any]) -> NDArray[np.bool_]:
     """Which commands ``(B, n)`` are finite and within their limits, ``(B,)``."""
-    finite = np.isfinite(action).all(-1)
+    finite: NDArray[np.bool_] = np.isfinite(action).all(-1)
     if task == "pusht":
-        return finite & (action >= 0.0).all(-1) & (action <= 512.0).all(-1)
+        on_board: NDArray[np.bool_] = finite & ((action >= 0) & (action <= 512)).all(-1)
+        return on_board
 
     limit = {"nav2d": 0.5, "panda_push": 1.6}[task]
     speed = np.linalg.norm(action.astype(np.float64), axis=-1)

@@ -121,11 +121,7 @@ class Admission(NamedTuple):
     @staticmethod
     def _jump(sensor: Sensor, reading: Tensor, last: Tensor) -> Tensor:
         """The largest change of a component since the last reading, ``(*B,)``, as it is read."""
-        scale = sensor.scale
-        if not isinstance(scale, int | float):
-            scale = reading.new_tensor(scale)
-
-        change = (reading - last) / scale
+        change = (reading - last) / reading.new_tensor(sensor.scale)
         if sensor.period is not None:
             change = torch.remainder(change + sensor.period / 2, sensor.period) - sensor.period / 2
         largest: Tensor = change.abs().amax(-1)

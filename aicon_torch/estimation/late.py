@@ -109,10 +109,14 @@ class LateEKF(EKF):
 
     def _steps(self, moves: Tensor) -> Iterator[tuple[int, dict[str, Tensor]]]:
         """For each step how long ago it began, from L + 1 to 1, and what moved it then."""
-        sizes = list(self.moved_by.values())
-        for index, step in enumerate(moves.split(sum(sizes), dim=-1)):
-            parts = step.split(sizes, dim=-1)
-            yield self.steps + 1 - index, dict(zip(self.moved_by, parts, strict=True))
+        steps = moves.unflatten(-1, (self.steps + 1, -1)).unbind(-2)
+        for index, step in enumerate(steps):
+            parts: dict[str, Tensor] = {}
+            start = 0
+            for name, size in self.moved_by.items():
+                parts[name] = step[..., start : start + size]
+                start += size
+            yield self.steps + 1 - index, parts
 
     def _moved(
         self,

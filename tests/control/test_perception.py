@@ -96,5 +96,8 @@ def test_a_compiled_policy_keeps_its_perception() -> None:
 
 def test_what_it_returns_is_checked_like_an_observation() -> None:
     policy, _ = seeing()
-    with pytest.raises(ObservationError, match=r"'z_obs'.*finite values in m"):
-        policy.predict(image_of(observation_with(range=np.array([np.nan]))))
+    with pytest.raises(ObservationError, match=r"'z_obs'.*got \(2,\)"):
+        policy.predict(image_of(observation_with(range=np.ones(2))))
+
+    _, memory = policy.predict(image_of(observation_with(range=np.array([np.nan]))))
+    assert not memory["z_obs.present"]

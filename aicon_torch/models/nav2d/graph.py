@@ -117,7 +117,7 @@ def _watched(options: Options) -> dict[str, Any]:
 
 def _actuator(options: Options) -> Actuator:
     """The velocity, which late readings limit where obstacles are near."""
-    limits = ()
+    limits: tuple[ClearanceLimits, ...] = ()
     if options.delay:
         limits = (ClearanceLimits.for_latency(options.delay * options.dt),)
     return Actuator(2, "m/s", limit=options.max_speed, constraints=limits, key="executed")
