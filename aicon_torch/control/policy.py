@@ -1,6 +1,7 @@
 """The policy: from an observation to an action, one control step at a time."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -141,6 +142,27 @@ class Policy(nn.Module):
         compiled = Policy(self.model, self.resolution, self.law, self.perception)
         compiled._step = CompiledStep(compiled._step)
         return compiled
+
+    def export(self, path: str | Path, **description: str) -> None:
+        """Write the control step to a file that runs without torch, in microseconds.
+
+        What is in it, down to the reading of observations and the beginning of episodes, is plain C
+        without allocations: :func:`aicon_torch.load_exported` runs it in Python, and
+        ``examples/cpp`` in C++. A perception is not in it.
+
+        Args:
+            path: A file that ends in ``.so``, for a library compiled for this kind of machine, or
+                in ``.c``, for its source.
+            **description: What is to be known of it, such as ``task="pusht"``.
+
+        Raises:
+            OptionError: If the file's name ends otherwise, or there is no C compiler.
+            GraphError: If an operation has no translation to C.
+        """
+        from aicon_torch.control.exporting import export  # loads the translation to C
+
+        step = ControlStep(self.model, self.backward_pass, self.law)
+        export(step, path, description, perceives=self.perception is not None)
 
     def reset(self) -> None:
         """Forget the memory that :meth:`act` keeps."""

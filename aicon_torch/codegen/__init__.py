@@ -1,0 +1,8 @@
+"""Functions of tensors as plain C: traced, taken apart into numbers, and written out."""
+
+from aicon_torch.codegen.c_source import prelude
+from aicon_torch.codegen.compiler import compile_library
+from aicon_torch.codegen.layout import Entry, Layout
+from aicon_torch.codegen.tracing import FlatFunction, in_c
+
+__all__ = ["Entry", "FlatFunction", "Layout", "compile_library", "in_c", "prelude"]
