@@ -2,7 +2,6 @@
 
 from aicon_torch.codegen.c_source import prelude
 from aicon_torch.codegen.compiler import compile_library
-from aicon_torch.codegen.layout import Entry, Layout
 from aicon_torch.codegen.tracing import FlatFunction, in_c
 
-__all__ = ["Entry", "FlatFunction", "Layout", "compile_library", "in_c", "prelude"]
+__all__ = ["FlatFunction", "compile_library", "in_c", "prelude"]

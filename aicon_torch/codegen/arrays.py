@@ -63,7 +63,7 @@ class Writer:
     def reduce(
         self, operation: str, kind: Kind, values: Array, dims: Sequence[int], keeps: bool
     ) -> Array:
-        """An operation of two arguments along some dimensions, from the first element to the last."""
+        """An operation of two arguments along dimensions, from the first element to the last."""
         dims = [dim % values.ndim for dim in dims] if values.ndim else []
         last = np.moveaxis(values, dims, range(-len(dims), 0)) if dims else values[..., None]
         kept = last.shape[: last.ndim - max(len(dims), 1)]

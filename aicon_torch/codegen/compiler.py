@@ -32,8 +32,8 @@ def compile_library(source: str, path: Path) -> None:
     compiler = shlex.split(os.environ.get("CC", "cc"))
     if shutil.which(compiler[0]) is None:
         raise OptionError(
-            f"There is no C compiler {compiler[0]!r} (Debian: apt install gcc; the variable CC names "
-            "another). Export the source instead, to a file that ends in .c."
+            f"There is no C compiler {compiler[0]!r} (Debian: apt install gcc; the variable CC "
+            "names another). Export the source instead, to a file that ends in .c."
         )
 
     # Beside its place, and moved there when it is whole: a library in use must not change.

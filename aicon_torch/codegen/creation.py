@@ -35,9 +35,7 @@ def zeros_like(writer: Writer, kind: Kind, like: Array, *_: Any, **__: Any) -> A
     return writer.full(like.shape, 0, kind)
 
 
-def steps(
-    writer: Writer, kind: Kind, start: float, end: float, step: float = 1, **_: Any
-) -> Array:
+def steps(writer: Writer, kind: Kind, start: float, end: float, step: float = 1, **_: Any) -> Array:
     """Constants at equal distances."""
     values = np.arange(start, end, step).tolist()
     return as_array([writer.program.constant(value, kind) for value in values], (len(values),))

@@ -171,9 +171,7 @@ def take(writer: Writer, kind: Kind, value: Array, dim: int, index: Array) -> Ar
     return np.moveaxis(np.stack(taken), 0, dim)
 
 
-def gather(
-    writer: Writer, kind: Kind, value: Array, dim: int, index: Array, **_: Any
-) -> Array:
+def gather(writer: Writer, kind: Kind, value: Array, dim: int, index: Array, **_: Any) -> Array:
     """For each element of the index the candidate there, along a dimension."""
     chosen = np.empty(index.shape, dtype=object)
     for place in np.ndindex(index.shape):
@@ -196,9 +194,7 @@ def scatter_add(
     return _scatter(writer, kind, value, dim, index, source, adds=True)
 
 
-def index_by(
-    writer: Writer, kind: Kind, value: Array, indices: Sequence[Array | None]
-) -> Array:
+def index_by(writer: Writer, kind: Kind, value: Array, indices: Sequence[Array | None]) -> Array:
     """Indexing by arrays of indices."""
     places = _all_known(indices)
     if places is not None:

@@ -195,9 +195,7 @@ def product(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
     return writer.reduce("add", kind, terms, [-2], False)
 
 
-def product_and_sum(
-    writer: Writer, kind: Kind, start: Array, first: Array, second: Array
-) -> Array:
+def product_and_sum(writer: Writer, kind: Kind, start: Array, first: Array, second: Array) -> Array:
     """C + AB."""
     return writer.map("add", kind, start, product(writer, kind, first, second))
 

@@ -38,7 +38,7 @@ class Operation:
     """An elementary operation.
 
     Attributes:
-        text: In C, with the arguments' places; ``{f}`` is the suffix of functions of this precision.
+        text: In C, with the arguments' places; ``{f}`` is the suffix of the precision's functions.
         fold: The same in numpy, for constants.
     """
 

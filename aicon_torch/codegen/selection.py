@@ -76,9 +76,7 @@ def _extreme(
     return values.squeeze(dim), indices.squeeze(dim)
 
 
-def _along(
-    value: Array, dim: int, function: Callable[[Array], list[Best]]
-) -> tuple[Array, Array]:
+def _along(value: Array, dim: int, function: Callable[[Array], list[Best]]) -> tuple[Array, Array]:
     """Values and indices that a function finds in each line along a dimension."""
     moved = np.moveaxis(value, dim, -1) if value.ndim else value.reshape(1)
     best: list[Best] = []

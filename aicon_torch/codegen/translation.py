@@ -8,7 +8,6 @@ import torch
 from torch import Tensor
 from torch.fx import GraphModule, Node
 
-from aicon_torch.errors import GraphError
 from aicon_torch.codegen.arrays import Array, Writer, kind_of
 from aicon_torch.codegen.creation import CREATION
 from aicon_torch.codegen.indexing import INDEXING
@@ -16,6 +15,7 @@ from aicon_torch.codegen.operators import ELEMENTWISE, Translation
 from aicon_torch.codegen.scalars import Kind
 from aicon_torch.codegen.selection import SELECTION
 from aicon_torch.codegen.solving import SOLVING
+from aicon_torch.errors import GraphError
 
 TRANSLATIONS: dict[str, Translation] = {
     **ELEMENTWISE,

@@ -9,8 +9,8 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
-from aicon_torch.codegen import Layout
 from aicon_torch.control.exported_memory import ExportedMemory
+from aicon_torch.control.layout import Layout
 from aicon_torch.control.library import Library
 from aicon_torch.control.memory import GOAL_FACTORS, check_memory, starting_rows
 from aicon_torch.control.observation import check_first_readings, read
@@ -100,7 +100,7 @@ class ExportedPolicy:
         if self.perception is not None:
             observation = self._perceive(self.perception, observation, state, episode_start)
 
-        # The usual case, quickly: the next step of one robot, all readings arrays as they should be.
+        # The usual case, quickly: the next step of one robot, with whole readings in arrays.
         readings = self._plain_readings(observation)
         if readings is not None and type(state) is ExportedMemory:
             continues = episode_start is None or not np.any(episode_start)  # type: ignore[arg-type]

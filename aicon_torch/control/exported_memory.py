@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch.codegen import Layout
+from aicon_torch.control.layout import Layout
 
 
 class ExportedMemory(Mapping[str, Tensor]):

@@ -12,12 +12,10 @@ from torch import Tensor
 
 from aicon_torch.codegen import compile_library, in_c, prelude
 from aicon_torch.control.flat_step import FlatStep
+from aicon_torch.control.library import FORMAT
 from aicon_torch.control.memory import GOAL_FACTORS
 from aicon_torch.control.step import ControlStep
 from aicon_torch.errors import OptionError
-
-FORMAT = 1
-"""Number of the format of an exported policy: its functions and its metadata."""
 
 _TEST_STEPS = 3
 
@@ -67,7 +65,9 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     # What the library says of itself, and what calls these functions.
     metadata = _metadata(flat, description, perceives)
     metadata["fingerprint"] = hashlib.sha256("".join(functions).encode()).hexdigest()
-    return "\n".join([_HEADING, *functions, _constants(flat, metadata), _row(flat), _STEP])
+    return "\n".join(
+        [_HEADING, *functions, _constants(flat, metadata), _row(flat), _STEP, _test(flat)]
+    )
 
 
 def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -> dict[str, Any]:
@@ -93,29 +93,27 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
         "goals": list(model.goals),
         "memory": flat.memory.to_json(),
         "commands": flat.commands.to_json(),
-        "test": _test(flat),
     }
 
 
-def _test(flat: FlatStep) -> dict[str, Any]:
-    """Readings of some steps, and the memory and the commands after the last."""
+def _test(flat: FlatStep) -> str:
+    """A test of the library: some readings, and what comes of them."""
     generator = torch.Generator().manual_seed(0)
-    like = flat.model.like
     readings = 0.1 + torch.rand(_TEST_STEPS, flat.readings.size, generator=generator)
-    readings = readings.to(like.dtype)
+    readings = readings.to(flat.model.like.dtype)
     for name, entry in flat.readings.entries.items():
         if flat.model.sensors[name].optional:
             readings[1, entry.start : entry.stop] = torch.nan  # the second time there is none
 
     memory = flat.restarted(flat.blank(), readings[0])
-    commands = like.new_empty(0)
     for reading in readings:
         memory, commands = flat(memory, reading)
-    return {
-        "readings": readings.tolist(),
-        "memory": memory.tolist(),
-        "commands": commands.tolist(),
-    }
+    return _TEST.format(
+        steps=_TEST_STEPS,
+        readings=_initializer(readings.flatten()),
+        memory=_initializer(memory),
+        commands=_initializer(commands),
+    )
 
 
 def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
@@ -145,7 +143,8 @@ def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
 
 def _initializer(values: Tensor) -> str:
     """A tensor as the initial value of an array."""
-    return "{" + ", ".join(repr(value) for value in values.tolist()) + "}"
+    numbers = ["NAN" if value != value else repr(value) for value in values.tolist()]
+    return "{" + ", ".join(numbers).replace("inf", "INFINITY") + "}"
 
 
 def _row(flat: FlatStep) -> str:
@@ -207,4 +206,31 @@ EXPORTED void aicon_step(long rows, const unsigned char *starts, const void *rea
     memcpy((real *)next + row * MEMORY, after, sizeof after);
   }
 }
+"""
+
+_TEST = """\
+/* Whether it computes here what it did when it was exported. */
+static int is_near(const real *found, const real *recorded, int count) {{
+  const real tolerance = sizeof(real) == 4 ? 1e-4 : 1e-9;
+  for (int i = 0; i < count; ++i) {{
+    if (found[i] != found[i] && recorded[i] != recorded[i]) continue;
+    if (!(magnitude(found[i] - recorded[i]) <= tolerance * (1 + magnitude(recorded[i]))))
+      return 0;
+  }}
+  return 1;
+}}
+
+EXPORTED int aicon_test(void) {{
+  static const real readings[{steps}][READINGS] = {readings};
+  static const real recorded_memory[MEMORY] = {memory};
+  static const real recorded_commands[COMMANDS] = {commands};
+  real memory[MEMORY], commands[COMMANDS];
+
+  aicon_blank(memory);
+  for (int k = 0; k < {steps}; ++k) {{
+    const unsigned char starts = k == 0;
+    aicon_step(1, &starts, readings[k], memory, memory, commands);
+  }}
+  return is_near(memory, recorded_memory, MEMORY) && is_near(commands, recorded_commands, COMMANDS);
+}}
 """

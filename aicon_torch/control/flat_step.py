@@ -3,7 +3,7 @@
     start:    readings → memory                            an episode begins
     whole:    memory, readings → memory, commands          a step of one gradient
     begin:    memory, readings → values, descent           a step of many: estimate, ...
-    descend:  memory, values, descent → descent            ... take one gradient, again and again, ...
+    descend:  memory, values, descent → descent            ... take K gradients, ...
     finish:   memory, values, descent → memory, commands   ... and act
 
 Readings are those of the observation, NaN where there is none.
@@ -14,7 +14,8 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
-from aicon_torch.codegen import FlatFunction, Layout
+from aicon_torch.codegen import FlatFunction
+from aicon_torch.control.layout import Layout
 from aicon_torch.control.memory import GOAL_FACTORS, initial_memory
 from aicon_torch.control.observation import hold
 from aicon_torch.control.step import ControlStep
@@ -129,7 +130,9 @@ class FlatStep:
     def _lay_out(self) -> None:
         """What lives where, found by taking a step."""
         self.readings = Layout.of(self._readings())
-        held = hold(self._in_units(self.model.like.new_ones(self.readings.size)), self.model.sensors)
+        held = hold(
+            self._in_units(self.model.like.new_ones(self.readings.size)), self.model.sensors
+        )
         memory = initial_memory(self.step.backward, held, ())
         self.memory = Layout.of(memory)
 

@@ -7,11 +7,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from aicon_torch.codegen.scalars import Kind
-from aicon_torch.codegen.arrays import kind_of
-
-DTYPES: dict[Kind, torch.dtype | None] = {"real": None, "int": torch.int64, "bool": torch.bool}
-"""The type of each kind of entry; None for that of the flat tensor itself."""
+INTEGERS = {"int": torch.int64, "bool": torch.bool}
+"""The type of entries that are not real numbers, by their kind."""
 
 
 @dataclass(frozen=True)
@@ -21,24 +18,22 @@ class Entry:
     Attributes:
         name: Its name.
         shape: Its shape, without leading batch dimensions.
-        kind: What its elements are; in the flat tensor all are real numbers.
+        kind: What its elements are, ``"real"``, ``"int"`` or ``"bool"``; in the flat tensor all are
+            real numbers.
         start: Where it begins.
         stop: Where it ends.
     """
 
     name: str
     shape: tuple[int, ...]
-    kind: Kind
+    kind: str
     start: int
     stop: int
 
     def of(self, flat: Tensor) -> Tensor:
         """The named tensor ``(*B, *shape)`` out of the flat one ``(*B, n)``."""
         part = flat[..., self.start : self.stop].reshape((*flat.shape[:-1], *self.shape))
-        dtype = DTYPES[self.kind]
-        if dtype is None:
-            return part
-        return part != 0 if dtype == torch.bool else part.to(dtype)
+        return part.to(INTEGERS[self.kind]) if self.kind in INTEGERS else part
 
 
 class Layout:
@@ -59,7 +54,7 @@ class Layout:
         start = 0
         for name, value in values.items():
             stop = start + value.numel()
-            entries.append(Entry(name, tuple(value.shape), kind_of(value.dtype), start, stop))
+            entries.append(Entry(name, tuple(value.shape), _kind_of(value), start, stop))
             start = stop
         return cls(tuple(entries))
 
@@ -94,3 +89,9 @@ class Layout:
             entries.append(Entry(item["name"], shape, item["kind"], start, stop))
             start = stop
         return cls(tuple(entries))
+
+
+def _kind_of(value: Tensor) -> str:
+    if value.is_floating_point():
+        return "real"
+    return "bool" if value.dtype == torch.bool else "int"
