@@ -93,6 +93,11 @@ def diagonal(
     return value.diagonal(offset, dim1, dim2)
 
 
+def flip(writer: Writer, kind: Kind, value: Array, dims: Sequence[int]) -> Array:
+    """Backward along these dimensions."""
+    return np.flip(value, tuple(dims))
+
+
 def join(writer: Writer, kind: Kind, values: Sequence[Array], dim: int = 0) -> Array:
     """Parts one after the other."""
     return writer.cast(np.concatenate([v for v in values if v.shape != (0,)], axis=dim), kind)
@@ -315,6 +320,7 @@ INDEXING: dict[str, Translation] = {
     "split_with_sizes": split,
     "unbind": rows,
     "diagonal": diagonal,
+    "flip": flip,
     "cat": join,
     "constant_pad_nd": pad,
     "slice_scatter": replace_part,

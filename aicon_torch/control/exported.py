@@ -1,5 +1,6 @@
 """An exported policy in Python: a policy like any other, but for its step, which is a library."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -152,7 +153,7 @@ class ExportedPolicy:
 
         readings: Array = np.concatenate(parts, dtype=self._library.dtype, casting="same_kind")
         total = np.add.reduce(readings[: self._library.required])
-        return readings if total - total == 0 else None  # neither infinite nor NaN
+        return readings if math.isfinite(total) else None
 
     def _checked(
         self,
