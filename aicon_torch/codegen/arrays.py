@@ -10,7 +10,7 @@ from torch import Tensor
 
 from aicon_torch.codegen.scalars import CONSTANT, Kind, Number, Program
 
-Array = NDArray[np.object_]
+Array = NDArray[Any]
 """The numbers of a tensor, in its shape."""
 
 COMPARISONS = ("eq", "ne", "lt", "le", "gt", "ge")
@@ -72,7 +72,7 @@ class Writer:
         result = self.cast(rows[..., 0], kind)
         for place in range(1, rows.shape[-1]):
             result = self.map(operation, kind, result, rows[..., place])
-        return cast(Array, np.expand_dims(result, tuple(dims)) if keeps else result)
+        return np.expand_dims(result, tuple(dims)) if keeps else result
 
     def pick(self, candidates: Sequence[Any], index: Number) -> Number:
         """The candidate at an index, which may be known when the program runs only."""

@@ -97,7 +97,7 @@ def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
     result = f"  real {name}[{count}];"
 
     pointers = f"{name}_in"
-    if number.operation == "substitute":
+    if number.operation.startswith("substitute"):
         size = sizes[0]
         pointers = f"{name}_in, {name}_in + {size * size}, {name}_in + {size * size + size}"
     numbers = ", ".join(str(size) for size in sizes)

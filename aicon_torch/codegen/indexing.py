@@ -65,13 +65,15 @@ def part(
     step: int = 1,
 ) -> Array:
     """A slice."""
-    return value[_along(value, dim, slice(start, end, step))]
+    taken: Array = value[_along(value, dim, slice(start, end, step))]
+    return taken
 
 
 def row(writer: Writer, kind: Kind, value: Array, dim: int, index: int) -> Array:
     """The part at one index, without its dimension."""
     end = index + 1 if index != -1 else None
-    return value[_along(value, dim, slice(index, end))].squeeze(dim)
+    taken: Array = value[_along(value, dim, slice(index, end))]
+    return taken.squeeze(dim)
 
 
 def split(
@@ -109,11 +111,13 @@ def pad(
     """More elements on either side, from the last dimension to the first."""
     pairs = list(zip(widths[::2], widths[1::2], strict=True))
     pairs += [(0, 0)] * (value.ndim - len(pairs))
-    padded = np.pad(value, pairs[::-1], constant_values=None)
+    inner = tuple(
+        slice(before, before + size)
+        for (before, _), size in zip(pairs[::-1], value.shape, strict=True)
+    )
 
-    is_new = np.pad(np.zeros(value.shape, dtype=bool), pairs[::-1], constant_values=True)
-    padded[is_new] = writer.program.constant(filling, kind)
-    return padded
+    shape = [sum(pair) + size for pair, size in zip(pairs[::-1], value.shape, strict=True)]
+    return _replaced(writer.full(shape, filling, kind), inner, value)
 
 
 # --- with a part replaced
@@ -162,6 +166,11 @@ def overwrite(writer: Writer, kind: Kind, value: Array, source: Array, *_: Any) 
     return value
 
 
+def copied(writer: Writer, kind: Kind, value: Array, source: Array, *_: Any) -> Array:
+    """A source in the shape of another value."""
+    return np.broadcast_to(writer.cast(source, kind), value.shape).copy()
+
+
 # --- by index
 
 
@@ -169,7 +178,8 @@ def take(writer: Writer, kind: Kind, value: Array, dim: int, index: Array) -> Ar
     """The parts at some indices."""
     places = _known(index)
     if places is not None:
-        return value.take(places, axis=dim)
+        found: Array = np.take(value, places, axis=dim)
+        return found
 
     along = np.moveaxis(value, dim, 0)
     taken = [_pick_parts(writer, along, number) for number in index.reshape(-1)]
@@ -180,8 +190,9 @@ def gather(writer: Writer, kind: Kind, value: Array, dim: int, index: Array, **_
     """For each element of the index the candidate there, along a dimension."""
     chosen = np.empty(index.shape, dtype=object)
     for place in np.ndindex(index.shape):
-        candidates = value[_across(place, dim)] if value.ndim else value.reshape(1)
-        chosen[place] = writer.pick(candidates, index[place])
+        candidates: Any = value[_across(place, dim)] if value.ndim else value.reshape(1)
+        number: Any = index[place]
+        chosen[place] = writer.pick(candidates, number)
     return chosen
 
 
@@ -248,19 +259,21 @@ def _scatter(
     result = writer.cast(value, kind).copy()
     sources = np.broadcast_to(writer.array(source, kind), index.shape)
     for place in np.ndindex(index.shape):
-        line = result[_across(place, dim)]
+        line: Any = result[_across(place, dim)]
+        number: Any = index[place]
         for target in range(len(line)):
-            new = sources[place]
+            new: Any = sources[place]
             if adds:
                 new = writer.program.apply("add", (line[target], new), kind)
-            is_here = writer.is_at(index[place], target)
+            is_here = writer.is_at(number, target)
             line[target] = writer.program.apply("where", (is_here, new, line[target]), kind)
     return result
 
 
 def _pick_parts(writer: Writer, along: Array, index: Number) -> Array:
     """The part of an array, along its first dimension, at an index."""
-    picked = [writer.pick(column, index) for column in along.reshape(len(along), -1).T]
+    columns: Any = along.reshape(len(along), -1).T
+    picked = [writer.pick(column, index) for column in columns]
     return as_array(picked, along.shape[1:])
 
 
@@ -326,6 +339,7 @@ INDEXING: dict[str, Translation] = {
     "slice_scatter": replace_part,
     "select_scatter": replace_row,
     "diagonal_scatter": replace_diagonal,
+    "copy": copied,
     "copy_": overwrite,
     "index_select": take,
     "gather": gather,

@@ -61,10 +61,10 @@ def sort(
 def running_sum(writer: Writer, kind: Kind, value: Array, dim: int, **_: Any) -> Array:
     """The sum of each element and those before it."""
     along = np.moveaxis(writer.cast(value, kind), dim, 0)
-    sums = [along[0]]
-    for element in along[1:]:
-        sums.append(writer.map("add", kind, sums[-1], element))
-    return np.moveaxis(np.stack(sums), 0, dim)
+    sums = [along[:1]]
+    for place in range(1, len(along)):
+        sums.append(writer.map("add", kind, sums[-1], along[place : place + 1]))
+    return np.moveaxis(np.concatenate(sums), 0, dim)
 
 
 def _extreme(

@@ -55,6 +55,30 @@ static void substitute(int n, int m, const real *lu, const real *rows, const rea
     }
 }
 """,
+    "substitute_adjoint": """\
+/* X of A' X = B, for m columns, from what factorize found of A. */
+static void substitute_adjoint(int n, int m, const real *lu, const real *rows, const real *b,
+                               real *x) {
+  for (int i = 0; i < n * m; ++i) x[i] = b[i];
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < m; ++j) {
+      for (int k = 0; k < i; ++k) x[i * m + j] -= lu[k * n + i] * x[k * m + j];
+      x[i * m + j] /= lu[i * n + i];
+    }
+  for (int i = n - 1; i >= 0; --i)
+    for (int k = i + 1; k < n; ++k)
+      for (int j = 0; j < m; ++j) x[i * m + j] -= lu[k * n + i] * x[k * m + j];
+  for (int k = n - 1; k >= 0; --k) {
+    int other = (int)rows[k] - 1;
+    if (other != k)
+      for (int j = 0; j < m; ++j) {
+        real held = x[k * m + j];
+        x[k * m + j] = x[other * m + j];
+        x[other * m + j] = held;
+      }
+  }
+}
+""",
 }
 """The routines in C, in the order in which they use each other."""
 
@@ -97,17 +121,19 @@ def substitute(
     left: bool = True,
     adjoint: bool = False,
 ) -> Array:
-    """X of A X = B ``(..., n, m)`` from the factors of A."""
-    if not left or adjoint:
-        raise NotImplementedError("from the right, or of the transposed matrix")
+    """X of A X = B ``(..., n, m)`` from the factors of A; of A transposed, or of X A = B."""
+    if not left:  # Aᵀ Xᵀ = Bᵀ
+        turned = right.swapaxes(-1, -2)
+        return substitute(writer, kind, factors, rows, turned, True, not adjoint).swapaxes(-1, -2)
 
+    routine = "substitute_adjoint" if adjoint else "substitute"
     size, columns = right.shape[-2:]
     solution = np.empty((*factors.shape[:-2], size, columns), dtype=object)
     right = np.broadcast_to(right, solution.shape)
     for place in np.ndindex(factors.shape[:-2]):
         parts = (factors[place], rows[place], right[place])
         numbers = np.concatenate([writer.cast(part, "real").reshape(-1) for part in parts])
-        call = writer.program.call("substitute", numbers, (size, columns, size * columns))
+        call = writer.program.call(routine, numbers, (size, columns, size * columns))
         items = [writer.program.item(call, index) for index in range(size * columns)]
         solution[place] = as_array(items, (size, columns))
     return solution

@@ -39,7 +39,7 @@ def in_c(
     given = [examples[input].clone() for input in inputs]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # torch on its own future
-        graph = make_fx(of_inputs, core_aten_decompositions())(*given)
+        graph = make_fx(of_inputs, dict(core_aten_decompositions()))(*given)
     graph.graph.eliminate_dead_code()
 
     # Every input element is a number, and so is everything that comes of it.

@@ -104,7 +104,7 @@ class ExportedPolicy:
         # The usual case, quickly: the next step of one robot, with whole readings in arrays.
         readings = self._plain_readings(observation)
         if readings is not None and type(state) is ExportedMemory:
-            continues = episode_start is None or not np.any(episode_start)  # type: ignore[arg-type]
+            continues = episode_start is None or not np.any(episode_start)
             if continues and state.layout is self._layout and state.flat.ndim == 1:
                 after, commands = self._library.run(readings, state.flat, None)
                 return self._action(commands, False), ExportedMemory(after, self._layout)
@@ -146,7 +146,7 @@ class ExportedPolicy:
         """The readings of one robot if all are arrays of real numbers, whole and finite."""
         if type(observation) is not dict:
             return None
-        parts = [observation.get(key) for key in self._keys]
+        parts: list[Any] = [observation.get(key) for key in self._keys]
         for part, shape in zip(parts, self._shapes, strict=True):
             if type(part) is not np.ndarray or part.shape != shape or part.dtype.kind != "f":
                 return None

@@ -15,6 +15,10 @@ FORMAT = 1
 """Number of the format of an exported policy: its functions and its metadata."""
 
 
+_TYPES: dict[str, Any] = {"p": ctypes.c_void_p, "l": ctypes.c_long}
+"""Types of arguments: a pointer, a number."""
+
+
 class Library:
     """An exported policy as functions of arrays.
 
@@ -54,8 +58,7 @@ class Library:
 
         self._blank, self.step = library.aicon_blank, library.aicon_step
         for function, arguments in ((self._blank, "p"), (self.step, "lppppp")):
-            types = {"p": ctypes.c_void_p, "l": ctypes.c_long}
-            function.argtypes = [types[argument] for argument in arguments]
+            function.argtypes = [_TYPES[argument] for argument in arguments]
             function.restype = None
         if not library.aicon_test():
             raise OptionError(
