@@ -21,6 +21,7 @@ PACKAGES = {
 LAZY = {
     ("aicon_torch.control.policy", "aicon_torch.control.compiled"),
     ("aicon_torch.control.policy", "aicon_torch.control.exporting"),
+    ("aicon_torch.control.native", "aicon_torch.control.exporting"),
     ("aicon_torch.control.compiled", "torch._inductor"),
 }
 """Imports inside functions, which are permitted because they load a compiler or a translator."""

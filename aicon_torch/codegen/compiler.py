@@ -1,6 +1,8 @@
 """The C compiler: from a source to a shared library."""
 
+import hashlib
 import os
+import platform
 import shlex
 import shutil
 import subprocess
@@ -14,6 +16,28 @@ FLAGS = (
     *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
 )
 """Numbers as torch computes them: nothing contracted, nothing reordered."""
+
+
+def cached_library(source: str) -> Path:
+    """The library of a source, compiled if no process of this user has compiled it before.
+
+    Libraries are kept in ``aicon_torch`` within the user's cache, ``~/.cache`` or XDG_CACHE_HOME.
+
+    Args:
+        source: The source.
+
+    Raises:
+        OptionError: As :func:`compile_library`.
+    """
+    identity = "\n".join((source, *FLAGS, platform.machine()))
+    name = hashlib.sha256(identity.encode()).hexdigest()[:32]
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "aicon_torch")
+
+    library = cache / f"{name}.so"
+    if not library.exists():
+        cache.mkdir(parents=True, exist_ok=True)
+        compile_library(source, library)
+    return library
 
 
 def compile_library(source: str, path: Path) -> None:

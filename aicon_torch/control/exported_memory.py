@@ -35,6 +35,10 @@ class ExportedMemory(Mapping[str, Tensor]):
     def __len__(self) -> int:
         return len(self.layout.entries)
 
+    def __or__(self, changes: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """A dictionary of it, with some entries changed."""
+        return {**self, **changes}
+
     @classmethod
     def of(cls, memory: Mapping[str, Tensor], layout: Layout, dtype: Any) -> "ExportedMemory":
         """A memory of the policy that was exported."""

@@ -10,9 +10,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from aicon_torch.codegen import compile_library, in_c, prelude
+from aicon_torch.codegen import cached_library, compile_library, in_c, prelude
 from aicon_torch.control.flat_step import FlatStep
-from aicon_torch.control.library import FORMAT
+from aicon_torch.control.library import FORMAT, Library
 from aicon_torch.control.memory import GOAL_FACTORS
 from aicon_torch.control.step import ControlStep
 from aicon_torch.errors import OptionError
@@ -48,6 +48,11 @@ def export(
         path.write_text(source)
     else:
         compile_library(source, path)
+
+
+def compiled_library(step: ControlStep, perceives: bool) -> Library:
+    """The control step of a policy as a library, loaded: see :func:`export` for what may fail."""
+    return Library(cached_library(library_source(step, {}, perceives)))
 
 
 def library_source(step: ControlStep, description: Mapping[str, str], perceives: bool) -> str:
