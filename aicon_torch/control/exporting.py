@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -86,7 +86,7 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
 
     return {
         "format": FORMAT,
-        "aicon_torch": version("aicon-torch"),
+        "aicon_torch": _own_version(),
         "description": dict(description),
         "dtype": str(model.like.dtype).removeprefix("torch."),
         "dt": model.dt,
@@ -99,6 +99,14 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
         "memory": flat.memory.to_json(),
         "commands": flat.commands.to_json(),
     }
+
+
+def _own_version() -> str:
+    """The version that is installed."""
+    try:
+        return version("aicon-torch")
+    except PackageNotFoundError:  # it runs out of its source
+        return "not installed"
 
 
 def _test(flat: FlatStep) -> str:

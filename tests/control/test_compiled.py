@@ -142,22 +142,18 @@ def test_it_takes_the_same_steps(policy: Policy, readings: Readings, tolerance: 
 
 @with_compiler
 def test_single_precision_is_as_near_to_double_precision_as_without_compiling() -> None:
-    """A step of many gradients amplifies what either rounds, so they are not near each other."""
+    """A step of many gradients amplifies what either rounds, so they may not be near each other."""
     exact = make_policy("nav2d")
     single = make_policy("nav2d", dtype=torch.float32)
     compiled, memory = single.compile(), None
-    errors: dict[str, list[float]] = {"uncompiled": [], "compiled": []}
 
     for reading in drifting(40):
         doubled = memory and {name: widened(value) for name, value in memory.items()}
         expected, _ = exact.predict(reading, doubled)
         found, _ = compiled.predict(reading, memory)
         action, memory = single.predict(reading, memory)
-        errors["compiled"].append(float((found - expected).abs().max()))
-        errors["uncompiled"].append(float((action - expected).abs().max()))
-
-    assert max(errors["compiled"]) < 1e-5 + 4 * max(errors["uncompiled"])
-    assert sum(errors["compiled"]) < 1e-5 + 2 * sum(errors["uncompiled"])
+        error, own = (float((a - expected).abs().max()) for a in (found, action))
+        assert error < 1e-5 + 4 * own
 
 
 def widened(value: Tensor) -> Tensor:
