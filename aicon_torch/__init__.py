@@ -4,10 +4,12 @@ from aicon_torch.control import (
     ActionLaw,
     DirectDescent,
     Explanation,
+    ExportedPolicy,
     Foresight,
     Perception,
     Policy,
     StepTrace,
+    load_exported,
 )
 from aicon_torch.errors import AiconError, GraphError, ObservationError, OptionError
 from aicon_torch.estimation import (
@@ -45,6 +47,7 @@ __all__ = [
     "Estimator",
     "Explanation",
     "Exploration",
+    "ExportedPolicy",
     "Foresight",
     "Goal",
     "GraphError",
@@ -66,6 +69,7 @@ __all__ = [
     "WorldModel",
     "by_gain",
     "by_sign",
+    "load_exported",
     "make_policy",
     "presets",
     "straight_through",

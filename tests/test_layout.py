@@ -20,9 +20,11 @@ PACKAGES = {
 
 LAZY = {
     ("aicon_torch.control.policy", "aicon_torch.control.compiled"),
+    ("aicon_torch.control.policy", "aicon_torch.control.exporting"),
+    ("aicon_torch.control.native", "aicon_torch.control.exporting"),
     ("aicon_torch.control.compiled", "torch._inductor"),
 }
-"""Imports inside functions, which are permitted because they load the compiler."""
+"""Imports inside functions, which are permitted because they load a compiler or a translator."""
 
 
 def files(package: str) -> list[Path]:

@@ -4,6 +4,7 @@ from aicon_torch.control.action_law import ActionLaw
 from aicon_torch.control.backward import BackwardPass, PartialPath
 from aicon_torch.control.direct import DirectDescent
 from aicon_torch.control.explanation import Explanation
+from aicon_torch.control.exported import ExportedPolicy, load_exported
 from aicon_torch.control.foresight import Foresight
 from aicon_torch.control.perception import Perception
 from aicon_torch.control.policy import Policy
@@ -16,10 +17,12 @@ __all__ = [
     "ControlStep",
     "DirectDescent",
     "Explanation",
+    "ExportedPolicy",
     "Foresight",
     "PartialPath",
     "Perception",
     "Policy",
     "QuantityTrace",
     "StepTrace",
+    "load_exported",
 ]

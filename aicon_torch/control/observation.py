@@ -99,7 +99,11 @@ def _reading(
     """One reading, checked, NaN where there is none, in the graph's unit."""
     reading = _as_tensor(called, sensor.unit, value, like)
     _check_shape(called, sensor, tuple(reading.shape), batch)
+    return in_unit(reading, sensor)
 
+
+def in_unit(reading: Tensor, sensor: Sensor) -> Tensor:
+    """A reading ``(*B, size)`` in the graph's unit, NaN where it is none."""
     # Beyond the range, or infinite, there is no reading.
     if sensor.range is None:
         within = reading.isfinite()

@@ -1,6 +1,7 @@
 """The policy: from an observation to an action, one control step at a time."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from aicon_torch.control.memory import (
     restart_rows,
     starting_rows,
 )
+from aicon_torch.control.native import NativeSteps
 from aicon_torch.control.observation import read
 from aicon_torch.control.perception import Perception
 from aicon_torch.control.step import ControlStep, last_values
@@ -68,6 +70,7 @@ class Policy(nn.Module):
         self._step = ControlStep(model, self.backward_pass, self.law)
         self._shapes = memory_shapes(self.backward_pass, self._step.admit)
         self._memory: Memory | None = None
+        self._native: NativeSteps | None = None
 
     def predict(
         self,
@@ -94,6 +97,11 @@ class Policy(nn.Module):
                 is wrongly shaped or not real. A number that is not finite or beyond the sensor's
                 range is no error but no reading, in its row alone.
         """
+        if self._native is not None:
+            native = self._native.of(self._step, self.perception)
+            if native is not None:
+                return native.predict(observation, state, episode_start)
+
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
             commands, memory = self._step(readings, memory)
@@ -137,15 +145,40 @@ class Policy(nn.Module):
         return new_memory
 
     def compile(self) -> "Policy":  # type: ignore[override]  # torch's compiles in place and in silence
-        """The same policy with its step compiled, many times faster.
+        """The same policy with its step compiled, a hundred times faster.
 
-        See :class:`aicon_torch.control.compiled.CompiledStep`.
+        On the CPU the step is translated to C, as :meth:`export` does it; the memory is then read
+        like a dictionary, and is one array. Elsewhere, or where an operation has no translation,
+        TorchInductor compiles it: see :class:`aicon_torch.control.compiled.CompiledStep`. Where a
+        parameter has changed, call it again.
         """
         from aicon_torch.control.compiled import CompiledStep  # loads the compiler
 
         compiled = Policy(self.model, self.resolution, self.law, self.perception)
         compiled._step = CompiledStep(compiled._step)
+        compiled._native = NativeSteps()
         return compiled
+
+    def export(self, path: str | Path, **description: str) -> None:
+        """Write the control step to a file that runs without torch, in microseconds.
+
+        What is in it, down to the reading of observations and the beginning of episodes, is plain C
+        without allocations: :func:`aicon_torch.load_exported` runs it in Python, and
+        ``examples/cpp`` in C++. A perception is not in it.
+
+        Args:
+            path: A file that ends in ``.so``, for a library compiled for this kind of machine, or
+                in ``.c``, for its source.
+            **description: What is to be known of it, such as ``task="pusht"``.
+
+        Raises:
+            OptionError: If the file's name ends otherwise, or there is no C compiler.
+            GraphError: If an operation has no translation to C.
+        """
+        from aicon_torch.control.exporting import export  # loads the translation to C
+
+        step = ControlStep(self.model, self.backward_pass, self.law)
+        export(step, path, description, perceives=self.perception is not None)
 
     def reset(self) -> None:
         """Forget the memory that :meth:`act` keeps."""

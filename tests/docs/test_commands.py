@@ -21,6 +21,7 @@ CLI = {
     "aicon compare": "aicon_baselines.cli.compare",
     "aicon figures": "aicon_baselines.cli.figures",
     "aicon bench": "aicon_baselines.cli.bench",
+    "aicon export": "aicon_baselines.cli.export",
     "scripts/compare.py": "aicon_baselines.cli.compare",
     "scripts/figures.py": "aicon_baselines.cli.figures",
 }

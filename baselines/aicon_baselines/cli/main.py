@@ -5,6 +5,7 @@ aicon run --task nav2d          one episode, and what the policy decided at its 
 aicon compare --task pusht ...  policies on the same episodes: rows, table, curves
 aicon figures nav2d             the figure and the film of a rollout
 aicon bench                     the time of a control step, compiled and not
+aicon export pusht -o pusht.so  a policy as a file that runs without torch
 """
 
 from collections.abc import Sequence
@@ -26,6 +27,7 @@ _MODULES = {
     "compare": "aicon_baselines.cli.compare",
     "figures": "aicon_baselines.cli.figures",
     "bench": "aicon_baselines.cli.bench",
+    "export": "aicon_baselines.cli.export",
 }
 
 

@@ -1,0 +1,71 @@
+"""The C compiler: from a source to a shared library."""
+
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from aicon_torch.errors import OptionError
+
+FLAGS = (
+    *("-O2", "-std=gnu11", "-shared", "-fPIC", "-fvisibility=hidden"),
+    *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
+)
+"""Numbers as torch computes them: nothing contracted, nothing reordered."""
+
+
+def cached_library(source: str) -> Path:
+    """The library of a source, compiled if no process of this user has compiled it before.
+
+    Libraries are kept in ``aicon_torch`` within the user's cache, ``~/.cache`` or XDG_CACHE_HOME.
+
+    Args:
+        source: The source.
+
+    Raises:
+        OptionError: As :func:`compile_library`.
+    """
+    identity = "\n".join((source, *FLAGS, platform.machine()))
+    name = hashlib.sha256(identity.encode()).hexdigest()[:32]
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "aicon_torch")
+
+    library = cache / f"{name}.so"
+    if not library.exists():
+        cache.mkdir(parents=True, exist_ok=True)
+        compile_library(source, library)
+    return library
+
+
+def compile_library(source: str, path: Path) -> None:
+    """Compile a source in C to a shared library.
+
+    The compiler is that of the variable CC, by default ``cc``. The library runs on every machine of
+    the same architecture.
+
+    Args:
+        source: The source.
+        path: Where to write the library.
+
+    Raises:
+        OptionError: If there is no compiler, or it fails.
+    """
+    compiler = shlex.split(os.environ.get("CC", "cc"))
+    if shutil.which(compiler[0]) is None:
+        raise OptionError(
+            f"There is no C compiler {compiler[0]!r} (Debian: apt install gcc; the variable CC "
+            "names another). Export the source instead, to a file that ends in .c."
+        )
+
+    # Beside its place, and moved there when it is whole: a library in use must not change.
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
+        text.write_text(source)
+        command = [*compiler, *FLAGS, "-o", str(library), str(text), "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise OptionError(f"{shlex.join(command)} failed: {done.stderr.strip()[:1000]}")
+        library.replace(path)

@@ -1,0 +1,235 @@
+"""An exported policy in Python: a policy like any other, but for its step, which is a library."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+from torch import Tensor
+
+from aicon_torch.control.exported_memory import ExportedMemory
+from aicon_torch.control.layout import Layout
+from aicon_torch.control.library import Library
+from aicon_torch.control.memory import GOAL_FACTORS, check_memory, starting_rows
+from aicon_torch.control.observation import read
+from aicon_torch.control.perception import Perception
+from aicon_torch.errors import ObservationError, OptionError, choices
+from aicon_torch.quantities import Actuator, Sensor
+
+Array = NDArray[Any]
+
+
+def load_exported(path: str | Path, perception: Perception | None = None) -> "ExportedPolicy":
+    """Load what :meth:`aicon_torch.Policy.export` wrote.
+
+    The file is native code, which runs with your rights: load none that you would not execute.
+
+    Args:
+        path: The file, which ends in ``.so``.
+        perception: What makes readings of raw observations, if the policy had a perception: it is
+            not in the file.
+
+    Raises:
+        OptionError: If the file is not an exported policy for this machine and this version, or
+            does not compute what it did when it was exported.
+
+    Example:
+        >>> policy = load_exported("pusht.so")
+        >>> action, memory = policy.predict(observation)
+    """
+    return ExportedPolicy(Library(path), perception)
+
+
+class ExportedPolicy:
+    """A policy whose control step is a library; :func:`load_exported` loads it.
+
+    It takes any number of robots, ``(*B, size)``. What is batched, checked and returned is as in
+    :class:`aicon_torch.Policy`, but for the memory, which is read like a dictionary and is one
+    array.
+
+    Args:
+        library: The library.
+        perception: What makes readings of raw observations.
+
+    Attributes:
+        metadata: What the file says of itself: the task, the sensors, the precision, and so on.
+    """
+
+    def __init__(self, library: Library, perception: Perception | None) -> None:
+        self.metadata, self.perception = library.metadata, perception
+        self.goals = tuple(self.metadata["goals"])
+        self._library = library
+        self._layout = Layout.from_json(self.metadata["memory"])
+        self._commands = Layout.from_json(self.metadata["commands"])
+        self._like = torch.from_numpy(np.empty((), dtype=library.dtype))
+        self._memory: ExportedMemory | None = None
+
+        # The library converts: what is checked here are readings as they come.
+        self._sensors: dict[str, Sensor] = {}
+        for described in self.metadata["sensors"]:
+            fields = {key: described[key] for key in ("key", "optional", "age", "age_key")}
+            sensor = Sensor(described["size"], described["unit"], **fields)
+            self._sensors[described["name"]] = sensor
+        self._actuators: dict[str, Actuator] = {}
+        for described in self.metadata["actuators"]:
+            actuator = Actuator(described["size"], described["unit"], key=described["key"])
+            self._actuators[described["name"]] = actuator
+
+        # Where readings are all that it takes, they can be taken quickly.
+        self._keys = [sensor.key or name for name, sensor in self._sensors.items()]
+        self._sizes = [(sensor.size,) for sensor in self._sensors.values()]
+        is_aged = any(sensor.is_aged for sensor in self._sensors.values())
+        is_told = any(actuator.key is not None for actuator in self._actuators.values())
+        self._takes_readings_alone = not (is_aged or is_told)
+        self._shapes = {name: entry.shape for name, entry in self._layout.entries.items()}
+
+    def predict(
+        self,
+        observation: Mapping[str, Any],
+        state: Mapping[str, Tensor] | None = None,
+        episode_start: ArrayLike | Tensor | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Any, ExportedMemory]:
+        """One control step: see :meth:`aicon_torch.Policy.predict`.
+
+        Args:
+            observation: A reading for each sensor, ``(*B, size)``, numpy or torch.
+            state: The memory that the last step returned; None starts an episode.
+            episode_start: Rows ``(*B,)`` whose observation is the first of an episode.
+            deterministic: Accepted for the signature's sake.
+
+        Returns:
+            The action ``(*B, size)``, of the observation's kind (a dict of them if there are
+            several actuators), and the memory.
+
+        Raises:
+            ObservationError: As for a policy that was not exported.
+        """
+        if self.perception is not None:
+            observation = self._perceive(self.perception, observation, state, episode_start)
+
+        # The usual case, quickly: the next step of one robot, with whole readings in arrays.
+        readings = self._plain_readings(observation)
+        if readings is not None and type(state) is ExportedMemory:
+            continues = episode_start is None or not np.any(episode_start)
+            if continues and state.layout is self._layout and state.flat.ndim == 1:
+                after, commands = self._library.run(readings, state.flat, None)
+                return self._action(commands, False), ExportedMemory(after, self._layout)
+
+        readings, before, starts = self._checked(observation, state, episode_start)
+        after, commands = self._library.run(readings, before, starts)
+        takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
+        return self._action(commands, takes_tensors), ExportedMemory(after, self._layout)
+
+    def reset(self) -> None:
+        """Forget the memory that :meth:`act` keeps."""
+        self._memory = None
+
+    def act(self, observation: Mapping[str, Any]) -> Any:
+        """One control step of a single episode, with the memory kept here: for those in a hurry."""
+        action, self._memory = self.predict(observation, self._memory)
+        return action
+
+    def switch(self, memory: Mapping[str, Tensor], **goals: float | Tensor) -> ExportedMemory:
+        """The memory with goals switched on or off, or weighted, which outlasts the episode.
+
+        Args:
+            memory: The memory to start from.
+            **goals: For each goal to change its factor, a number or ``(*B,)``.
+
+        Raises:
+            OptionError: If there is no such goal.
+        """
+        flat = torch.from_numpy(self._flat(memory).copy())
+        factors = self._layout.entries[GOAL_FACTORS]
+        for name, factor in goals.items():
+            if name not in self.goals:
+                raise OptionError(f"No goal is named {name!r}. Goals: {choices(self.goals)}.")
+            place = factors.start + self.goals.index(name)
+            flat[..., place] = torch.as_tensor(factor, dtype=flat.dtype)
+        return ExportedMemory(flat.numpy(), self._layout)
+
+    def _plain_readings(self, observation: Mapping[str, Any]) -> Array | None:
+        """The readings of one robot if all are arrays of real numbers."""
+        if type(observation) is not dict or not self._takes_readings_alone:
+            return None
+        parts: list[Any] = [observation.get(key) for key in self._keys]
+        for part, shape in zip(parts, self._sizes, strict=True):
+            if type(part) is not np.ndarray or part.shape != shape or part.dtype.kind != "f":
+                return None
+
+        readings: Array = np.concatenate(parts, dtype=self._library.dtype, casting="same_kind")
+        return readings
+
+    def _checked(
+        self,
+        observation: Mapping[str, Any],
+        state: Mapping[str, Tensor] | None,
+        episode_start: ArrayLike | Tensor | None,
+    ) -> tuple[Array, Array, NDArray[np.uint8] | None]:
+        """Readings, memory and the rows that start anew, for any batch."""
+        readings = read(observation, self._sensors, self._actuators, self._like)
+        if self.metadata["perceives"] and self.perception is None:
+            self._check_perceived(observation)
+        first = readings[next(iter(self._sensors))]
+        batch = tuple(first.shape[:-1])
+        parts: list[Tensor] = []
+        for reading in readings.values():  # an age has no dimension of its own
+            parts.append(reading.unsqueeze(-1) if reading.dim() == len(batch) else reading)
+        flat = np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
+
+        # An episode of all rows begins.
+        if state is None:
+            blank = np.broadcast_to(self._library.blank(), (*batch, self._library.memory))
+            return flat, np.ascontiguousarray(blank), np.ones(batch, dtype=np.uint8)
+
+        # Some go on, and some begin.
+        check_memory(state, self._shapes, batch)
+        before = np.ascontiguousarray(self._flat(state))
+        starts = starting_rows(episode_start, batch, torch.device("cpu"))
+        if starts is None:
+            return flat, before, None
+        return flat, before, np.ascontiguousarray(starts.numpy().astype(np.uint8))
+
+    def _check_perceived(self, observation: Mapping[str, Any]) -> None:
+        """Readings that a perception makes are there, since there is none here to make them."""
+        for name, sensor in self._sensors.items():
+            key = sensor.key or name
+            if key not in observation:
+                raise ObservationError(
+                    f"Sensor {name!r}: the observation has no {key!r}, and the perception that may "
+                    "make it is not in the file; give it: load_exported(path, perception=...)."
+                )
+
+    def _perceive(
+        self,
+        perception: Perception,
+        observation: Mapping[str, Any],
+        state: Mapping[str, Tensor] | None,
+        episode_start: ArrayLike | Tensor | None,
+    ) -> Mapping[str, Any]:
+        """The observation with what the perception makes of it."""
+        if state is None:
+            return perception(observation, None, None)
+
+        batch = tuple(state[GOAL_FACTORS].shape[:-1])
+        starts = starting_rows(episode_start, batch, torch.device("cpu"))
+        return perception(observation, state, None if starts is None else starts.numpy())
+
+    def _flat(self, memory: Mapping[str, Tensor]) -> Array:
+        """The numbers of a memory."""
+        if not isinstance(memory, ExportedMemory):
+            memory = ExportedMemory.of(memory, self._layout, self._library.dtype)
+        return memory.flat
+
+    def _action(self, commands: Array, takes_tensors: bool) -> Any:
+        """The commands of the observation's kind, and alone where there is one actuator."""
+        if len(self._commands.entries) == 1:
+            return torch.from_numpy(commands) if takes_tensors else commands.astype(np.float32)
+
+        actions: dict[str, Any] = {}
+        for name, command in self._commands.unpack(torch.from_numpy(commands)).items():
+            actions[name] = command if takes_tensors else command.numpy().astype(np.float32)
+        return actions

@@ -1,0 +1,97 @@
+"""Named tensors in one flat one, and back."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from torch import Tensor
+
+INTEGERS = {"int": torch.int64, "bool": torch.bool}
+"""The type of entries that are not real numbers, by their kind."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A named tensor within a flat one.
+
+    Attributes:
+        name: Its name.
+        shape: Its shape, without leading batch dimensions.
+        kind: What its elements are, ``"real"``, ``"int"`` or ``"bool"``; in the flat tensor all are
+            real numbers.
+        start: Where it begins.
+        stop: Where it ends.
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    kind: str
+    start: int
+    stop: int
+
+    def of(self, flat: Tensor) -> Tensor:
+        """The named tensor ``(*B, *shape)`` out of the flat one ``(*B, n)``."""
+        part = flat[..., self.start : self.stop].reshape((*flat.shape[:-1], *self.shape))
+        return part.to(INTEGERS[self.kind]) if self.kind in INTEGERS else part
+
+
+class Layout:
+    """Where named tensors stand in a flat one.
+
+    Args:
+        entries: One after the other.
+    """
+
+    def __init__(self, entries: tuple[Entry, ...]) -> None:
+        self.entries = {entry.name: entry for entry in entries}
+        self.size = entries[-1].stop if entries else 0
+
+    @classmethod
+    def of(cls, values: Mapping[str, Tensor]) -> "Layout":
+        """That of some tensors, without batch dimensions."""
+        entries: list[Entry] = []
+        start = 0
+        for name, value in values.items():
+            stop = start + value.numel()
+            entries.append(Entry(name, tuple(value.shape), _kind_of(value), start, stop))
+            start = stop
+        return cls(tuple(entries))
+
+    def pack(self, values: Mapping[str, Tensor], like: Tensor) -> Tensor:
+        """One flat tensor ``(*B, n)`` of the type of another."""
+        parts: list[Tensor] = []
+        for name, entry in self.entries.items():
+            value = values[name]
+            batch = value.shape[: value.dim() - len(entry.shape)]
+            parts.append(value.reshape((*batch, entry.stop - entry.start)).to(like))
+        return torch.cat(parts, dim=-1) if parts else like.new_empty(0)
+
+    def unpack(self, flat: Tensor) -> dict[str, Tensor]:
+        """The named tensors ``(*B, *shape)`` out of a flat one ``(*B, n)``."""
+        return {name: entry.of(flat) for name, entry in self.entries.items()}
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """As lists and dictionaries."""
+        return [
+            {"name": entry.name, "shape": list(entry.shape), "kind": entry.kind}
+            for entry in self.entries.values()
+        ]
+
+    @classmethod
+    def from_json(cls, listed: list[dict[str, Any]]) -> "Layout":
+        """From what :meth:`to_json` gave."""
+        entries: list[Entry] = []
+        start = 0
+        for item in listed:
+            shape = tuple(item["shape"])
+            stop = start + torch.Size(shape).numel()
+            entries.append(Entry(item["name"], shape, item["kind"], start, stop))
+            start = stop
+        return cls(tuple(entries))
+
+
+def _kind_of(value: Tensor) -> str:
+    if value.is_floating_point():
+        return "real"
+    return "bool" if value.dtype == torch.bool else "int"

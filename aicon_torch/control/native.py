@@ -1,0 +1,45 @@
+"""The step of a compiled policy on the CPU: translated to C when it is first needed."""
+
+import logging
+
+import torch
+
+from aicon_torch.control.exported import ExportedPolicy
+from aicon_torch.control.perception import Perception
+from aicon_torch.control.step import ControlStep
+
+_LOGGER = logging.getLogger(__name__)
+
+
+class NativeSteps:
+    """The libraries of a policy, one for each precision that it is used in."""
+
+    def __init__(self) -> None:
+        self._steps: dict[torch.dtype, ExportedPolicy | None] = {}
+
+    def of(self, step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
+        """The library of a step, as a policy; None where it must run otherwise.
+
+        Args:
+            step: The step.
+            perception: What stands before it.
+        """
+        like = step.model.like
+        if like.device.type != "cpu":
+            return None
+
+        if like.dtype not in self._steps:
+            self._steps[like.dtype] = self._translated(step, perception)
+        return self._steps[like.dtype]
+
+    @staticmethod
+    def _translated(step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
+        from aicon_torch.control.exporting import compiled_library  # loads the translation to C
+
+        plain = ControlStep(step.model, step.backward, step.law)
+        try:
+            library = compiled_library(plain, perceives=perception is not None)
+        except Exception as error:  # noqa: BLE001  # it runs otherwise, or says there why it cannot
+            _LOGGER.info("The step is not translated to C: %s", error)
+            return None
+        return ExportedPolicy(library, perception)

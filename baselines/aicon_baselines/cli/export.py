@@ -1,0 +1,48 @@
+"""Write a task's policy to a file that runs without torch, in microseconds.
+
+Example: aicon export pusht -o pusht.so
+
+A file that ends in .so is a library for this kind of machine, and needs a C compiler; one that ends
+in .c is its source, to be compiled elsewhere. aicon_torch.load_exported runs the library in Python,
+examples/cpp in C++.
+"""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from aicon_baselines.agents.registry import make
+from aicon_baselines.cli.command_line import Command
+from aicon_baselines.tasks import load, names
+from aicon_torch.control.library import Library
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the task and the file."""
+    parser.add_argument("task", choices=names())
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="FILE", help="ends in .so or .c"
+    )
+    parser.add_argument("--policy", default="aicon", help="aicon list names them (default: aicon)")
+    parser.add_argument("--condition", help="default: the task's first")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Export, load what was written, and tell what it is."""
+    task, path = arguments.task, arguments.output
+    condition = arguments.condition or load(task).conditions[0]
+    policy: Any = make(task, arguments.policy, condition)
+    policy.export(path, task=task, policy=arguments.policy, condition=condition)
+
+    size = f"{path}: {path.stat().st_size / 1000:.0f} kB"
+    if path.suffix != ".so":
+        print(size)
+        return
+    library = Library(path)
+    print(
+        f"{size}; {library.readings} readings, {library.commands} commands, a memory of "
+        f"{library.memory} numbers ({library.dtype})"
+    )
+
+
+COMMAND = Command(__doc__, add_arguments, run)

@@ -1,0 +1,49 @@
+"""Export a policy, and record an episode of it for the program in C++ to replay.
+
+Example: python examples/cpp/record.py nav2d build/nav2d
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from aicon_baselines.agents.registry import make
+from aicon_baselines.cli.bench import record_observations
+from aicon_baselines.tasks import load, names
+from aicon_torch.control.library import Library
+
+CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
+
+
+def main() -> None:
+    """Write policy.so, readings.bin and commands.bin."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("task", choices=names())
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--steps", type=int, default=200)
+    arguments = parser.parse_args()
+
+    task, folder = arguments.task, arguments.folder
+    folder.mkdir(parents=True, exist_ok=True)
+    condition = CONDITIONS.get(task, load(task).conditions[0])
+    make(task, "aicon", condition).export(folder / "policy.so", task=task, condition=condition)
+
+    # The readings of an episode, one after the other as the library takes them.
+    library = Library(folder / "policy.so")
+    memory, starts = library.blank(), np.ones((), dtype=np.uint8)
+    readings, commands = [], []
+    for observation in record_observations(task, condition, arguments.steps):
+        keys = [sensor["key"] or sensor["name"] for sensor in library.metadata["sensors"]]
+        readings.append(np.concatenate([np.ravel(observation[key]).astype(float) for key in keys]))
+        memory, command = library.run(readings[-1], memory, starts)
+        starts = np.zeros((), dtype=np.uint8)
+        commands.append(command)
+
+    np.array(readings).tofile(folder / "readings.bin")
+    np.array(commands).tofile(folder / "commands.bin")
+    print(f"{len(readings)} steps of {task} in {folder}")
+
+
+if __name__ == "__main__":
+    main()
