@@ -19,6 +19,8 @@ from aicon_torch.control.step import ControlStep
 from aicon_torch.errors import OptionError
 
 _TEST_STEPS = 3
+_TEST_SEEDS = 10
+_NUDGE = 1e-6
 
 
 def export(
@@ -115,23 +117,40 @@ def _own_version() -> str:
 
 def _test(flat: FlatStep) -> str:
     """A test of the library: some readings, and what comes of them."""
-    generator = torch.Generator().manual_seed(0)
-    readings = 0.1 + torch.rand(_TEST_STEPS, flat.readings.size, generator=generator)
-    readings = readings.to(flat.model.like.dtype)
-    for name, sensor in flat.model.sensors.items():
-        entry = flat.readings.entries[name]
-        if sensor.optional:
-            readings[1, entry.start : entry.stop] = torch.nan  # the second time there is none
+    for seed in range(_TEST_SEEDS):
+        readings = _test_readings(flat, seed)
+        memory, commands = _after(flat, readings)
 
-    memory = flat.restarted(flat.blank(), readings[0])
-    for reading in readings:
-        memory, commands = flat(memory, reading)
+        # What hangs on rounding tells nothing: a tie of gradients may go the other way elsewhere.
+        nudged, _ = _after(flat, readings * (1 + _NUDGE))
+        if torch.allclose(memory, nudged, rtol=1e-4, atol=1e-4, equal_nan=True):
+            break
+
     return _TEST.format(
         steps=_TEST_STEPS,
         readings=_initializer(readings.flatten()),
         memory=_initializer(memory),
         commands=_initializer(commands),
     )
+
+
+def _test_readings(flat: FlatStep, seed: int) -> Tensor:
+    """Readings of a few steps, ``(steps, n)``; the second time there are none of optional ones."""
+    generator = torch.Generator().manual_seed(seed)
+    readings = 0.1 + torch.rand(_TEST_STEPS, flat.readings.size, generator=generator)
+    for name, sensor in flat.model.sensors.items():
+        entry = flat.readings.entries[name]
+        if sensor.optional:
+            readings[1, entry.start : entry.stop] = torch.nan
+    return readings.to(flat.model.like.dtype)
+
+
+def _after(flat: FlatStep, readings: Tensor) -> tuple[Tensor, Tensor]:
+    """The memory and the commands after an episode's first steps with these readings."""
+    memory = flat.restarted(flat.blank(), readings[0])
+    for reading in readings:
+        memory, commands = flat(memory, reading)
+    return memory, commands
 
 
 def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
