@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from aicon_torch.control.backward import BackwardPass
-from aicon_torch.control.safety import safety_of
+from aicon_torch.control.safety import safety_memory
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.quantities import PRESENT
 from aicon_torch.resolution import Memory
@@ -27,10 +27,7 @@ def memory_keys(backward: BackwardPass) -> frozenset[str]:
 
 def constant_memory(backward: BackwardPass) -> Memory:
     """What is remembered before the first step whatever is read, without batch dimensions."""
-    memory = backward.initial()
-    for safety in safety_of(backward.model).values():
-        memory |= safety.initial()
-    return memory
+    return backward.initial() | safety_memory(backward.model)
 
 
 def initial_memory(
