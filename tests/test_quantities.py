@@ -56,6 +56,15 @@ def test_a_norm_limit_keeps_the_direction() -> None:
     assert torch.equal(actuator.clip(inside), inside)
 
 
+def test_component_limits_shorten_as_a_whole_where_the_direction_counts() -> None:
+    actuator = Actuator(3, "rad/s", limit=(1.0, 2.0, 3.0), keeps_direction=True)
+    clipped = actuator.clip(torch.tensor([2.0, 1.0, -1.0]))
+    torch.testing.assert_close(clipped, torch.tensor([1.0, 0.5, -0.5]))
+
+    within = torch.tensor([0.5, -2.0, 3.0])
+    assert (actuator.clip(within) == within).all()
+
+
 def test_component_limits_are_of_each_component() -> None:
     clipped = Actuator(2, "rad/s", (1.0, 2.0)).clip(torch.tensor([[3.0, -3.0], [0.1, 0.2]]))
     torch.testing.assert_close(clipped, torch.tensor([[1.0, -2.0], [0.1, 0.2]]))

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
-from aicon_torch.control.safety import safety_of
+from aicon_torch.control.safety import safety_memory
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.resolution import Memory
 
@@ -29,10 +29,7 @@ def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tup
 
 def constant_memory(backward: BackwardPass, admission: Admission) -> Memory:
     """What is remembered before the first step whatever is read, without batch dimensions."""
-    memory = backward.initial() | admission.initial()
-    for safety in safety_of(backward.model).values():
-        memory |= safety.initial()
-    return memory
+    return backward.initial() | admission.initial() | safety_memory(backward.model)
 
 
 def initial_memory(

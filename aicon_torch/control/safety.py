@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.control.followed_cost import FollowedCost
-from aicon_torch.control.stalemate import Stalemate
+from aicon_torch.control.stalemate import Stalemate, initial_escape
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -48,17 +48,12 @@ class ActuatorSafety:
         self.limits = limits
         self.time = self.options.braking / float(limits.median())
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
-        self._boxed = [goal.name for goal in goals if self._is_box(goal)]
+        self._boxed: list[str] = []
+        self._boxed.extend([goal.name for goal in goals if self._is_box(goal)])
 
         escape = self.options.escape
         step = model.dt / self.time
         self.stalemate = None if escape is None else Stalemate(escape, limits, step)
-
-    def initial(self) -> Memory:
-        """What is remembered before the first step, without batch dimensions."""
-        if self.stalemate is None:
-            return {}
-        return {self._key(key): value for key, value in self.stalemate.initial().items()}
 
     def __call__(
         self,
@@ -83,12 +78,16 @@ class ActuatorSafety:
             return nearest_safe(wish, within, sweeps).action, {}
 
         # While escaping, the direction of the escape stands for the wish.
-        own = {key: memory[self._key(key)] for key in self.stalemate.initial()}
+        start = f"{self.actuator}/escape/"
+        own = {key[len(start) :]: value for key, value in memory.items() if key.startswith(start)}
         safe = nearest_safe(self.stalemate.aim(wish, own), within, sweeps)
+        action = self.model.actuators[self.actuator].clip(
+            safe.action
+        )  # its norm, if that is limited
 
         cost = FollowedCost(self.model, self.actuator, values, goal_factors)
         remembered = self.stalemate.judge(cost, wish, safe, own)
-        return safe.action, {self._key(key): value for key, value in remembered.items()}
+        return action, {start + key: value for key, value in remembered.items()}
 
     def bounds(self, values: Mapping[str, Tensor], goal_factors: Tensor) -> SafetyBounds:
         """What all goals ask of the action, and its limits.
@@ -118,9 +117,8 @@ class ActuatorSafety:
         """The rows of one goal: d(t + dt) ≈ d₀ + C a, and ≥ e^(−dt/T) d(t)."""
         # The smallest gaps now.
         gaps = goal.gaps(self._with_dt(values)).clamp(max=FARTHEST)
-        count = gaps.shape[-1]
-        if goal.name not in self._boxed:
-            count = min(self.options.gaps, count)
+        is_box = goal.name in self._boxed
+        count = gaps.shape[-1] if is_box else min(self.options.gaps, gaps.shape[-1])
         smallest = gaps.topk(count, dim=-1, largest=False).indices
         now = gaps.gather(-1, smallest)
 
@@ -149,7 +147,6 @@ class ActuatorSafety:
 
         Then the components can be bounded one by one, which no sweep needs to approach.
         """
-        self._boxed = []
         generator = torch.Generator().manual_seed(0)
         readings: dict[str, Tensor] = {}
         for name, sensor in self.model.sensors.items():
@@ -160,19 +157,21 @@ class ActuatorSafety:
 
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _ = self._rows_of(goal, values)
-        return bool(((slopes != 0).sum(-1) <= 1).all())
+        return bool(((slopes != 0).sum(-1) == 1).all())
 
     def _with_dt(self, values: Mapping[str, Tensor]) -> dict[str, Tensor | float]:
         return {**values, "dt": self.model.dt}
 
-    def _key(self, key: str) -> str:
-        return f"{self.actuator}/escape/{key}"
-
 
 def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:
-    """A box within which rows hold that depend on one component each, ``(*B, n)`` both."""
+    """A box within which rows hold that depend on one component each, ``(*B, n)`` both.
+
+    Should one depend on several after all, each of them gets an equal share of its bound.
+    """
     largest = torch.finfo(slopes.dtype).max
-    ratios = bounds.unsqueeze(-1) / torch.where(slopes == 0, 1.0, slopes)
+    components = (slopes != 0).sum(-1).clamp(min=1)
+    shares = (bounds / components).unsqueeze(-1)
+    ratios = shares / torch.where(slopes == 0, 1.0, slopes)
     from_below = torch.where(slopes > 0, ratios, -largest).amax(-2)
     from_above = torch.where(slopes < 0, ratios, largest).amin(-2)
 
@@ -184,14 +183,33 @@ def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tupl
 
 def safety_of(model: WorldModel) -> dict[str, ActuatorSafety]:
     """What keeps the safety goals, for each actuator on which one of them depends."""
-    found: dict[str, ActuatorSafety] = {}
+    return {
+        actuator: ActuatorSafety(model, actuator, goals)
+        for actuator, goals in _safety_goals(model).items()
+    }
+
+
+def safety_memory(model: WorldModel) -> Memory:
+    """What is remembered of escapes before the first step, without batch dimensions."""
+    memory: Memory = {}
+    for name in _safety_goals(model):
+        actuator = model.actuators[name]
+        if actuator.dampers.escape is not None:
+            for key, value in initial_escape(actuator.size).items():
+                memory[f"{name}/escape/{key}"] = value
+    return memory
+
+
+def _safety_goals(model: WorldModel) -> dict[str, list[Goal]]:
+    """The safety goals that depend on each actuator on which one of them does."""
+    found: dict[str, list[Goal]] = {}
     for actuator in model.actuators:
         goals: list[Goal] = []
         for goal in model.goals.values():
             if goal.safety and _depends(model, goal.name, actuator):
                 goals.append(goal)
         if goals:
-            found[actuator] = ActuatorSafety(model, actuator, goals)
+            found[actuator] = goals
     return found
 
 

@@ -9,6 +9,23 @@ from aicon_torch.safety import ConstraintEscape, SafeAction
 from aicon_torch.vectors import unit
 
 
+def initial_escape(size: int) -> Memory:
+    """Not escaping, and nothing was reached yet: what is remembered, without batch dimensions.
+
+    Args:
+        size: Number n of components of the actuator.
+    """
+    return {
+        "escaping": torch.tensor(False),
+        "by_force": torch.tensor(False),
+        "direction": torch.zeros(size),
+        "clock": torch.tensor(0.0),
+        "lowest": torch.tensor(torch.inf),
+        "best": torch.tensor(torch.inf),
+        "tries": torch.tensor(0),
+    }
+
+
 class Stalemate:
     """Detects that an actuator is held up, and moves it along the constraints' force.
 
@@ -22,18 +39,6 @@ class Stalemate:
 
     def __init__(self, options: ConstraintEscape, limits: Tensor, step: float) -> None:
         self.options, self.limits, self.step = options, limits, step
-
-    def initial(self) -> Memory:
-        """Not escaping; nothing was reached yet. Without batch dimensions."""
-        return {
-            "escaping": torch.tensor(False),
-            "by_force": torch.tensor(False),
-            "direction": torch.zeros(len(self.limits)),
-            "clock": torch.tensor(0.0),
-            "lowest": torch.tensor(torch.inf),
-            "best": torch.tensor(torch.inf),
-            "tries": torch.tensor(0),
-        }
 
     def aim(self, wish: Tensor, memory: Memory) -> Tensor:
         """What the actuator tries, ``(*B, n)``: the wish, or at full speed what leads out.

@@ -1,7 +1,7 @@
 """The trace of a step: what it decided, batched and typed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -32,7 +32,8 @@ class QuantityTrace:
         leader: Index of the leading gradient, ``(*B,)``.
         opponent: Index of the gradient that the leader was compared with, ``(*B,)``; −1 for none.
         cosine: Cosine between the two, ``(*B,)``; 1 where there is none.
-        exploring: Whether the quantity moved in a nullspace instead of downhill, ``(*B,)``.
+        exploring: Whether the quantity moved in a nullspace instead of downhill, or an actuator
+            along the force of its constraints, ``(*B,)``.
     """
 
     name: str
@@ -103,6 +104,12 @@ def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
         elif name in model.actuators:
             gradient = memory[f"{name}/gradient"]
             quantities[name] = _where_one_arrived(backward, name, paths[0], gradient)
+
+        # An actuator explores as well while it escapes from where constraints hold it up.
+        escaping = memory.get(f"{name}/escape/escaping")
+        if escaping is not None and name in quantities:
+            exploring = quantities[name].exploring | escaping
+            quantities[name] = replace(quantities[name], exploring=exploring)
     return StepTrace(values, costs, quantities)
 
 

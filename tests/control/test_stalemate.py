@@ -117,3 +117,16 @@ def test_each_row_of_a_batch_escapes_by_itself() -> None:
     torch.testing.assert_close(q, target.double(), rtol=0, atol=0.05)
     assert memory is not None
     assert memory["a/escape/best"][0] < 0.1
+
+
+def test_the_trace_tells_that_it_escapes() -> None:
+    policy, memory, q = hand(ConstraintEscape()), None, place(2.5)
+    explored: list[bool] = []
+    escaped: list[bool] = []
+    for _ in range(60):
+        action, memory = policy.predict({"z": q, "z_target": place(-2.8)}, memory)
+        q = q + DT * action
+        explored.append(bool(policy.trace(memory).quantities["a"].exploring))
+        escaped.append(bool(memory["a/escape/escaping"]))
+    assert explored == escaped
+    assert any(explored)

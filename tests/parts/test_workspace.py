@@ -5,6 +5,7 @@ import torch
 from _inputs.arm import panda
 
 from aicon_torch.models.panda_push import PANDA
+from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.workspace import Workspace
 
@@ -38,3 +39,12 @@ def test_the_workspace_ends_where_the_arm_is_straight():
 
     cost = Workspace(PANDA.reach, SquaredHinge(margin=0.02, weight=15.0))
     assert cost(x_ee) > 14 and cost(0.97 * x_ee) == 0
+
+
+def test_an_arm_of_two_links_reaches_as_far_as_both_are_long() -> None:
+    link = [[1.0, 0.0, 0.0, 0.3], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+    workspace = Workspace.of_chain(Chain([link, link], link), SquaredHinge(0.05, 1.0))
+    assert workspace.radius == pytest.approx(0.9, abs=0.005)
+
+    tip = torch.tensor([0.0, 0.5, 0.2])
+    assert workspace.gaps(tip) == pytest.approx(workspace.radius - 0.55, abs=1e-5)
