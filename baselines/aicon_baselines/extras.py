@@ -8,6 +8,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "pusht": ("pymunk", "pygame"),
     "panda": ("mujoco",),  # and example-robot-data, which is files without a module
     "robots": ("pytorch_kinematics", "trimesh", "collada", "mujoco"),
+    "view": ("viser",),
     "upstream": ("gym_pusht",),
     "sb3": ("stable_baselines3",),
     "lerobot": ("lerobot", "diffusers"),
