@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 HEIGHT = 10.0
 """Height of the part of the scene that is seen at first."""
 
-_ASPECT = 1.25  # width over height of the part of a window beside the panel
+_ASPECT = 1.1  # width over height of the part of a window beside the panel
 _FIELD_OF_VIEW = 0.45  # rad; narrow, so that the plane looks flat
 _LAYER = 0.01  # distance between two layers
 _ARROW_FACES = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6]])
@@ -29,12 +29,15 @@ class Canvas:
     Args:
         server: The server of the page.
         flipped: Whether y points down.
+
+    Attributes:
+        scale: Length in the scene of one unit of the world.
     """
 
     def __init__(self, server: viser.ViserServer, flipped: bool = False) -> None:
         self._scene = server.scene
         self._flip = np.array([1.0, -1.0 if flipped else 1.0])
-        self._center, self._scale = np.zeros(2), 1.0
+        self._center, self.scale = np.zeros(2), 1.0
         self._handles: dict[str, Any] = {}
         self._sizes: dict[str, list[int]] = {}
 
@@ -47,14 +50,14 @@ class Canvas:
 
         # Colours as they are, without light and shade.
         server.scene.configure_default_lights(enabled=False)
-        server.scene.add_light_ambient("/light", intensity=3.1)
+        server.scene.add_light_ambient("/light", intensity=2.4)
 
     def fit(self, low: ArrayLike, high: ArrayLike) -> None:
         """Show the rectangle between two corners, in the world's unit; nothing is drawn yet."""
         low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
         width, height = high - low
         self._center = (low + high) / 2
-        self._scale = HEIGHT / max(height, width / _ASPECT)
+        self.scale = HEIGHT / max(height, width / _ASPECT)
 
     def clear(self) -> None:
         """Remove all shapes."""
@@ -65,7 +68,7 @@ class Canvas:
 
     def to_scene(self, points: ArrayLike, layer: float = 0.0) -> FloatArray:
         """Points (N, 2) of the world as points (N, 3) of the scene."""
-        flat = (np.asarray(points, np.float64) - self._center) * self._scale * self._flip
+        flat = (np.asarray(points, np.float64) - self._center) * self.scale * self._flip
         height = np.full((*flat.shape[:-1], 1), layer * _LAYER)
         placed: FloatArray = np.concatenate([flat, height], axis=-1)
         return placed
@@ -73,7 +76,7 @@ class Canvas:
     def to_world(self, position: ArrayLike) -> FloatArray:
         """A point (3,) of the scene as one (2,) of the world."""
         flat = np.asarray(position, np.float64)[:2]
-        placed: FloatArray = flat * self._flip / self._scale + self._center
+        placed: FloatArray = flat * self._flip / self.scale + self._center
         return placed
 
     def fill(
@@ -90,7 +93,7 @@ class Canvas:
             return
         vertices = self.to_scene(np.concatenate(rings), layer)
         if self._sizes.get(name) == sizes:
-            self._move(name, vertices)
+            self._move(name, vertices, color)
             return
 
         self._sizes[name] = sizes
@@ -171,7 +174,7 @@ class Canvas:
         corners = _arrow_outline(length, width) @ np.stack([along, across])
         vertices = start + np.pad(corners, ((0, 0), (0, 1)))
         if name in self._handles:
-            self._move(name, vertices)
+            self._move(name, vertices, color)
             return
         self._add_mesh(name, vertices, _ARROW_FACES, color, None)
 
@@ -194,10 +197,12 @@ class Canvas:
         if name in self._handles:
             self._handles[name].visible = False
 
-    def _move(self, name: str, vertices: FloatArray) -> None:
+    def _move(self, name: str, vertices: FloatArray, color: Color) -> None:
         handle = self._handles[name]
         handle.vertices = vertices.astype(np.float32)
         handle.visible = True
+        if tuple(handle.color) != color:
+            handle.color = color
 
     def _add_mesh(
         self,

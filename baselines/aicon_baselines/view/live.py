@@ -5,11 +5,10 @@ import time
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
 
-from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.panel import Actions, Panel
 from aicon_baselines.view.scenes import make_scene
-from aicon_baselines.view.server import viser
+from aicon_baselines.view.server import serve
 from aicon_torch import AiconError
 
 _PICTURES_PER_SECOND = 15.0
@@ -40,10 +39,7 @@ class LiveView:
         self._stopped = threading.Event()
         self._note = ""
 
-        try:
-            self._server = viser.ViserServer(host, port, label="aicon", verbose=False)
-        except OSError as error:
-            raise ComparisonError(f"cannot listen at {host}:{port}: {error}") from error
+        self._server = serve(host, port)
         self.scene = make_scene(self._server, episode)
         self._panel = Panel(self._server, self.scene, self._actions())
         self.scene.start()

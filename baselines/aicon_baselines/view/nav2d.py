@@ -22,7 +22,7 @@ from aicon_baselines.view.style import (
     Color,
 )
 
-_MARGIN = 0.6  # m of ground around what there is
+_MARGIN = 0.9  # m of ground around what there is
 _ARRIVAL = 0.2  # m
 _LOOKS = {
     ("reach", "p_tar"): ("reach the target", TOWARDS),
@@ -41,14 +41,16 @@ class NavigationScene(Scene):
     legend: ClassVar[dict[str, Color]] = {
         "robot": ROBOT,
         "target": TARGET,
-        "where it believes the target, with 2σ": BELIEF,
+        "where it believes the target (2σ)": BELIEF,
+        "wall": OBSTACLE,
         "gradient: reach the target": TOWARDS,
         "gradient: know the target better": CERTAINTY,
-        "gradient: avoid the wall": AWAY,
+        "gradient: avoid the wall, and where it feels it": AWAY,
         "motion, descending": RESOLVED,
         "motion, exploring": EXPLORING,
     }
     curves: ClassVar[Mapping[str, Color]] = {label: color for label, color in _LOOKS.values()}
+    trail_length: ClassVar[int] = 1000
     hint: ClassVar[str] = "Drag the arrows at the target to put it elsewhere."
 
     def draw_world(self) -> None:

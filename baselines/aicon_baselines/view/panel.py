@@ -171,7 +171,10 @@ def _headline(scene: Scene) -> tuple[str, Color]:
 
 def _legend(title: str, legend: dict[str, Color]) -> str:
     """What the world is, and each colour with its meaning."""
-    rows = [f'<div style="padding:0.2em 1em 0.6em"><p style="margin:0 0 0.5em">{title}</p>']
+    rows = [
+        f'<div style="padding:0.2em 1em 0.6em;font-size:0.88em;line-height:1.45">'
+        f'<p style="margin:0 0 0.5em">{html.escape(title)}</p>'
+    ]
     for meaning, color in legend.items():
         swatch = (
             f'<span style="display:inline-block;width:0.9em;height:0.9em;border-radius:3px;'

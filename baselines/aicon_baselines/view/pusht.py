@@ -41,12 +41,13 @@ class PushScene(Scene):
         "object": OBJECT,
         "goal": GOAL,
         "where it believes the object": BELIEF,
-        "gradient: seek a side": TOWARDS,
-        "gradient: leave a side": AWAY,
+        "gradient: touch that side (the dot)": TOWARDS,
+        "gradient: leave that side (the dot)": AWAY,
         "motion, descending": RESOLVED,
         "motion, exploring": EXPLORING,
     }
-    curves: ClassVar[Mapping[str, Color]] = {"strongest to seek": TOWARDS, "to leave": AWAY}
+    curves: ClassVar[Mapping[str, Color]] = {"strongest to touch": TOWARDS, "to leave": AWAY}
+    trail_length: ClassVar[int] = 25
     hint: ClassVar[str] = "Drag the arrows at the goal to put it elsewhere."
     can_kick: ClassVar[bool] = True
 
@@ -91,22 +92,23 @@ class PushScene(Scene):
         meeting, values = self.episode.meeting, self.episode.trace.values
         gradients = meeting.gradients[0].numpy(force=True)
         strengths = meeting.strengths[0].tolist()
+        contacts = values["x_contact"][0].numpy(force=True) / PIXEL
         to_sides = (values["x_contact"] - values["x_pusher"].unsqueeze(-2))[0].numpy(force=True)
 
         found = []
         for index, gradient in enumerate(gradients):
             side = _side_of(meeting.paths[index])
-            seeks = float(-gradient @ to_sides[side]) > 0.0
-            label = f"seek side {side}" if seeks else f"leave side {side}"
-            color = TOWARDS if seeks else AWAY
-            found.append(GradientArrow(label, color, -gradient, strengths[index]))
+            touches = float(-gradient @ to_sides[side]) > 0.0
+            label = "touch this side" if touches else "leave this side"
+            color = TOWARDS if touches else AWAY
+            found.append(GradientArrow(label, color, -gradient, strengths[index], contacts[side]))
         return found
 
     def strengths(self) -> dict[str, float]:
-        """The strongest gradient that seeks a side, and the strongest that leaves one."""
+        """The strongest gradient that touches a side, and the strongest that leaves one."""
         strongest = dict.fromkeys(self.curves, 0.0)
         for arrow in self.arrows():
-            curve = "strongest to seek" if arrow.color == TOWARDS else "to leave"
+            curve = "strongest to touch" if arrow.color == TOWARDS else "to leave"
             strongest[curve] = max(strongest[curve], arrow.strength)
         return strongest
 

@@ -3,7 +3,7 @@
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.scene import Scene
 from aicon_baselines.view.scenes import make_scene
-from aicon_baselines.view.server import viser
+from aicon_baselines.view.server import serve
 
 _PICTURES_PER_SECOND = 10.0
 
@@ -19,7 +19,7 @@ def record_html(episode: LiveEpisode, limit: int | None = None) -> str:
     stride = max(1, round(1.0 / (_PICTURES_PER_SECOND * time_step)))
     last = episode.task.horizon if limit is None else limit
 
-    server = viser.ViserServer("127.0.0.1", 0, verbose=False)
+    server = serve("127.0.0.1", 0)
     try:
         scene = make_scene(server, episode)
         scene.start()

@@ -15,6 +15,7 @@ from aicon_baselines.view.style import EXPLORING, RESOLVED, Color
 
 _LONGEST = 0.15 * HEIGHT  # length of an arrow
 _WIDEST = 0.16  # width of the strongest
+_FEW = 3  # gradients that are all labelled
 _FAINT = 0.02  # share of the strongest below which an arrow is not drawn
 _ARROW_LAYER = 20.0
 
@@ -28,12 +29,14 @@ class GradientArrow:
         color: Its colour.
         direction: Where it would go, (2,), in the world's frame.
         strength: Its magnitude.
+        source: What it comes from, a point (2,) that is marked; None for nothing to mark.
     """
 
     label: str
     color: Color
     direction: FloatArray
     strength: float
+    source: FloatArray | None = None
 
 
 class Scene(ABC):
@@ -58,6 +61,9 @@ class Scene(ABC):
 
     hint: ClassVar[str]
     """What a hand can do."""
+
+    trail_length: ClassVar[int]
+    """How many pictures back the trail goes."""
 
     flipped: ClassVar[bool] = False
     can_kick: ClassVar[bool] = False
@@ -174,28 +180,44 @@ class Scene(ABC):
         arrows = self.arrows()
         strongest = max((arrow.strength for arrow in arrows), default=0.0)
 
+        # Where there are many, only the two that are compared have their words.
+        meeting = self.episode.meeting
+        compared = {int(meeting.leader[0]), int(meeting.opponent[0])}
         for index, arrow in enumerate(arrows):
             name = f"gradient.{index}"
+            for part in ("", ".label", ".source"):
+                self.canvas.hide(name + part)
+
             share = arrow.strength / strongest if strongest else 0.0
-            if share < _FAINT:
-                self.canvas.hide(name)
-                self.canvas.hide(f"{name}.label")
-                continue
-            self._draw_arrow(name, position, arrow, share)
+            if share > _FAINT:
+                labelled = len(arrows) <= _FEW or index in compared
+                self._draw_arrow(name, position, arrow, share, labelled)
         self._draw_resolved(position)
 
     def draw_trail(self, position: ArrayLike, color: Color, layer: float) -> None:
         """Draw where something has been since the start."""
         self._trail.append(np.array(position, np.float64))
-        self.canvas.line("trail", np.stack(self._trail), color, layer, thickness=3.0)
+        latest = self._trail[-self.trail_length :]
+        self.canvas.line("trail", np.stack(latest), color, layer, thickness=3.0)
 
     def _draw_arrow(
-        self, name: str, position: ArrayLike, arrow: GradientArrow, share: float
+        self,
+        name: str,
+        position: ArrayLike,
+        arrow: GradientArrow,
+        share: float,
+        labelled: bool,
     ) -> None:
-        """Draw a gradient with its label at the tip; its width is its share of the strongest."""
+        """Draw a gradient, its label at the tip; its width is by its share of the strongest."""
         width = max(_WIDEST * share**0.5, 0.03)
         layer = _ARROW_LAYER + 1.0 - share
         self.canvas.arrow(name, position, arrow.direction, arrow.color, layer, _LONGEST, width)
+
+        if arrow.source is not None:
+            radius = 0.09 / self.canvas.scale
+            self.canvas.disc(f"{name}.source", arrow.source, radius, arrow.color, layer)
+        if not labelled:
+            return
 
         flip = np.array([1.0, -1.0 if self.flipped else 1.0])
         along = arrow.direction * flip / np.linalg.norm(arrow.direction)

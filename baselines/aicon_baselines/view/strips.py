@@ -35,7 +35,7 @@ class Strip:
             self._data(),
             tuple(series),
             title=title,
-            height=150,
+            height=130,
             scales={"x": {"time": False}},
             axes=({"size": 28}, {"size": 46}),
             legend={"show": True, "live": False},
