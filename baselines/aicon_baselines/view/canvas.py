@@ -50,7 +50,7 @@ class Canvas:
 
         # Colours as they are, without light and shade.
         server.scene.configure_default_lights(enabled=False)
-        server.scene.add_light_ambient("/light", intensity=2.4)
+        server.scene.add_light_ambient("/light", intensity=2.0)
 
     def fit(self, low: ArrayLike, high: ArrayLike) -> None:
         """Show the rectangle between two corners, in the world's unit; nothing is drawn yet."""

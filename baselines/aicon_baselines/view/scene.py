@@ -67,11 +67,11 @@ class Scene(ABC):
 
     flipped: ClassVar[bool] = False
     can_kick: ClassVar[bool] = False
-    can_turn: ClassVar[bool] = False
 
     def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
         self.server, self.episode = server, episode
         self.canvas = Canvas(server, self.flipped)
+        self._grip: viser.TransformControlsHandle | None = None
 
     def start(self) -> None:
         """Draw a new episode from nothing."""
@@ -79,6 +79,8 @@ class Scene(ABC):
         self._trail: list[FloatArray] = []
         self.draw_world()
         self.draw()
+        if self._grip is not None:
+            self._place_grip()
 
     def draw(self) -> None:
         """Bring everything that moves to the present."""
@@ -148,7 +150,7 @@ class Scene(ABC):
         Args:
             ask: Has something done between two steps.
         """
-        grip = self.server.scene.add_transform_controls(
+        self._grip = grip = self.server.scene.add_transform_controls(
             "/grip",
             scale=0.9,
             active_axes=(True, True, False),
@@ -156,15 +158,16 @@ class Scene(ABC):
             depth_test=False,
             opacity=0.7,
         )
-        self._grip = grip
         self._place_grip()
 
-        @grip.on_drag_end
-        def _(_: Any) -> None:
-            ask(self._take_grip)
+        @grip.on_update
+        def _(event: Any) -> None:
+            if event.phase == "end":
+                ask(self._take_grip)
 
     def _take_grip(self) -> None:
-        """Put the target where the handle is, or the handle back to the target."""
+        """Put the target where the handle is; where that cannot be, the handle goes back."""
+        assert self._grip is not None
         position = self.canvas.to_world(self._grip.position)
         try:
             self.move_target(position, self.target()[1])
@@ -172,6 +175,8 @@ class Scene(ABC):
             self._place_grip()
 
     def _place_grip(self) -> None:
+        """Put the handle where the target is."""
+        assert self._grip is not None
         position, _ = self.target()
         self._grip.position = self.canvas.to_scene(position, 40)
 
