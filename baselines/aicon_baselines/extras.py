@@ -9,6 +9,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "panda": ("mujoco",),  # and example-robot-data, which is files without a module
     "robots": ("pytorch_kinematics", "trimesh", "collada", "mujoco"),
     "reach": ("mujoco", "trimesh"),  # and example-robot-data, as for the arm
+    "view": ("viser",),
     "upstream": ("gym_pusht",),
     "sb3": ("stable_baselines3",),
     "lerobot": ("lerobot", "diffusers"),

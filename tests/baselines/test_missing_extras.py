@@ -27,6 +27,7 @@ IMPORTS = [
     ("pymunk", "aicon_envs.pusht", "pusht"),
     ("pygame", "aicon_envs.pusht.rendering", "pusht"),
     ("mujoco", "aicon_envs.panda_push", "panda"),
+    ("viser", "aicon_baselines.view", "view"),
 ]
 
 

@@ -18,6 +18,7 @@ TRAINED = {"sb3", "diffusion"}
 CLI = {
     "aicon list": "aicon_baselines.cli.listing",
     "aicon run": "aicon_baselines.cli.run",
+    "aicon watch": "aicon_baselines.cli.watch",
     "aicon compare": "aicon_baselines.cli.compare",
     "aicon figures": "aicon_baselines.cli.figures",
     "aicon bench": "aicon_baselines.cli.bench",

@@ -2,6 +2,7 @@
 
 aicon list                      tasks, policies, conditions, environments, extras
 aicon run --task nav2d          one episode, and what the policy decided at its end
+aicon watch pusht               the same live in the browser, with your own hands in it
 aicon compare --task pusht ...  policies on the same episodes: rows, table, curves
 aicon figures nav2d             the figure and the film of a rollout
 aicon bench                     the time of a control step, compiled and not
@@ -24,6 +25,7 @@ from aicon_baselines.cli.command_line import (
 _MODULES = {
     "list": "aicon_baselines.cli.listing",
     "run": "aicon_baselines.cli.run",
+    "watch": "aicon_baselines.cli.watch",
     "compare": "aicon_baselines.cli.compare",
     "figures": "aicon_baselines.cli.figures",
     "bench": "aicon_baselines.cli.bench",

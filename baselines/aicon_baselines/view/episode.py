@@ -1,0 +1,141 @@
+"""An episode in which one may interfere: the environment, the policy and its memory."""
+
+from typing import Any
+
+from gymnasium.vector import VectorEnv
+
+from aicon_baselines.evaluation.task import Task
+from aicon_baselines.view.resolutions import carried_over, resolutions_of, with_resolution
+from aicon_torch import Policy, StepTrace
+from aicon_torch.control import QuantityTrace
+from aicon_torch.resolution import Memory
+
+
+class LiveEpisode:
+    """One episode, step by step; goals, resolution and world may change between two steps.
+
+    `info` and the memory belong to the same moment: the policy has seen the world as it is now, and
+    has chosen the action of the next step.
+
+    Args:
+        task: The task.
+        env: Its environment, with a single episode.
+        policy: A policy of the library.
+
+    Attributes:
+        seed: Seed of the episode.
+        steps: Number of steps taken.
+        info: What the environment tells of the world as it is now; arrays with one row.
+        memory: The policy's memory; its batch is (1,).
+        ended: Whether the episode has ended.
+        resolution: Name of the resolution in use, one of `resolutions`.
+    """
+
+    def __init__(self, task: Task, env: VectorEnv[Any, Any, Any], policy: Policy) -> None:
+        self.task, self.env, self.policy = task, env, policy
+        self._resolutions = resolutions_of(policy)
+        self.resolution = next(iter(self._resolutions))
+
+        self.seed, self.steps, self.ended = 0, 0, False
+        self.info: dict[str, Any] = {}
+        self._memory: Memory | None = None
+        self._trace: StepTrace | None = None
+
+    @property
+    def memory(self) -> Memory:
+        """The memory after the last step."""
+        if self._memory is None:
+            raise RuntimeError("the episode has not started: call start() first")
+        return self._memory
+
+    @property
+    def trace(self) -> StepTrace:
+        """What the policy knows and has decided, with a batch of (1,)."""
+        if self._trace is None:
+            self._trace = self.policy.trace(self.memory)
+        return self._trace
+
+    @property
+    def meeting(self) -> QuantityTrace:
+        """What happened at the quantity where the most gradients meet.
+
+        Which one that is depends on the resolution: those that only choose among gradients need not
+        choose before the actuator.
+        """
+        quantities = self.trace.quantities.values()
+        return max(quantities, key=lambda quantity: len(quantity.paths))
+
+    @property
+    def time(self) -> float:
+        """Time since the start, s."""
+        return self.steps * self.task.time_step
+
+    @property
+    def resolutions(self) -> tuple[str, ...]:
+        """Names of the resolutions to choose from, the policy's own first."""
+        return tuple(self._resolutions)
+
+    def start(self, seed: int) -> None:
+        """Start the episode of a seed; goals that are switched off stay off."""
+        self.seed, self.steps, self.ended = seed, 0, False
+
+        arguments = self.task.reset_arguments([self.task.episode(seed)])
+        self._observation, self.info = self.env.reset(**arguments)
+        self._decide(starts=True)
+
+    def step(self) -> None:
+        """Carry out the action that was chosen, and choose the next one."""
+        if self.ended:
+            return
+
+        self._observation, _, terminated, truncated, self.info = self.env.step(self._action)
+        self.steps += 1
+        self.ended = bool(terminated[0] or truncated[0])
+        self._decide(starts=False)
+
+    def switch(self, goal: str, factor: float) -> None:
+        """Weight a goal, 0 for off and 1 for on; the next decision takes it into account.
+
+        Raises:
+            OptionError: If there is no such goal.
+        """
+        self._memory = self.policy.switch(self.memory, **{goal: factor})
+        self._trace = None
+
+    def resolve_by(self, name: str) -> None:
+        """Go on with another resolution: estimates stay, what was remembered of conflicts does not.
+
+        Args:
+            name: One of `resolutions`.
+        """
+        other = with_resolution(self.policy, self._resolutions[name])
+        _, fresh = other.predict(self._observation)
+
+        self._memory = carried_over(self.policy, self.memory, fresh)
+        self.policy, self.resolution = other, name
+        self._decide(starts=False)
+
+    def relocate(self, options: dict[str, Any]) -> None:
+        """Set the world, not the policy: whatever it knew before, it still believes.
+
+        Args:
+            options: Options of the environment's `reset`.
+
+        Raises:
+            ValueError: If the environment does not accept them.
+        """
+        self._observation, info = self.env.reset(options=options)
+        self.info = self.info | info
+        self.ended = False
+        self._decide(starts=False)
+
+    def close(self) -> None:
+        """Close the environment."""
+        self.env.close()
+
+    def _decide(self, starts: bool) -> None:
+        """Let the policy see the world as it is, and choose."""
+        self._action, self._memory = self.policy.predict(
+            self._observation, self._memory, [True] if starts else None
+        )
+        self._trace = None

@@ -1,0 +1,149 @@
+"""The live view: a page that shows an episode while it happens, and lets its reader interfere."""
+
+import threading
+import time
+from collections.abc import Callable
+from queue import Empty, SimpleQueue
+
+from aicon_baselines.view.episode import LiveEpisode
+from aicon_baselines.view.panel import Actions, Panel
+from aicon_baselines.view.scenes import make_scene
+from aicon_baselines.view.server import serve
+from aicon_torch import AiconError
+
+_PICTURES_PER_SECOND = 15.0
+_PANELS_PER_SECOND = 4.0
+_REST = 0.01  # s between two looks at what is to do
+
+
+class LiveView:
+    """An episode in the browser.
+
+    The server has threads of its own. What a reader asks for is put into a queue and done between
+    two steps, in the thread that calls :meth:`run`.
+
+    Args:
+        episode: The episode, started.
+        port: Port of the page; where it is taken, the next free one.
+        host: Address to listen at; "0.0.0.0" is visible to the whole network.
+
+    Attributes:
+        running: Whether it steps by itself.
+        speed: How many times as fast as real time it steps.
+    """
+
+    def __init__(self, episode: LiveEpisode, port: int = 8080, host: str = "127.0.0.1") -> None:
+        self.episode = episode
+        self.running, self.speed = True, 1.0
+        self._requests: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._stopped = threading.Event()
+        self._note = ""
+
+        self._server = serve(host, port)
+        self.scene = make_scene(self._server, episode)
+        self._panel = Panel(self._server, self.scene, self._actions())
+        self.scene.start()
+        self.scene.add_grip(lambda move: self._ask(move))
+        self._show_all()
+
+    @property
+    def port(self) -> int:
+        """Port of the page."""
+        return self._server.get_port()
+
+    def run(self) -> None:
+        """Step and draw until :meth:`stop` is called, in real time at speed 1."""
+        due = drawn = shown = time.monotonic()
+
+        while not self._stopped.is_set():
+            asked = self._do_what_was_asked()
+            now = time.monotonic()
+            stepped = self.running and now >= due
+            if stepped:
+                self._advance()
+                # Where it is too slow for the speed, it does not try to catch up.
+                due = max(due + self.episode.task.time_step / self.speed, now)
+
+            # Pictures and words, only as often as an eye can follow.
+            if asked or (stepped and now >= drawn + 1.0 / _PICTURES_PER_SECOND):
+                self.scene.draw()
+                drawn = now
+            if asked or (stepped and now >= shown + 1.0 / _PANELS_PER_SECOND) or self._just_ended:
+                self._show_all()
+                shown = now
+            self._stopped.wait(_REST if not stepped or due > now else 0.0)
+
+    def stop(self) -> None:
+        """Let :meth:`run` return."""
+        self._stopped.set()
+
+    def close(self) -> None:
+        """End the server and the environment."""
+        self._server.stop()
+        self.episode.close()
+
+    @property
+    def _just_ended(self) -> bool:
+        return self.running and self.episode.ended
+
+    def _actions(self) -> Actions:
+        """What the controls ask for."""
+        return Actions(
+            toggle=lambda: self._ask(self._toggle),
+            step=lambda: self._ask(self._step_once),
+            reset=lambda seed: self._ask(lambda: self._reset(seed)),
+            set_speed=lambda speed: self._ask(lambda: setattr(self, "speed", speed)),
+            weigh=lambda goal, factor: self._ask(lambda: self.episode.switch(goal, factor)),
+            resolve_by=lambda name: self._ask(lambda: self.episode.resolve_by(name)),
+            kick=lambda: self._ask(self.scene.kick),
+        )
+
+    def _ask(self, request: Callable[[], None]) -> None:
+        """Have something done between two steps."""
+        self._requests.put(request)
+
+    def _do_what_was_asked(self) -> bool:
+        """Do it; return whether there was anything."""
+        asked = False
+        while True:
+            try:
+                request = self._requests.get_nowait()
+            except Empty:
+                return asked
+
+            # What the world or the policy refuses is told, and nothing changes.
+            asked, self._note = True, ""
+            try:
+                request()
+            except (ValueError, AiconError) as error:
+                self._note = str(error)
+
+    def _toggle(self) -> None:
+        if self.episode.ended and not self.running:
+            self._reset(self.episode.seed)
+        self.running = not self.running
+
+    def _step_once(self) -> None:
+        self.running = False
+        self._advance()
+
+    def _reset(self, seed: int) -> None:
+        self.episode.start(seed)
+        self.scene.start()
+        self._panel.clear()
+
+    def _advance(self) -> None:
+        """Go on by one step; after the last one, rest."""
+        if self.episode.ended:
+            self.running = False
+            return
+        self.episode.step()
+        self._panel.add_moment()
+
+    def _show_all(self) -> None:
+        """Bring picture, words and curves to the present."""
+        if self.episode.ended:
+            self.running = False
+        self._panel.show_running(self.running)
+        self._panel.show(self._note)
+        self.scene.draw()

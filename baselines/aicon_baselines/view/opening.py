@@ -1,0 +1,56 @@
+"""Opening an episode to look at: the task's environment and a policy that tells what it decides."""
+
+from dataclasses import replace
+from typing import Any
+
+from aicon_baselines.agents.registry import ModelPolicy, factory
+from aicon_baselines.agents.variants import parse_variant
+from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.tasks import load
+from aicon_baselines.view.episode import LiveEpisode
+
+# Where the goal can be dragged, the policy has to see it.
+_ENVIRONMENT: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
+_POLICY: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
+
+
+def open_episode(
+    task_name: str, policy: str = "aicon", condition: str | None = None, seed: int = 0
+) -> LiveEpisode:
+    """Build an episode of a task, and start it.
+
+    Args:
+        task_name: Name of the task.
+        policy: Name of the policy, options of it, or both, as in `aicon run`.
+        condition: A condition of the task; by default the usual one.
+        seed: Seed of the episode.
+
+    Raises:
+        ComparisonError: If a name is unknown, or the policy is none of the library's.
+    """
+    # The names are checked as in a comparison.
+    task = load(task_name)
+    conditions = [condition] if condition else None
+    config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
+    task, condition = config.apply(task), config.conditions[0]
+    if condition == "upstream":
+        raise ComparisonError(
+            "the condition 'upstream' cannot be watched; 'deterministic' is the same world"
+        )
+
+    name, options = parse_variant(policy)
+    build = factory(task.name, name, **options)
+    if not isinstance(build, ModelPolicy):
+        raise ComparisonError(
+            f"the policy {name!r} has no gradients to show; aicon watch shows policies of the "
+            "library, such as aicon, steepest or potential_field"
+        )
+
+    shown = _POLICY.get(task.name, {})
+    built: Any = replace(build, options={**shown, **build.options})(condition)
+    env = task.make_env(1, condition, task.horizon, **_ENVIRONMENT.get(task.name, {}))
+
+    episode = LiveEpisode(task, env, built)
+    episode.start(seed)
+    return episode

@@ -1,0 +1,149 @@
+"""pushT: a disc, the object that it pushes, and where the object shall lie."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+
+from aicon_baselines.view.canvas import FloatArray
+from aicon_baselines.view.scene import GradientArrow, Scene
+from aicon_baselines.view.style import (
+    AWAY,
+    BELIEF,
+    EXPLORING,
+    GOAL,
+    GROUND,
+    OBJECT,
+    OUTLINE,
+    RESOLVED,
+    ROBOT,
+    TOWARDS,
+    TRAIL,
+    Color,
+)
+from aicon_envs.pusht.disturbances import draw_kicked_pose
+from aicon_envs.pusht.geometry import place
+from aicon_envs.pusht.simulation import PUSHER_RADIUS, SIZE
+from aicon_torch.models.pusht import PIXEL
+
+
+class PushScene(Scene):
+    """The table from above, y down, px."""
+
+    title: ClassVar[str] = (
+        "A disc pushes an object into its goal. Each side of the object has a gradient: touching "
+        "it would bring the object nearer to the goal, or take it away."
+    )
+    flipped: ClassVar[bool] = True
+    legend: ClassVar[dict[str, Color]] = {
+        "pusher": ROBOT,
+        "object": OBJECT,
+        "goal": GOAL,
+        "where it believes the object": BELIEF,
+        "gradient: touch that side (the dot)": TOWARDS,
+        "gradient: leave that side (the dot)": AWAY,
+        "motion, descending": RESOLVED,
+        "motion, exploring": EXPLORING,
+    }
+    curves: ClassVar[Mapping[str, Color]] = {"strongest to touch": TOWARDS, "to leave": AWAY}
+    trail_length: ClassVar[int] = 25
+    hint: ClassVar[str] = "Drag the arrows at the goal to put it elsewhere."
+    can_kick: ClassVar[bool] = True
+
+    def draw_world(self) -> None:
+        """Draw the table."""
+        env: Any = self.episode.env
+        self._env = env.envs[0].unwrapped
+        self._object = self._env.object
+
+        corners = np.array([(0.0, 0.0), (SIZE, 0.0), (SIZE, SIZE), (0.0, SIZE)])
+        self.canvas.fit((0.0, 0.0), (SIZE, SIZE))
+        self.canvas.fill("table", [corners], GROUND, 0)
+        self.canvas.line("walls", corners, OUTLINE, 1, thickness=3.0, closed=True)
+
+    def draw_moving(self) -> None:
+        """Draw pusher, object, belief, goal and gradients."""
+        canvas, info = self.canvas, self.episode.info
+        values = self.episode.trace.values
+        outline = self._object.outline
+
+        goal = place(outline, info["goal_pose"][0])
+        canvas.fill("goal", [goal], GOAL, 2, opacity=0.35)
+        canvas.line("goal.outline", goal, GOAL, 3, closed=True)
+        canvas.text("goal.label", "goal", canvas.to_scene(goal.mean(axis=0), 30))
+
+        body = place(outline, info["block_pose"][0])
+        canvas.fill("object", [body], OBJECT, 5)
+
+        # The corners as it believes them; the spread of the position grows with noise.
+        believed = values["x_keypoints"][0].numpy(force=True)[list(self._object.border)] / PIXEL
+        covariance = values["P_pose"][0, :2, :2].numpy(force=True) / PIXEL**2
+        canvas.line("belief", believed, BELIEF, 7, thickness=3.0, closed=True)
+        canvas.ellipse("belief.spread", believed.mean(axis=0), covariance, BELIEF, 8, opacity=0.5)
+
+        position = info["pos_agent"][0]
+        self.draw_trail(position, TRAIL, 9)
+        canvas.disc("pusher", position, PUSHER_RADIUS, ROBOT, 14)
+        self.draw_arrows(position)
+
+    def arrows(self) -> list[GradientArrow]:
+        """The gradient of each side at the pusher."""
+        meeting, values = self.episode.meeting, self.episode.trace.values
+        gradients = meeting.gradients[0].numpy(force=True)
+        strengths = meeting.strengths[0].tolist()
+        contacts = values["x_contact"][0].numpy(force=True) / PIXEL
+        to_sides = (values["x_contact"] - values["x_pusher"].unsqueeze(-2))[0].numpy(force=True)
+
+        found = []
+        for index, gradient in enumerate(gradients):
+            side = _side_of(meeting.paths[index])
+            touches = float(-gradient @ to_sides[side]) > 0.0
+            label = "touch this side" if touches else "leave this side"
+            color = TOWARDS if touches else AWAY
+            found.append(GradientArrow(label, color, -gradient, strengths[index], contacts[side]))
+        return found
+
+    def strengths(self) -> dict[str, float]:
+        """The strongest gradient that touches a side, and the strongest that leaves one."""
+        strongest = dict.fromkeys(self.curves, 0.0)
+        for arrow in self.arrows():
+            curve = "strongest to touch" if arrow.color == TOWARDS else "to leave"
+            strongest[curve] = max(strongest[curve], arrow.strength)
+        return strongest
+
+    def distance_left(self) -> str:
+        """How far the object is from its goal, turn included."""
+        covered = self.episode.info["coverage"][0]
+        return f"{covered:.0%} of the goal covered"
+
+    def target(self) -> tuple[FloatArray, float]:
+        """The pose of the goal."""
+        x, y, angle = self.episode.info["goal_pose"][0].tolist()
+        return np.array([x, y]), angle
+
+    def move_target(self, position: FloatArray, angle: float) -> None:
+        """Put the goal elsewhere; pusher and object stay."""
+        x, y = np.clip(position, 0.0, SIZE).tolist()
+        self._set(self.episode.info["block_pose"][0].tolist(), [x, y, angle])
+
+    def kick(self) -> None:
+        """Shift and turn the object at random, as the environment's kicks do."""
+        info = self.episode.info
+        x, y, angle = info["block_pose"][0].tolist()
+        pusher = tuple(info["pos_agent"][0].tolist())
+        kicked = draw_kicked_pose(
+            self._object, (x, y, angle), pusher, self._env.settings.kick, self._env.noise
+        )
+        self._set(list(kicked), info["goal_pose"][0].tolist())
+
+    def _set(self, pose: list[float], goal: list[float]) -> None:
+        """Set the poses of object and goal."""
+        pusher = self.episode.info["pos_agent"][0].tolist()
+        self.episode.relocate({"reset_to_state": [*pusher, *pose], "goal_pose": goal})
+
+
+def _side_of(path: Sequence[str]) -> int:
+    """The side that a path comes through, such as 3 of "x_contact[3]"."""
+    found = re.search(r"\[(\d+)\]", " ".join(path))
+    return int(found.group(1)) if found else 0

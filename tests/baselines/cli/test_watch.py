@@ -1,0 +1,64 @@
+"""The command `aicon watch`."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from urllib.request import urlopen
+
+import pytest
+
+pytest.importorskip("viser", reason="the live view needs the extra [view]")
+
+from aicon_baselines.cli.main import main
+
+
+def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
+    words = ["watch", "nav2d", "--port", "0"]
+    shell = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
+    program = [sys.executable, "-m", "aicon_baselines.cli.main", *words]
+    with subprocess.Popen(
+        program, env=shell, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert line.startswith("watch it at http://localhost:")
+        assert line.endswith("(Ctrl-C ends it)\n")
+
+        address = line.split()[3].replace("localhost", "127.0.0.1")
+        assert b"<html" in urlopen(address).read()[:1000].lower()
+
+        process.send_signal(signal.SIGINT)
+        printed, errors = process.communicate()
+    assert (process.returncode, printed, errors) == (130, "", "\nstopped\n")
+
+
+def test_a_recording_is_one_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import aicon_baselines.cli.watch as watch
+
+    record = watch.record_html
+    monkeypatch.setattr(watch, "record_html", lambda episode: record(episode, limit=6))
+    page = tmp_path / "pages" / "episode.html"
+    main(["watch", "nav2d", "--seed", "1006", "--record", str(page)])
+    text = page.read_text(encoding="utf-8")
+    assert text.lstrip().lower().startswith("<!doctype html>")
+    assert "window.__VISER_EMBED_DATA__=" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["fly"], "unknown task 'fly'; valid tasks: nav2d, pusht"),
+        (["nav2d", "--port", "70000"], "--port must be between 0 and 65535, not 70000"),
+        (["nav2d", "--record", "x.mp4"], "a recording ends in .html, not '.mp4'"),
+        (["nav2d", "--host", "no host"], "cannot listen at 'no host'"),
+        (["nav2d", "--policy", "bug2"], "has no gradients to show"),
+    ],
+)
+def test_it_says_what_is_wrong(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["watch", *words])
+    assert message in capsys.readouterr().err

@@ -1,0 +1,98 @@
+"""An episode in which one interferes: time goes on, and so does what the policy knows."""
+
+import math
+
+import numpy as np
+import pytest
+import torch
+
+from aicon_baselines.evaluation import ComparisonError
+
+pytest.importorskip("viser", reason="the live view needs the extra [view]")
+
+from aicon_baselines.view import LiveEpisode, open_episode
+
+
+def opened(task: str = "nav2d", steps: int = 3) -> LiveEpisode:
+    """An episode after a few steps."""
+    episode = open_episode(task, seed=1006)
+    for _ in range(steps):
+        episode.step()
+    return episode
+
+
+def test_it_is_the_episode_of_a_comparison() -> None:
+    from aicon_baselines.agents import registry
+    from aicon_baselines.tasks import load
+
+    task, policy = load("nav2d"), registry.make("nav2d", "aicon")
+    env = task.make_env(1, "range", task.horizon)
+    observation, _ = env.reset(**task.reset_arguments([task.episode(1006)]))
+    memory = None
+    for _ in range(3):
+        action, memory = policy.predict(observation, memory)
+        observation, _, _, _, info = env.step(action)
+
+    episode = opened()
+    np.testing.assert_array_equal(episode.info["position"], info["position"])
+    assert episode.steps == 3 and math.isclose(episode.time, 3 * task.time_step)
+
+
+def test_another_resolution_takes_over_what_is_known() -> None:
+    episode = opened()
+    before = episode.memory
+
+    for name in ("sum", "steepest path", "nullspace projection"):
+        episode.resolve_by(name)
+        assert episode.resolution == name
+        assert torch.linalg.vector_norm(episode.memory["p_tar"] - before["p_tar"]) < 0.3
+        episode.step()
+    assert episode.steps == 6
+
+
+def test_a_goal_that_is_switched_off_stays_off_in_the_next_episode() -> None:
+    episode = opened()
+    episode.switch("reach", 0.0)
+    episode.start(1007)
+    episode.step()
+
+    strengths = dict(zip(episode.meeting.goals, episode.meeting.strengths[0], strict=True))
+    assert strengths[("reach",)] == 0.0 and strengths[("avoid",)] > 0.0
+
+
+def test_a_target_that_is_moved_is_believed_where_it_was() -> None:
+    from aicon_baselines.view.nav2d import NavigationScene
+    from aicon_baselines.view.server import serve
+
+    episode = opened()
+    server = serve("127.0.0.1", 0)
+    try:
+        scene = NavigationScene(server, episode)
+        position, believed = episode.info["position"], episode.memory["p_tar"]
+        target = episode.info["target"][0] + [0.1, 0.1]
+        scene.move_target(target, 0.0)
+
+        np.testing.assert_allclose(episode.info["target"][0], target)
+        np.testing.assert_array_equal(episode.info["position"], position)
+        assert torch.linalg.vector_norm(episode.memory["p_tar"] - believed) < 0.3
+
+        inside = np.mean(episode.env.unwrapped.maps[0].obstacles[0], axis=0)  # type: ignore[attr-defined]
+        with pytest.raises(ValueError, match="target must be outside of every obstacle"):
+            scene.move_target(inside, 0.0)
+    finally:
+        server.stop()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"task_name": "fly"}, "unknown task 'fly'; valid tasks: nav2d"),
+        ({"task_name": "nav2d", "policy": "oracle"}, "unknown policy 'oracle'"),
+        ({"task_name": "nav2d", "policy": "bug2"}, "'bug2' has no gradients to show"),
+        ({"task_name": "nav2d", "condition": "rain"}, "unknown condition 'rain'"),
+        ({"task_name": "nav2d", "seed": -1}, "seed must be 0 or more"),
+    ],
+)
+def test_what_cannot_be_watched_is_said(arguments: dict[str, str], message: str) -> None:
+    with pytest.raises(ComparisonError, match=message):
+        open_episode(**arguments)  # type: ignore[arg-type]
