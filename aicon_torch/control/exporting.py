@@ -88,8 +88,8 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
 
     actuators: list[dict[str, Any]] = []
     for name, actuator in model.actuators.items():
-        fields = ("size", "unit", "key")
-        actuators.append({"name": name, **{field: getattr(actuator, field) for field in fields}})
+        told = {"size": actuator.size, "unit": actuator.unit, "key": actuator.key}
+        actuators.append({"name": name, **told})
 
     return {
         "format": FORMAT,
@@ -218,15 +218,15 @@ static void step(const real *memory, const real *readings, real *next, real *com
 """
 
 _STEP = """\
-/* Format, bytes of a real number, and how many of them there are in the readings, the memory and the
-   commands of one robot. */
+/* Format, bytes of a real number, and how many of them there are in the readings, the memory and
+   the commands of one robot. */
 EXPORTED const int aicon_sizes[5] = {FORMAT, sizeof(real), READINGS, MEMORY, COMMANDS};
 
 /* The memory before the first episode. */
 EXPORTED void aicon_blank(void *memory) { memcpy(memory, blank, sizeof blank); }
 
-/* One step of each of some robots. Where starts is set, or the memory says so, an episode begins: the
-   memory starts anew, but for the factors of the goals. Next may be memory. */
+/* One step of each of some robots. Where starts is set, or the memory says so, an episode begins:
+   the memory starts anew, but for the factors of the goals. Next may be memory. */
 EXPORTED void aicon_step(long rows, const unsigned char *starts, const void *readings,
                          const void *memory, void *next, void *commands) {
   for (long row = 0; row < rows; ++row) {

@@ -6,8 +6,8 @@
     descend:  memory, values, descent → descent            ... take K gradients, ...
     finish:   memory, values, descent → memory, commands   ... and act
 
-Readings are those of the observation, NaN where there is none; then come the ages of those that have
-one, and executed actions that are told.
+Readings are those of the observation, NaN where there is none; then come the ages of those that
+have one, and executed actions that are told.
 """
 
 from collections.abc import Mapping

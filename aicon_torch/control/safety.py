@@ -11,7 +11,7 @@ from aicon_torch.control.stalemate import Stalemate, initial_escape
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
-from aicon_torch.quantities import PRESENT
+from aicon_torch.quantities import AGE, PRESENT
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafetyBounds, nearest_safe
 
@@ -152,8 +152,8 @@ class ActuatorSafety:
         for name, sensor in self.model.sensors.items():
             reading = torch.rand(4, sensor.size, generator=generator, dtype=torch.float64)
             readings[name] = reading.to(self.model.like)
-        for name in self.model.declaration.optional_sensors:
             readings[name + PRESENT] = torch.ones(4, dtype=torch.bool)
+            readings[name + AGE] = self.model.like.new_zeros(4)
 
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _ = self._rows_of(goal, values)

@@ -109,7 +109,7 @@ class LateEKF(EKF):
 
     def _steps(self, moves: Tensor) -> Iterator[tuple[int, dict[str, Tensor]]]:
         """For each step how long ago it began, from L + 1 to 1, and what moved it then."""
-        steps = moves.unflatten(-1, (self.steps + 1, -1)).unbind(-2)
+        steps = moves.reshape((*moves.shape[:-1], self.steps + 1, -1)).unbind(-2)
         for index, step in enumerate(steps):
             parts: dict[str, Tensor] = {}
             start = 0
