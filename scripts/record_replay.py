@@ -5,6 +5,7 @@ Example: python scripts/record_replay.py nav2d build/nav2d
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,8 @@ def run(arguments: argparse.Namespace) -> None:
     task, folder = arguments.task, arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
     condition = CONDITIONS.get(task, load(task).conditions[0])
-    make(task, "aicon", condition).export(folder / "policy.so", task=task, condition=condition)
+    policy: Any = make(task, "aicon", condition)
+    policy.export(folder / "policy.so", task=task, condition=condition)
 
     # The readings of an episode, one after the other as the library takes them.
     library = Library(folder / "policy.so")

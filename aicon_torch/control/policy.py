@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -97,7 +97,8 @@ class Policy(nn.Module):
         if self._native is not None:
             native = self._native.of(self._step, self.perception)
             if native is not None:
-                return native.predict(observation, state, episode_start)
+                action, after = native.predict(observation, state, episode_start)
+                return action, cast(Memory, after)  # it is read like one
 
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
