@@ -100,8 +100,8 @@ class Policy(nn.Module):
         if self._native is not None:
             native = self._native.of(self._step, self.perception)
             if native is not None:
-                action, flat = native.predict(observation, state, episode_start)
-                return action, cast(Memory, flat)  # read like the dictionary
+                action, after = native.predict(observation, state, episode_start)
+                return action, cast(Memory, after)  # it is read like one
 
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)

@@ -2,7 +2,7 @@
 //
 //   replay FOLDER [STEPS]
 //
-// FOLDER has policy.so, readings.bin and commands.bin, as record.py writes them: rows of doubles.
+// FOLDER has policy.so, readings.bin and commands.bin, as scripts/record_replay.py writes them: rows of doubles.
 // The commands must be those that were recorded, bit by bit.
 
 #include <sys/resource.h>
