@@ -12,6 +12,10 @@ FloatArray = NDArray[np.float64]
 CONTROL_STEP = 0.02
 """Duration of a control step, s."""
 
+ACCELERATION = 40.0
+"""What a servo is commanded changes by at most this, rad/s² or m/s²: a jump of one joint's velocity
+would throw the others off theirs."""
+
 WINDUP = 0.05
 """The integral of a servo leads its joint by at most this, rad or m."""
 
@@ -66,13 +70,15 @@ class Simulation:
             balls: Where the balls are at its end, ``(balls, 3)``, m.
         """
         data, count = self.data, len(velocity)
-        data.ctrl[:count] = velocity
-        data.ctrl[count:] = velocity
+        most = ACCELERATION * self.scene.model.opt.timestep
         start = data.mocap_pos[1:].copy()
         nearest, margin = Gaps(SIGHT, SIGHT), np.inf
 
         for number in range(1, self._substeps + 1):
             data.mocap_pos[1:] = start + (balls - start) * (number / self._substeps)
+            command = data.ctrl[:count] + np.clip(velocity - data.ctrl[:count], -most, most)
+            data.ctrl[:count] = data.ctrl[count:] = command
+
             mujoco.mj_step(self.scene.model, data)
             if data.ncon:
                 nearest = _smaller(nearest, self._measure.near(data))
