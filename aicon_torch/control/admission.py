@@ -137,11 +137,13 @@ class Admission(NamedTuple):
     ) -> Tensor:
         """Whether the reading repeats the last one, and did so while the actuator acted."""
         actuator = str(sensor.driven_by)
-        bound = DRIVEN * torch.as_tensor(self.actuators[actuator].limit).to(reading)
-        acts = (memory[actuator].abs() > bound).any(-1)
+        least = DRIVEN * torch.as_tensor(self.actuators[actuator].limit).to(reading)
+        acts = (memory[actuator].abs() > least).any(-1)
 
         repeats = (reading == last).all(-1)
         if sensor.range is not None:  # at its ends an instrument repeats itself
-            low, high = (bound * reading.new_tensor(sensor.scale) for bound in sensor.range)
-            repeats = repeats & ((reading > low) & (reading < high)).all(-1)
+            scale = reading.new_tensor(sensor.scale)
+            low, high = sensor.range
+            inside = (reading > low * scale) & (reading < high * scale)
+            repeats = repeats & inside.all(-1)
         return repeats & (acts | memory[name + FROZEN])

@@ -109,8 +109,8 @@ class LateEKF(EKF):
 
     def _steps(self, moves: Tensor) -> Iterator[tuple[int, dict[str, Tensor]]]:
         """For each step how long ago it began, from L + 1 to 1, and what moved it then."""
-        steps = moves.reshape((*moves.shape[:-1], self.steps + 1, -1)).unbind(-2)
-        for index, step in enumerate(steps):
+        by_step = moves.reshape(*moves.shape[:-1], self.steps + 1, -1)
+        for index, step in enumerate(by_step.unbind(-2)):
             parts: dict[str, Tensor] = {}
             start = 0
             for name, size in self.moved_by.items():
