@@ -40,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen at (default: this machine only)"
     )
+    parser.add_argument("--paused", action="store_true", help="wait for the button to begin")
     parser.add_argument(
         "--record", type=Path, metavar="FILE", help="save the episode as html instead"
     )
@@ -59,7 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
         _record(episode, arguments.record)
         return
 
-    view = LiveView(episode, arguments.port, arguments.host)
+    view = LiveView(episode, arguments.port, arguments.host, paused=arguments.paused)
     try:
         name = "localhost" if arguments.host in _EVERYWHERE else arguments.host
         print(f"watch it at http://{name}:{view.port} (Ctrl-C ends it)", flush=True)

@@ -38,6 +38,8 @@ class LiveEpisode:
 
         self.seed, self.steps, self.ended = 0, 0, False
         self.info: dict[str, Any] = {}
+        self._starts = True
+        self._before: Memory | None = None
         self._memory: Memory | None = None
         self._trace: StepTrace | None = None
 
@@ -78,10 +80,15 @@ class LiveEpisode:
     def start(self, seed: int) -> None:
         """Start the episode of a seed; goals that are switched off stay off."""
         self.seed, self.steps, self.ended = seed, 0, False
-
         arguments = self.task.reset_arguments([self.task.episode(seed)])
         self._observation, self.info = self.env.reset(**arguments)
-        self._decide(starts=True)
+
+        # Of the memory from before only the goals' factors count.
+        self._starts = True
+        self._before = self._memory
+        if self._before is None:
+            _, self._before = self.policy.predict(self._observation)
+        self._decide()
 
     def step(self) -> None:
         """Carry out the action that was chosen, and choose the next one."""
@@ -91,19 +98,23 @@ class LiveEpisode:
         self._observation, _, terminated, truncated, self.info = self.env.step(self._action)
         self.steps += 1
         self.ended = bool(terminated[0] or truncated[0])
-        self._decide(starts=False)
+
+        self._starts, self._before = False, self.memory
+        self._decide()
 
     def switch(self, goal: str, factor: float) -> None:
-        """Weight a goal, 0 for off and 1 for on; the next decision takes it into account.
+        """Weight a goal, 0 for off and 1 for on, and decide again.
 
         Raises:
             OptionError: If there is no such goal.
         """
-        self._memory = self.policy.switch(self.memory, **{goal: factor})
-        self._trace = None
+        self._before = self.policy.switch(self._started(), **{goal: factor})
+        self._decide()
 
     def resolve_by(self, name: str) -> None:
-        """Go on with another resolution: estimates stay, what was remembered of conflicts does not.
+        """Decide again by another resolution, and go on with it.
+
+        Estimates stay; what was remembered of conflicts does not.
 
         Args:
             name: One of `resolutions`.
@@ -111,12 +122,12 @@ class LiveEpisode:
         other = with_resolution(self.policy, self._resolutions[name])
         _, fresh = other.predict(self._observation)
 
-        self._memory = carried_over(self.policy, self.memory, fresh)
+        self._before = carried_over(self.policy, self._started(), fresh)
         self.policy, self.resolution = other, name
-        self._decide(starts=False)
+        self._decide()
 
     def relocate(self, options: dict[str, Any]) -> None:
-        """Set the world, not the policy: whatever it knew before, it still believes.
+        """Set the world, not the policy: it still believes what it believed, and sees the new.
 
         Args:
             options: Options of the environment's `reset`.
@@ -125,17 +136,21 @@ class LiveEpisode:
             ValueError: If the environment does not accept them.
         """
         self._observation, info = self.env.reset(options=options)
-        self.info = self.info | info
-        self.ended = False
-        self._decide(starts=False)
+        self.info, self.ended = self.info | info, False
+        self._decide()
 
     def close(self) -> None:
         """Close the environment."""
         self.env.close()
 
-    def _decide(self, starts: bool) -> None:
-        """Let the policy see the world as it is, and choose."""
-        self._action, self._memory = self.policy.predict(
-            self._observation, self._memory, [True] if starts else None
-        )
+    def _decide(self) -> None:
+        """Let the policy see the world as it is and choose, from what it knew before."""
+        starts = [True] if self._starts else None
+        self._action, self._memory = self.policy.predict(self._observation, self._started(), starts)
         self._trace = None
+
+    def _started(self) -> Memory:
+        """The memory before the step that was decided last."""
+        if self._before is None:
+            raise RuntimeError("the episode has not started: call start() first")
+        return self._before

@@ -26,15 +26,23 @@ class LiveView:
         episode: The episode, started.
         port: Port of the page; where it is taken, the next free one.
         host: Address to listen at; "0.0.0.0" is visible to the whole network.
+        paused: Whether it waits for its reader to begin.
 
     Attributes:
         running: Whether it steps by itself.
         speed: How many times as fast as real time it steps.
     """
 
-    def __init__(self, episode: LiveEpisode, port: int = 8080, host: str = "127.0.0.1") -> None:
+    def __init__(
+        self,
+        episode: LiveEpisode,
+        port: int = 8080,
+        host: str = "127.0.0.1",
+        *,
+        paused: bool = False,
+    ) -> None:
         self.episode = episode
-        self.running, self.speed = True, 1.0
+        self.running, self.speed = not paused, 1.0
         self._requests: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._stopped = threading.Event()
         self._note = ""

@@ -20,7 +20,7 @@ class Actions:
 
     Attributes:
         toggle: Go on or pause.
-        step: Go on by one step.
+        step: Go on by one step, and pause.
         reset: Start the episode of a seed.
         set_speed: How many times as fast as real time.
         weigh: Give a goal a factor.
@@ -63,7 +63,6 @@ class Panel:
     def show_running(self, running: bool) -> None:
         """Say on the button what it would do now."""
         self._toggle.label = "Pause" if running else "Play"
-        self._step.disabled = running
 
     def show(self, note: str = "") -> None:
         """Bring words and curves to the present.
@@ -94,8 +93,7 @@ class Panel:
         gui, actions = self._gui, self._actions
         self._toggle = gui.add_button("Pause")
         self._toggle.on_click(lambda _: actions.toggle())
-        self._step = gui.add_button("Step", disabled=True)
-        self._step.on_click(lambda _: actions.step())
+        gui.add_button("Step").on_click(lambda _: actions.step())
 
         seed = gui.add_number("Seed", self._scene.episode.seed, min=0, step=1)
         reset = gui.add_button("Reset")

@@ -37,8 +37,7 @@ def view() -> Iterator[LiveView]:
     if BROWSER is None and not REQUIRED:
         pytest.skip("there is no chromium here")
 
-    view = LiveView(open_episode("nav2d", seed=SEED), port=0)
-    view.running = False
+    view = LiveView(open_episode("nav2d", seed=SEED), port=0, paused=True)
     thread = threading.Thread(target=view.run)
     thread.start()
     yield view
@@ -55,7 +54,7 @@ def page(view: LiveView) -> Iterator[Page]:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=BROWSER, args=ARGUMENTS)
         page = browser.new_page(viewport={"width": 1000, "height": 700})
-        page.set_default_timeout(120_000)
+        page.set_default_timeout(60_000)
         page.goto(f"http://127.0.0.1:{view.port}")
         page.get_by_role("button", name="Reset").wait_for()
         yield page
