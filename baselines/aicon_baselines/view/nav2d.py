@@ -104,7 +104,8 @@ class NavigationScene(Scene):
 
         found = []
         for index, path in enumerate(meeting.paths):
-            label, color = _LOOKS.get(path[:2], (" → ".join(path[:2]), CERTAINTY))
+            goal, quantity = path[:2]
+            label, color = _LOOKS.get((goal, quantity), (f"{goal} → {quantity}", CERTAINTY))
             found.append(GradientArrow(label, color, -gradients[index], strengths[index]))
         return found
 
