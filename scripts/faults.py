@@ -15,6 +15,7 @@ import torch
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import make
+from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.evaluation.task import Episode, Task
 from aicon_baselines.tasks import load
 from aicon_baselines.tasks.faults import FAULTS
@@ -22,16 +23,17 @@ from aicon_baselines.tasks.faults import FAULTS
 Readings = dict[str, NDArray[Any]]
 
 
-def main() -> None:
-    """Run the groups of faults one after the other."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the faults and the episodes."""
     parser.add_argument("--task", required=True)
     parser.add_argument("--conditions", nargs="+", help="by default the usual one and all faults")
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1000)
     parser.add_argument("--horizon", type=int, help="steps; by default the task's")
-    arguments = parser.parse_args()
 
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run the groups of faults one after the other."""
     torch.set_num_threads(1)
     task = load(arguments.task)
     horizon = arguments.horizon or task.horizon
@@ -40,7 +42,7 @@ def main() -> None:
 
     print("| condition | success | collisions | median time |\n|---|---|---|---|")
     for conditions in grouped(task, arguments.conditions or (task.conditions[0], *FAULTS)):
-        for row in run(task, conditions, episodes, horizon):
+        for row in run_group(task, conditions, episodes, horizon):
             print(row, flush=True)
 
 
@@ -53,7 +55,7 @@ def grouped(task: Task, conditions: Sequence[str]) -> Iterator[list[str]]:
     yield from groups.values()
 
 
-def run(
+def run_group(
     task: Task, conditions: Sequence[str], episodes: list[Episode], horizon: int
 ) -> Iterator[str]:
     """A row of the table for each condition."""
@@ -107,5 +109,7 @@ def joined(stepped: Sequence[Any], key: str) -> NDArray[np.bool_]:
     return np.concatenate([result[4][key] for result in stepped])
 
 
+COMMAND = Command(__doc__, add_arguments, run)
+
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

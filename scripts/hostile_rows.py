@@ -16,6 +16,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from aicon_baselines.cli.command_line import Command, run_command
 from aicon_torch import Policy, make_policy
 from aicon_torch.models.pusht import PIXEL
 
@@ -29,30 +30,31 @@ SPECIAL = np.array(
 Readings = dict[str, NDArray[Any]]
 
 
-def main() -> None:
-    """Run the steps, and print what was found."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare whose readings, and how many."""
     parser.add_argument("--task", choices=tuple(GOOD), required=True)
     parser.add_argument("--rows", type=int, default=1_000_000, help="readings in all")
     parser.add_argument("--seed", type=int, default=60_000)
     parser.add_argument("--tensors", action="store_true", help="tensors instead of arrays")
     parser.add_argument("--compile", action="store_true", help="the compiled policy")
-    arguments = parser.parse_args()
 
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run the steps, and print what was found."""
     torch.set_num_threads(1)
     policy = make_policy(arguments.task, **OPTIONS[arguments.task])
     if arguments.compile:
         policy = policy.compile()
 
     started = time.perf_counter()
-    counts = run(policy, arguments.task, arguments.rows, arguments.seed, arguments.tensors)
+    counts = feed(policy, arguments.task, arguments.rows, arguments.seed, arguments.tensors)
     counts["seconds"] = round(time.perf_counter() - started)
     print(f"{arguments.task}: " + ", ".join(f"{key} {value}" for key, value in counts.items()))
     if counts["illegal"] or counts["unhealed"]:
         raise SystemExit(1)
 
 
-def run(policy: Policy, task: str, rows: int, seed: int, tensors: bool) -> dict[str, int]:
+def feed(policy: Policy, task: str, rows: int, seed: int, tensors: bool) -> dict[str, int]:
     """Step through hostile and good readings; count what is not as it should be."""
     generator = np.random.default_rng(seed)
     counts = {"rows": 0, "illegal": 0, "unhealed": 0}
@@ -150,5 +152,7 @@ def _panda_push(generator: np.random.Generator) -> Readings:
 GOOD = {"nav2d": _nav2d, "pusht": _pusht, "panda_push": _panda_push}
 OPTIONS: dict[str, dict[str, Any]] = {"nav2d": {}, "pusht": {}, "panda_push": {"sensing": "pose"}}
 
+COMMAND = Command(__doc__, add_arguments, run)
+
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

@@ -32,7 +32,9 @@ class FollowedCost:
     def ahead(self, action: Tensor) -> Tensor:
         """G(a) ``(*B,)`` of an action ``(*B, n)``, or ``(m, *B)`` of m for each row."""
         copies = action.shape[: action.dim() - self.goal_factors.dim()]
-        values = {name: value.expand((*copies, *value.shape)) for name, value in self.values.items()}
+        values = {
+            name: value.expand((*copies, *value.shape)) for name, value in self.values.items()
+        }
 
         total = torch.zeros_like(action[..., 0])
         for index, (name, goal) in enumerate(self.model.goals.items()):

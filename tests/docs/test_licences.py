@@ -20,6 +20,7 @@ def test_every_checkpoint_says_its_licence() -> None:
 def test_nothing_but_code_numbers_and_pictures_of_ours_is_shipped() -> None:
     """A new kind of file, such as a mesh or a map of others, needs a thought about its licence."""
     kinds = {".py", ".md", ".typed", ".toml", ".json", ".safetensors", ".csv", ".png", ""}
+    kinds |= {".cpp", ".hpp", ".txt"}  # examples/cpp
     for folder in ("aicon_torch", "envs", "baselines", "examples", "docs"):
         for path in (ROOT / folder).rglob("*"):
             parts = path.relative_to(ROOT).parts

@@ -9,7 +9,7 @@ from _documents import ROOT
 import aicon_torch
 
 API = ROOT / "docs" / "api"
-PACKAGES = ("control", "estimation", "graph", "models", "parts", "resolution", "safety")
+PACKAGES = ("codegen", "control", "estimation", "graph", "models", "parts", "resolution", "safety")
 
 
 def test_every_package_has_a_page() -> None:
