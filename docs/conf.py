@@ -41,6 +41,7 @@ PAGES = {
     "../SECURITY.md": "security.md",
     "../examples": "examples.md",
     "../aicon_torch": "api/index.md",
+    "../aicon_torch/codegen": "api/codegen.md",
     "../baselines/checkpoints/diffusion_pusht_keypoints/README.md": "student.md",
 }
 
