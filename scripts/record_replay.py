@@ -13,6 +13,7 @@ from aicon_baselines.agents.registry import make
 from aicon_baselines.cli.bench import record_observations
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load, names
+from aicon_torch import load_exported
 from aicon_torch.control.library import Library
 
 CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
@@ -34,12 +35,11 @@ def run(arguments: argparse.Namespace) -> None:
     policy.export(folder / "policy.so", task=task, condition=condition)
 
     # The readings of an episode, one after the other as the library takes them.
-    library = Library(folder / "policy.so")
+    library, exported = Library(folder / "policy.so"), load_exported(folder / "policy.so")
     memory, starts = library.blank(), np.ones((), dtype=np.uint8)
     readings, commands = [], []
     for observation in record_observations(task, condition, arguments.steps):
-        keys = [sensor["key"] or sensor["name"] for sensor in library.metadata["sensors"]]
-        readings.append(np.concatenate([np.ravel(observation[key]).astype(float) for key in keys]))
+        readings.append(exported.flat_readings(observation).reshape(-1))
         memory, command = library.run(readings[-1], memory, starts)
         starts = np.zeros((), dtype=np.uint8)
         commands.append(command)

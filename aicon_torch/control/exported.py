@@ -151,6 +151,28 @@ class ExportedPolicy:
             flat[..., place] = torch.as_tensor(factor, dtype=flat.dtype)
         return ExportedMemory(flat.numpy(), self._layout)
 
+    def flat_readings(self, observation: Mapping[str, Any]) -> Array:
+        """The readings as the library takes them, ``(*B, n)``, NaN where there are none.
+
+        First those of all sensors, then the ages of those that have one, then executed actions that
+        are told, in the order of ``metadata["readings"]``.
+
+        Args:
+            observation: As for :meth:`predict`.
+
+        Raises:
+            ObservationError: As for :meth:`predict`.
+        """
+        readings = read(observation, self._sensors, self._actuators, self._like)
+        if self.metadata["perceives"] and self.perception is None:
+            self._check_perceived(observation)
+
+        parts: list[Tensor] = []
+        for entry in self.metadata["readings"]:
+            reading = readings[entry["name"]]
+            parts.append(reading if entry["shape"] else reading.unsqueeze(-1))
+        return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
+
     def _plain_readings(self, observation: Mapping[str, Any]) -> Array | None:
         """The readings of one robot if all are arrays of real numbers."""
         if type(observation) is not dict or not self._takes_readings_alone:
@@ -170,15 +192,8 @@ class ExportedPolicy:
         episode_start: ArrayLike | Tensor | None,
     ) -> tuple[Array, Array, NDArray[np.uint8] | None]:
         """Readings, memory and the rows that start anew, for any batch."""
-        readings = read(observation, self._sensors, self._actuators, self._like)
-        if self.metadata["perceives"] and self.perception is None:
-            self._check_perceived(observation)
-        first = readings[next(iter(self._sensors))]
-        batch = tuple(first.shape[:-1])
-        parts: list[Tensor] = []
-        for reading in readings.values():  # an age has no dimension of its own
-            parts.append(reading.unsqueeze(-1) if reading.dim() == len(batch) else reading)
-        flat = np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
+        flat = self.flat_readings(observation)
+        batch = flat.shape[:-1]
 
         # An episode of all rows begins.
         if state is None:

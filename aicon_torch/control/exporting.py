@@ -99,6 +99,7 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
         "dt": model.dt,
         "iterations": flat.step.law.iterations,
         "sensors": sensors,
+        "readings": flat.readings.to_json(),
         "perceives": perceives,
         "actuators": actuators,
         "goals": list(model.goals),
