@@ -194,7 +194,7 @@ class Canvas:
 
     def hide(self, name: str) -> None:
         """Hide a shape, if it is there."""
-        if name in self._handles:
+        if name in self._handles and self._handles[name].visible:
             self._handles[name].visible = False
 
     def _move(self, name: str, vertices: FloatArray, color: Color) -> None:

@@ -190,13 +190,15 @@ class Scene(ABC):
         compared = {int(meeting.leader[0]), int(meeting.opponent[0])}
         for index, arrow in enumerate(arrows):
             name = f"gradient.{index}"
-            for part in ("", ".label", ".source"):
-                self.canvas.hide(name + part)
-
             share = arrow.strength / strongest if strongest else 0.0
+            labelled = len(arrows) <= _FEW or index in compared
             if share > _FAINT:
-                labelled = len(arrows) <= _FEW or index in compared
                 self._draw_arrow(name, position, arrow, share, labelled)
+            else:
+                self.canvas.hide(name)
+                self.canvas.hide(f"{name}.source")
+            if share <= _FAINT or not labelled:
+                self.canvas.hide(f"{name}.label")
         self._draw_resolved(position)
 
     def draw_trail(self, position: ArrayLike, color: Color, layer: float) -> None:

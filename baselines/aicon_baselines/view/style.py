@@ -2,11 +2,11 @@
 
 Color = tuple[int, int, int]
 
-# Colours that colour-blind readers can tell apart, those of the figures.
+# Colours that colour-blind readers can tell apart, most of them those of the figures.
 ROBOT: Color = (0, 89, 168)
 TRAIL: Color = (132, 172, 211)
 TARGET: Color = (196, 18, 47)
-BELIEF: Color = (224, 138, 0)
+BELIEF: Color = (230, 180, 0)
 OBSTACLE: Color = (60, 64, 72)
 OBJECT: Color = (195, 200, 208)
 OUTLINE: Color = (92, 99, 110)
