@@ -4,22 +4,19 @@ Example: aicon watch pusht --policy steepest --seed 3
 
 The page has a button to pause, others to step and to start another seed; goals can be switched off
 and on, the rule for gradients in conflict changed, and the target moved while the policy acts.
-With --record there is no page: the episode runs to its end and becomes one HTML file that plays in
-any browser. Over ssh: ssh -L 8080:localhost:8080 HOST, and open the page on your own machine.
+Over ssh: ssh -L 8080:localhost:8080 HOST, and open the page on your own machine.
 """
 
 import argparse
 import logging
-from pathlib import Path
 
 import torch
 
 from aicon_baselines.agents.variants import REFERENCE
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name
-from aicon_baselines.view import LiveEpisode, LiveView, open_episode, record_html
+from aicon_baselines.view import LiveView, open_episode
 from aicon_baselines.view.scenes import check_watchable
 
 _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
@@ -41,13 +38,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--host", default="127.0.0.1", help="address to listen at (default: this machine only)"
     )
     parser.add_argument("--paused", action="store_true", help="wait for the button to begin")
-    parser.add_argument(
-        "--record", type=Path, metavar="FILE", help="save the episode as html instead"
-    )
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Serve the page until the user stops it, or save the recording."""
+    """Serve the page until the user stops it."""
     torch.set_num_threads(1)
     _check(arguments)
     check_watchable(arguments.task)
@@ -56,10 +50,6 @@ def run(arguments: argparse.Namespace) -> None:
     episode = open_episode(
         arguments.task, arguments.policy, arguments.condition, seed=arguments.seed
     )
-    if arguments.record:
-        _record(episode, arguments.record)
-        return
-
     view = LiveView(episode, arguments.port, arguments.host, paused=arguments.paused)
     try:
         name = "localhost" if arguments.host in _EVERYWHERE else arguments.host
@@ -70,24 +60,10 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    """Refuse what cannot be watched or recorded, before anything is built."""
+    """Refuse what cannot be watched, before anything is built."""
     check_name(arguments.task)
     if not 0 <= arguments.port <= 65_535:
         raise ComparisonError(f"--port must be between 0 and 65535, not {arguments.port}")
-    if arguments.record and arguments.record.suffix != ".html":
-        raise ComparisonError(f"a recording ends in .html, not {arguments.record.suffix!r}")
-
-
-def _record(episode: LiveEpisode, path: Path) -> None:
-    """Save the episode as a page."""
-    page = record_html(episode)
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as place:
-        place.write_text(page, encoding="utf-8")
-
-    ending = "success" if episode.info["is_success"][0] else "no success"
-    print(f"{ending} after {episode.time:g} s; saved: {path}")
 
 
 COMMAND = Command(__doc__, add_arguments, run)

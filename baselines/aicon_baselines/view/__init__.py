@@ -3,7 +3,6 @@
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.live import LiveView
 from aicon_baselines.view.opening import open_episode
-from aicon_baselines.view.recording import record_html
 from aicon_baselines.view.scenes import make_scene
 
-__all__ = ["LiveEpisode", "LiveView", "make_scene", "open_episode", "record_html"]
+__all__ = ["LiveEpisode", "LiveView", "make_scene", "open_episode"]

@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 from urllib.request import urlopen
 
 import pytest
@@ -34,24 +33,11 @@ def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
     assert (process.returncode, printed, errors) == (130, "", "\nstopped\n")
 
 
-def test_a_recording_is_one_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import aicon_baselines.cli.watch as watch
-
-    record = watch.record_html
-    monkeypatch.setattr(watch, "record_html", lambda episode: record(episode, limit=6))
-    page = tmp_path / "pages" / "episode.html"
-    main(["watch", "nav2d", "--seed", "1006", "--record", str(page)])
-    text = page.read_text(encoding="utf-8")
-    assert text.lstrip().lower().startswith("<!doctype html>")
-    assert "window.__VISER_EMBED_DATA__=" in text
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["fly"], "unknown task 'fly'; valid tasks: nav2d, pusht"),
         (["nav2d", "--port", "70000"], "--port must be between 0 and 65535, not 70000"),
-        (["nav2d", "--record", "x.mp4"], "a recording ends in .html, not '.mp4'"),
         (["nav2d", "--host", "no host"], "cannot listen at 'no host'"),
         (["nav2d", "--policy", "bug2"], "has no gradients to show"),
     ],
