@@ -4,14 +4,22 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.resolution import SteepestPath, Sum
+
+# Limits as goals like any other need wider margins; these were the best of a search.
+_AS_GOALS = {
+    "safety": False,
+    "joint_limits": SquaredHinge(0.1, 1.0),
+    "self_collision": SquaredHinge(0.05, 1.0),
+}
 
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
         "without_escape": {"dampers.escape": None},
-        "steepest": {"safety": False, "resolution": SteepestPath()},
-        "potential_field": {"safety": False, "resolution": Sum()},
+        "steepest": {**_AS_GOALS, "resolution": SteepestPath()},
+        "potential_field": {**_AS_GOALS, "resolution": Sum()},
     }
 )
 """Options by preset: ours, ours without the escape, and the baselines, for which joint limits and
