@@ -13,12 +13,22 @@ pytest.importorskip("viser", reason="the live view needs the extra [view]")
 from aicon_baselines.cli.main import main
 
 
+def obey_interrupts() -> None:
+    """In a job in the background the shell has switched Ctrl-C off."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
     words = ["watch", "nav2d", "--port", "0"]
     shell = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     program = [sys.executable, "-m", "aicon_baselines.cli.main", *words]
     with subprocess.Popen(
-        program, env=shell, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        program,
+        env=shell,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=obey_interrupts,
     ) as process:
         assert process.stdout is not None
         line = process.stdout.readline()
