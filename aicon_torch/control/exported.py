@@ -1,5 +1,6 @@
 """An exported policy in Python: a policy like any other, but for its step, which is a library."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -77,13 +78,17 @@ class ExportedPolicy:
             actuator = Actuator(described["size"], described["unit"], key=described["key"])
             self._actuators[described["name"]] = actuator
 
-        # Where readings are all that it takes, they can be taken quickly.
+        self._shapes = {name: entry.shape for name, entry in self._layout.entries.items()}
+
+        # Readings are taken quickly where their ages and the executed actions are not told.
         self._keys = [sensor.key or name for name, sensor in self._sensors.items()]
         self._sizes = [(sensor.size,) for sensor in self._sensors.values()]
-        is_aged = any(sensor.is_aged for sensor in self._sensors.values())
-        is_told = any(actuator.key is not None for actuator in self._actuators.values())
-        self._takes_readings_alone = not (is_aged or is_told)
-        self._shapes = {name: entry.shape for name, entry in self._layout.entries.items()}
+        ages = [sensor.age for sensor in self._sensors.values() if sensor.is_aged]
+        told = [actuator for actuator in self._actuators.values() if actuator.key is not None]
+        untold = sum(actuator.size for actuator in told) * [math.nan]
+        self._untold = np.array([*ages, *untold], dtype=library.dtype)
+        self._tellable = {sensor.age_key for sensor in self._sensors.values()}
+        self._tellable |= {actuator.key for actuator in told}
 
     def predict(
         self,
@@ -175,13 +180,14 @@ class ExportedPolicy:
 
     def _plain_readings(self, observation: Mapping[str, Any]) -> Array | None:
         """The readings of one robot if all are arrays of real numbers."""
-        if type(observation) is not dict or not self._takes_readings_alone:
+        if type(observation) is not dict or not self._tellable.isdisjoint(observation):
             return None
         parts: list[Any] = [observation.get(key) for key in self._keys]
         for part, shape in zip(parts, self._sizes, strict=True):
             if type(part) is not np.ndarray or part.shape != shape or part.dtype.kind != "f":
                 return None
 
+        parts.append(self._untold)
         readings: Array = np.concatenate(parts, dtype=self._library.dtype, casting="same_kind")
         return readings
 

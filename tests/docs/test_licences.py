@@ -24,5 +24,5 @@ def test_nothing_but_code_numbers_and_pictures_of_ours_is_shipped() -> None:
     for folder in ("aicon_torch", "envs", "baselines", "examples", "docs"):
         for path in (ROOT / folder).rglob("*"):
             parts = path.relative_to(ROOT).parts
-            if path.is_file() and "__pycache__" not in parts:
+            if path.is_file() and not {"__pycache__", "_build"} & set(parts):
                 assert path.suffix in kinds, path

@@ -23,7 +23,7 @@ def test_list_names_tasks_policies_conditions_environments_and_extras(
     assert "task nav2d\n  presets     aicon, paper_literal, steepest, potential_field\n" in printed
     assert f"ablations   {', '.join(agents.ablations('nav2d'))}\n" in printed
     assert "opponents   pcgrad, upgrad, cagrad, bug2, wall_follower\n" in printed
-    assert "conditions  range, range_bearing\n" in printed
+    assert "conditions  range, range_bearing, " in printed
     assert "aicon/Nav2D-v0, aicon/PushT-v0, aicon/PandaPush-v0" in printed
     assert "compare     installed\n" in printed
 

@@ -36,9 +36,9 @@ def moved(reading: dict[str, Tensor], goal: Tensor, angle: float, shift: Tensor)
 
 
 MOVES = {
-    "shifted": (0.0, (700.0, -40.0)),
+    "shifted": (0.0, (300.0, -40.0)),
     "half a turn": (math.pi, (0.0, 0.0)),
-    "turned and shifted": (2.3, (10.0, 900.0)),
+    "turned and shifted": (2.3, (400.0, 300.0)),
 }
 each_move = pytest.mark.parametrize(("angle", "shift"), MOVES.values(), ids=MOVES.keys())
 
