@@ -51,7 +51,7 @@ class Outcome(NamedTuple):
 def push(resolution: Resolution) -> Outcome:
     """Push the T with this rule."""
     env = gym.make("aicon/PushT-v0", max_episode_steps=HORIZON)
-    policy = make_policy("pusht", resolution=resolution)
+    policy = make_policy("pusht", resolution=resolution).compile()  # the same, much faster
 
     observation, info = env.reset(seed=SEED)
     memory, steps, exploring_steps, ended = None, 0, 0, False
