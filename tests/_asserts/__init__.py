@@ -2,7 +2,14 @@
 
 from _asserts.filters import BeaconStep, beacon_step, central_differences, slopes, update
 from _asserts.path_gradients import along, sums_over_paths, through_jacobians
-from _asserts.policies import arrived, assert_rows_stand_alone, assert_same_memory, rollout, stacked
+from _asserts.policies import (
+    arrived,
+    assert_rows_stand_alone,
+    assert_same_memory,
+    assert_same_steps,
+    rollout,
+    stacked,
+)
 from _asserts.resolutions import assert_orthogonal, selection
 from _asserts.total_derivatives import assert_equal_gradients, numeric_totals, totals
 
@@ -14,6 +21,7 @@ __all__ = [
     "assert_orthogonal",
     "assert_rows_stand_alone",
     "assert_same_memory",
+    "assert_same_steps",
     "beacon_step",
     "central_differences",
     "numeric_totals",

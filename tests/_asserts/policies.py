@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import torch
 from torch import Tensor
 
-from aicon_torch import Policy
+from aicon_torch import ExportedPolicy, Policy
 
 Memory = dict[str, Tensor]
 Readings = Sequence[dict[str, Tensor]]
@@ -44,6 +44,24 @@ def assert_same_memory(
         torch.testing.assert_close(
             first[name], second[name], rtol=tolerance, atol=tolerance, msg=named
         )
+
+
+def assert_same_steps(
+    policy: Policy, other: Policy | ExportedPolicy, observations: Readings, tolerance: float
+) -> None:
+    """Another form of a policy takes its steps, to a tolerance.
+
+    Step by step from the same memory, since errors grow along a chaotic run.
+    """
+    memory = None
+
+    for observation in observations:
+        action, after = policy.predict(observation, memory)
+        same_action, same = other.predict(observation, memory)
+
+        torch.testing.assert_close(same_action, action, rtol=tolerance, atol=tolerance)
+        assert_same_memory(same, after, tolerance)
+        memory = after
 
 
 def assert_rows_stand_alone(policy: Policy, observations: Readings, rows: Sequence[int]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from _asserts import assert_same_memory
+from _asserts import assert_same_steps
 from _inputs import drifting, normal
 from torch import Tensor
 
@@ -109,21 +109,6 @@ def passing(steps: int, batch: tuple[int, ...] = ()) -> Readings:
         readings.append({"agent_pos": pusher, "environment_state": corners})
 
     return readings
-
-
-def assert_same_steps(
-    policy: Policy, compiled: Policy, readings: Readings, tolerance: float
-) -> None:
-    """Step by step from the same memory, since errors grow along a chaotic run."""
-    memory = None
-
-    for reading in readings:
-        action, after = policy.predict(reading, memory)
-        found, remembered = compiled.predict(reading, memory)
-
-        torch.testing.assert_close(found, action, rtol=tolerance, atol=tolerance)
-        assert_same_memory(remembered, after, tolerance)
-        memory = after
 
 
 @with_compiler

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from _asserts import assert_same_memory
+from _asserts import assert_same_memory, assert_same_steps
 from _inputs import drifting, observation_with
-from torch import Tensor
 
 from aicon_torch import (
     ExportedPolicy,
@@ -39,20 +38,6 @@ def exported(policy: Policy, folder: Path) -> ExportedPolicy:
 def pair(tmp_path_factory: pytest.TempPathFactory) -> Pair:
     policy = make_policy("nav2d", law=Foresight(iterations=2))
     return policy, exported(policy, tmp_path_factory.mktemp("exported"))
-
-
-def assert_same_steps(
-    policy: Policy, found: ExportedPolicy, readings: list[dict[str, Tensor]], tolerance: float
-) -> None:
-    """Step by step from the same memory, since errors grow along a chaotic run."""
-    memory = None
-    for reading in readings:
-        action, after = policy.predict(reading, memory)
-        same_action, same = found.predict(reading, memory)
-
-        torch.testing.assert_close(same_action, action, rtol=tolerance, atol=tolerance)
-        assert_same_memory(same, after, tolerance)
-        memory = after
 
 
 def test_it_takes_the_same_steps(pair: Pair) -> None:
