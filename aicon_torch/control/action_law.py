@@ -39,8 +39,14 @@ class ActionLaw(Protocol):
         """
         ...
 
-    def start(self, last: Tensor) -> Tensor:
-        """Where the descent begins, ``(*B, size)``, from the last action ``(*B, size)``."""
+    def start(self, last: Tensor, steps: Tensor, actuator: Actuator) -> Tensor:
+        """Where the descent begins, ``(*B, size)``.
+
+        Args:
+            last: The last action, ``(*B, size)``.
+            steps: How many steps ago the episode began, ``(*B,)``.
+            actuator: Whose limit holds.
+        """
         ...
 
     def descend(

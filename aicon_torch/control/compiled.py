@@ -10,6 +10,7 @@ from torch import Tensor
 from torch.fx import GraphModule
 from torch.fx.experimental.proxy_tensor import make_fx
 
+from aicon_torch.control.memory import STEPS
 from aicon_torch.control.step import Actions, ControlStep
 from aicon_torch.resolution import Memory
 
@@ -106,7 +107,7 @@ class _IteratedStep:
 
         def begin(readings: Named, memory: Memory) -> tuple[dict[str, Tensor], ...]:
             values, costs = step.estimate(readings, memory)
-            return values, costs, step.start(values)
+            return values, costs, step.start(values, memory[STEPS])
 
         def descend(
             values: Named, costs: dict[str, Tensor], memory: Memory, actions: Actions, count: Named

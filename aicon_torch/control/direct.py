@@ -44,7 +44,7 @@ class DirectDescent:
     def check(self, name: str, actuator: Actuator) -> None:
         """It drives any."""
 
-    def start(self, last: Tensor) -> Tensor:
+    def start(self, last: Tensor, steps: Tensor, actuator: Actuator) -> Tensor:
         """The last action, which Eq. 2 changes."""
         return last
 

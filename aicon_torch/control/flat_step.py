@@ -17,7 +17,7 @@ from torch import Tensor
 
 from aicon_torch.codegen import FlatFunction
 from aicon_torch.control.layout import Layout
-from aicon_torch.control.memory import GOAL_FACTORS, initial_memory
+from aicon_torch.control.memory import GOAL_FACTORS, STEPS, initial_memory
 from aicon_torch.control.observation import in_unit
 from aicon_torch.control.step import ControlStep
 from aicon_torch.quantities import AGE
@@ -94,7 +94,7 @@ class FlatStep:
         values, costs = self.step.estimate(self._in_units(readings), known)
         descent = {
             COUNT: self.model.like.new_ones(()),
-            **self.step.start(values),
+            **self.step.start(values, known[STEPS]),
             **{name: known[name] for name in self._resolved},
         }
         return self._work(values, costs), self.descent.pack(descent, self.model.like)
@@ -132,7 +132,7 @@ class FlatStep:
         self.memory = Layout.of(memory)
 
         values, costs = self.step.estimate(readings, memory)
-        actions = self.step.start(values)
+        actions = self.step.start(values, memory[STEPS])
         count = self.model.like.new_ones(())
         actions, resolved = self.step.descend(values, costs, memory, actions, count)
         commands, _ = self.step.finish(values, memory, actions, resolved)

@@ -10,29 +10,39 @@ from aicon_torch.control.action_law import check_smoothing, low_pass
 from aicon_torch.errors import OptionError
 from aicon_torch.quantities import Actuator
 
+PRIME = 4093
+"""p, after how many steps the dither repeats itself."""
+
 
 @dataclass(frozen=True)
 class Foresight:
     """Eq. 2, iterated on the model's own prediction between two readings.
 
-    The action begins at rest and takes K steps down the gradient, each at the state that the model
-    foresees after the action so far:
+    The action takes K steps down the gradient, each at the state that the model foresees after the
+    action so far:
 
-        a ← clip(a − (ρ a_max / k) ∇/‖∇‖),   k = 1 … K,
+        a ← δ a_max u,   a ← clip(a − (ρ a_max / k) ∇/‖∇‖),   k = 1 … K,
 
     so that it sees what it is about to do, and takes back what goes too far. Then it is low-passed
     (Sect. "Stabilizing the Control Signal"). The text takes one gradient at each reading:
     :class:`aicon_torch.control.DirectDescent`.
 
+    The descent begins with a dither u in [−1, 1], another one at every step and the same at every
+    run. Without noise, a descent that always begins at rest can repeat itself for ever: to and fro
+    along a line, or around a corner. A redundant robot is dithered in its nullspace as well.
+
     Attributes:
         iterations: K.
         step: ρ, length of the first step as a share of the actuator's limit.
         smoothing: T, time constant of the low-pass, s; 0 switches it off.
+        dither: δ, how far from rest the descent begins at most, as a share of the limit; 0 begins
+            at rest.
     """
 
     iterations: int = 20
     step: float = 1 / 3
     smoothing: float = 0.02
+    dither: float = 1 / 3
 
     foresees = True
 
@@ -43,6 +53,8 @@ class Foresight:
         if not 0 < self.step < math.inf:
             raise OptionError(f"step={self.step!r}: expected a share > 0 of the actuator's limit.")
         check_smoothing(self.smoothing)
+        if not 0 <= self.dither <= 1:
+            raise OptionError(f"dither={self.dither!r}: expected a share of the limit, 0 to 1.")
 
     def check(self, name: str, actuator: Actuator) -> None:
         """Its steps are shares of the actuator's limit, so there must be one."""
@@ -53,22 +65,45 @@ class Foresight:
                 "Give the actuator a limit, or the policy law=DirectDescent(gain=...)."
             )
 
-    def start(self, last: Tensor) -> Tensor:
-        """At rest."""
-        return torch.zeros_like(last)
+    def start(self, last: Tensor, steps: Tensor, actuator: Actuator) -> Tensor:
+        """δ a_max u, elsewhere at every step, ``(*B, size)``."""
+        if self.dither == 0:
+            return torch.zeros_like(last)
+        farthest = self.dither * torch.as_tensor(actuator.limit).to(last)
+        return actuator.clip(farthest * scattered(steps, actuator.size))
 
     def descend(
         self, action: Tensor, gradient: Tensor, iteration: Tensor, actuator: Actuator
     ) -> Tensor:
         """One step of the length ρ a_max / k, ``(*B, size)``: see :class:`ActionLaw`."""
-        # The direction; where there is none, or where a cost overflows, nothing moves.
+        longest = self.step * torch.as_tensor(actuator.limit).to(action) / iteration
         length = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
-        direction = gradient / length.clamp(min=torch.finfo(length.dtype).tiny)
-        direction = direction.nan_to_num(nan=0.0, posinf=0.0, neginf=0.0)
+        down = -longest * gradient / length.clamp(min=torch.finfo(length.dtype).tiny)
 
-        longest = self.step * torch.as_tensor(actuator.limit).to(action)
-        return actuator.clip(action - longest / iteration * direction)
+        # Where there is no direction, or where a cost overflows, it goes back to rest.
+        to_rest = -torch.minimum(torch.maximum(action, -longest), longest)
+        has_direction = (length > 0) & length.isfinite()
+        return actuator.clip(action + torch.where(has_direction, down, to_rest))
 
     def finish(self, action: Tensor, last: Tensor, actuator: Actuator, dt: float) -> Tensor:
         """The low-pass."""
         return low_pass(action, last, self.smoothing, actuator, dt)
+
+
+def scattered(steps: Tensor, size: int) -> Tensor:
+    """Numbers in [−1, 1] without a pattern that a robot could follow, ``(*B, size)``.
+
+    With h = (p − 1)/2, uᵢ(n) = ((aᵢ n² + h mod p) − h) / h: a chirp for every component, as white
+    as noise, the same at every run, zero at the first step, and exact in every precision, as
+    p² < 2²⁴.
+
+    Args:
+        steps: n, ``(*B,)``.
+        size: Number of components.
+    """
+    squares = (steps % PRIME).square() % PRIME
+    factors = [float(pow(1009, i, PRIME)) for i in range(1, size + 1)]
+    chirps = squares[..., None] * torch.as_tensor(factors).to(steps)
+
+    half = PRIME // 2
+    return ((chirps + half) % PRIME - half) / half

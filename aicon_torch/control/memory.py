@@ -16,12 +16,16 @@ from aicon_torch.resolution import Memory
 GOAL_FACTORS = "goals/active"
 """Key of the factor of each goal, ``(*B, goals)``."""
 
+STEPS = "steps"
+"""Key of the number of steps since the episode began, ``(*B,)``."""
+
 
 def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tuple[int, ...]]:
     """The shapes of a memory without the batch: quantities, gradients, goals and sensors."""
     model = backward.model
     shapes = {name: quantity.shape for name, quantity in model.quantities.items()}
     shapes[GOAL_FACTORS] = (len(model.goals),)
+    shapes[STEPS] = ()
     for key, value in constant_memory(backward, admission).items():
         shapes[key] = tuple(value.shape)
     return shapes
@@ -51,6 +55,7 @@ def initial_memory(
 
     constants = constant_memory(backward, admission)
     constants[GOAL_FACTORS] = torch.ones(len(model.goals))
+    constants[STEPS] = torch.zeros(())
     for key, value in constants.items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype
         value = value.to(model.like.device, dtype)

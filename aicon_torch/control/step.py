@@ -8,7 +8,7 @@ from torch import Tensor
 from aicon_torch.control.action_law import ActionLaw
 from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
-from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.control.memory import GOAL_FACTORS, STEPS
 from aicon_torch.control.safety import safety_of
 from aicon_torch.control.watchdog import confidence, keep_finite
 from aicon_torch.graph import WorldModel
@@ -48,7 +48,7 @@ class ControlStep:
         values, costs = self.estimate(readings, memory)
 
         # 2. Descend, gradient by gradient.
-        actions = self.start(values)
+        actions = self.start(values, memory[STEPS])
         resolved: Memory = {}
         for iteration in range(1, self.law.iterations + 1):
             count = self.model.like.new_tensor(iteration)
@@ -66,9 +66,12 @@ class ControlStep:
         with torch.no_grad():
             return values, self.model.costs(values)
 
-    def start(self, values: Mapping[str, Tensor]) -> Actions:
-        """Where the descent of each actuator begins."""
-        return {name: self.law.start(values[name]) for name in self.model.actuators}
+    def start(self, values: Mapping[str, Tensor], steps: Tensor) -> Actions:
+        """Where the descent of each actuator begins, ``steps`` ``(*B,)`` after the episode did."""
+        starts: Actions = {}
+        for name, actuator in self.model.actuators.items():
+            starts[name] = self.law.start(values[name], steps, actuator)
+        return starts
 
     @torch.enable_grad()
     def descend(
@@ -117,7 +120,7 @@ class ControlStep:
     ) -> tuple[Actions, Memory]:
         """What to send to each actuator, and the memory."""
         final, goal_factors = dict(values), memory[GOAL_FACTORS]
-        remembered: Memory = {GOAL_FACTORS: goal_factors}
+        remembered: Memory = {GOAL_FACTORS: goal_factors, STEPS: memory[STEPS] + 1}
         share = confidence(self.model.sensors, values)
         for name, actuator in self.model.actuators.items():
             final[name] = self.law.finish(actions[name], values[name], actuator, self.model.dt)

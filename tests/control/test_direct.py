@@ -20,7 +20,8 @@ def act(
 ) -> Tensor:
     """The action of a control step, from its one gradient and the last action."""
     count = torch.ones((), dtype=gradient.dtype)
-    descended = law.descend(law.start(last), gradient, count, actuator)
+    start = law.start(last, torch.zeros(last.shape[:-1]), actuator)
+    descended = law.descend(start, gradient, count, actuator)
     return law.finish(descended, last, actuator, dt)
 
 
