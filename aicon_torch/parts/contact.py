@@ -64,11 +64,15 @@ def is_interior(point: Tensor, x_side: Tensor) -> Tensor:
 class ContactLikelihood:
     """p_contact: how likely a contact is, as one that is sought and as one that just happens.
 
-    A sought contact reaches as far as one travels to it, p = exp(−(‖c − a n − x‖ − (r − a))/ℓ): the
-    distance of the pusher x to a point just outside the closest point c, by a along the inward
-    normal n. A contact that just happens reaches as far as one reacts to what is in the way, p =
-    exp(−(‖c − x‖ − r)/ℓ'). Which of them counts is decided by the edge that uses them
-    (:func:`aicon_torch.by_gain`). The text has one likelihood for both.
+    One formula for both: from the pusher x to a point outside the closest point c of the side, by a
+    along its inward normal n,
+
+        p = exp(−(‖c − a n − x‖ − (r − a))/ℓ).
+
+    A sought contact reaches as far as one travels to it, ℓ, and is aimed at outside the side. One
+    that just happens reaches as far as one reacts to what is in the way, ℓ', with a = 0, and
+    counts at an end of the side as far as that faces the pusher. Which of them counts is decided by
+    the edge that uses them (:func:`aicon_torch.by_gain`). The text has one likelihood for both.
 
     Attributes:
         reach: ℓ, m.
@@ -102,22 +106,18 @@ class ContactLikelihood:
         normal = inward_normal(x_side)
         to_point = point - x_pusher
 
-        sought = self._of_sought(to_point, normal)
-        happening = self._of_happening(to_point, normal, is_interior(point, x_side))
+        share = self._facing(to_point, normal, is_interior(point, x_side)) if self.facing else 1.0
+
+        sought = self._at_distance(norm(to_point - self.aim * normal), self.aim, self.reach)
+        happening = share * self._at_distance(norm(to_point), 0.0, self.reaction)
         return torch.stack((sought, happening), dim=-1)
 
-    def _of_sought(self, to_point: Tensor, normal: Tensor) -> Tensor:
-        to_aim = norm(to_point - self.aim * normal)
-        return torch.exp(-(to_aim - (self.radius - self.aim)) / self.reach)
+    def _at_distance(self, distance: Tensor, aim: float, reach: float) -> Tensor:
+        """Likelihood exp(−(‖c − a n − x‖ − (r − a))/ℓ), ``(*B,)``, from the norm ``(*B,)``, m."""
+        return torch.exp(-(distance - (self.radius - aim)) / reach)
 
-    def _of_happening(self, to_point: Tensor, normal: Tensor, interior: Tensor) -> Tensor:
-        distance = norm(to_point)
-        likelihood = torch.exp(-(distance - self.radius) / self.reaction)
-        if not self.facing:
-            return likelihood
-
-        cosine = (normal * to_point).sum(-1) / distance
-        share = cosine.clamp(
-            min=0.0
-        ).detach()  # stops the gradient of the share: it weighs, and is no goal
-        return torch.where(interior, likelihood, share * likelihood)
+    def _facing(self, to_point: Tensor, normal: Tensor, interior: Tensor) -> Tensor:
+        """How far the side faces the pusher: 1, and at its ends max(0, cos), ``(*B,)``."""
+        cosine = (normal * to_point).sum(-1) / norm(to_point)
+        share = cosine.clamp(min=0.0).detach()  # stops the gradient: it weighs, and is no goal
+        return torch.where(interior, 1.0, share)
