@@ -11,7 +11,7 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
-from aicon_baselines.agents.registry import factory
+from aicon_baselines.agents.registry import compiled, factory
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
@@ -76,6 +76,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=["foresight"],
         help="action laws (default: foresight)",
     )
+    parser.add_argument("--condition", metavar="NAME", help="of the task (default: its first)")
+    parser.add_argument("--compile", action="store_true", help="compile the steps")
     parser.add_argument("--seed", type=int, help=f"first seed, {FIRST_SEED} or more")
     parser.add_argument("--episodes", type=int, help="seeds")
     parser.add_argument(
@@ -90,8 +92,16 @@ def run(arguments: argparse.Namespace) -> None:
     search = choose_search(arguments)
     task = load(arguments.task)
     candidates = list_candidates(task.name, arguments.policies, arguments.laws, search)
+    if arguments.compile:
+        candidates = {name: compiled(build) for name, build in candidates.items()}
 
-    config = configure(task, seed=search.seed, episodes=search.episodes, horizon=arguments.horizon)
+    config = configure(
+        task,
+        seed=search.seed,
+        episodes=search.episodes,
+        conditions=[arguments.condition] if arguments.condition else None,
+        horizon=arguments.horizon,
+    )
     with RunFolder.open(arguments.out, config) as folder:
         compare(task, candidates, folder, arguments.jobs)
         table = write_report(task, folder)
