@@ -41,10 +41,10 @@ class SafeAction(NamedTuple):
 def nearest_safe(wish: Tensor, within: SafetyBounds, sweeps: int) -> SafeAction:
     """The action a = argmin ‖a − w‖² with c·a ≥ b for every row, and low ≤ a ≤ high.
 
-    Hildreth's method (1957): one row after the other is satisfied by the least change, and what an
-    earlier sweep changed too much is taken back; the box is one more set to project on. After a
-    fixed number of sweeps the action is shortened by one factor until all rows hold that rest would
-    keep (b ≤ 0), so that it is safe where the sweeps have not converged.
+    After a fixed number of sweeps the action is drawn back by one factor toward a retreat, the one
+    nearest to rest that came out likewise, until it keeps every row as well as the retreat does.
+    Where rest keeps all rows (b ≤ 0) it is the retreat, so that the action is safe where the sweeps
+    have not converged; where something comes nearer, the retreat gets out of its way.
 
     Args:
         wish: w, ``(*B, n)``.
@@ -55,8 +55,20 @@ def nearest_safe(wish: Tensor, within: SafetyBounds, sweeps: int) -> SafeAction:
         The action and the force of the bounds.
     """
     normals, bounds = _normalised(within)
-    normal_of, bound_of = normals.unbind(-2), bounds.unbind(-1)
+    action, force = _projected(wish, normals, bounds, within, sweeps)
+    retreat, _ = _projected(torch.zeros_like(wish), normals, bounds, within, sweeps)
+    return SafeAction(_drawn_back(action, retreat, normals, bounds, within), force)
 
+
+def _projected(
+    wish: Tensor, normals: Tensor, bounds: Tensor, within: SafetyBounds, sweeps: int
+) -> SafeAction:
+    """The nearest action, as far as the sweeps converge.
+
+    Hildreth's method (1957): one row after the other is satisfied by the least change, and what an
+    earlier sweep changed too much is taken back; the box is one more set to project on.
+    """
+    normal_of, bound_of = normals.unbind(-2), bounds.unbind(-1)
     action = wish
     beyond = torch.zeros_like(wish)  # what the box took away
     multipliers = [torch.zeros_like(bound) for bound in bound_of]
@@ -78,7 +90,7 @@ def nearest_safe(wish: Tensor, within: SafetyBounds, sweeps: int) -> SafeAction:
     force = -beyond
     for normal, multiplier in zip(normal_of, multipliers, strict=True):
         force = force + multiplier.unsqueeze(-1) * normal
-    return SafeAction(_shortened(action, normals, bounds, within), force)
+    return SafeAction(action, force)
 
 
 def _normalised(within: SafetyBounds) -> tuple[Tensor, Tensor]:
@@ -92,15 +104,18 @@ def _normalised(within: SafetyBounds) -> tuple[Tensor, Tensor]:
     return normals, bounds
 
 
-def _shortened(action: Tensor, normals: Tensor, bounds: Tensor, within: SafetyBounds) -> Tensor:
-    """The action times the largest factor ≤ 1 with which it keeps all rows that rest keeps."""
+def _drawn_back(
+    action: Tensor, retreat: Tensor, normals: Tensor, bounds: Tensor, within: SafetyBounds
+) -> Tensor:
+    """The action nearest to the wish, on the way to it from the retreat, that keeps every row."""
     if normals.shape[-2] == 0:
         return action
     slack = SLACK * (within.high - within.low).amax(-1, keepdim=True)
-    closing = -(normals * action.unsqueeze(-2)).sum(-1)
-    room = slack - bounds  # how fast each gap may close
+    closing = -(normals * (action - retreat).unsqueeze(-2)).sum(-1)
+    kept = (normals * retreat.unsqueeze(-2)).sum(-1) - bounds
+    room = slack + kept.clamp(min=0.0)  # how much faster than in the retreat each gap may close
 
-    exceeds = (bounds <= 0) & (closing > room)
+    exceeds = closing > room
     share = torch.where(exceeds, room / torch.where(exceeds, closing, 1.0), 1.0)
-    shortened: Tensor = action * share.amin(-1, keepdim=True)
-    return shortened
+    drawn_back: Tensor = retreat + (action - retreat) * share.amin(-1, keepdim=True)
+    return drawn_back

@@ -70,6 +70,20 @@ def test_a_gap_that_closes_by_itself_moves_what_rests() -> None:
     torch.testing.assert_close(action, torch.tensor([0.3, 0.0]))
 
 
+@pytest.mark.parametrize("sweeps", [3, 12])
+def test_what_comes_nearer_is_dodged_whatever_is_wished_for(sweeps: int) -> None:
+    """The sweeps need not converge: a wish across many rows never costs the retreat."""
+    within = random_bounds(500, rows=12)
+    within.bounds[:, 0] = 0.05 * within.slopes[:, 0].norm(dim=-1)
+    at_rest, _ = nearest_safe(torch.zeros(500, 4, dtype=torch.float64), within, sweeps)
+    hurried, _ = nearest_safe(5 * normal(500, 4, seed=9), within, sweeps)
+
+    slack = 1e-3 * within.high.amax(-1, keepdim=True) * within.slopes.norm(dim=-1)
+    as_well = closing(at_rest, within).clamp(max=0.0) - slack
+    assert (closing(hurried, within) >= as_well).all()
+    assert ((hurried - at_rest).norm(dim=-1) > 0.1).float().mean() > 0.2
+
+
 def test_a_gap_that_no_action_changes_asks_for_nothing() -> None:
     limits = torch.ones(2)
     within = SafetyBounds(torch.zeros(1, 2), torch.tensor([0.3]), -limits, limits)
