@@ -21,10 +21,11 @@ class _Task(NamedTuple):
 class BackgroundPerception:
     """A perception whose slow part runs in a thread of its own.
 
-    Each step gets the readings of what was seen since the step before, if anything was, and none
-    otherwise; so its sensors must be optional. While one observation is looked at, the newest one
-    that came meanwhile waits. What was seen in an episode that has ended is dropped, that of the
-    whole batch with it.
+    Each step gets the readings of what was seen since the step before, if anything was, and goes on
+    by prediction otherwise. While one observation is looked at, the newest one that came meanwhile
+    waits. What was seen in an episode that has ended is dropped, in all rows of the batch. Readings
+    are a step old or more: a perception that tells it (``late``) as the age of its sensors
+    (``age_key``) leaves it to a :class:`aicon_torch.LateEKF` to make up for it.
 
     When a reading arrives depends on the clock, and so does the motion: for comparisons that can be
     repeated, take the perception as it is. The background belongs to one robot, or one batch, and
