@@ -3,9 +3,9 @@
 Example: git archive fb7da76 | tar x -C build/0.1.0
          python scripts/benchmark_versions.py --other build/0.1.0 --tasks nav2d pusht panda_push
 
-Each version runs in a process of its own, and the processes take turns on the same recorded
-observations of one robot. Compiled with an empty cache, compiled with what that left there, and
-exported and loaded; as shipped, and with one gradient a step. Times are those of the processor,
+Each version runs in a process of its own, with an empty cache, and the processes take turns on the
+same recorded observations of one robot: the other version compiled, this one compiled, and exported
+and loaded, as shipped and with one gradient a step. Times are those of the processor,
 since other programs may run beside; those of first steps, compilers included but not the import of
 the library, are given by the clock as well.
 """
@@ -40,7 +40,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--other", type=Path, help="folder with the source of another version")
     parser.add_argument("--tasks", nargs="+", default=["nav2d", "pusht", "panda_push"])
-    parser.add_argument("--rounds", type=int, default=1000, help="turns (default: 1000)")
+    parser.add_argument("--rounds", type=int, default=300, help="turns (default: 300)")
     parser.add_argument("--steps", type=int, default=100, help="steps of a turn (default: 100)")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -57,35 +57,37 @@ def measure(task: str, arguments: argparse.Namespace) -> None:
     with ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
         observations = Path(folder, "observations")
         observations.write_bytes(pickle.dumps(recorded(task)))
-        shipped = {"task": task, "options": OPTIONS.get(task, {}), "file": str(observations)}
-        one_gradient = {**shipped, "options": {**shipped["options"], **ONE_GRADIENT}}
-
-        versions: dict[str, tuple[Path, dict[str, Any]]] = {}
-        if arguments.other:
-            versions["the other"] = arguments.other.resolve(), shipped
-        wanted = {"as shipped": shipped}
-        if task != "panda_push":  # it takes one as it is
-            wanted["one gradient"] = one_gradient
-        for name, what in wanted.items():
-            path = str(Path(folder, f"{name}.so"))
-            versions[f"{name}, compiled"] = REPOSITORY, {**what, "export": path}
-            versions[f"{name}, loaded"] = REPOSITORY, {**what, "load": path}
-
-        # Every worker starts with an empty cache, and again with what was left there.
         workers: dict[str, Worker] = {}
-        for name, (tree, what) in versions.items():
+        for name, (tree, what) in versions(task, Path(folder), arguments.other).items():
+            what = {**what, "task": task, "file": str(observations)}
             cache = Path(folder, f"cache of {name}")
             cache.mkdir()
-            with started(tree, {**what, "export": None}, cache) as first:
-                cold = first.told
             workers[name] = stack.enter_context(started(tree, what, cache))
-            print(f"{task}, {name}: {in_words(cold, workers[name].told)}", flush=True)
+            print(f"{task}, {name}: {in_words(workers[name].told)}", flush=True)
 
         times: dict[str, list[list[float]]] = {name: [] for name in workers}
         for _ in range(arguments.rounds):
             for name, worker in workers.items():
                 times[name].append(worker.turn(arguments.steps))
         report(task, times)
+
+
+def versions(task: str, folder: Path, other: Path | None) -> dict[str, tuple[Path, dict[str, Any]]]:
+    """What is measured: from which source, and what is to be built, written or loaded there."""
+    options = OPTIONS.get(task, {})
+    laws = {"as shipped": options, "one gradient": {**options, **ONE_GRADIENT}}
+    if task == "panda_push":  # it takes one as it is
+        del laws["one gradient"]
+    files = {law: str(folder / f"{law}.so") for law in laws}
+
+    found: dict[str, tuple[Path, dict[str, Any]]] = {}
+    if other is not None:
+        found["the other"] = other.resolve(), {"options": options}
+    exports = {files[law]: options for law, options in laws.items()}
+    found["compiled"] = REPOSITORY, {"options": options, "exports": exports}
+    for law, file in files.items():
+        found[f"loaded, {law}"] = REPOSITORY, {"load": file}
+    return found
 
 
 def report(task: str, times: dict[str, list[list[float]]]) -> None:
@@ -101,13 +103,10 @@ def report(task: str, times: dict[str, list[list[float]]]) -> None:
         print(f"{task}, {name}: {line}", flush=True)
 
 
-def in_words(cold: Told, warm: Told) -> str:
-    """How long the first step took, twice."""
-    both = {"first step": cold["first"], "with the cache": warm["first"]}
-    if "export" in warm:
-        both["export"] = warm["export"]
+def in_words(told: Told) -> str:
+    """How long each thing took that is done once."""
     parts = []
-    for name, (processor, clock) in both.items():
+    for name, (processor, clock) in told.items():
         parts.append(f"{name} {processor:.2f} s ({clock:.2f} by the clock)")
     return ", ".join(parts)
 
@@ -172,12 +171,12 @@ def work(what: dict[str, Any]) -> None:
     else:
         policy = aicon_torch.make_policy(what["task"], **what["options"]).compile()
     policy.predict(observations[0])
-    told["first"] = since(start)
+    told["first step"] = since(start)
 
-    if what.get("export"):
+    for file, options in what.get("exports", {}).items():
         start = clocks()
-        aicon_torch.make_policy(what["task"], **what["options"]).export(what["export"])
-        told["export"] = since(start)
+        aicon_torch.make_policy(what["task"], **options).export(file)
+        told[f"export of {Path(file).stem}"] = since(start)
     print(json.dumps(told), flush=True)
 
     memory, taken = None, 0
