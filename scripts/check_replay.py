@@ -2,11 +2,11 @@
 
 Example: python scripts/check_replay.py --tasks nav2d pusht --steps 1000 --episodes 3
 
-Replayed: at each recorded observation all step from the same memory, and what comes out is compared,
-number by number: |x − y| / (1 + |y|). In float32 so is the step in float64, since where two
-gradients, or two sides of an object, are next to equal, rounding decides. Closed loops: each runs
-the same episodes on its own, and the steps until the end are counted. A task may be followed by a
-condition: nav2d, panda_push:true_pose.
+Replayed: at each recorded observation all step from the same memory, and what they return is
+compared, number by number: |x − y| / (1 + |y|). In float32 so is the step in float64, since where
+two gradients, or two sides of an object, are next to equal, rounding decides. Closed loops: each
+runs the same episodes on its own, and the steps until the end are counted. A task may be followed
+by a condition: nav2d, panda_push:true_pose.
 """
 
 import argparse
