@@ -20,7 +20,7 @@ import torch
 from tqdm import tqdm
 
 from aicon_baselines.agents.registry import factory
-from aicon_baselines.cli.bench import record_observations
+from aicon_baselines.cli.bench import record_episodes, record_observations
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load
 from aicon_torch import load_exported
@@ -82,7 +82,9 @@ def replayed(
     deviations: dict[str, list[dict[str, float]]] = {name: [] for name in policies}
     memory: Any = None
 
-    for observation, begins in tqdm(recorded(task, condition, steps), desc=task, disable=None):
+    for observation, begins in tqdm(
+        record_episodes(task, condition, steps), desc=task, disable=None
+    ):
         before = None if begins else memory
         action, memory = readable.predict(observation, before)
         for name, policy in policies.items():
@@ -102,17 +104,6 @@ def replayed(
             f"median {np.median(largest):.1e}, beyond {tolerance:.0e} in {beyond}; "
             f"actions {of_actions:.1e}"
         )
-
-
-def recorded(task: str, condition: str, steps: int) -> list[tuple[Any, bool]]:
-    """Observations of episodes one after the other, and whether one begins there."""
-    found: list[tuple[Any, bool]] = []
-    seed = SEED
-    while len(found) < steps:
-        observations = record_observations(task, condition, steps - len(found), seed)
-        found += [(observation, index == 0) for index, observation in enumerate(observations)]
-        seed += 1
-    return found
 
 
 def deviation(found: Any, expected: Any) -> float:

@@ -1,4 +1,4 @@
-"""Export a policy, and record an episode of it for the program in C++ to replay.
+"""Export a policy, and record episodes of it for the program in C++ to replay.
 
 Example: python scripts/record_replay.py nav2d build/nav2d
 """
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from aicon_baselines.agents.registry import factory
-from aicon_baselines.cli.bench import record_observations
+from aicon_baselines.cli.bench import record_episodes
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load, names
 from aicon_torch import load_exported
@@ -24,14 +24,14 @@ CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the task, the folder and how much to record."""
     parser.add_argument("task", choices=names())
-    parser.add_argument("folder", type=Path, help="for policy.so, readings.bin and commands.bin")
+    parser.add_argument("folder", type=Path, help="for policy.so and what was recorded")
     parser.add_argument("--condition", metavar="NAME", help="variant of the environment")
     parser.add_argument("--iterations", type=int, help="gradients in a step (default: as shipped)")
-    parser.add_argument("--steps", type=int, default=200, help="of the episode (default: 200)")
+    parser.add_argument("--steps", type=int, default=200, help="recorded steps (default: 200)")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write policy.so, readings.bin and commands.bin."""
+    """Write policy.so, readings.bin, commands.bin and starts.bin."""
     task, folder = arguments.task, arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
     condition = arguments.condition or CONDITIONS.get(task, load(task).conditions[0])
@@ -39,30 +39,33 @@ def run(arguments: argparse.Namespace) -> None:
     policy: Any = factory(task, "aicon", **law)(condition)
     policy.export(folder / "policy.so", task=task, condition=condition)
 
-    observations = record_observations(task, condition, arguments.steps)
-    readings, commands = replayed(folder / "policy.so", policy.perception, observations)
-    readings.tofile(folder / "readings.bin")
-    commands.tofile(folder / "commands.bin")
-    print(f"{len(readings)} steps of {task} in {folder}")
+    episodes = record_episodes(task, condition, arguments.steps)
+    files = ("readings.bin", "commands.bin", "starts.bin")
+    recorded = replayed(folder / "policy.so", policy.perception, episodes)
+    for name, rows in zip(files, recorded, strict=True):
+        np.array(rows, dtype=np.float64).tofile(folder / name)
+    print(f"{arguments.steps} steps of {task} in {folder}")
 
 
-def replayed(path: Path, perception: Any, observations: list[Any]) -> tuple[Any, Any]:
-    """The readings of an episode as the library takes them, and its commands, a row each."""
+def replayed(
+    path: Path, perception: Any, observations: list[tuple[Any, bool]]
+) -> tuple[list[Any], list[Any], list[bool]]:
+    """Readings as the library takes them, its commands, and where an episode begins, a row each."""
     library, exported = Library(path), load_exported(path)
     layout = Layout.from_json(library.metadata["memory"])
-    memory, starts = library.blank(), np.ones((), dtype=np.uint8)
-    readings, commands = [], []
+    memory = library.blank()
+    readings, commands, starts = [], [], []
 
-    for observation in observations:
+    for observation, begins in observations:
         if perception is not None:
-            known = ExportedMemory(memory[np.newaxis], layout) if readings else None
+            known = None if begins else ExportedMemory(memory[np.newaxis], layout)
             observation = perception(observation, known, None)
         readings.append(exported.flat_readings(observation).reshape(-1))
 
-        memory, command = library.run(readings[-1], memory, starts)
-        starts = np.zeros((), dtype=np.uint8)
+        memory, command = library.run(readings[-1], memory, np.array(begins, dtype=np.uint8))
         commands.append(command)
-    return np.array(readings), np.array(commands)
+        starts.append(begins)
+    return readings, commands, starts
 
 
 COMMAND = Command(__doc__, add_arguments, run)

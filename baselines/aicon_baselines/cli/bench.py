@@ -99,4 +99,23 @@ def record_observations(
         env.close()
 
 
+def record_episodes(
+    task: str, condition: str, steps: int, seed: int = 1000
+) -> list[tuple[Any, bool]]:
+    """Return what AICON observes in episodes one after the other, and where one begins.
+
+    Args:
+        task: Name of the task.
+        condition: Of the task.
+        steps: Number of steps of all.
+        seed: Seed of the first episode; the next has the next.
+    """
+    found: list[tuple[Any, bool]] = []
+    while len(found) < steps:
+        observations = record_observations(task, condition, steps - len(found), seed)
+        found += [(observation, index == 0) for index, observation in enumerate(observations)]
+        seed += 1
+    return found
+
+
 COMMAND = Command(__doc__, add_arguments, run)
