@@ -148,8 +148,8 @@ def started(tree: Path, what: dict[str, Any], cache: Path) -> Iterator[Worker]:
     for name in ("XDG_CACHE_HOME", "TORCHINDUCTOR_CACHE_DIR", "TMPDIR", "HOME"):
         environment[name] = str(cache)
     command = [sys.executable, "-W", "ignore", __file__, "--worker", json.dumps(what)]
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen(command, env=environment, text=True, **pipes) as process:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, env=environment, text=True, stdin=pipe, stdout=pipe) as process:
         yield Worker(process)
         assert process.stdin is not None
         process.stdin.close()
@@ -184,9 +184,9 @@ def work(what: dict[str, Any]) -> None:
         seconds = []
         for _ in range(int(line)):
             observation = observations[taken % len(observations)]
-            start = time.process_time()
+            began = time.process_time()
             _, memory = policy.predict(observation, memory)
-            seconds.append(time.process_time() - start)
+            seconds.append(time.process_time() - began)
             taken += 1
         print(json.dumps(seconds), flush=True)
 

@@ -82,9 +82,8 @@ def replayed(
     deviations: dict[str, list[dict[str, float]]] = {name: [] for name in policies}
     memory: Any = None
 
-    for observation, begins in tqdm(
-        record_episodes(task, condition, steps), desc=task, disable=None
-    ):
+    recorded = record_episodes(task, condition, steps)
+    for observation, begins in tqdm(recorded, desc=task, disable=None):
         before = None if begins else memory
         action, memory = readable.predict(observation, before)
         for name, policy in policies.items():

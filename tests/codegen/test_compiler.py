@@ -39,7 +39,7 @@ def moved(z: Tensor, a: Tensor, dt: Tensor) -> Tensor:
 
 
 def distance(p: Tensor) -> Tensor:
-    return p.norm(dim=-1)
+    return torch.linalg.vector_norm(p, dim=-1)
 
 
 def stepped(gain: float = 1.0, limit: float = 1.0, dtype: torch.dtype = torch.float64) -> Policy:

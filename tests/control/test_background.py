@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aicon_torch import BackgroundPerception, Policy, load_exported, make_policy
+from aicon_torch import BackgroundPerception, Foresight, Policy, load_exported, make_policy
 
 SECONDS = 20.0
 """Until a test that waits gives up."""
@@ -18,7 +18,7 @@ class Camera:
     """Reads bearing and range off an "image" as soon as it may, and tells how old they are."""
 
     def __init__(self) -> None:
-        self.may_see, self.has_seen = threading.Event(), threading.Event()
+        self.may_see = threading.Event()
         self.images: list[float] = []
         self.error: Exception | None = None
 
@@ -28,7 +28,6 @@ class Camera:
         def see() -> Any:
             assert self.may_see.wait(SECONDS)
             self.images.append(float(image[1]))
-            self.has_seen.set()
             if self.error is not None:
                 raise self.error
             return image
@@ -55,7 +54,6 @@ def seeing() -> tuple[BackgroundPerception, Camera]:
 def finish(background: BackgroundPerception, camera: Camera) -> None:
     """Let the camera see, and wait until what it has seen can be taken."""
     camera.may_see.set()
-    assert camera.has_seen.wait(SECONDS)
     assert background._running is not None
     background._running[0].exception(SECONDS)
 
@@ -102,7 +100,7 @@ def test_what_was_seen_in_an_episode_that_has_ended_is_dropped(starts: Any) -> N
     background(image_of(1.0), None, None)
     finish(background, camera)
 
-    values = None if starts is None else {}
+    values: dict[str, Any] | None = None if starts is None else {}
     assert np.isnan(distance(background(image_of(2.0), values, starts)))
     finish(background, camera)
     assert distance(background(image_of(3.0), {}, None)) == 2.0
@@ -120,7 +118,7 @@ def test_an_error_is_raised_by_the_step_that_would_have_taken_the_reading() -> N
 @pytest.mark.parametrize("kind", ["eager", "compiled", "exported"])
 def test_every_policy_takes_it_and_its_estimators_take_the_age(kind: str, tmp_path: Path) -> None:
     """What comes late through the background is as good as a late reading that tells its age."""
-    policy = make_policy("nav2d", delay=8, **{"law.iterations": 1})
+    policy = make_policy("nav2d", delay=8, law=Foresight(iterations=1))
     background, camera = seeing()
     seen: Any = Policy(policy.model, policy.resolution, policy.law, background)
     if kind == "compiled":

@@ -57,8 +57,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def said(folder: Path, file: Path, readings: Any = (), precision: str = "double") -> str:
     """What the program prints."""
     numbers = [str(float(reading)) for reading in readings]
-    command = [folder / "program", precision, file, *numbers]
-    return subprocess.run(command, capture_output=True, check=True, text=True).stdout
+    command = [str(folder / "program"), precision, str(file), *numbers]
+    text: str = subprocess.run(command, capture_output=True, check=True, text=True).stdout
+    return text
 
 
 def test_a_step_is_that_of_python(folder: Path) -> None:
