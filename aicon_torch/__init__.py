@@ -2,6 +2,7 @@
 
 from aicon_torch.control import (
     ActionLaw,
+    BackgroundPerception,
     DirectDescent,
     Explanation,
     ExportedPolicy,
@@ -41,6 +42,7 @@ __all__ = [
     "Actuator",
     "Affine",
     "AiconError",
+    "BackgroundPerception",
     "Deterministic",
     "DirectDescent",
     "Escape",

@@ -1,4 +1,4 @@
-"""Export a policy, and record an episode of it for the program in C++ to replay.
+"""Export a policy, and record episodes of it for the program in C++ to replay.
 
 Example: python scripts/record_replay.py nav2d build/nav2d
 """
@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from aicon_baselines.agents.registry import make
-from aicon_baselines.cli.bench import record_observations
+from aicon_baselines.agents.registry import factory
+from aicon_baselines.cli.bench import record_episodes
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load, names
 from aicon_torch import load_exported
+from aicon_torch.control.exported_memory import ExportedMemory
+from aicon_torch.control.layout import Layout
 from aicon_torch.control.library import Library
 
 CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
@@ -22,31 +24,48 @@ CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the task, the folder and how much to record."""
     parser.add_argument("task", choices=names())
-    parser.add_argument("folder", type=Path, help="for policy.so, readings.bin and commands.bin")
-    parser.add_argument("--steps", type=int, default=200, help="of the episode (default: 200)")
+    parser.add_argument("folder", type=Path, help="for policy.so and what was recorded")
+    parser.add_argument("--condition", metavar="NAME", help="variant of the environment")
+    parser.add_argument("--iterations", type=int, help="gradients in a step (default: as shipped)")
+    parser.add_argument("--steps", type=int, default=200, help="recorded steps (default: 200)")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write policy.so, readings.bin and commands.bin."""
+    """Write policy.so, readings.bin, commands.bin and starts.bin."""
     task, folder = arguments.task, arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
-    condition = CONDITIONS.get(task, load(task).conditions[0])
-    policy: Any = make(task, "aicon", condition)
+    condition = arguments.condition or CONDITIONS.get(task, load(task).conditions[0])
+    law = {} if arguments.iterations is None else {"law.iterations": arguments.iterations}
+    policy: Any = factory(task, "aicon", **law)(condition)
     policy.export(folder / "policy.so", task=task, condition=condition)
 
-    # The readings of an episode, one after the other as the library takes them.
-    library, exported = Library(folder / "policy.so"), load_exported(folder / "policy.so")
-    memory, starts = library.blank(), np.ones((), dtype=np.uint8)
-    readings, commands = [], []
-    for observation in record_observations(task, condition, arguments.steps):
-        readings.append(exported.flat_readings(observation).reshape(-1))
-        memory, command = library.run(readings[-1], memory, starts)
-        starts = np.zeros((), dtype=np.uint8)
-        commands.append(command)
+    episodes = record_episodes(task, condition, arguments.steps)
+    files = ("readings.bin", "commands.bin", "starts.bin")
+    recorded = replayed(folder / "policy.so", policy.perception, episodes)
+    for name, rows in zip(files, recorded, strict=True):
+        np.array(rows, dtype=np.float64).tofile(folder / name)
+    print(f"{arguments.steps} steps of {task} in {folder}")
 
-    np.array(readings).tofile(folder / "readings.bin")
-    np.array(commands).tofile(folder / "commands.bin")
-    print(f"{len(readings)} steps of {task} in {folder}")
+
+def replayed(
+    path: Path, perception: Any, observations: list[tuple[Any, bool]]
+) -> tuple[list[Any], list[Any], list[bool]]:
+    """Readings as the library takes them, its commands, and where an episode begins, a row each."""
+    library, exported = Library(path), load_exported(path)
+    layout = Layout.from_json(library.metadata["memory"])
+    memory = library.blank()
+    readings, commands, starts = [], [], []
+
+    for observation, begins in observations:
+        if perception is not None:
+            known = None if begins else ExportedMemory(memory[np.newaxis], layout)
+            observation = perception(observation, known, None)
+        readings.append(exported.flat_readings(observation).reshape(-1))
+
+        memory, command = library.run(readings[-1], memory, np.array(begins, dtype=np.uint8))
+        commands.append(command)
+        starts.append(begins)
+    return readings, commands, starts
 
 
 COMMAND = Command(__doc__, add_arguments, run)

@@ -1,15 +1,20 @@
 """The C compiler: from a source to a shared library."""
 
 import hashlib
+import logging
 import os
 import platform
 import shlex
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from aicon_torch.errors import OptionError
+
+_LOGGER = logging.getLogger(__name__)
 
 FLAGS = (
     *("-O2", "-std=gnu11", "-shared", "-fPIC", "-fvisibility=hidden"),
@@ -18,10 +23,13 @@ FLAGS = (
 """Numbers as torch computes them: nothing contracted, nothing reordered."""
 
 
-def cached_library(source: str) -> Path:
+@contextmanager
+def cached_library(source: str) -> Iterator[Path]:
     """The library of a source, compiled if no process of this user has compiled it before.
 
-    Libraries are kept in ``aicon_torch`` within the user's cache, ``~/.cache`` or XDG_CACHE_HOME.
+    Libraries are kept in ``aicon_torch`` within the user's cache, ``~/.cache`` or XDG_CACHE_HOME,
+    under a name that follows from the whole source. Where nothing can be kept, the library is there
+    until it is loaded.
 
     Args:
         source: The source.
@@ -31,12 +39,28 @@ def cached_library(source: str) -> Path:
     """
     identity = "\n".join((source, *FLAGS, platform.machine()))
     name = hashlib.sha256(identity.encode()).hexdigest()[:32]
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "aicon_torch")
 
-    library = cache / f"{name}.so"
-    if not library.exists():
-        cache.mkdir(parents=True, exist_ok=True)
+    kept = _kept(source, name)
+    if kept is not None:
+        yield kept
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder, f"{name}.so")
         compile_library(source, library)
+        yield library
+
+
+def _kept(source: str, name: str) -> Path | None:
+    """The library in the user's cache; None if nothing can be written there."""
+    try:
+        cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "aicon_torch")
+        library = cache / f"{name}.so"
+        if not library.is_file():
+            cache.mkdir(parents=True, exist_ok=True)
+            compile_library(source, library)
+    except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
+        _LOGGER.info("Compiled steps are not kept: %s", error)
+        return None
     return library
 
 

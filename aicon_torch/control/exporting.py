@@ -55,7 +55,8 @@ def export(
 
 def compiled_library(step: ControlStep, perceives: bool) -> Library:
     """The control step of a policy as a library, loaded: see :func:`export` for what may fail."""
-    return Library(cached_library(library_source(step, {}, perceives)))
+    with cached_library(library_source(step, {}, perceives)) as path:
+        return Library(path)
 
 
 def library_source(step: ControlStep, description: Mapping[str, str], perceives: bool) -> str:

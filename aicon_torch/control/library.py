@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_torch.errors import OptionError
+from aicon_torch.control.elf import read_header
+from aicon_torch.errors import OptionError, choices
 
 FORMAT = 1
 """Number of the format of an exported policy: its functions and its metadata."""
 
+_SYMBOLS = ("aicon_sizes", "aicon_metadata", "aicon_blank", "aicon_step", "aicon_test")
 
 _TYPES: dict[str, Any] = {"p": ctypes.c_void_p, "l": ctypes.c_long}
 """Types of arguments: a pointer, a number."""
@@ -100,16 +102,26 @@ class Library:
 
 def _open(path: Path) -> ctypes.CDLL:
     """The library, if it is one of ours."""
+    header, size = read_header(path), path.stat().st_size
+    if header is not None and size < header.size:
+        raise OptionError(f"{path} is cut off: {size} of {header.size} bytes. Copy it again.")
+
     try:
         library = ctypes.CDLL(str(path))
     except OSError as error:
+        what = "no library" if header is None else f"a library for {header.machine}"
         raise OptionError(
-            f"{path} is no library for this machine ({platform.system()}, {platform.machine()}): "
-            f"export the policy here, or its source to a .c file and compile it here. {error}."
+            f"{path} is {what}; expected a library for this machine ({platform.system()}, "
+            f"{platform.machine()}): export the policy here, or its source to a .c file and "
+            f"compile it here. {error}."
         ) from error
 
-    if not hasattr(library, "aicon_sizes") or not hasattr(library, "aicon_step"):
-        raise OptionError(f"{path} is a library, but not one that a policy was exported to.")
+    missing = [symbol for symbol in _SYMBOLS if not hasattr(library, symbol)]
+    if missing:
+        raise OptionError(
+            f"{path} is a library, but not one that a policy was exported to: it has no "
+            f"{choices(missing)}."
+        )
     return library
 
 

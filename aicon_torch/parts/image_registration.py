@@ -37,6 +37,15 @@ FIRST_SCALE = 0.04
 LAST_SCALE = 0.01
 """That distance in the second half, m: what is far off then belongs to something else."""
 
+LARGEST_STEP = np.array([0.03, 0.03, 0.3])
+"""Of Gauss-Newton, m, m and rad."""
+
+SMALLEST_STEP = 1e-5
+"""A fit ends with a step that is smaller, m and rad."""
+
+FEWEST_SAMPLES = 5
+"""Of the surface, without which it does not count as seen."""
+
 
 class Detection(NamedTuple):
     """What an image shows of the object.
@@ -88,78 +97,105 @@ class ImageRegistration:
         if face is None:
             return None
 
-        expected = None if prior is None else self.fit(prior, image, face)
+        expected = None if prior is None else self.detect(prior, image, face)
         if expected is not None and expected.score >= self.accept:
             return expected
         return self.search(image, face, expected)
 
     def search(self, image: RGBDImage, face: TopFace, best: Detection | None) -> Detection:
-        """The best fit from starts in all orientations, or from the best so far."""
+        """The best fit from starts in all orientations at once, or from the best so far."""
         coarse = face._replace(edges=thin(face.edges, SEARCH_EDGE_POINTS))
-        x, y = face.surface.mean(0)
+        angles = np.arange(self.orientations) * 2 * np.pi / self.orientations
+        middles = np.tile(face.surface.mean(0), (self.orientations, 1))
 
-        for angle in np.arange(self.orientations) * 2 * np.pi / self.orientations:
-            found = self.fit(np.array([x, y, angle]), image, coarse)
-            if best is None or found.score > best.score:
-                best = found
+        poses = self.fit(np.column_stack((middles, angles)), coarse.edges)
+        scores = self.score(poses, image, coarse)
+        if best is None or scores.max() > best.score:
+            return self.detect(poses[scores.argmax()], image, face)
+        return self.detect(best.pose, image, face)
 
-        assert best is not None  # there is more than one orientation
-        return self.fit(best.pose, image, face)
-
-    def fit(self, start: Array, image: RGBDImage, face: TopFace) -> Detection:
-        """Gauss-Newton on the distance of edge points to the nearest side of the outline."""
-        pose = np.array(start, dtype=np.float64)
-        for iteration in range(self.rounds):
-            scale = FIRST_SCALE if iteration < self.rounds // 2 else LAST_SCALE
-            step = self._gauss_newton_step(pose, face.edges, scale)
-            pose += step
-            if np.abs(step).max() < 1e-5:
-                break
-
-        score = self.score(pose, image, face)
+    def detect(self, start: Array, image: RGBDImage, face: TopFace) -> Detection:
+        """What is found from one start ``(3,)``."""
+        pose = self.fit(start, face.edges)
+        score = float(self.score(pose, image, face))
         return Detection(pose, face.height, score, face.surface.mean(0))
 
-    def _gauss_newton_step(self, pose: Array, edges: Array, scale: float) -> Array:
-        """The change of the pose, ``(3,)``, that fits the edge points best, with Cauchy weights."""
-        distance, normal = signed_distance(edges, self.placed(pose))
+    def fit(self, starts: Array, edges: Array) -> Array:
+        """Gauss-Newton on the distance of edge points to the nearest side of the outline.
+
+        Args:
+            starts: Poses (x, y, θ) ``(*B, 3)`` to start from, m and rad.
+            edges: Edge points ``(k, 2)``, m.
+
+        Returns:
+            The poses that fit, ``(*B, 3)``.
+        """
+        poses = np.array(starts, dtype=np.float64)
+        moving = np.ones((*poses.shape[:-1], 1), np.bool_)
+        for iteration in range(self.rounds):
+            scale = FIRST_SCALE if iteration < self.rounds // 2 else LAST_SCALE
+            steps = moving * self._gauss_newton_steps(poses, edges, scale)
+            poses += steps
+
+            moving &= np.abs(steps).max(-1, keepdims=True) >= SMALLEST_STEP
+            if not moving.any():
+                break
+        return poses
+
+    def _gauss_newton_steps(self, poses: Array, edges: Array, scale: float) -> Array:
+        """The changes of poses, ``(*B, 3)``, that fit the edges best, with Cauchy weights."""
+        distance, normal = signed_distance(edges, self.placed(poses))
         weight = 1.0 / (1.0 + (distance / (0.3 * scale)) ** 2)
 
         # A point moves with the outline by (dx, dy) and by dθ × its arm.
-        arm = edges - pose[:2]
-        by_angle = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
-        jacobian = np.column_stack((normal, by_angle))
-        weighted = (jacobian * weight[:, None]).T
+        arm_x = edges[:, 0] - poses[..., :1]
+        arm_y = edges[:, 1] - poses[..., 1:2]
+        by_angle = arm_x * normal[..., 1] - arm_y * normal[..., 0]
+        jacobian = np.concatenate((normal, by_angle[..., None]), axis=-1)
+        weighted = np.swapaxes(jacobian * weight[..., None], -1, -2)
 
-        damping = np.diag([1e-3, 1e-3, 1e-5])
-        step = np.linalg.solve(weighted @ jacobian + damping, weighted @ distance)
-        largest = np.array([0.03, 0.03, 0.3])  # m, m, rad
-        bounded: Array = np.clip(step, -largest, largest)
+        damped = weighted @ jacobian + np.diag([1e-3, 1e-3, 1e-5])
+        steps = np.linalg.solve(damped, weighted @ distance[..., None])[..., 0]
+        bounded: Array = np.clip(steps, -LARGEST_STEP, LARGEST_STEP)
         return bounded
 
-    def score(self, pose: Array, image: RGBDImage, face: TopFace) -> float:
-        """The least of three shares: edges on the outline, surface inside it, its inside seen."""
-        corners = self.placed(pose)
+    def score(self, poses: Array, image: RGBDImage, face: TopFace) -> Array:
+        """The least of three shares: edges on the outline, surface inside it, its inside seen.
+
+        Args:
+            poses: Poses (x, y, θ) ``(*B, 3)``, m and rad.
+            image: The image.
+            face: What it shows of the object.
+
+        Returns:
+            ``(*B,)``.
+        """
+        corners = self.placed(poses)
         distance, _ = signed_distance(face.edges, corners)
-        on_outline = float((np.abs(distance) < FIT_TOLERANCE).mean())
+        on_outline = (np.abs(distance) < FIT_TOLERANCE).mean(-1)
 
         surface = thin(face.surface, 200)
-        inside = float(contains(surface, corners, FIT_TOLERANCE).mean())
-        return min(on_outline, inside, self._visible_share(pose, image, face))
+        inside = contains(surface, corners, FIT_TOLERANCE).mean(-1)
+        least: Array = np.minimum(on_outline, inside)
+        return np.minimum(least, self._visible_share(poses, image, face))
 
-    def _visible_share(self, pose: Array, image: RGBDImage, face: TopFace) -> float:
-        """Share of the samples of the surface at a pose that are seen where nothing hides them."""
-        samples = place(self.samples, pose)
-        points = np.column_stack((samples, np.full(len(samples), face.height)))
-        x, y, z = ((points - image.position) @ image.rotation).T
+    def _visible_share(self, poses: Array, image: RGBDImage, face: TopFace) -> Array:
+        """Share of the samples of the surface at poses that are seen where nothing hides them."""
+        samples = place(self.samples, poses)
+        heights = np.full((*samples.shape[:-1], 1), face.height)
+        points = np.concatenate((samples, heights), axis=-1)
+        x, y, z = np.moveaxis((points - image.position) @ image.rotation, -1, 0)
 
         focal, center_x, center_y, width, height = self.intrinsics
         u, v = focal * x / z + center_x, focal * y / z + center_y
         in_view = (u > 1) & (u < width - 2) & (v > 1) & (v < height - 2)
-        columns, rows = u[in_view].round().astype(int), v[in_view].round().astype(int)
+        columns = np.where(in_view, u, 0.0).round().astype(int)
+        rows = np.where(in_view, v, 0.0).round().astype(int)
 
-        free = ~face.hidden[rows, columns]
-        seen = is_colored(image.rgb[rows[free], columns[free]])
-        return float(seen.mean()) if len(seen) >= 5 else 0.0
+        free = in_view & ~face.hidden[rows, columns]
+        seen = free & is_colored(image.rgb[rows, columns])
+        count = free.sum(-1)
+        return np.where(count >= FEWEST_SAMPLES, seen.sum(-1) / count.clip(min=1), 0.0)
 
     @cached_property
     def samples(self) -> Array:
@@ -173,6 +209,6 @@ class ImageRegistration:
         kept: Array = grid[contains(grid, self.corners, -SAMPLE_INSET)]
         return kept
 
-    def placed(self, pose: Array) -> Array:
-        """The corners at a pose (x, y, θ) ``(3,)``, ``(N, 2)``, m."""
-        return place(self.corners, pose)
+    def placed(self, poses: Array) -> Array:
+        """The corners at poses (x, y, θ) ``(*B, 3)``, ``(*B, N, 2)``, m."""
+        return place(self.corners, poses)

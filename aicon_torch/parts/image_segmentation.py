@@ -67,24 +67,27 @@ class TopFaceSegmentation:
 
     def __call__(self, image: RGBDImage) -> TopFace | None:
         """The top face; None if the image shows too little of it."""
-        colored = is_colored(image.rgb) & (_brightness(image.rgb) > DARKEST_COLOR)
+        brightness = _brightness(image.rgb)
+        colored = is_colored(image.rgb) & (brightness > DARKEST_COLOR)
         if colored.sum() < self.fewest:
             return None
 
         # The top is where most of the object is, by its depth and its brightness.
-        height, face = self._face(image, colored)
+        height, face = self._face(image, colored, brightness)
         rows, columns = np.nonzero(face)
         if len(rows) < self.fewest:
             return None
 
-        hidden = _brightness(image.rgb) < DARKEST_COLOR
+        hidden = brightness < DARKEST_COLOR
         surface = self._on_plane(columns, rows, image, height)
         edges = self._edges(image, face, hidden, height)
         if len(edges) < self.fewest or len(surface) < 2 * self.fewest:
             return None
         return TopFace(surface, edges, height, hidden)
 
-    def _face(self, image: RGBDImage, colored: Mask) -> tuple[float, Mask]:
+    def _face(
+        self, image: RGBDImage, colored: Mask, brightness: NDArray[np.uint8]
+    ) -> tuple[float, Mask]:
         """Height of the top face, m, and its pixels ``(H, W)``."""
         rows, columns = np.nonzero(colored)
         rays = self._rays(columns, rows) * image.depth[rows, columns]
@@ -93,7 +96,7 @@ class TopFaceSegmentation:
         top = float(np.median(upper if len(upper) else heights))
 
         # The sides of the object are lower, or in the shade.
-        brightness = _brightness(image.rgb)[rows, columns]
+        brightness = brightness[rows, columns]
         bright = brightness > 0.75 * np.median(brightness)
         flat = (np.abs(heights - top) < FACE_THICKNESS) & bright
 
@@ -137,7 +140,7 @@ class TopFaceSegmentation:
 
 def is_colored(rgb: NDArray[np.uint8]) -> Mask:
     """Whether pixels ``(..., 3)`` are red, or blue, however dark."""
-    red, green, blue = np.moveaxis(rgb.astype(np.int16), -1, 0)
+    red, green, blue = _planes(rgb.astype(np.int16))
     is_red = 2 * red > 3 * np.maximum(green, blue)
     is_blue = 2 * blue > 3 * np.maximum(red, green)
     colored: Mask = is_red | is_blue
@@ -166,5 +169,11 @@ def close(mask: Mask) -> Mask:
 
 def _brightness(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """The largest of the three colours, ``(H, W)``."""
-    brightness: NDArray[np.uint8] = rgb.max(-1)
+    red, green, blue = _planes(rgb)
+    brightness: NDArray[np.uint8] = np.maximum(np.maximum(red, green), blue)
     return brightness
+
+
+def _planes(rgb: NDArray[Any]) -> NDArray[Any]:
+    """The three colours of pixels ``(..., 3)``, each contiguous, ``(3, ...)``."""
+    return np.ascontiguousarray(np.moveaxis(rgb, -1, 0))

@@ -8,7 +8,10 @@
 #pragma once
 
 #include <dlfcn.h>
+#include <link.h>
 
+#include <cstring>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -24,9 +27,13 @@ class Policy {
   // native code: load none that you would not execute.
   explicit Policy(const std::string &path) : library_(open(path)) {
     const int *sizes = static_cast<const int *>(find("aicon_sizes"));
-    if (sizes[0] != kFormat) throw std::runtime_error(path + ": exported in another format");
-    if (sizes[1] != static_cast<int>(sizeof(Real)))
-      throw std::runtime_error(path + ": exported in another precision");
+    const int bytes = sizeof(Real);
+    if (sizes[0] != kFormat)
+      throw std::runtime_error(path + ": has format " + std::to_string(sizes[0]) +
+                               ", and this class reads format " + std::to_string(kFormat));
+    if (sizes[1] != bytes)
+      throw std::runtime_error(path + ": computes in numbers of " + std::to_string(sizes[1]) +
+                               " bytes, and this class in " + std::to_string(bytes));
 
     step_ = reinterpret_cast<Step>(find("aicon_step"));
     blank_ = reinterpret_cast<Blank>(find("aicon_blank"));
@@ -54,6 +61,14 @@ class Policy {
     return commands_.data();
   }
 
+  // The same, with their number checked.
+  const Real *step(const std::vector<Real> &readings) {
+    if (static_cast<int>(readings.size()) != readings_)
+      throw std::invalid_argument("step: " + std::to_string(readings.size()) +
+                                  " readings, expected " + std::to_string(readings_));
+    return step(readings.data());
+  }
+
   // Number of readings and of commands.
   int readings() const { return readings_; }
   int commands() const { return static_cast<int>(commands_.size()); }
@@ -75,9 +90,27 @@ class Policy {
   static Library open(const std::string &path) {
     // A name without a slash would be looked for among the system's libraries.
     const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
+    check_whole(file);
     Library library(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL));
     if (!library) throw std::runtime_error(dlerror());
     return library;
+  }
+
+  // A file that is cut off would end the process when it is mapped.
+  static void check_whole(const std::string &file) {
+    std::ifstream stream(file, std::ios::binary | std::ios::ate);
+    if (!stream) throw std::runtime_error(file + ": cannot be read");
+    const std::size_t size = static_cast<std::size_t>(stream.tellg());
+
+    ElfW(Ehdr) header{};
+    stream.seekg(0);
+    stream.read(reinterpret_cast<char *>(&header), sizeof header);
+    if (!stream || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
+      throw std::runtime_error(file + ": is no shared library");
+    const std::size_t whole = header.e_shoff + std::size_t(header.e_shnum) * header.e_shentsize;
+    if (size < whole)
+      throw std::runtime_error(file + ": is cut off: " + std::to_string(size) + " of " +
+                               std::to_string(whole) + " bytes");
   }
 
   void *find(const char *name) {

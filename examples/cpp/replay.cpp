@@ -2,8 +2,8 @@
 //
 //   replay FOLDER [STEPS]
 //
-// FOLDER has policy.so, readings.bin and commands.bin, as scripts/record_replay.py writes them: rows of doubles.
-// The commands must be those that were recorded, bit by bit.
+// FOLDER has policy.so, and rows of doubles in readings.bin, commands.bin and starts.bin (1 where an episode begins), as
+// scripts/record_replay.py writes them. The commands must be those that were recorded, bit by bit.
 
 #include <sys/resource.h>
 
@@ -58,16 +58,18 @@ static void replay(const std::string &folder, long steps) {
 
   const std::vector<double> readings = read_doubles(folder + "/readings.bin");
   const std::vector<double> commands = read_doubles(folder + "/commands.bin");
-  const long rows = static_cast<long>(readings.size()) / policy.readings();
-  if (rows == 0 || static_cast<long>(commands.size()) != rows * policy.commands())
-    throw std::runtime_error("readings.bin and commands.bin do not fit the policy");
+  const std::vector<double> starts = read_doubles(folder + "/starts.bin");
+  const long rows = static_cast<long>(starts.size());
+  if (rows == 0 || static_cast<long>(readings.size()) != rows * policy.readings() ||
+      static_cast<long>(commands.size()) != rows * policy.commands())
+    throw std::runtime_error("readings.bin, commands.bin and starts.bin do not fit the policy");
 
-  // The episode again and again, each time from its beginning.
+  // The episodes again and again.
   std::vector<float> taken(static_cast<std::size_t>(steps));
   const long memory_before = resident_kilobytes(), allocations_before = allocations;
   for (long step = 0; step < steps; ++step) {
     const long row = step % rows;
-    if (row == 0) policy.reset();
+    if (starts[row] != 0) policy.reset();
 
     const auto start = Clock::now();
     const double *command = policy.step(&readings[row * policy.readings()]);

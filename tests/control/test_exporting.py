@@ -10,6 +10,7 @@ import pytest
 import torch
 from _asserts import assert_same_memory, assert_same_steps
 from _inputs import drifting, observation_with
+from _inputs.exported_files import REFUSED, write_wrong_file
 
 from aicon_torch import (
     ExportedPolicy,
@@ -156,16 +157,25 @@ def test_a_source_is_complete(pair: Pair, tmp_path: Path) -> None:
     }
 
 
-def test_wrong_files_are_refused(tmp_path: Path) -> None:
-    policy = make_policy("nav2d")
-    with pytest.raises(OptionError, match=r"ends in \.so"):
-        policy.export(tmp_path / "policy.pt2")
-    with pytest.raises(OptionError, match="is not there"):
-        load_exported(tmp_path / "policy.so")
+def test_the_name_tells_what_to_write(tmp_path: Path) -> None:
+    with pytest.raises(OptionError, match=r"policy.pt2.*ends in \.so"):
+        make_policy("nav2d").export(tmp_path / "policy.pt2")
 
-    (tmp_path / "text.so").write_text("not a library")
-    with pytest.raises(OptionError, match="no library for this machine"):
-        load_exported(tmp_path / "text.so")
+
+@pytest.fixture(scope="module")
+def good(pair: Pair, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("good")
+    for name in ("good.so", "good.c"):
+        pair[0].export(folder / name)
+    return folder / "good.so"
+
+
+@pytest.mark.parametrize(("name", "words"), REFUSED.items())
+def test_wrong_files_are_refused(name: str, words: str, good: Path, tmp_path: Path) -> None:
+    path = write_wrong_file(name, good, tmp_path)
+    with pytest.raises(OptionError, match=words) as raised:
+        load_exported(path)
+    assert str(path) in str(raised.value)
 
 
 def test_without_a_compiler_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,7 @@ import pytest
 import torch
 from _inputs.images import L_SHAPE
 
-from aicon_torch.parts.polygon import contains, place, rotation_matrix, signed_distance
+from aicon_torch.parts.polygon import contains, place, signed_distance
 from aicon_torch.parts.rigid_object import RigidObject
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])  # counterclockwise
@@ -46,5 +46,14 @@ def test_a_polygon_is_placed_as_a_rigid_object_is():
     np.testing.assert_allclose(place(L_SHAPE, pose), expected, atol=1e-12)
 
 
-def test_a_rotation_keeps_lengths():
-    np.testing.assert_allclose(rotation_matrix(0.4) @ rotation_matrix(0.4).T, np.eye(2), atol=1e-12)
+def test_many_polygons_at_once_are_as_one_after_the_other():
+    poses = np.array([[0.0, 0.0, 0.0], [0.02, -0.03, 1.0], [0.3, 0.1, -2.0]])
+    points = np.random.default_rng(0).normal(scale=0.1, size=(20, 2))
+    distances, normals = signed_distance(points, place(L_SHAPE, poses))
+    inside = contains(points, place(L_SHAPE, poses), 0.01)
+
+    for row, pose in enumerate(poses):
+        distance, normal = signed_distance(points, place(L_SHAPE, pose))
+        np.testing.assert_array_equal(distances[row], distance)
+        np.testing.assert_array_equal(normals[row], normal)
+        np.testing.assert_array_equal(inside[row], contains(points, place(L_SHAPE, pose), 0.01))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from torch import Tensor
 
-from aicon_torch.control import Policy
+from aicon_torch.control import BackgroundPerception, Perception, Policy
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -46,7 +46,10 @@ JUMP = 3.0
 
 def build(options: Options) -> Policy:
     """The arm's policy."""
-    perception = camera_perception(options) if options.sensing == "camera" else None
+    perception: Perception | None = None
+    if options.sensing == "camera":
+        camera = camera_perception(options)
+        perception = BackgroundPerception(camera) if options.camera.background else camera
     return Policy(world_model(options), options.resolution, options.law, perception=perception)
 
 

@@ -62,6 +62,8 @@ class CameraOptions:
             :class:`aicon_torch.parts.camera.CameraFrame`.
         trace_weight: Weight of tr Σ in the goal "push", 1/m; 0 leaves it out.
         trace_tolerance: tr Σ that this goal leaves alone, m²; 0 in the text.
+        background: Whether images are read in a thread of their own, and no step waits for them:
+            see :class:`aicon_torch.control.BackgroundPerception`.
     """
 
     noise: float = 1 / 1200
@@ -71,6 +73,7 @@ class CameraOptions:
     steering: Steering = "heading"
     trace_weight: float = 60.0
     trace_tolerance: float = (1 / 300) ** 2
+    background: bool = False
 
     def __post_init__(self) -> None:
         """Check the numbers.

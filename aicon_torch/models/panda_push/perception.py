@@ -1,6 +1,6 @@
 """The arm's eye: images become keypoints before a control step."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,15 @@ KEYPOINTS, BLOB = "z_keypoints", "z_blob"
 """The readings: keypoints, and the middle of what is seen where these are not found."""
 
 IMAGES = ("rgb", "depth")
+
+Row = tuple[int, ...]
+"""Where in a batch."""
+
+Shown = tuple[Array | None, Array | None]
+"""The corners of the object's top face ``(K, 3)``, or the middle of what is seen ``(3,)``, m."""
+
+Seen = dict[Row, Shown]
+"""What new images have shown, by row."""
 
 
 class CameraPerception:
@@ -61,30 +70,60 @@ class CameraPerception:
         Raises:
             ObservationError: If an image, its age or the joints are missing.
         """
+        see = self.begin(observation, values, starts)
+        return self.readings(None if see is None else see(), observation)
+
+    def begin(
+        self,
+        observation: Mapping[str, Any],
+        values: Mapping[str, Tensor] | None,
+        starts: Mask | None,
+    ) -> Callable[[], Seen] | None:
+        """The reading of the new images, which takes milliseconds; None if there are none."""
         _check_present(observation)
-        rgb, depth = np.asarray(observation["rgb"]), np.asarray(observation["depth"])
         joints, velocities = np.asarray(observation["q"]), np.asarray(observation["dq"])
         age = np.asarray(observation["image_age"])[..., 0]
 
         # Which images are to be read, and where nothing is known yet.
-        batch = joints.shape[:-1]
-        forgotten = np.full(batch, values is None)
+        forgotten = np.full(joints.shape[:-1], values is None)
         if starts is not None:
             forgotten = forgotten | starts
         new = self._is_new(age, values, forgotten)
+        if not new.any():
+            return None
 
-        # Each new image is read on its own, from where the camera was then.
-        keypoints = np.full((*batch, 3 * len(self.registration.corners)), np.nan)
-        blob = np.full((*batch, 3), np.nan)
+        # Each is read on its own, from where the camera was then.
+        views: list[tuple[Row, RGBDImage, Array | None]] = []
         for row in map(tuple, np.argwhere(new)):
+            rgb, depth = (np.array(observation[key][row]) for key in IMAGES)  # to keep
             at_exposure = self.camera(joints[row] - velocities[row] * age[row])
-            image = RGBDImage(rgb[row], depth[row], at_exposure[:3, :3], at_exposure[:3, 3])
+            image = RGBDImage(rgb, depth, at_exposure[:3, :3], at_exposure[:3, 3])
             prior = None
             if values is not None and not forgotten[row]:
-                prior = values["x_pose"][row].numpy(force=True)
-            corners, middle = self.look(image, prior)
+                prior = values["x_pose"][row].numpy(force=True).copy()
+            views.append((row, image, prior))
 
-            # What it shows, in the frame of the camera as it is now.
+        def see() -> Seen:
+            return {row: self.look(image, prior) for row, image, prior in views}
+
+        return see
+
+    def readings(
+        self, seen: Seen | None, observation: Mapping[str, Any], late: int = 0
+    ) -> dict[str, Any]:
+        """The observation with readings instead of images, in the frame of the camera as it is now.
+
+        Args:
+            seen: What new images have shown in the frame of the base, by row; None for none.
+            observation: That of this step.
+            late: Since how many steps. The object hardly moves in that time; the camera does.
+        """
+        joints = np.asarray(observation["q"])
+        batch = joints.shape[:-1]
+        keypoints = np.full((*batch, 3 * len(self.registration.corners)), np.nan)
+        blob = np.full((*batch, 3), np.nan)
+
+        for row, (corners, middle) in (seen or {}).items():
             camera = self.camera(joints[row])
             if corners is not None:
                 keypoints[row] = _in_frame(camera, corners).ravel()
@@ -94,7 +133,7 @@ class CameraPerception:
         rest = {key: value for key, value in observation.items() if key not in IMAGES}
         return rest | {KEYPOINTS: keypoints, BLOB: blob}
 
-    def look(self, image: RGBDImage, prior: Array | None) -> tuple[Array | None, Array | None]:
+    def look(self, image: RGBDImage, prior: Array | None) -> Shown:
         """What an image shows in the frame of the base.
 
         Args:

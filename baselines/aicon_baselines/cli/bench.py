@@ -67,10 +67,22 @@ def time_steps(task: str, rounds: int, steps: int) -> dict[str, list[float]]:
     return take_turns(programs, rounds, steps, task)
 
 
-def record_observations(task: str, condition: str, steps: int, seed: int = 1000) -> list[Any]:
-    """Return what AICON observes in the first steps of an episode, each a batch of one."""
+def record_observations(
+    task: str, condition: str, steps: int, seed: int = 1000, policy: Any = None
+) -> list[Any]:
+    """Return what a policy observes in the first steps of an episode, each a batch of one.
+
+    Args:
+        task: Name of the task.
+        condition: Of the task.
+        steps: Most steps; an episode may end before.
+        seed: Seed of the episode.
+        policy: By default AICON, compiled.
+    """
     content = load(task)
-    policy = make(task, "aicon", condition)
+    if policy is None:
+        to_compile: Any = make(task, "aicon", condition)
+        policy = to_compile.compile()
     env = content.make_env(1, condition, steps)
 
     try:
@@ -79,10 +91,31 @@ def record_observations(task: str, condition: str, steps: int, seed: int = 1000)
         for _ in range(steps):
             observations.append(observation)
             action, memory = policy.predict(observation, memory)
-            observation, *_ = env.step(action)
+            observation, _, terminated, truncated, _ = env.step(action)
+            if (terminated | truncated).all():
+                break
         return observations
     finally:
         env.close()
+
+
+def record_episodes(
+    task: str, condition: str, steps: int, seed: int = 1000
+) -> list[tuple[Any, bool]]:
+    """Return what AICON observes in episodes one after the other, and where one begins.
+
+    Args:
+        task: Name of the task.
+        condition: Of the task.
+        steps: Number of steps of all.
+        seed: Seed of the first episode; the next has the next.
+    """
+    found: list[tuple[Any, bool]] = []
+    while len(found) < steps:
+        observations = record_observations(task, condition, steps - len(found), seed)
+        found += [(observation, index == 0) for index, observation in enumerate(observations)]
+        seed += 1
+    return found
 
 
 COMMAND = Command(__doc__, add_arguments, run)

@@ -1,0 +1,89 @@
+"""The class in C++ steps as Python does, and refuses what it cannot run."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from _inputs.exported_files import REFUSED, write_wrong_file
+
+from aicon_torch import Foresight, load_exported, make_policy
+
+pytestmark = pytest.mark.skipif(not shutil.which("g++"), reason="there is no C++ compiler")
+
+HEADERS = Path(__file__).parents[2] / "examples/cpp"
+
+PROGRAM = """
+#include <cstdio>
+#include "aicon_policy.hpp"
+
+template <typename Real>
+static void take_a_step(const char *file, const std::vector<double> &readings) {
+  aicon::Policy<Real> policy(file);
+  const Real *command = policy.step(std::vector<Real>(readings.begin(), readings.end()));
+  for (int i = 0; i < policy.commands(); ++i) std::printf("%.17g ", double(command[i]));
+}
+
+int main(int count, char **words) {
+  std::vector<double> readings;
+  for (int i = 3; i < count; ++i) readings.push_back(std::stod(words[i]));
+  try {
+    if (words[1][0] == 'f') take_a_step<float>(words[2], readings);
+    else take_a_step<double>(words[2], readings);
+  } catch (const std::exception &error) {
+    std::printf("refused: %s", error.what());
+  }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program, and an exported policy with its source."""
+    folder = tmp_path_factory.mktemp("cpp")
+    (folder / "program.cpp").write_text(PROGRAM)
+    build = ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", f"-I{HEADERS}", "program.cpp"]
+    subprocess.run([*build, "-o", "program", "-ldl"], cwd=folder, check=True)
+
+    policy = make_policy("nav2d", law=Foresight(iterations=1))
+    policy.export(folder / "good.so")
+    policy.export(folder / "good.c")
+    return folder
+
+
+def said(folder: Path, file: Path, readings: Any = (), precision: str = "double") -> str:
+    """What the program prints."""
+    numbers = [str(float(reading)) for reading in readings]
+    command = [str(folder / "program"), precision, str(file), *numbers]
+    text: str = subprocess.run(command, capture_output=True, check=True, text=True).stdout
+    return text
+
+
+def test_a_step_is_that_of_python(folder: Path) -> None:
+    policy = load_exported(folder / "good.so")
+    observation = {"bearing": np.full(1, 0.5), "range": np.full(1, 0.5)}
+    action, _ = policy.predict(observation)
+
+    text = said(folder, folder / "good.so", policy.flat_readings(observation))
+    command = np.array(text.split(), dtype=np.float64)
+    np.testing.assert_array_equal(command.astype(np.float32), action)
+
+
+@pytest.mark.parametrize(("name", "words"), REFUSED.items())
+def test_wrong_files_are_refused(name: str, words: str, folder: Path, tmp_path: Path) -> None:
+    text = said(folder, write_wrong_file(name, folder / "good.so", tmp_path))
+    assert text.startswith("refused")
+    assert re.search(words, text), text
+
+
+def test_another_precision_is_refused(folder: Path) -> None:
+    text = said(folder, folder / "good.so", precision="float")
+    assert "numbers of 8 bytes, and this class in 4" in text
+
+
+def test_another_number_of_readings_is_refused(folder: Path) -> None:
+    text = said(folder, folder / "good.so", readings=(0.5, 0.5, 0.0))
+    assert "step: 3 readings, expected 6" in text
