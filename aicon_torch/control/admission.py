@@ -109,8 +109,10 @@ class Admission(NamedTuple):
         age = readings.get(name + AGE, torch.zeros_like(waited))
         admitted: dict[str, Tensor] = {}
 
-        # There is one, it is newer than the last, ...
+        # There is one that can be, it is newer than the last, ...
         is_present = reading.isfinite().all(-1)
+        if sensor.is_possible is not None:
+            is_present = is_present & sensor.is_possible(reading)
         if sensor.is_aged:
             is_new = (age >= 0) & (is_first | (age < waited - 1e-3 * self.dt))
             is_present = is_present & is_new & (age < NEVER)

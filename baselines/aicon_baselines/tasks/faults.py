@@ -5,7 +5,7 @@ as it is. Its randomness comes from the episode's seed alone.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 Observation = dict[str, NDArray[Any]]
 
-FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "gone")
+FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "gone", "erratic")
 """The conditions.
 
 - ``late``: every observation is so old; its age is told.
@@ -25,6 +25,7 @@ FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "go
 - ``bias``: some sensors are off by a constant.
 - ``blackout``: from a random time on there is no reading for a while.
 - ``gone``: from a random time on there is no reading any more.
+- ``erratic``: from a random time on every reading is any number of its range.
 """
 
 HELD, OUTLIERS = 0.5, 0.05
@@ -44,6 +45,7 @@ class Faults:
         bias: Offset by key.
         ranges: Range of the outliers by key; others have none.
         held: What a policy is told where actions are held: how many steps its own may come late.
+        told: What a policy is told where sensors are off, by option.
         tells_action: Whether the action that is held is told, as ``executed``.
     """
 
@@ -55,6 +57,7 @@ class Faults:
     bias: Mapping[str, float]
     ranges: Mapping[str, tuple[float, float]]
     held: int = 0
+    told: Mapping[str, Any] = field(default_factory=dict)
     tells_action: bool = False
 
     def wrap(self, env: VectorEnv[Any, Any, Any], fault: str) -> VectorEnv[Any, Any, Any]:
@@ -66,14 +69,14 @@ class Faults:
         return _Disturbed(env, self, fault)
 
     def policy_options(self, fault: str) -> dict[str, Any]:
-        """What a policy is told: how old readings may be."""
+        """What a policy is told: how old readings may be, or how far off."""
         if fault == "late":
             return {"delay": self.late}
         if fault == "jitter":
             return {"delay": self.jitter}
         if fault == "held" and self.held:
             return {"delay": self.held}
-        return {}
+        return dict(self.told) if fault == "bias" else {}
 
 
 class _Faulty(VectorWrapper):
@@ -190,7 +193,8 @@ class _Disturbed(_Faulty):
 
     def _sensed(self, observation: Observation) -> Observation:
         since = self._steps - self._onset
-        pauses = (since >= 0) & ((since < self._faults.pause) | (self._fault == "gone"))
+        is_for_ever = self._fault in ("gone", "erratic")
+        pauses = (since >= 0) & ((since < self._faults.pause) | is_for_ever)
         sensed: Observation = {}
         for key, reading in observation.items():
             sensed[key] = self._reading(key, reading, pauses.reshape(-1, *[1] * (reading.ndim - 1)))
@@ -206,10 +210,11 @@ class _Disturbed(_Faulty):
         if self._fault == "bias":
             return reading + self._faults.bias.get(key, 0.0)
 
-        # Outliers.
+        # Outliers, now and then or for ever.
         if key not in self._faults.ranges:
             return reading
         low, high = self._faults.ranges[key]
         is_wrong = self._draw(lambda generator: generator.uniform() < OUTLIERS)
         wrong = self._draw(lambda generator: generator.uniform(low, high, reading.shape[1:]))
-        return np.where(is_wrong.reshape(pauses.shape), wrong, reading).astype(reading.dtype)
+        is_wrong = pauses if self._fault == "erratic" else is_wrong.reshape(pauses.shape)
+        return np.where(is_wrong, wrong, reading).astype(reading.dtype)
