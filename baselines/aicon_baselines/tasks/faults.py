@@ -29,6 +29,7 @@ FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "go
 """
 
 HELD, OUTLIERS = 0.5, 0.05
+FOR_EVER = 10**9  # steps
 _STREAM = 7919  # sets the faults' random numbers apart from the environment's
 
 
@@ -171,13 +172,23 @@ class _Held(_Faulty):
 
 
 class _Disturbed(_Faulty):
-    """Readings are wrong or missing, now and then or from some time on."""
+    """Readings are wrong or missing, now and then or from some time on.
+
+    Attributes:
+        onset: From which step on, ``(B,)``.
+    """
 
     def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults, fault: str) -> None:
         super().__init__(env, faults)
         self._fault = fault
         self._steps = 0
         self._frozen: Observation = {}
+
+    @property
+    def pause(self) -> int:
+        """For how long readings are wrong, steps."""
+        is_for_ever = self._fault in ("gone", "erratic")
+        return FOR_EVER if is_for_ever else self._faults.pause
 
     def step(self, actions: Any) -> Any:
         """Move, and sense with the fault."""
@@ -187,14 +198,13 @@ class _Disturbed(_Faulty):
 
     def _begin(self, observation: Observation) -> Observation:
         earliest, latest = self._faults.onset
-        self._onset = self._draw(lambda generator: generator.integers(earliest, latest + 1))
+        self.onset = self._draw(lambda generator: generator.integers(earliest, latest + 1))
         self._steps, self._frozen = 0, observation
         return self._sensed(observation)
 
     def _sensed(self, observation: Observation) -> Observation:
-        since = self._steps - self._onset
-        is_for_ever = self._fault in ("gone", "erratic")
-        pauses = (since >= 0) & ((since < self._faults.pause) | is_for_ever)
+        since = self._steps - self.onset
+        pauses = (since >= 0) & (since < self.pause)
         sensed: Observation = {}
         for key, reading in observation.items():
             sensed[key] = self._reading(key, reading, pauses.reshape(-1, *[1] * (reading.ndim - 1)))
