@@ -75,7 +75,7 @@ class Sensor:
             None for a sensor that nobody watches.
         rate_limit: How fast a component can change, in the observation's unit per second: a reading
             that has jumped farther since the last one is none. The longer there is none, the
-            farther it may be. Three in a row that agree with each other are believed wherever they
+            farther it may be. Four in a row that agree with each other are believed wherever they
             are, and estimates of what they measure begin anew.
         period: Of a reading that wraps, such as 2π of an angle in rad.
         is_possible: A function of a reading ``(*B, size)``, in the graph's unit, that says which rows

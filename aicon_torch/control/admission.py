@@ -24,7 +24,7 @@ SEEN, SEEN_AGE = ".seen", ".seen_age"
 AGREED, REFUSED = ".agreed", ".refused"
 """Suffixes of how many readings in a row agreed with the one before, and how many were refused."""
 
-PATIENCE = 3
+PATIENCE = 4
 """Readings that are refused until the last one that was believed may be what is wrong, and readings
 in a row that agree, and so are believed."""
 
