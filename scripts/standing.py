@@ -41,9 +41,10 @@ def run(arguments: argparse.Namespace) -> None:
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     for fault in arguments.faults:
         met = rest(policy, task, fault, list(seeds), arguments.horizon)
+        longest = met.times.max() * task.time_step
         print(
-            f"{task.name}, {fault}: {len(met.times)} episodes, the last command that is not rest "
-            f"{met.times.max() * task.time_step:.2f} s after the onset, {met.collisions} collisions",
+            f"{task.name}, {fault}: {len(met.times)} episodes, at rest {longest:.2f} s after the "
+            f"onset, {met.collisions} collisions",
             flush=True,
         )
 

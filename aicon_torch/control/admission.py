@@ -163,7 +163,9 @@ class Admission(NamedTuple):
             name + ANEW: is_present & is_settled & ~is_near,
             name + SEEN: torch.where(is_present.unsqueeze(-1), reading, memory[name + SEEN]),
             name + SEEN_AGE: torch.where(is_present, 0.0, seen_waited).clamp(max=NEVER),
-            name + AGREED: torch.where(is_present, agreed.clamp(max=PATIENCE), memory[name + AGREED]),
+            name + AGREED: torch.where(
+                is_present, agreed.clamp(max=PATIENCE), memory[name + AGREED]
+            ),
             name + REFUSED: torch.where(is_present, now, refused),
         }
 
