@@ -22,6 +22,9 @@ MISSED = ".missed"
 FROZEN = ".frozen"
 """Suffix of the flag ``(*B,)`` that says whether a sensor repeats itself while it should not."""
 
+ANEW = ".anew"
+"""Suffix of the flag ``(*B,)`` that says whether a sensor is believed again somewhere else."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -72,8 +75,11 @@ class Sensor:
             None for a sensor that nobody watches.
         rate_limit: How fast a component can change, in the observation's unit per second: a reading
             that has jumped farther since the last one is none. The longer there is none, the
-            farther it may be.
+            farther it may be. Four in a row that agree with each other are believed wherever they
+            are, and estimates of what they measure begin anew.
         period: Of a reading that wraps, such as 2π of an angle in rad.
+        is_possible: A function of a reading ``(*B, size)``, in the graph's unit, that says which rows
+            ``(*B,)`` can be, such as those of points that lie as on a rigid body; others are none.
         driven_by: An actuator whose motion the reading must show: one that stays the same to the
             last bit while that acts, but for the ends of its range, is frozen, and none until it
             changes.
@@ -91,6 +97,7 @@ class Sensor:
     rate_limit: float | None = None
     period: float | None = None
     driven_by: str | None = None
+    is_possible: Callable[[Tensor], Tensor] | None = None
 
     def __post_init__(self) -> None:
         """Check size, range, scale and times."""

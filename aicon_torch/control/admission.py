@@ -1,12 +1,12 @@
 """Admission: which readings are believed, and how old the last one is, sensor by sensor."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import torch
 from torch import Tensor
 
-from aicon_torch.quantities import AGE, FROZEN, MISSED, PRESENT, Actuator, Sensor
+from aicon_torch.quantities import AGE, ANEW, FROZEN, MISSED, PRESENT, Actuator, Sensor
 from aicon_torch.resolution import Memory
 
 BEGINS = "begins"
@@ -17,6 +17,16 @@ NEVER = 1e9
 
 DRIVEN = 0.02
 """Share of an actuator's limit from which on it counts as acting."""
+
+SEEN, SEEN_AGE = ".seen", ".seen_age"
+"""Suffixes of the last reading of a sensor with a rate limit, believed or not, and its age, s."""
+
+AGREED, REFUSED = ".agreed", ".refused"
+"""Suffixes of how many readings in a row agreed with the one before, and how many were refused."""
+
+PATIENCE = 4
+"""Readings that are refused until the last one that was believed may be what is wrong, and readings
+in a row that agree, and so are believed."""
 
 
 class Admission(NamedTuple):
@@ -43,6 +53,11 @@ class Admission(NamedTuple):
             memory[name + MISSED] = torch.tensor(0)
             if sensor.driven_by is not None:
                 memory[name + FROZEN] = torch.tensor(False)
+            if sensor.rate_limit is not None:
+                memory[name + ANEW] = torch.tensor(False)
+                memory[name + SEEN] = torch.zeros(sensor.size)
+                memory[name + SEEN_AGE] = torch.tensor(NEVER)
+                memory[name + AGREED] = memory[name + REFUSED] = torch.tensor(0)
         return memory
 
     def first(self, readings: Mapping[str, Tensor]) -> dict[str, Tensor]:
@@ -94,22 +109,24 @@ class Admission(NamedTuple):
         age = readings.get(name + AGE, torch.zeros_like(waited))
         admitted: dict[str, Tensor] = {}
 
-        # There is one, it is newer than the last, ...
+        # There is one that can be, it is newer than the last, ...
         is_present = reading.isfinite().all(-1)
+        if sensor.is_possible is not None:
+            is_present = is_present & sensor.is_possible(reading)
         if sensor.is_aged:
             is_new = (age >= 0) & (is_first | (age < waited - 1e-3 * self.dt))
             is_present = is_present & is_new & (age < NEVER)
 
-        # ... it has not jumped farther than it can, ...
-        if sensor.rate_limit is not None:
-            jump = self._jump(sensor, reading, last)
-            is_present = is_present & (jump <= sensor.rate_limit * waited)
-
-        # ... and it does not repeat itself while it should change.
+        # ... it does not repeat itself while it should change, ...
         if sensor.driven_by is not None:
             frozen = self._is_frozen(sensor, reading, last, memory, name) & ~is_first
             is_present = is_present & ~frozen
             admitted[name + FROZEN] = frozen
+
+        # ... and it has not jumped farther than it can.
+        if sensor.rate_limit is not None:
+            admitted |= self._compared(name, sensor, reading, is_present, memory)
+            is_present = is_present & (admitted[name + REFUSED] == 0)
 
         age = torch.where(is_present, age, waited).clamp(max=NEVER)
         admitted[name] = torch.where(is_present.unsqueeze(-1), reading, last)
@@ -117,6 +134,40 @@ class Admission(NamedTuple):
         admitted[name + AGE] = age
         admitted[name + MISSED] = memory[name + MISSED] + ~is_present
         return admitted
+
+    def _compared(
+        self,
+        name: str,
+        sensor: Sensor,
+        reading: Tensor,
+        is_present: Tensor,
+        memory: Mapping[str, Tensor],
+    ) -> dict[str, Tensor]:
+        """Whether a reading is where it can be, and what is remembered in order to tell."""
+        limit = cast(float, sensor.rate_limit)
+        waited, seen_waited = memory[name + AGE] + self.dt, memory[name + SEEN_AGE] + self.dt
+        refused = memory[name + REFUSED]
+
+        # Does it agree with the last one that was believed, or with those just before it?
+        is_near = self._jump(sensor, reading, memory[name]) <= limit * waited
+        agrees = self._jump(sensor, reading, memory[name + SEEN]) <= limit * seen_waited
+        agreed = torch.where(agrees, memory[name + AGREED] + 1, 0)
+
+        # Where much was refused, what was believed last may be the outlier.
+        is_settled = agreed >= PATIENCE - 1
+        is_believed = (is_near & (refused < PATIENCE)) | is_settled
+
+        # What is no reading changes nothing.
+        now = torch.where(is_believed, 0, (refused + 1).clamp(max=PATIENCE))
+        return {
+            name + ANEW: is_present & is_settled & ~is_near,
+            name + SEEN: torch.where(is_present.unsqueeze(-1), reading, memory[name + SEEN]),
+            name + SEEN_AGE: torch.where(is_present, 0.0, seen_waited).clamp(max=NEVER),
+            name + AGREED: torch.where(
+                is_present, agreed.clamp(max=PATIENCE), memory[name + AGREED]
+            ),
+            name + REFUSED: torch.where(is_present, now, refused),
+        }
 
     @staticmethod
     def _jump(sensor: Sensor, reading: Tensor, last: Tensor) -> Tensor:

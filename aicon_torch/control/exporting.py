@@ -149,8 +149,11 @@ def _test_readings(flat: FlatStep, seed: int) -> Tensor:
 
 def _after(flat: FlatStep, readings: Tensor) -> tuple[Tensor, Tensor]:
     """The memory and the commands after an episode's first steps with these readings."""
+    begins = flat.memory.entries[BEGINS].start
     memory = flat.restarted(flat.blank(), readings[0])
     for reading in readings:
+        if memory[begins]:  # nothing has been read yet
+            memory = flat.restarted(memory, reading)
         memory, commands = flat(memory, reading)
     return memory, commands
 

@@ -10,6 +10,7 @@ from torch import Tensor
 from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.safety import safety_memory
+from aicon_torch.control.watchdog import sent_memory
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.resolution import Memory
 
@@ -33,7 +34,8 @@ def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tup
 
 def constant_memory(backward: BackwardPass, admission: Admission) -> Memory:
     """What is remembered before the first step whatever is read, without batch dimensions."""
-    return backward.initial() | admission.initial() | safety_memory(backward.model)
+    model = backward.model
+    return backward.initial() | admission.initial() | safety_memory(model) | sent_memory(model)
 
 
 def initial_memory(

@@ -10,7 +10,7 @@ from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.memory import GOAL_FACTORS, STEPS
 from aicon_torch.control.safety import safety_of
-from aicon_torch.control.watchdog import confidence, keep_finite
+from aicon_torch.control.watchdog import confidence, keep_finite, stay
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory
 
@@ -132,8 +132,9 @@ class ControlStep:
                 remembered |= own
             final[name] = actuator.clip(share * final[name])
 
-        new_memory = {**final, **resolved, **remembered}
-        return keep_finite(self.model, self.model.commands(final), new_memory, memory)
+        commands, sent = stay(self.model, self.model.commands(final), share, memory)
+        new_memory = {**final, **resolved, **remembered, **sent}
+        return keep_finite(self.model, commands, new_memory, memory)
 
 
 def last_values(model: WorldModel, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:

@@ -10,6 +10,45 @@ from aicon_torch.graph import WorldModel
 from aicon_torch.quantities import AGE, Sensor
 from aicon_torch.resolution import Memory
 
+SENT = ".sent"
+"""Suffix of the command that an actuator was sent last, if that is another than its action."""
+
+
+def sent_memory(model: WorldModel) -> Memory:
+    """What is remembered of commands before the first step, without batch dimensions."""
+    nowhere: Memory = {}
+    for name, quantity in model.quantities.items():
+        nowhere[name] = model.like.new_zeros(quantity.shape)
+    commands = model.commands(nowhere)
+    return {name + SENT: torch.zeros_like(commands[name]) for name in model.declaration.commands}
+
+
+def stay(
+    model: WorldModel, commands: Mapping[str, Tensor], share: Tensor, memory: Memory
+) -> tuple[dict[str, Tensor], Memory]:
+    """Commands, of which those of rows at rest stay the same, whatever is read meanwhile.
+
+    A command that depends on estimates, such as a place to go to, would follow readings that are
+    wrong.
+
+    Args:
+        model: The world model.
+        commands: What is to be sent to each actuator, ``(*B, size)``.
+        share: The share of its action that each row executes, ``(*B, 1)``.
+        memory: The memory before the step.
+
+    Returns:
+        The commands, and what is remembered of them.
+    """
+    sent, remembered = dict(commands), dict[str, Tensor]()
+    for name in model.declaration.commands:
+        rested = (memory[name] == 0).all(-1) & ~memory[BEGINS]
+        rests = rested & (share.squeeze(-1) == 0)
+        last = memory[name + SENT]
+        sent[name] = torch.where(_like(rests, last), last, commands[name])
+        remembered[name + SENT] = sent[name]
+    return sent, remembered
+
 
 def confidence(sensors: Mapping[str, Sensor], values: Mapping[str, Tensor]) -> Tensor:
     """The share of its action that a row may execute, ``(*B, 1)``: min over sensors of 2 − t/t_max.

@@ -13,6 +13,7 @@ from aicon_torch.estimation.correction import Correction
 from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.estimation.measurement import Measurement
 from aicon_torch.interconnections import Affine, Interconnection, Values
+from aicon_torch.quantities import ANEW
 
 Derivative = Literal["model", "update", "detached_gain"]
 """Which derivative the anticipated mean has: see :class:`EKF`."""
@@ -185,6 +186,8 @@ class EKF(Estimator):
 
     def _corrected(self, values: Values, mean: Tensor, covariance: Tensor) -> tuple[Tensor, Tensor]:
         """The belief after the measurements; those absent or beyond the gate change nothing."""
+        mean, covariance = self._begun_anew(values, mean, covariance)
+
         # One after the other, each from the belief that the last one left.
         for measurement in self._measurements:
             belief = {**values, self.mean: mean, self.covariance: covariance}
@@ -202,6 +205,25 @@ class EKF(Estimator):
 
             mean, covariance = mean - mean_change, covariance - covariance_change
 
+        return mean, covariance
+
+    def _begun_anew(
+        self, values: Values, mean: Tensor, covariance: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """The belief, or that before the first step in rows whose sensor is somewhere else now.
+
+        A prior that no reading tells leaves the mean where it is.
+        """
+        sensors = [name for measurement in self._measurements for name in measurement.inputs]
+        for sensor in dict.fromkeys(sensors):
+            if sensor + ANEW not in values:
+                continue
+
+            prior = self.initial(values)
+            is_anew = cast(Tensor, values[sensor + ANEW])
+            covariance = torch.where(is_anew[..., None, None], prior[self.covariance], covariance)
+            if sensor in self.prior_inputs:
+                mean = torch.where(is_anew[..., None], prior[self.mean], mean)
         return mean, covariance
 
     def _anticipate_covariance(

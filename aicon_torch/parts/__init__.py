@@ -38,6 +38,7 @@ from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.image_registration import Detection, ImageRegistration
 from aicon_torch.parts.image_segmentation import RGBDImage, TopFace, TopFaceSegmentation
 from aicon_torch.parts.joint_limits import JointLimits
+from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.landmark import (
     BearingPrior,
     approach,
@@ -56,7 +57,7 @@ from aicon_torch.parts.pose import (
     resting_pose,
 )
 from aicon_torch.parts.pose_reach import PoseReach
-from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.self_collision import (
     Capsule,
     CapsuleSegments,
@@ -96,6 +97,7 @@ __all__ = [
     "Intrinsics",
     "Joint",
     "JointLimits",
+    "KeypointOffset",
     "KeypointRegistration",
     "MotionPrior",
     "Obstacle",
@@ -106,6 +108,7 @@ __all__ = [
     "PusherMotion",
     "RGBDImage",
     "RigidObject",
+    "RigidShape",
     "Rod",
     "SelfCollision",
     "Servo",

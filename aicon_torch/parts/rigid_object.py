@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.planar import rotate
+from aicon_torch.parts.planar import norm, rotate
 from aicon_torch.parts.validation import numbers
 
 
@@ -138,6 +138,26 @@ class RigidObject:
         """
         offset = rotate(self.center_of_mass.to(frame), frame[..., 2])
         return torch.cat((frame[..., :2] + offset, frame[..., 2:]), dim=-1)
+
+
+@dataclass(frozen=True)
+class RigidShape:
+    """Which readings of keypoints can be those of a body: see :class:`aicon_torch.Sensor`.
+
+    Attributes:
+        body: The body.
+        tolerance: Largest distance of a keypoint from where the body has it that fits all of them
+            best, m.
+    """
+
+    body: RigidObject
+    tolerance: float
+
+    def __call__(self, reading: Tensor) -> Tensor:
+        """Which rows ``(*B,)`` of keypoints ``(*B, 2K)``, m, have the body's shape."""
+        points = reading.reshape(*reading.shape[:-1], -1, 2)
+        placed = self.body.keypoints_at(self.body.registration(points))
+        return norm(points - placed).amax(-1) <= self.tolerance
 
 
 def _corners(keypoints: Sequence[Sequence[float]]) -> Tensor:

@@ -93,6 +93,27 @@ def test_a_reading_that_jumps_farther_than_it_can_is_none_for_a_while() -> None:
     assert present == [True] * 3 + [False] * 3 + [True] * 2
 
 
+def test_after_an_outlier_nothing_is_believed_until_readings_agree() -> None:
+    """However long that takes; then the estimate begins anew."""
+    generator = np.random.default_rng(0)
+    places = [[50.0, 0.0], *generator.uniform(-100, 100, (30, 2)), *[[1.0, 0.0]] * 4]
+    watched, memory, believed = policy(rate_limit=2.0), None, []
+    for place in places:
+        _, memory = watched.predict({"place": np.array(place)}, memory)
+        believed.append(bool(memory["z.present"]))
+
+    assert believed == [True] + [False] * 33 + [True]
+    assert memory is not None and memory["z.anew"]
+    torch.testing.assert_close(memory["x"], torch.tensor([1.0, 0.0]).double(), atol=0.05, rtol=0)
+
+
+def test_a_reading_that_cannot_be_is_none() -> None:
+    watched = policy(is_possible=lambda reading: reading[..., 1] < 1.0)
+    _, memory = watched.predict({"place": np.zeros((2, 2))})
+    _, memory = watched.predict({"place": np.array([[0.0, 0.0], [0.0, 2.0]])}, memory)
+    assert memory["z.present"].tolist() == [True, False]
+
+
 def test_an_angle_may_go_round() -> None:
     watched, memory = policy(rate_limit=2.0, period=2 * np.pi), None
     for angle in (3.1, -3.1):
@@ -127,7 +148,7 @@ def test_it_says_why() -> None:
 
     explanation = navigation().explain(memory)
     assert "no reading of 'bearing': the last is 0.25 s old" in explanation.alerts
-    assert "33% of the action is executed" in str(explanation)
+    assert "0% of the action is executed" in str(explanation)
 
 
 @pytest.mark.parametrize("bad", [{"max_age": 0.0}, {"rate_limit": -1.0}, {"period": np.nan}])

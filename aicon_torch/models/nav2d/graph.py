@@ -43,9 +43,12 @@ UNIT_GRADIENT_VARIANCE = 0.05
 """Variance of |∇d| − 1: near a corner a clearance grows by less than one metre a metre."""
 
 JUMP_DEVIATIONS = 6.0
-"""Change of a clearance between two steps that noise may bring, in its standard deviations."""
+"""Change of a reading between two steps that noise may bring, in its standard deviations."""
 
-MAX_GAP = 3.0
+PASSING_DISTANCE = 0.1
+"""Distance at which the agent may pass a landmark, whose bearing then turns fast, m."""
+
+MAX_GAP = 1.0
 """Steps without a reading after which the agent slows down."""
 
 TURN_RATE = 2.0
@@ -88,9 +91,11 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         "period": 2 * math.pi,
         **_watched(options),
     }
-    fastest = options.max_speed + JUMP_DEVIATIONS * options.range_noise / options.dt
+    jumps = JUMP_DEVIATIONS / options.dt
+    turning = options.max_speed / PASSING_DISTANCE + jumps * options.bearing_noise
+    fastest = options.max_speed + jumps * options.range_noise
     sensors = {
-        "z_tar": Sensor(1, "rad", key="bearing", **angle),
+        "z_tar": Sensor(1, "rad", key="bearing", rate_limit=turning, **angle),
         "z_obs": Sensor(
             1,
             "m",

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.models.pusht.benchmark import PIXEL, WORKSPACE
 from aicon_torch.models.pusht.options import Options
-from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.servo import PositionTarget, Servo
 from aicon_torch.quantities import Actuator, Sensor
 
@@ -17,20 +17,25 @@ BOARD = (-512.0, 1024.0)
 MAX_GAP = 1.5
 """Steps without a reading after which the pusher slows down."""
 
-FASTEST = 3.0
+FASTEST = 1.5
 """How fast the pusher can be for a moment, in speed limits: a controller moves it."""
 
 JUMP_DEVIATIONS = 6.0
-"""Change of a reading between two steps that noise may bring, in its standard deviations."""
+"""Change of a reading that noise may bring, in its standard deviations."""
+
+BEND = 3.0 * PIXEL
+"""How far a keypoint may be from where the others say that it is, besides its noise, m."""
 
 
 def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     """What is read, px in m; pusher and object may be out of sight for a while."""
     seen = {"optional": True, "scale": PIXEL, "range": BOARD, **_watched(options)}
     size = 2 * len(body.keypoints)
+    shape = RigidShape(body, BEND + JUMP_DEVIATIONS * options.keypoint_noise)
+    rigid = {"is_possible": shape} if options.watchdog else {}
     found = {
         "z_pusher": Sensor(2, "m", key="agent_pos", **_moving(options), **seen),
-        "z_keypoints": Sensor(size, "m", key="environment_state", **seen),
+        "z_keypoints": Sensor(size, "m", key="environment_state", **rigid, **seen),
     }
 
     if options.observe_goal:

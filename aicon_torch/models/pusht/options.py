@@ -10,7 +10,7 @@ from aicon_torch.control import ActionLaw, Foresight
 from aicon_torch.errors import OptionError
 from aicon_torch.models.pusht.benchmark import GOAL_POSE, PIXEL, SUBSTEP, T_WIDTH
 from aicon_torch.parts.contact_options import ContactOptions
-from aicon_torch.parts.validation import check_choice, check_positive, numbers
+from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive, numbers
 from aicon_torch.resolution import NullspaceProjection, Resolution
 
 CONTACT = ContactOptions(size=T_WIDTH)
@@ -37,6 +37,8 @@ class Options:
             velocity itself.
         compensate_lag: Whether the position target takes the controller's lag into account.
         keypoint_noise: Standard deviation of each coordinate of a keypoint, m.
+        keypoint_offset: Standard deviation of an offset that all keypoints have in common, m; 0 if
+            there is none. It is estimated from what touches what.
         pusher_noise: Standard deviation of each coordinate of the pusher's position, m.
         process_noise: Standard deviation of each coordinate of what moves pusher and object in a
             step besides the model, m.
@@ -63,6 +65,7 @@ class Options:
     command: Literal["position", "velocity"] = "position"
     compensate_lag: bool = True
     keypoint_noise: float = 0.1 * PIXEL
+    keypoint_offset: float = 0.0
     pusher_noise: float = 0.1 * PIXEL
     process_noise: float = 0.5 * PIXEL
     estimation: bool = True
@@ -80,6 +83,7 @@ class Options:
         """
         check_positive(self, ("dt", "max_speed"))
         check_positive(self, ("keypoint_noise", "pusher_noise", "process_noise"))
+        check_not_negative(self, ("keypoint_offset",))
         check_choice(self, "command", ("position", "velocity"))
         numbers("goal_pose", self.goal_pose, 3)
         if not (type(self.delay) is int and self.delay >= 0):

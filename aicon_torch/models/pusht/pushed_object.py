@@ -1,9 +1,13 @@
 """Estimators of the object that is pushed: where it is, and where its corners are."""
 
+from collections.abc import Callable
 from typing import Any
 
+from torch import Tensor
+from torch.nn.functional import pad
+
 from aicon_torch.estimation import EKF, Deterministic, Estimator, LateEKF, Measurement
-from aicon_torch.interconnections import Interconnection
+from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.pusht.benchmark import (
     PIXEL,
     PRIOR_DEVIATION,
@@ -15,6 +19,7 @@ from aicon_torch.models.pusht.benchmark import (
 )
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.parts.contact_dynamics import ContactDynamics
+from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.pose import (
     KeypointRegistration,
     PoseMotion,
@@ -25,6 +30,15 @@ from aicon_torch.parts.rigid_object import RigidObject
 
 UNFILTERED_NOISE = 1e-6 * PIXEL
 """Standard deviation of keypoints that are taken as they come, m: next to nothing."""
+
+TOUCH_DEVIATION = 1.0 * PIXEL
+"""Standard deviation of the gap to an object that is touched, m: the simulation lets them overlap."""
+
+STIR, STIR_DEVIATIONS = 0.5 * PIXEL, 6.0
+"""Motion of a keypoint from which on the object was pushed, m, besides what is noise."""
+
+OFFSET_DRIFT = 0.01 * PIXEL
+"""Standard deviation of the change of an offset in a step, m."""
 
 
 def rigid_object(options: Options) -> RigidObject:
@@ -51,7 +65,39 @@ def object_estimators(options: Options, dynamics: ContactDynamics, parts: int) -
         parts: Number of parts in which the pusher's way through a step is known.
     """
     placed = Interconnection(dynamics.body.keypoints_at, inputs=["x_pose"])
-    return [_pose(options, dynamics, parts), Deterministic("x_keypoints", placed)]
+    estimators = [_pose(options, dynamics, parts), Deterministic("x_keypoints", placed)]
+    return [*estimators, _offset(options, dynamics.body)] if options.keypoint_offset else estimators
+
+
+def _offset(options: Options, body: RigidObject) -> EKF:
+    """x_offset: by how much all keypoints are off, as the pusher that touches the object tells."""
+    stir = STIR + STIR_DEVIATIONS * options.keypoint_noise
+    gap = KeypointOffset(body, PUSHER_RADIUS, TOUCH_DEVIATION, stir)
+    reading = Interconnection(gap.gap, x_offset=gap.gap_jacobian)
+    last_pose = Interconnection(gap.last_pose, x_offset=gap.last_pose_jacobian)
+    return EKF(
+        "x_offset",
+        "P_offset",
+        predict=Affine(x_offset=1.0),
+        noise=(OFFSET_DRIFT**2, OFFSET_DRIFT**2, 1.0, 1.0, 1.0),  # the last pose is forgotten
+        initial=gap.prior(options.keypoint_offset),
+        size=5,
+        correct=[
+            Measurement(reading, gap.variance),
+            Measurement(last_pose, UNFILTERED_NOISE**2, size=3),
+        ],
+    )
+
+
+def _residual(options: Options, registration: KeypointRegistration) -> Callable[..., Tensor]:
+    """The residual of the pose and of the keypoints, less the offset that they may have."""
+    if not options.keypoint_offset:
+        return registration
+
+    def without_offset(x_pose: Tensor, z_keypoints: Tensor, x_offset: Tensor) -> Tensor:
+        return registration(x_pose, z_keypoints) + pad(x_offset[..., :2], (0, 1))
+
+    return without_offset
 
 
 def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
@@ -59,7 +105,7 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     body = dynamics.body
     motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
     registration = KeypointRegistration(body, PRIOR_DEVIATION)
-    residual = Interconnection(registration, x_pose=pose_jacobian)
+    residual = Interconnection(_residual(options, registration), x_pose=pose_jacobian)
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
 
     process = options.process_noise**2

@@ -5,7 +5,7 @@ as it is. Its randomness comes from the episode's seed alone.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 Observation = dict[str, NDArray[Any]]
 
-FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "gone")
+FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "gone", "erratic")
 """The conditions.
 
 - ``late``: every observation is so old; its age is told.
@@ -25,9 +25,11 @@ FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "go
 - ``bias``: some sensors are off by a constant.
 - ``blackout``: from a random time on there is no reading for a while.
 - ``gone``: from a random time on there is no reading any more.
+- ``erratic``: from a random time on every reading is any number of its range.
 """
 
 HELD, OUTLIERS = 0.5, 0.05
+FOR_EVER = 10**9  # steps
 _STREAM = 7919  # sets the faults' random numbers apart from the environment's
 
 
@@ -44,6 +46,7 @@ class Faults:
         bias: Offset by key.
         ranges: Range of the outliers by key; others have none.
         held: What a policy is told where actions are held: how many steps its own may come late.
+        told: What a policy is told where sensors are off, by option.
         tells_action: Whether the action that is held is told, as ``executed``.
     """
 
@@ -55,6 +58,7 @@ class Faults:
     bias: Mapping[str, float]
     ranges: Mapping[str, tuple[float, float]]
     held: int = 0
+    told: Mapping[str, Any] = field(default_factory=dict)
     tells_action: bool = False
 
     def wrap(self, env: VectorEnv[Any, Any, Any], fault: str) -> VectorEnv[Any, Any, Any]:
@@ -66,14 +70,14 @@ class Faults:
         return _Disturbed(env, self, fault)
 
     def policy_options(self, fault: str) -> dict[str, Any]:
-        """What a policy is told: how old readings may be."""
+        """What a policy is told: how old readings may be, or how far off."""
         if fault == "late":
             return {"delay": self.late}
         if fault == "jitter":
             return {"delay": self.jitter}
         if fault == "held" and self.held:
             return {"delay": self.held}
-        return {}
+        return dict(self.told) if fault == "bias" else {}
 
 
 class _Faulty(VectorWrapper):
@@ -168,13 +172,23 @@ class _Held(_Faulty):
 
 
 class _Disturbed(_Faulty):
-    """Readings are wrong or missing, now and then or from some time on."""
+    """Readings are wrong or missing, now and then or from some time on.
+
+    Attributes:
+        onset: From which step on, ``(B,)``.
+    """
 
     def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults, fault: str) -> None:
         super().__init__(env, faults)
         self._fault = fault
         self._steps = 0
         self._frozen: Observation = {}
+
+    @property
+    def pause(self) -> int:
+        """For how long readings are wrong, steps."""
+        is_for_ever = self._fault in ("gone", "erratic")
+        return FOR_EVER if is_for_ever else self._faults.pause
 
     def step(self, actions: Any) -> Any:
         """Move, and sense with the fault."""
@@ -184,13 +198,13 @@ class _Disturbed(_Faulty):
 
     def _begin(self, observation: Observation) -> Observation:
         earliest, latest = self._faults.onset
-        self._onset = self._draw(lambda generator: generator.integers(earliest, latest + 1))
+        self.onset = self._draw(lambda generator: generator.integers(earliest, latest + 1))
         self._steps, self._frozen = 0, observation
         return self._sensed(observation)
 
     def _sensed(self, observation: Observation) -> Observation:
-        since = self._steps - self._onset
-        pauses = (since >= 0) & ((since < self._faults.pause) | (self._fault == "gone"))
+        since = self._steps - self.onset
+        pauses = (since >= 0) & (since < self.pause)
         sensed: Observation = {}
         for key, reading in observation.items():
             sensed[key] = self._reading(key, reading, pauses.reshape(-1, *[1] * (reading.ndim - 1)))
@@ -206,10 +220,11 @@ class _Disturbed(_Faulty):
         if self._fault == "bias":
             return reading + self._faults.bias.get(key, 0.0)
 
-        # Outliers.
+        # Outliers, now and then or for ever.
         if key not in self._faults.ranges:
             return reading
         low, high = self._faults.ranges[key]
         is_wrong = self._draw(lambda generator: generator.uniform() < OUTLIERS)
         wrong = self._draw(lambda generator: generator.uniform(low, high, reading.shape[1:]))
-        return np.where(is_wrong.reshape(pauses.shape), wrong, reading).astype(reading.dtype)
+        is_wrong = pauses if self._fault == "erratic" else is_wrong.reshape(pauses.shape)
+        return np.where(is_wrong, wrong, reading).astype(reading.dtype)

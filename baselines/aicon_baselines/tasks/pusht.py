@@ -57,6 +57,7 @@ _FAULTS = Faults(
     pause=50,
     bias={"environment_state": 5.0},
     ranges={"environment_state": (0.0, 512.0), "agent_pos": (0.0, 512.0)},
+    told={"keypoint_offset": 5.0 * PIXEL},
 )
 _NOISY = (
     *FAULTS,

@@ -86,6 +86,12 @@ def test_one_reading_in_twenty_is_an_outlier(plain: Observations, faulty: Faulty
     assert 0.02 < wrong.mean() < 0.1
 
 
+def test_erratic_readings_are_wrong_from_some_time_on(plain: Observations, faulty: Faulty) -> None:
+    wrong = stacked(faulty("erratic")) != stacked(plain)
+    first = wrong.argmax(0)
+    assert ((first >= 40) & (first <= 200)).all() and wrong[-1].all()
+
+
 def test_a_bias_is_constant(plain: Observations, faulty: Faulty) -> None:
     offset = stacked(faulty("bias")) - stacked(plain)
     np.testing.assert_allclose(offset, 0.05, atol=1e-5)

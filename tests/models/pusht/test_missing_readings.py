@@ -126,3 +126,26 @@ def test_however_long_it_waits_the_first_reading_tells(missing: tuple[str, ...])
     assert (memory["x_pusher"] - place).norm(dim=-1).max() < 5 * PIXEL
     error = (memory["x_pose"] - registered(readings[3]))[:, :2]
     assert error.norm(dim=-1).max() < PIXEL
+
+
+def test_at_rest_it_stays_where_it_is_whatever_is_read() -> None:
+    """A command is a place: it would follow readings of the pusher that are wrong."""
+    memory, commands = rollout(POLICY, wandering(3, 3))[-1], []
+    blind = without(wandering(4, 3)[3], "environment_state")
+    for step in range(8):
+        shifted = blind["agent_pos"] + 30.0 * step
+        command, memory = POLICY.predict(blind | {"agent_pos": shifted}, memory)
+        commands.append(command)
+
+    assert (memory["a"] == 0).all()
+    assert torch.equal(commands[-1], commands[3])
+
+
+def test_keypoints_that_no_body_of_this_shape_has_are_none() -> None:
+    memory = rollout(POLICY, wandering(3, 3))[-1]
+    reading = dict(wandering(4, 3)[3])
+    reading["environment_state"] = reading["environment_state"].clone()
+    reading["environment_state"][1, 4] += 20.0  # px
+
+    _, after = POLICY.predict(reading, memory)
+    assert after["z_keypoints.present"].tolist() == [True, False, True]
