@@ -17,6 +17,12 @@ register(
 )
 
 register(
+    id="aicon/ArmPush-v0",
+    entry_point="aicon_envs.panda_push.environment:ArmPushEnv",
+    max_episode_steps=18_000,
+)
+
+register(
     id="aicon/PandaPush-v0",
     entry_point="aicon_envs.panda_push.environment:PandaPushEnv",
     max_episode_steps=18_000,
