@@ -10,6 +10,7 @@ from aicon_torch.models.options import replace_options
 MODELS = {
     "nav2d": "aicon_torch.models.nav2d",
     "pusht": "aicon_torch.models.pusht",
+    "arm_push": "aicon_torch.models.panda_push",
     "panda_push": "aicon_torch.models.panda_push",
     "reach": "aicon_torch.models.reach",
 }

@@ -23,6 +23,12 @@ register(
 )
 
 register(
+    id="aicon/ArmPush-v0",
+    entry_point="aicon_envs.panda_push.environment:ArmPushEnv",
+    max_episode_steps=18_000,
+)
+
+register(
     id="aicon/Reach-v0",
     entry_point="aicon_envs.reach.environment:ReachEnv",
     max_episode_steps=1_000,

@@ -12,15 +12,15 @@ pytest.importorskip("mujoco")
 pytest.importorskip("trimesh")
 
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv, Physics
-from aicon_envs.panda_push import PandaPushEnv
-from aicon_envs.panda_push.spaces import SPEED_LIMIT
+from aicon_envs.panda_push import ArmPushEnv
 from aicon_envs.pusht import PushTEnv, PushTVectorEnv, TaskSettings
 from aicon_envs.reach import ReachEnv
 
 IDS = {
     "aicon/Nav2D-v0": (Nav2DEnv, Nav2DVectorEnv),
     "aicon/PushT-v0": (PushTEnv, PushTVectorEnv),
-    "aicon/PandaPush-v0": (PandaPushEnv, None),
+    "aicon/ArmPush-v0": (ArmPushEnv, None),
+    "aicon/PandaPush-v0": (ArmPushEnv, None),
     "aicon/Reach-v0": (ReachEnv, None),
 }
 
@@ -29,7 +29,7 @@ def arguments(kind: Any) -> dict[str, inspect.Parameter]:
     return dict(inspect.signature(kind).parameters)
 
 
-@pytest.mark.parametrize("kind", [Nav2DEnv, PushTEnv, PandaPushEnv, ReachEnv])
+@pytest.mark.parametrize("kind", [Nav2DEnv, PushTEnv, ArmPushEnv, ReachEnv])
 def test_every_argument_is_in_the_docstring(kind: Any) -> None:
     settings: list[Any] = {Nav2DEnv: [Physics], PushTEnv: [TaskSettings]}.get(kind, [])
     names = [name for name in arguments(kind) if name not in ("physics", "settings")]
@@ -51,16 +51,16 @@ def test_the_time_limit_is_the_one_that_is_told(env_id: str) -> None:
 
 def test_numbers_in_the_docstrings_are_the_defaults() -> None:
     arm, pushing, moving = (
-        " ".join((inspect.getdoc(kind) or "").split())
-        for kind in (PandaPushEnv, PushTEnv, Nav2DEnv)
+        " ".join((inspect.getdoc(kind) or "").split()) for kind in (ArmPushEnv, PushTEnv, Nav2DEnv)
     )
-    defaults = {name: each.default for name, each in arguments(PandaPushEnv).items()}
+    defaults = {name: each.default for name, each in arguments(ArmPushEnv).items()}
     assert f"{defaults['mass']:g} kg and {defaults['friction']:g}" in arm
     assert f"standard deviation, {1e3 * defaults['depth_noise']:g} mm" in arm
     assert f"standard deviation, {defaults['force_noise']:g} N" in arm
     assert f"standard deviation, {defaults['joint_noise']:.0e} rad".replace("e-04", "e-4") in arm
     assert f"({defaults['height']}, {defaults['width']}, 3) uint8" in arm
-    assert f"up to {SPEED_LIMIT[0]:g} (joints 1 to 4) and {SPEED_LIMIT[-1]:g}" in arm
+    fastest = ArmPushEnv(obs_type="pose").action_space.high
+    assert f"for a Panda {fastest[0]:.4g} (joints 1 to 4) and {fastest[-1]:.4g} (5 to 7)" in arm
 
     settings, physics = TaskSettings(), Physics()
     fewest, most = settings.goal_jump_interval

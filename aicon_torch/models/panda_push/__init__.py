@@ -1,4 +1,4 @@
-"""The model "panda_push": an arm that pushes an object to a pose, by a camera in its hand."""
+"""The model "arm_push", also "panda_push": an arm pushes an object to a pose, by a camera."""
 
 from aicon_torch.models.panda_push.graph import build, camera_perception, world_model
 from aicon_torch.models.panda_push.options import (

@@ -22,7 +22,6 @@ from aicon_torch.models.panda_push.options import Options
 from aicon_torch.models.panda_push.perception import BLOB, KEYPOINTS, CameraPerception
 from aicon_torch.models.panda_push.pushed_object import object_top, pushed_object
 from aicon_torch.models.panda_push.scene import Scene
-from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.joint_limits import JointLimits
@@ -58,8 +57,7 @@ def camera_perception(options: Options) -> CameraPerception:
     robot = options.robot
     corners = np.array(options.corners, dtype=np.float64)
     registration = ImageRegistration(corners, robot.intrinsics)
-    chain = Chain(robot.frames, robot.tool)
-    return CameraPerception(registration, chain, robot.camera, options.camera.trust)
+    return CameraPerception(registration, robot.chain(), robot.camera, options.camera.trust)
 
 
 def world_model(options: Options) -> WorldModel:
@@ -148,7 +146,7 @@ def _goals(scene: Scene) -> list[Goal]:
         limits = JointLimits(robot.low, robot.high, options.joint_limits)
         goals.append(Goal("joint_limits", limits))
     if options.self_collision is not None:
-        collision = SelfCollision(robot.capsules, options.self_collision)
+        collision = SelfCollision(robot.capsules, options.self_collision, robot.pairs)
         goals.append(Goal("self_collision", collision))
     return goals
 

@@ -219,5 +219,10 @@ class Options:
             self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping")
         )
         check_not_negative(self, ("height_tolerance",))
+        if not isinstance(self.robot, Robot):
+            raise OptionError(
+                f"robot={self.robot!r}: expected a Robot, such as "
+                "Robot.from_description(env.unwrapped.description())."
+            )
         if not (type(self.delay) is int and self.delay >= 0):
             raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")

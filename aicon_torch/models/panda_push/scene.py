@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from aicon_torch.models.panda_push.options import Options
-from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.rigid_object import RigidObject
@@ -35,6 +34,5 @@ class Scene:
 def end_effector(options: Options) -> EndEffector:
     """The arm, from the joints to x_ee."""
     robot = options.robot
-    chain = Chain(robot.frames, robot.tool)
     pose = ToolPose(robot.stick_length, options.lever)
-    return EndEffector(chain, pose, options.pullback, options.damping)
+    return EndEffector(robot.chain(), pose, options.pullback, options.damping)

@@ -1,6 +1,7 @@
-"""The evaluation task "panda_push": an arm that pushes an object to a pose.
+"""The evaluation tasks "arm_push" and "panda_push": an arm that pushes an object to a pose.
 
-It sees the object with the camera in its hand, or is told where it is.
+It sees the object with the camera in its hand, or is told where it is. The arm is a Panda unless
+the condition names another one. The tasks differ in their name only.
 
 The environment's seed is the episode's seed. Repeats have other noise, start and target: a seed of
 their own.
@@ -8,6 +9,7 @@ their own.
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -16,7 +18,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from aicon_baselines.evaluation.task import Episode, Measure, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults
 from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
-from aicon_envs.panda_push import PandaPushEnv
+from aicon_envs.panda_push import ArmPushEnv
 
 # The arguments of the environment in each condition. Near the base the arm meets its joint limits
 # and itself; far from it the arm becomes straight.
@@ -33,6 +35,7 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "hard_kick": {"kick_time": 10.0, "kick_force": 6.0},
     "near_true_pose": {"area": ((0.36, 0.44), (-0.1, 0.1)), "obs_type": "pose"},
     "far_true_pose": {"area": ((0.62, 0.70), (-0.1, 0.1)), "obs_type": "pose"},
+    "ur5_true_pose": {"robot": "ur5", "obs_type": "pose"},
     **{fault: {"obs_type": "pose"} for fault in FAULTS},
 }
 _FAULTS = Faults(
@@ -49,7 +52,7 @@ _FAULTS = Faults(
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     def make_one() -> gymnasium.Env[Any, Any]:
-        env = PandaPushEnv(**{**_ARGUMENTS[condition], **options})
+        env = ArmPushEnv(**{**_ARGUMENTS[condition], **options})
         limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon)
         return StandStillAfterEnd(limited)
 
@@ -66,7 +69,7 @@ def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
     from aicon_torch.models.panda_push import Robot
 
-    env = PandaPushEnv(**_ARGUMENTS[condition])
+    env = ArmPushEnv(**_ARGUMENTS[condition])
     late = _FAULTS.policy_options(condition) if condition in FAULTS else {}
     return {
         **late,
@@ -76,8 +79,8 @@ def _policy_options(condition: str) -> dict[str, Any]:
     }
 
 
-TASK = Task(
-    name="panda_push",
+ARM_PUSH = Task(
+    name="arm_push",
     time_step=0.01,
     horizon=18_000,
     chunk_size=10,
@@ -100,3 +103,5 @@ TASK = Task(
         ),
     ),
 )
+
+TASK = replace(ARM_PUSH, name="panda_push")

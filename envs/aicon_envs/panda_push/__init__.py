@@ -1,8 +1,9 @@
-"""Pushing an object to a pose with a Panda arm, simulated by MuJoCo."""
+"""Pushing an object to a pose with an arm, simulated by MuJoCo."""
 
 import aicon_envs.panda_push.opengl  # noqa: F401  # before MuJoCo is imported
+from aicon_envs.panda_push.arms import ARMS, Arm
 from aicon_envs.panda_push.description import describe
-from aicon_envs.panda_push.environment import PandaPushEnv
+from aicon_envs.panda_push.environment import ArmPushEnv, PandaPushEnv
 from aicon_envs.panda_push.objects import (
     OBJECT_NAMES,
     PIXELS_PER_METRE,
@@ -11,8 +12,11 @@ from aicon_envs.panda_push.objects import (
 )
 
 __all__ = [
+    "ARMS",
     "OBJECT_NAMES",
     "PIXELS_PER_METRE",
+    "Arm",
+    "ArmPushEnv",
     "PandaPushEnv",
     "Prism",
     "describe",

@@ -1,51 +1,76 @@
 """The robot as capsules, for distances of the robot to itself."""
 
+from collections.abc import Sequence
 from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.panda_push import robot, urdf
+from aicon_envs.panda_push import robot
+from aicon_envs.panda_push.arms import Arm
+from aicon_envs.panda_push.urdf import link_name
+from aicon_envs.reach.robots import find_file
 
 FloatArray = NDArray[np.float64]
 
 Vector = tuple[float, float, float]
 
 Capsule = tuple[int, Vector, Vector, float]
-"""Link (0 is the base, 8 the tool), both ends in its frame (m), radius (m)."""
-
-TOOL_LINK = 8
-"""Number of the tool among the links."""
+"""Link (0: base, i: after joint i, n + 1: tool), both ends in its frame (m), radius (m)."""
 
 
-def robot_capsules() -> list[Capsule]:
-    """Return the capsules of the arm's collision description, and those of the tool."""
-    root = urdf.load_collision_model()
+def robot_capsules(arm: Arm, joints: Sequence[str]) -> list[Capsule]:
+    """Return the capsules of an arm's description and those of the tool.
+
+    Args:
+        arm: The arm; without a description of its capsules there are none at all.
+        joints: Names of its n joints.
+
+    Raises:
+        ValueError: If the description of the capsules lacks one of them.
+    """
+    if arm.capsules is None:
+        return []
+
+    root = ElementTree.parse(find_file(arm.capsules)).getroot()
+    numbers = _link_numbers(root, joints)
     found: list[Capsule] = []
 
     for link in root.findall("link"):
-        # The flange (link 8) has the tool's number, and other links, of the hand, no number.
-        number = str(link.get("name")).removeprefix("panda_link")
-        if not number.isdigit() or int(number) >= TOOL_LINK:
-            continue
-
+        name = str(link.get("name"))
         for collision in link.findall("collision"):
             cylinder = collision.find("geometry/cylinder")
-            if cylinder is not None:  # the spheres are the ends of the cylinders
-                found.append(_to_capsule(int(number), cylinder, collision.find("origin")))
+            if name in numbers and cylinder is not None:  # the spheres are the cylinders' ends
+                found.append(_to_capsule(numbers[name], cylinder, collision.find("origin")))
 
-    return found + _tool_capsules()
+    return found + tool_capsules(len(joints) + 1)
 
 
-def _tool_capsules() -> list[Capsule]:
+def tool_capsules(tool: int) -> list[Capsule]:
+    """Return the capsules of the stick and the camera, whose link has a number."""
     stick_end = (0.0, 0.0, robot.STICK_LENGTH - robot.STICK_RADIUS)
-    stick = (TOOL_LINK, (0.0, 0.0, 0.0), stick_end, robot.STICK_RADIUS)
+    stick = (tool, (0.0, 0.0, 0.0), stick_end, robot.STICK_RADIUS)
 
     # A short capsule across, around the camera's body.
     camera_x = robot.CAMERA[0]
-    camera = (TOOL_LINK, (camera_x, -0.015, 0.01), (camera_x, 0.015, 0.01), 0.025)
+    camera = (tool, (camera_x, -0.015, 0.01), (camera_x, 0.015, 0.01), 0.025)
     return [stick, camera]
+
+
+def _link_numbers(root: ElementTree.Element, joints: Sequence[str]) -> dict[str, int]:
+    """Return the number of each link that a joint moves, and 0 for the base."""
+    numbers: dict[str, int] = {}
+
+    for number, name in enumerate(joints, start=1):
+        joint = root.find(f"joint[@name='{name}']")
+        if joint is None:
+            raise ValueError(f"capsules must be a URDF with the joint {name}, and has none")
+        if number == 1:
+            numbers[link_name(joint, "parent")] = 0
+        numbers[link_name(joint, "child")] = number
+
+    return numbers
 
 
 def _to_capsule(

@@ -1,6 +1,7 @@
 """The robot as plain data, read off the compiled model: what a policy may know of its own body."""
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import mujoco
@@ -8,50 +9,79 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.panda_push import robot
-from aicon_envs.panda_push.capsules import robot_capsules
+from aicon_envs.panda_push.arms import Arm
+from aicon_envs.panda_push.capsules import robot_capsules, tool_capsules
+from aicon_envs.panda_push.inverse_kinematics import farthest, find_home
+from aicon_envs.panda_push.reset import CONTACT_HEIGHT
+from aicon_envs.reach.robots import find_file
 
 FloatArray = NDArray[np.float64]
 
 
-def describe(model: mujoco.MjModel, width: int, height: int) -> dict[str, Any]:
+def describe(model: mujoco.MjModel, arm: Arm, width: int, height: int) -> dict[str, Any]:
     """Return the robot's geometry.
 
     Args:
         model: The compiled scene.
+        arm: The arm in it.
         width: Width of the camera's image, px.
         height: Its height, px.
 
     Returns:
-        ``frames``: for each joint the fixed transform ``(4, 4)`` from the previous link, after
-        which it turns about z; ``tool``: that of the tool in the last link; ``camera``: that of the
-        camera in the tool, with z into the image, x to its right and y down; ``intrinsics``: f, cₓ,
-        c_y, width and height, px; ``low``, ``high``: joint limits, rad; ``speed``: rad/s;
-        ``capsules``: see :data:`aicon_envs.panda_push.capsules.Capsule`; ``stick_length``,
-        ``stick_radius``: m; ``tool_mass``: kg.
+        ``frames``: for each of the n joints the fixed transform ``(4, 4)`` from the previous link;
+        ``axes``: what the link then turns about, ``(3,)``; ``tool``: the transform of the tool in
+        the last link; ``camera``: that of the camera in the tool, with z into the image, x to its
+        right and y down; ``intrinsics``: f, cₓ, c_y, width and height, px; ``low``, ``high``: joint
+        limits, rad; ``speed``: rad/s; ``capsules``: see
+        :data:`aicon_envs.panda_push.capsules.Capsule`; ``stick_length``, ``stick_radius``: m;
+        ``tool_mass``: kg; ``reach``: how far from the axis of the base the upright stick reaches,
+        m; ``collisions``: None, or ``urdf``, ``srdf`` (files, the second may be None) and ``tip``
+        of the arm where ``capsules`` are those of the tool only.
     """
-    frames = [_body_transform(model, f"panda_link{index}") for index in range(1, 8)]
-    tool = _body_transform(model, "panda_link8") @ _body_transform(model, "tool")
+    count = model.nu
+    bodies = [0, *model.jnt_bodyid[:count].tolist(), model.body("tool").id]
+    frames = [_transform(model, *pair) for pair in pairwise(bodies)]
     camera = _camera_transform(model, "hand")
-    limits = np.array([model.joint(name).range for name in robot.JOINTS])
+    low, high = model.jnt_range[:count].T
+
+    joints = [model.joint(number).name for number in range(count)]
+    capsules = robot_capsules(arm, joints)
+    srdf = None if arm.srdf is None else str(find_file(arm.srdf))
+    shapes = {"urdf": str(find_file(arm.urdf)), "srdf": srdf, "tip": arm.tip}
 
     return {
-        "frames": tuple(_to_rows(frame) for frame in frames),
-        "tool": _to_rows(tool),
+        "frames": tuple(_to_rows(frame) for frame in frames[:-1]),
+        "axes": _to_rows(model.jnt_axis[:count]),
+        "tool": _to_rows(frames[-1]),
         "camera": _to_rows(camera),
         "intrinsics": _intrinsics(model, "hand", width, height),
-        "low": tuple(limits[:, 0].tolist()),
-        "high": tuple(limits[:, 1].tolist()),
-        "speed": robot.SPEED_LIMIT,
-        "capsules": tuple(robot_capsules()),
+        "low": tuple(low.tolist()),
+        "high": tuple(high.tolist()),
+        "speed": tuple(model.actuator_ctrlrange[:, 1].tolist()),
+        "capsules": tuple(capsules or tool_capsules(count + 1)),
         "stick_length": robot.STICK_LENGTH,
         "stick_radius": robot.STICK_RADIUS,
         "tool_mass": robot.TOOL_MASS,
+        "reach": farthest(model, find_home(model, arm), CONTACT_HEIGHT),
+        "collisions": None if capsules else shapes,
     }
 
 
-def _body_transform(model: mujoco.MjModel, name: str) -> FloatArray:
+def _transform(model: mujoco.MjModel, above: int, below: int) -> FloatArray:
+    """Return the transform ``(4, 4)`` of a body in one above it, from which no joint leads there.
+
+    That of the joint just above the body, if there is one, is left out.
+    """
+    transform = np.eye(4)
+    while below != above:
+        transform = _body_transform(model, below) @ transform
+        below = int(model.body_parentid[below])
+    return transform
+
+
+def _body_transform(model: mujoco.MjModel, number: int) -> FloatArray:
     """Return the transform ``(4, 4)`` of a body in its parent."""
-    body = model.body(name)
+    body = model.body(number)
     transform = np.eye(4)
     transform[:3, :3] = _to_matrix(body.quat)
     transform[:3, 3] = body.pos

@@ -8,12 +8,28 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.checks import check_choice, check_integer, check_number, check_render_mode
+from aicon_envs.checks import (
+    check_action,
+    check_choice,
+    check_integer,
+    check_number,
+    check_render_mode,
+)
+from aicon_envs.panda_push.arms import Arm, resolve_arm
+from aicon_envs.panda_push.capsules import robot_capsules
 from aicon_envs.panda_push.description import describe
 from aicon_envs.panda_push.hand_camera import HandCamera
+from aicon_envs.panda_push.inverse_kinematics import find_home
 from aicon_envs.panda_push.objects import Prism, resolve_object
 from aicon_envs.panda_push.rendering import Camera
-from aicon_envs.panda_push.reset import AREA, Bounds, EpisodeStart, check_area, draw_episode
+from aicon_envs.panda_push.reset import (
+    AREA,
+    CONTACT_HEIGHT,
+    Bounds,
+    EpisodeStart,
+    check_area,
+    draw_episode,
+)
 from aicon_envs.panda_push.scene import TARGET_GROUP, build_scene
 from aicon_envs.panda_push.simulation import CONTROL_STEP, FloatArray, Simulation
 from aicon_envs.panda_push.spaces import (
@@ -21,7 +37,6 @@ from aicon_envs.panda_push.spaces import (
     Observation,
     ObsType,
     action_space,
-    check_action,
     observation_space,
 )
 
@@ -30,9 +45,6 @@ SUCCESS_DISTANCE = 0.01
 
 SUCCESS_ANGLE = math.radians(5.0)
 """Largest difference of their angles, rad."""
-
-CONTACT_HEIGHT = 0.02
-"""Height of the tip at the start, m: half the objects' thickness."""
 
 _REWARD_RADIUS = 0.07
 """A turn by 1 rad costs as much as a shift by this, m."""
@@ -47,19 +59,19 @@ _SPEED_NOISE = 10
 """Noise of joint velocities in rad/s for a noise of joint angles of 1 rad."""
 
 
-class PandaPushEnv(gym.Env[Observation, Action]):
-    """A Panda pushes an object on a table into a target pose with a stick.
+class ArmPushEnv(gym.Env[Observation, Action]):
+    """An arm pushes an object on a table into a target pose with a stick.
 
     ## Description
-    The arm has a push stick and a camera at its flange, and a force-torque sensor between them. The
-    physics are MuJoCo's at 1 kHz, the description of the arm is that of `example-robot-data`. All
-    coordinates are in the frame of the robot's base, m: x toward the table, z up from its top. A
-    control step is 0.01 s.
+    The arm, a Panda unless `robot` says otherwise, has a push stick and a camera at its flange, and
+    a force-torque sensor between them. The physics are MuJoCo's at 1 kHz, the description of the
+    arm is that of `example-robot-data`. All coordinates are in the frame of the robot's base, m: x
+    toward the table, z up from its top. A control step is 0.01 s.
 
     ## Observation space
     | key | space | meaning |
     |---|---|---|
-    | `q`, `dq` | (7,) | joint angles (rad) and velocities (rad/s) of the encoders |
+    | `q`, `dq` | (n,) | angles (rad) and velocities (rad/s) of the n joints, by encoders |
     | `ft` | (6,) | force (N) and torque (Nm) at the flange in its frame, noisy, with tool weight |
     | `target` | (3,) | target pose of the object: x, y, angle |
     | `rgb` | (120, 160, 3) uint8 | the camera in the hand, 20 Hz |
@@ -69,8 +81,8 @@ class PandaPushEnv(gym.Env[Observation, Action]):
     With `obs_type="pose"` there is `object_pose` (3,) instead of the last three: the truth.
 
     ## Action space
-    `Box((7,), float32)`: velocity of each joint, rad/s, up to 2.175 (joints 1 to 4) and 2.61 (5 to
-    7), at 100 Hz.
+    `Box((n,), float32)`: velocity of each joint, rad/s, up to what the description of the arm
+    allows, for a Panda 2.175 (joints 1 to 4) and 2.61 (5 to 7), at 100 Hz.
 
     ## Rewards
     -√(|Δ|² + (r Δθ)²) per step, m, with r = 0.07 m.
@@ -86,6 +98,7 @@ class PandaPushEnv(gym.Env[Observation, Action]):
     ## Arguments
     | argument | meaning |
     |---|---|
+    | `robot` | "panda", "ur5" or an `Arm` |
     | `obs_type` | "rgbd" or "pose" |
     | `render_mode` | None or "rgb_array" |
     | `render_camera` | "outside" or "hand" |
@@ -105,7 +118,8 @@ class PandaPushEnv(gym.Env[Observation, Action]):
     `object_pose`, `target_pose` (3,); `position` (2,): the tip; `tip` (3,); `distance`, m; `angle`,
     rad; `is_success`; `collision`: whether the robot touched itself or the table; `fallen`;
     `limit_margin`, rad, the joint nearest to its limits; `self_distance`, m, the smallest gap
-    between capsules of the robot that can meet.
+    between parts of the robot that can meet: capsules of a Panda, and else its collision shapes, up
+    to 50 mm.
 
     ## Version history
     v0: first version.
@@ -113,13 +127,14 @@ class PandaPushEnv(gym.Env[Observation, Action]):
     Example:
         >>> import gymnasium as gym
         >>> import aicon_envs
-        >>> env = gym.make("aicon/PandaPush-v0", obs_type="pose")
+        >>> env = gym.make("aicon/ArmPush-v0", robot="ur5", obs_type="pose")
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(
         self,
+        robot: str | Arm = "panda",
         obs_type: ObsType = "rgbd",
         render_mode: str | None = None,
         render_camera: str = "outside",
@@ -149,12 +164,19 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         check_number("mass", mass, positive=True)
         check_number("friction", friction, positive=True)
 
+        self.robot = resolve_arm(robot)
         self.object = resolve_object(object)
         self.obs_type = obs_type
         self.render_mode = check_render_mode(render_mode)
         width, height = check_integer("width", width, 1), check_integer("height", height, 1)
-        self.observation_space = observation_space(obs_type, width, height)
-        self.action_space = action_space()
+
+        # The scene, and what its robot makes of the spaces.
+        model = build_scene(self.robot, self.object, mass, friction)
+        joints = [model.joint(number).name for number in range(model.nu)]
+        capsules = robot_capsules(self.robot, joints)
+        self._simulation = Simulation(model, find_home(model, self.robot), capsules)
+        self.observation_space = observation_space(model.nu, obs_type, width, height)
+        self.action_space = action_space(model.actuator_ctrlrange[:, 1])
 
         # What disturbs: noise, and pushes from outside.
         self._area = check_area(area)
@@ -174,13 +196,11 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         self._hand_camera = HandCamera(
             _to_steps("image_delay", image_delay), check_number("depth_noise", depth_noise)
         )
-
-        self._simulation = Simulation(build_scene(self.object, mass, friction))
         self._episode: EpisodeStart | None = None
 
     def description(self) -> dict[str, Any]:
         """The robot as plain data, see :func:`aicon_envs.panda_push.description.describe`."""
-        return describe(self._simulation.model, *self._image_size)
+        return describe(self._simulation.model, self.robot, *self._image_size)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -202,7 +222,8 @@ class PandaPushEnv(gym.Env[Observation, Action]):
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step of 0.01 s."""
         self._current_episode()
-        self._simulation.step(check_action(action), self._external_force())
+        command = check_action(action, self.action_space.shape or (), "joint velocities in rad/s")
+        self._simulation.step(command, self._external_force())
         self._steps += 1
 
         info = self._info()
@@ -266,8 +287,9 @@ class PandaPushEnv(gym.Env[Observation, Action]):
         """Read encoders and wrist, with noise."""
         simulation, generator = self._simulation, self.np_random
         # Encoders: the velocities are noisier than the angles.
-        joint_noise = generator.normal(0.0, self._joint_noise, 7)
-        speed_noise = generator.normal(0.0, _SPEED_NOISE * self._joint_noise, 7)
+        count = len(simulation.joints)
+        joint_noise = generator.normal(0.0, self._joint_noise, count)
+        speed_noise = generator.normal(0.0, _SPEED_NOISE * self._joint_noise, count)
 
         # Wrist: force, then torque.
         deviations = self._force_noise * np.repeat([1.0, _TORQUE_NOISE], 3)
@@ -329,3 +351,7 @@ class PandaPushEnv(gym.Env[Observation, Action]):
 def _to_steps(name: str, duration: float) -> int:
     """Return a duration, s, as control steps."""
     return round(check_number(name, duration) / CONTROL_STEP)
+
+
+PandaPushEnv = ArmPushEnv
+"""The name that goes with `aicon/PandaPush-v0`."""

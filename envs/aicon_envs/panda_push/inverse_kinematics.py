@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from aicon_envs.checks import check_numbers
+from aicon_envs.panda_push.arms import Arm
 
-HOME = np.array([0.0, 0.3, 0.0, -2.2, 0.0, 2.5, math.pi / 4])
-"""Joint angles from which solutions are searched, rad."""
+FloatArray = NDArray[np.float64]
 
 _ITERATIONS = 200
 _DAMPING = 1e-6
@@ -25,22 +25,51 @@ _CONVERGED = 1e-6
 _TOLERANCE = 1e-3
 """Largest error of a solution, m and rad."""
 
+_TOO_FAR = 4000
+"""Where no arm reaches, mm."""
 
-def reach(model: mujoco.MjModel, tip: FloatArray, yaw: float) -> FloatArray:
-    """Return joint angles ``(7,)`` with the stick upright at a tip, by damped least squares.
+
+def find_home(model: mujoco.MjModel, arm: Arm) -> FloatArray:
+    """Return an arm's home, ``(n,)``, rad; by default the middles of its joints' limits.
+
+    Raises:
+        ValueError: If it has another number of joints, or is not within their limits.
+    """
+    low, high = model.jnt_range[: model.nu].T
+    if arm.home is None:
+        return np.asarray((low + high) / 2.0)
+
+    expected = f"{model.nu} finite numbers within the limits of the joints, in rad"
+    home = np.array(check_numbers("home", arm.home, expected, model.nu))
+    if (home < low).any() or (home > high).any():
+        raise ValueError(f"home must be {expected}, got {arm.home}")
+    return home
+
+
+def reach(
+    model: mujoco.MjModel,
+    home: FloatArray,
+    tip: FloatArray,
+    yaw: float,
+    tolerance: float = _TOLERANCE,
+) -> FloatArray:
+    """Return joint angles ``(n,)`` with the stick upright at a tip, by damped least squares.
 
     q⁺ = q + Jᵀ (J Jᵀ + λ I)⁻¹ e + α (I - J⁺ J) (q_home - q), each joint by at most 0.2 rad.
 
     Args:
         model: The compiled scene.
+        home: Joint angles from which the search begins, ``(n,)``, rad.
         tip: Position of the tip ``(3,)``, m.
         yaw: Angle of the camera's side about the vertical, rad.
+        tolerance: Largest error of a solution, m and rad.
 
     Raises:
         ValueError: If there are none near home.
     """
     data = mujoco.MjData(model)
-    data.qpos[:7] = HOME
+    count = len(home)
+    data.qpos[:count] = home
     goal = _upright(yaw)
     error = np.full(6, np.inf)
 
@@ -56,17 +85,44 @@ def reach(model: mujoco.MjModel, tip: FloatArray, yaw: float) -> FloatArray:
         step = jacobian.T @ np.linalg.solve(damped, error)
 
         # What the tip leaves free goes back home.
-        nullspace = np.eye(7) - np.linalg.pinv(jacobian) @ jacobian
-        step += _HOME_GAIN * nullspace @ (HOME - data.qpos[:7])
-        data.qpos[:7] += np.clip(step, -_MAX_STEP, _MAX_STEP)
+        nullspace = np.eye(count) - np.linalg.pinv(jacobian) @ jacobian
+        step += _HOME_GAIN * nullspace @ (home - data.qpos[:count])
+        data.qpos[:count] += np.clip(step, -_MAX_STEP, _MAX_STEP)
 
-    angles: FloatArray = data.qpos[:7].copy()
-    low, high = model.jnt_range[:7].T
+    angles: FloatArray = data.qpos[:count].copy()
+    low, high = model.jnt_range[:count].T
     within_limits = (angles >= low).all() and (angles <= high).all()
-    if np.abs(error).max() > _TOLERANCE or not within_limits:
+    if np.abs(error).max() > tolerance or not within_limits:
         raise ValueError(f"no joint angles reach the tip {tip.tolist()} with yaw {yaw:.2f}")
 
     return angles
+
+
+def farthest(model: mujoco.MjModel, home: FloatArray, height: float) -> float:
+    """Return how far from the axis of the base the upright stick reaches, in whole mm, m.
+
+    Args:
+        model: The compiled scene.
+        home: Joint angles from which the search begins, ``(n,)``, rad.
+        height: Of the tip, m.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[: len(home)] = home
+    mujoco.mj_kinematics(model, data)
+    x, y, _ = data.site("tip").xpos
+    direction = np.array([x, y]) / math.hypot(x, y)
+
+    # Bisection, in mm: home is near enough, and nothing reaches so far as the other.
+    near, far = math.floor(1000.0 * math.hypot(x, y)), _TOO_FAR
+    while far - near > 1:
+        middle = (near + far) // 2
+        tip = np.array([*(middle / 1000.0 * direction), height])
+        try:
+            reach(model, home, tip, 0.0, tolerance=1e-5)
+            near = middle
+        except ValueError:
+            far = middle
+    return near / 1000.0
 
 
 def _upright(yaw: float) -> FloatArray:
@@ -93,8 +149,8 @@ def _pose_error(
 
 
 def _tip_jacobian(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
-    """Return the Jacobian ``(6, 7)`` of the tip's position and rotation."""
+    """Return the Jacobian ``(6, n)`` of the tip's position and rotation."""
     position = np.zeros((3, model.nv))
     rotation = np.zeros((3, model.nv))
     mujoco.mj_jacSite(model, data, position, rotation, model.site("tip").id)
-    return np.vstack((position, rotation))[:, :7]
+    return np.vstack((position, rotation))[:, : model.nu]

@@ -19,6 +19,9 @@ Bounds = tuple[tuple[float, float], tuple[float, float]]
 AREA: Bounds = ((0.48, 0.60), (-0.15, 0.15))
 """Where centroids of object and target are drawn, m: the arm reaches all sides of the object."""
 
+CONTACT_HEIGHT = 0.02
+"""Height of the tip at the start, m: half the objects' thickness."""
+
 _OPTION_KEYS = ("object_pose", "target_pose", "tip", "yaw")
 
 _TIP_AREA: Bounds = ((0.42, 0.66), (-0.22, 0.22))

@@ -1,17 +1,24 @@
-"""The Panda in the scene: its servos, and the tool at its flange.
+"""The arm in the scene: its servos, and the tool at its flange.
 
 The tool is a push stick with a camera beside it and a force-torque sensor at its root.
 """
+
+import math
+from functools import lru_cache
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.panda_push import collision_groups as groups
+from aicon_envs.panda_push.arms import Arm
+from aicon_envs.panda_push.urdf import load_arm
+from aicon_envs.reach.contacts import SAMPLES, excluded_pairs
+from aicon_envs.reach.scene import draw_postures
+from aicon_envs.reach.urdf import Description
 
-JOINTS = tuple(f"panda_joint{index}" for index in range(1, 8))
-SPEED_LIMIT = (2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61)
-"""Largest speed of each joint, rad/s."""
+FEWEST_JOINTS = 6
+"""The stick is upright, its tip at a place, and the camera's side at an angle."""
 
 STICK_LENGTH = 0.30
 """From the flange to the tip, m."""
@@ -31,22 +38,61 @@ CAMERA_TILT = 0.10
 FIELD_OF_VIEW = 70.0
 """Vertical field of view, degrees."""
 
-_GAINS = ((4500.0, 450.0),) * 4 + ((2000.0, 200.0),) * 3
-"""Gains (kp, kv) of the velocity servos of the four large and the three small joints."""
+_TWIST = 0.02
+"""Twist at which a servo without gains of its own gives the largest torque of its joint, rad."""
+
+_LAG = 0.1
+"""By which such a servo lags behind its command, s."""
 
 _INVISIBLE = [0, 0, 0, 0]
 
 
-def equip_robot(spec: mujoco.MjSpec) -> None:
-    """Make the arm of a description a robot: bodies, servos, tool, camera and sensors."""
-    _prepare_arm(spec)
-    for joint, limit, gains in zip(JOINTS, SPEED_LIMIT, _GAINS, strict=True):
-        _add_servo(spec, joint, limit, gains)
+def equip_robot(spec: mujoco.MjSpec, arm: Arm, description: Description) -> None:
+    """Make the arm of a description a robot: bodies, servos, tool, camera and sensors.
 
-    tool = _add_tool(spec)
+    Raises:
+        ValueError: If the arm cannot push; it names the joint and what is missing.
+    """
+    count = len(description.joints)
+    if count < FEWEST_JOINTS:
+        raise ValueError(
+            f"robot: its tip {arm.tip!r} must be moved by {FEWEST_JOINTS} joints or more, "
+            f"for a stick that stays upright; it is by {count}"
+        )
+    if arm.gains is not None and len(arm.gains) != count:
+        raise ValueError(f"gains must be one pair for each of {count} joints, got {arm.gains}")
+
+    _prepare_arm(spec)
+    for index, name in enumerate(description.joints):
+        joint, speed = spec.joint(name), description.speeds[index]
+        _check_joint(joint, speed)
+        _add_servo(
+            spec, joint, speed, _default_gains(joint) if arm.gains is None else arm.gains[index]
+        )
+
+    tool = _add_tool(spec, arm.tip)
     _add_camera(tool)
     _add_wrist_sensor(spec)
-    _exclude_contacts(spec)
+    for first, second in _excluded_contacts(arm):
+        spec.add_exclude(bodyname1=first, bodyname2=second)
+
+
+def _check_joint(joint: mujoco.MjsJoint, speed: float) -> None:
+    """Check that a joint turns within limits of angle, speed and torque.
+
+    Raises:
+        ValueError: If it does not; it names the joint and what its description lacks.
+    """
+    low, high = joint.range
+    lacks = {
+        "turn": joint.type == mujoco.mjtJoint.mjJNT_HINGE,
+        "have limits": low < high,
+        "have a largest speed": math.isfinite(speed),
+        "have a largest torque": joint.actfrcrange[1] > 0.0,
+    }
+    for what, is_there in lacks.items():
+        if not is_there:
+            raise ValueError(f"robot: its joint {joint.name} must {what}, for the stick to push")
 
 
 def _prepare_arm(spec: mujoco.MjSpec) -> None:
@@ -61,13 +107,21 @@ def _prepare_arm(spec: mujoco.MjSpec) -> None:
         geom.group = 1
 
 
+def _default_gains(joint: mujoco.MjsJoint) -> tuple[float, float]:
+    """Return stiffness (Nm/rad) and damping (Nms/rad) that go with the torque of a joint."""
+    stiffness = float(joint.actfrcrange[1]) / _TWIST
+    return stiffness, _LAG * stiffness
+
+
 def _add_servo(
-    spec: mujoco.MjSpec, joint: str, speed_limit: float, gains: tuple[float, float]
+    spec: mujoco.MjSpec, joint: mujoco.MjsJoint, speed_limit: float, gains: tuple[float, float]
 ) -> None:
     """Add a velocity servo: the integral of its command is the target of a position servo."""
     stiffness, damping = gains
-    low, high = spec.joint(joint).range
-    actuator = spec.add_actuator(name=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint)
+    low, high = joint.range
+    actuator = spec.add_actuator(
+        name=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name
+    )
 
     # The integral of the command, within the joint's limits.
     actuator.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
@@ -85,9 +139,9 @@ def _add_servo(
     actuator.ctrlrange = [-speed_limit, speed_limit]
 
 
-def _add_tool(spec: mujoco.MjSpec) -> mujoco.MjsBody:
+def _add_tool(spec: mujoco.MjSpec, flange: str) -> mujoco.MjsBody:
     """Add the stick and the body of the camera to the flange; its weight is not compensated."""
-    tool = spec.body("panda_link8").add_body(name="tool")
+    tool = spec.body(flange).add_body(name="tool")
     tool.gravcomp = 0.0
     tool.explicitinertial = True
     tool.mass = TOOL_MASS
@@ -151,11 +205,15 @@ def _add_wrist_sensor(spec: mujoco.MjSpec) -> None:
         spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="wrench")
 
 
-def _exclude_contacts(spec: mujoco.MjSpec) -> None:
-    """Exclude contacts that are none."""
-    # The stick begins inside the flange.
-    spec.add_exclude(bodyname1="tool", bodyname2="panda_link6")
-    spec.add_exclude(bodyname1="tool", bodyname2="panda_link7")
+@lru_cache(maxsize=8)  # what is pushed changes nothing of it
+def _excluded_contacts(arm: Arm) -> list[tuple[str, str]]:
+    """Return the pairs of links whose contacts mean nothing, those with the tool among them."""
+    description = load_arm(arm)
+    spec = mujoco.MjSpec.from_string(description.text, assets=dict(description.assets))
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_FILTERPARENT.value
+    _add_tool(spec, arm.tip)
+    model = spec.compile()
 
-    # The meshes of these links touch.
-    spec.add_exclude(bodyname1="panda_link5", bodyname2="panda_link7")
+    low, high = model.jnt_range.T
+    postures = draw_postures(low, high, SAMPLES, np.random.default_rng(0))
+    return excluded_pairs(model, arm, description.joints, postures)

@@ -1,4 +1,4 @@
-"""The scene: the Panda with a push stick and a camera in hand, a table and an object.
+"""The scene: an arm with a push stick and a camera in hand, a table and an object.
 
 Frames: the base of the robot is the origin, x points to the table, z up, and the top of the table
 is at z = 0.
@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.panda_push import collision_groups as groups
-from aicon_envs.panda_push import urdf
+from aicon_envs.panda_push.arms import Arm
 from aicon_envs.panda_push.objects import THICKNESS, Prism
 from aicon_envs.panda_push.robot import equip_robot
+from aicon_envs.panda_push.urdf import load_arm
 
 TABLE = ((0.25, 0.95), (-0.55, 0.55))
 """Extent of the table in x and y, m."""
@@ -24,23 +25,32 @@ TARGET_HEIGHT = -THICKNESS / 2 + 0.001
 
 
 def build_scene(
-    object: Prism, mass: float = 0.5, friction: float = 0.35, timestep: float = 0.001
+    arm: Arm,
+    object: Prism,
+    mass: float = 0.5,
+    friction: float = 0.35,
+    timestep: float = 0.001,
 ) -> mujoco.MjModel:
     """Compile the scene.
 
     Args:
+        arm: What pushes; its joints are the first ones of the model.
         object: What is pushed.
         mass: Its mass, kg.
         friction: Coefficient of sliding friction between object and table.
         timestep: Time step of the physics, s.
+
+    Raises:
+        ValueError: If the arm cannot push; it says what it lacks.
     """
-    spec = mujoco.MjSpec.from_string(urdf.load_arm())
-    spec.modelname = "panda_push"
+    description = load_arm(arm)
+    spec = mujoco.MjSpec.from_string(description.text, assets=dict(description.assets))
+    spec.modelname = "arm_push"
 
     _set_physics(spec, timestep)
     _set_light(spec)
 
-    equip_robot(spec)
+    equip_robot(spec, arm, description)
     _add_world(spec)
     _add_meshes(spec, object)
     _add_object(spec, object, mass, friction)

@@ -1,12 +1,19 @@
 """How far the robot's links are from each other."""
 
+import copy
+from collections.abc import Callable, Sequence
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.panda_push.capsules import TOOL_LINK, robot_capsules
+from aicon_envs.panda_push import collision_groups
+from aicon_envs.panda_push.capsules import Capsule
+from aicon_envs.reach.gaps import GapMeter
 
 FloatArray = NDArray[np.float64]
+
+SelfDistance = Callable[[mujoco.MjData], float]
 
 NEIGHBOURS = 2
 """Links that follow each other within this number cannot meet."""
@@ -15,20 +22,50 @@ _EPSILON = 1e-12
 """Instead of the squared length of a segment without one, m², and of a vanishing determinant."""
 
 
-class SelfDistance:
-    """The smallest gap between capsules of the robot that can meet.
+def self_distance(model: mujoco.MjModel, capsules: Sequence[Capsule]) -> SelfDistance:
+    """Return what tells the smallest gap of the robot to itself in a state, m.
+
+    Args:
+        model: The compiled scene.
+        capsules: The robot's; without any the gap of its collision shapes is told.
+    """
+    return CapsuleDistance(model, capsules) if capsules else ShapeDistance(model)
+
+
+class ShapeDistance:
+    """The smallest gap between collision shapes of the robot that can meet, up to 50 mm.
 
     Args:
         model: The compiled scene.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        """Find the capsules, their bodies and the pairs that can meet."""
-        capsules = robot_capsules()
+        """Take all but the robot out of a copy of the scene's collisions."""
+        alone = copy.copy(model)
+        others = model.geom_contype != collision_groups.ROBOT
+        alone.geom_contype[others] = alone.geom_conaffinity[others] = collision_groups.FREE
+        self._measure = GapMeter(alone)
+
+    def __call__(self, data: mujoco.MjData) -> float:
+        """Return the gap in a state, m; below 0 where they overlap."""
+        return self._measure(data.qpos, data.mocap_pos).to_itself
+
+
+class CapsuleDistance:
+    """The smallest gap between capsules of the robot that can meet.
+
+    Args:
+        model: The compiled scene.
+        capsules: The robot's.
+    """
+
+    def __init__(self, model: mujoco.MjModel, capsules: Sequence[Capsule]) -> None:
+        """Find the bodies of the capsules, and the pairs that can meet."""
         links = [link for link, _, _, _ in capsules]
         radii = np.array([radius for _, _, _, radius in capsules])
+        numbers = _link_bodies(model)
 
-        self._bodies = np.array([model.body(_body_name(link)).id for link in links])
+        self._bodies = np.array([numbers[link] for link in links])
         self._starts = np.array([start for _, start, _, _ in capsules])
         self._along = np.array([end for _, _, end, _ in capsules]) - self._starts
 
@@ -47,8 +84,10 @@ class SelfDistance:
         return float((distances - self._radii).min())
 
 
-def _body_name(link: int) -> str:
-    return "tool" if link == TOOL_LINK else f"panda_link{link}"
+def _link_bodies(model: mujoco.MjModel) -> list[int]:
+    """Return the bodies of the base, of the links after the joints, and of the tool."""
+    moved = model.jnt_bodyid[: model.nu].tolist()
+    return [int(model.body_parentid[moved[0]]), *moved, int(model.body("tool").id)]
 
 
 def _pairs_that_can_meet(links: list[int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -1,16 +1,18 @@
 """The simulated robot: physics, sensors, and how an episode's start is reached."""
 
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aicon_envs.panda_push import collision_groups
+from aicon_envs.panda_push.capsules import Capsule
 from aicon_envs.panda_push.inverse_kinematics import reach
 from aicon_envs.panda_push.objects import THICKNESS
 from aicon_envs.panda_push.scene import TARGET_HEIGHT
-from aicon_envs.panda_push.self_distance import SelfDistance
+from aicon_envs.panda_push.self_distance import self_distance
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +34,8 @@ class Simulation:
 
     Args:
         model: The compiled scene.
+        home: Joint angles near which episodes start, ``(n,)``, rad.
+        capsules: Those of the robot, which tell its distance to itself, if there are any.
 
     Attributes:
         model: The compiled scene.
@@ -39,14 +43,17 @@ class Simulation:
         wrench: Force (N) and torque (Nm) at the flange, ``(6,)``, mean over the last control step.
     """
 
-    def __init__(self, model: mujoco.MjModel) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, home: FloatArray, capsules: Sequence[Capsule]
+    ) -> None:
         """Find the bodies and shapes of the scene."""
         self.model = model
         self.data = mujoco.MjData(model)
 
         self._substeps = round(CONTROL_STEP / model.opt.timestep)
-        self._joint_range = model.jnt_range[:7].copy()
-        self._self_distance = SelfDistance(model)
+        self._home, self._count = home, model.nu
+        self._joint_range = model.jnt_range[: model.nu].copy()
+        self._self_distance = self_distance(model, capsules)
 
         self._tip = model.site("tip").id
         self._object = model.body("object").id
@@ -69,8 +76,9 @@ class Simulation:
             ValueError: If no joint angles near home reach the tip.
         """
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:7] = reach(self.model, np.asarray(tip, dtype=np.float64), yaw)
-        self.data.act[:7] = self.data.qpos[:7]  # the servos hold what is reached
+        joints = reach(self.model, self._home, np.asarray(tip, dtype=np.float64), yaw)
+        self.data.qpos[: self._count] = joints
+        self.data.act[:] = joints  # the servos hold what is reached
         self.place(pose)
 
         for _ in range(_SETTLING_STEPS):
@@ -82,8 +90,8 @@ class Simulation:
     def place(self, pose: ArrayLike) -> None:
         """Put the object on the table at (x, y, θ), at rest."""
         x, y, angle = np.asarray(pose, dtype=np.float64).tolist()
-        self.data.qpos[7:14] = (x, y, THICKNESS / 2, *_to_quaternion(angle))
-        self.data.qvel[7:13] = 0.0
+        self.data.qpos[self._count :] = (x, y, THICKNESS / 2, *_to_quaternion(angle))
+        self.data.qvel[self._count :] = 0.0
         mujoco.mj_forward(self.model, self.data)
 
     def show_target(self, pose: ArrayLike) -> None:
@@ -96,12 +104,12 @@ class Simulation:
         """Move by one control step.
 
         Args:
-            velocity: Of each joint, ``(7,)``, rad/s.
+            velocity: Of each joint, ``(n,)``, rad/s.
             force: What else acts on the object, ``(3,)``, N.
         """
         external_force = self.data.xfrc_applied[self._object, :3]
         external_force[:] = 0.0 if force is None else force
-        self.data.ctrl[:7] = velocity
+        self.data.ctrl[:] = velocity
 
         # The sensor's mean over the control step.
         total_wrench = np.zeros(6)
@@ -120,24 +128,24 @@ class Simulation:
         integral goes no further than to its largest torque (anti-windup), such that the joint turns
         back as soon as it is told to.
         """
-        stiffness = self.model.actuator_gainprm[:7, 0]
-        damping = -self.model.actuator_biasprm[:7, 2]
-        largest = self.model.jnt_actfrcrange[:7, 1]
+        stiffness = self.model.actuator_gainprm[:, 0]
+        damping = -self.model.actuator_biasprm[:, 2]
+        largest = self.model.jnt_actfrcrange[: self._count, 1]
 
         middle = self.joints + damping * self.speeds / stiffness
-        integrals = self.data.act[:7]
+        integrals = self.data.act
         np.clip(integrals, middle - largest / stiffness, middle + largest / stiffness, integrals)
 
     @property
     def joints(self) -> FloatArray:
-        """Joint angles, ``(7,)``, rad."""
-        angles: FloatArray = self.data.qpos[:7].copy()
+        """Joint angles, ``(n,)``, rad."""
+        angles: FloatArray = self.data.qpos[: self._count].copy()
         return angles
 
     @property
     def speeds(self) -> FloatArray:
-        """Joint velocities, ``(7,)``, rad/s."""
-        speeds: FloatArray = self.data.qvel[:7].copy()
+        """Joint velocities, ``(n,)``, rad/s."""
+        speeds: FloatArray = self.data.qvel[: self._count].copy()
         return speeds
 
     @property

@@ -5,10 +5,7 @@ from typing import Any, Literal, cast
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import ArrayLike, NDArray
-
-from aicon_envs import checks
-from aicon_envs.panda_push.robot import SPEED_LIMIT
+from numpy.typing import NDArray
 
 ObsType = Literal["rgbd", "pose"]
 Observation = dict[str, NDArray[Any]]
@@ -21,17 +18,20 @@ _LARGE = 1e3
 """A bound for what has none."""
 
 
-def observation_space(obs_type: ObsType, width: int, height: int) -> spaces.Space[Observation]:
+def observation_space(
+    joints: int, obs_type: ObsType, width: int, height: int
+) -> spaces.Space[Observation]:
     """Return the space of one observation.
 
     Args:
+        joints: Number of joints.
         obs_type: "rgbd" for the camera, "pose" for the true pose of the object instead.
         width: Width of images, px.
         height: Height of images, px.
     """
     boxes: dict[str, spaces.Space[Any]] = {
-        "q": _symmetric_box(2 * math.pi, 7),
-        "dq": _symmetric_box(_LARGE, 7),
+        "q": _symmetric_box(2 * math.pi, joints),
+        "dq": _symmetric_box(_LARGE, joints),
         "ft": _symmetric_box(1e5, 6),
         "target": _symmetric_box(2 * math.pi, 3),
     }
@@ -47,20 +47,11 @@ def observation_space(obs_type: ObsType, width: int, height: int) -> spaces.Spac
     return cast("spaces.Space[Observation]", spaces.Dict(boxes))
 
 
-def action_space() -> spaces.Space[Action]:
-    """Return the space of joint velocities, rad/s."""
-    speed = np.array(SPEED_LIMIT, dtype=np.float32)
-    box = spaces.Box(-speed, speed, dtype=np.float32)
+def action_space(speed: NDArray[np.float64]) -> spaces.Space[Action]:
+    """Return the space of joint velocities up to some speeds ``(n,)``, rad/s."""
+    largest = speed.astype(np.float32)
+    box = spaces.Box(-largest, largest, dtype=np.float32)
     return cast("spaces.Space[Action]", box)  # Box forgets its dtype
-
-
-def check_action(action: ArrayLike) -> NDArray[np.float64]:
-    """Return the action as float64.
-
-    Raises:
-        ValueError: If it is not seven finite numbers.
-    """
-    return checks.check_action(action, (7,), "joint velocities in rad/s")
 
 
 def _symmetric_box(bound: float, length: int) -> spaces.Box:

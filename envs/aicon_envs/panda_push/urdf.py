@@ -1,83 +1,46 @@
-"""The description of the Panda (URDF) that comes with `example-robot-data`."""
+"""The description of an arm (URDF) without what is at its flange."""
 
-import importlib.metadata
-from pathlib import Path
+from functools import lru_cache
 from xml.etree import ElementTree
 
-
-def load_arm() -> str:
-    """Return the description of the arm without hand and pictures, with its meshes found.
-
-    Raises:
-        ModuleNotFoundError: If `example-robot-data` is missing, or is another version.
-    """
-    folder = _find_folder()
-    root = ElementTree.parse(folder / "urdf" / "panda.urdf").getroot()
-
-    for link in root.findall("link"):
-        _remove_pictures(link)
-        _strip_mesh_folders(link)
-    _remove_hand(root)
-    _add_compiler_options(root, folder / "meshes" / "collision")
-
-    return ElementTree.tostring(root, encoding="unicode")
+from aicon_envs.panda_push.arms import Arm
+from aicon_envs.reach.urdf import Description, read_description
 
 
-def load_collision_model() -> ElementTree.Element:
-    """Return the description whose links are spheres and cylinders.
+@lru_cache(maxsize=8)
+def load_arm(arm: Arm) -> Description:
+    """Return the description of an arm whose flange is free.
 
     Raises:
-        ModuleNotFoundError: If `example-robot-data` is missing, or is another version.
+        FileNotFoundError: If it or one of its meshes is not there.
+        ModuleNotFoundError: If an extra package is missing.
+        ValueError: If the flange is no link of it.
     """
-    return ElementTree.parse(_find_folder() / "urdf" / "panda_collision.urdf").getroot()
+    description = read_description(arm)
+    root = ElementTree.fromstring(description.text)
+    _free_flange(root, arm.tip)
+
+    # Links without a mass, such as most flanges, stay so.
+    for compiler in root.iter("compiler"):
+        del compiler.attrib["boundmass"], compiler.attrib["boundinertia"]
+    return description._replace(text=ElementTree.tostring(root, encoding="unicode"))
 
 
-def _find_folder() -> Path:
-    """Return the folder of the Panda's files, `urdf` and `meshes`."""
-    try:
-        files = importlib.metadata.files("example-robot-data") or []
-    except importlib.metadata.PackageNotFoundError as error:
-        raise ModuleNotFoundError(
-            "the description of the Panda is missing; "
-            "it comes with: pip install 'aicon-torch[panda]'"
-        ) from error
+def _free_flange(root: ElementTree.Element, flange: str) -> None:
+    """Remove all links beyond the flange, and the joints between them."""
+    beyond = [flange]
+    for link in beyond:  # grows
+        for joint in root.findall("joint"):
+            if link_name(joint, "parent") == link:
+                beyond.append(link_name(joint, "child"))
+                root.remove(joint)
 
-    # Its files lie around panda.urdf, wherever the package is installed.
-    for file in files:
-        if file.name == "panda.urdf":
-            return Path(str(file.locate())).resolve().parents[1]
-
-    raise ModuleNotFoundError("example-robot-data has no panda.urdf; expected version 6")
-
-
-def _remove_pictures(link: ElementTree.Element) -> None:
-    """Keep only the collision meshes, which the pictures show too."""
-    for visual in link.findall("visual"):
-        link.remove(visual)
-
-
-def _strip_mesh_folders(link: ElementTree.Element) -> None:
-    """Reduce the names of meshes to those of files; `meshdir` names their folder."""
-    for mesh in link.iter("mesh"):
-        path = str(mesh.get("filename"))
-        mesh.set("filename", path.rsplit("/", 1)[-1])
-
-
-def _remove_hand(root: ElementTree.Element) -> None:
-    """Remove the links and joints of hand and fingers: the stick is in their place."""
-    for element in [*root.findall("link"), *root.findall("joint")]:
-        name = str(element.get("name"))
-        if "hand" in name or "finger" in name:
+    for element in root.findall("link"):
+        if element.get("name") in beyond[1:]:
             root.remove(element)
 
 
-def _add_compiler_options(root: ElementTree.Element, mesh_folder: Path) -> None:
-    """Tell MuJoCo how to read the description."""
-    options = ElementTree.SubElement(root, "mujoco")
-    ElementTree.SubElement(
-        options,
-        "compiler",
-        meshdir=str(mesh_folder),
-        fusestatic="false",  # the flange stays a body
-        discardvisual="false",  # true would drop what does not collide
-    )
+def link_name(joint: ElementTree.Element, tag: str) -> str:
+    """Return the name of the link above ("parent") or below ("child") a joint."""
+    element = joint.find(tag)
+    return "" if element is None else str(element.get("link"))

@@ -129,12 +129,22 @@ def _find_mesh(filename: str, folder: Path) -> Path:
 
 def _to_stl(file: Path) -> bytes:
     """Return a mesh of any format as STL, in m where the file names its unit."""
+    content = file.read_bytes()
+    if _is_binary_stl(content):
+        return content
+
     mesh = _import_trimesh().load_mesh(file)
     if mesh.units is not None:
         mesh.convert_units("meters")
 
-    content: bytes = mesh.export(file_type="stl")
-    return content
+    exported: bytes = mesh.export(file_type="stl")
+    return exported
+
+
+def _is_binary_stl(content: bytes) -> bool:
+    """Whether this is what MuJoCo reads: a header, the number of triangles, 50 bytes for each."""
+    count = int.from_bytes(content[80:84], "little")
+    return len(content) == 84 + 50 * count
 
 
 def _import_trimesh() -> Any:

@@ -1,4 +1,4 @@
-"""The task "panda_push"."""
+"""The tasks "arm_push" and "panda_push"."""
 
 from dataclasses import replace
 
@@ -16,6 +16,20 @@ from aicon_baselines.tasks.panda_push import TASK
 def test_the_task_is_found_by_name_and_has_the_presets_of_its_model() -> None:
     assert load("panda_push") is TASK
     assert names("panda_push")[0] == "aicon" and "steepest" in names("panda_push")
+
+
+def test_arm_push_is_the_same_by_another_name() -> None:
+    task = load("arm_push")
+    assert task == replace(TASK, name="arm_push") and names("arm_push") == names("panda_push")
+
+
+def test_a_condition_names_another_arm() -> None:
+    pytest.importorskip("trimesh")
+    pytest.importorskip("pytorch_kinematics")
+    policy = factory("arm_push", "aicon")("ur5_true_pose")
+    task = replace(load("arm_push"), horizon=10, chunk_size=2)
+    outcome = rollout(policy, task, "ur5_true_pose", task.chunk(0, 0), [0, 1])
+    assert (outcome.steps == 10).all() and (outcome.path_length > 0).all()
 
 
 def test_a_chunk_runs_as_one_batch_with_the_true_pose() -> None:
