@@ -113,4 +113,3 @@ def _primitive(kind: int, size: FloatArray) -> trimesh.Trimesh:
     ball = trimesh.creation.icosphere(3)
     scale = size if kind == _Shape.mjGEOM_ELLIPSOID else np.full(3, radius)
     return trimesh.Trimesh(ball.vertices * scale, ball.faces, process=False)
-

@@ -69,7 +69,7 @@ class LiveEpisode:
 
     @property
     def trace(self) -> StepTrace:
-        """What the policy knows and has decided, with a batch of (1,); read when it is asked for."""
+        """What the policy knows and has decided, with a batch of (1,), read off its memory."""
         if self._trace is None:
             self._trace = self.policy.trace(self.memory)
         return self._trace

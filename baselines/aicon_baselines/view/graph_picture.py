@@ -3,6 +3,7 @@
 import html
 import re
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 from aicon_baselines.view.style import EXPLORING, OUTLINE, RESOLVED, Color, to_hex
 from aicon_torch import StepTrace
@@ -11,7 +12,9 @@ from aicon_torch.graph import WorldModel
 Edge = tuple[str, str]
 Place = tuple[float, float]
 
-_WIDTH, _ROW = 380.0, 46.0  # of the picture and from row to row, px
+_WIDTH, _ROW = 380.0, 50.0  # of the picture and from row to row, px
+_CROWDED = 4  # nodes in a row from which on every other one is lower
+_LOWER = 22.0  # px
 _WIDEST = 6.0  # px
 _PALE: Color = (214, 216, 220)
 
@@ -62,7 +65,7 @@ class GraphPicture:
     def _node(self, name: str, explores: bool) -> str:
         """A quantity or a goal, in a box."""
         x, y = self._places[name]
-        width = 12.0 + 6.3 * len(name)
+        width = _box_width(name)
         edge = EXPLORING if explores else self._goal_colors.get(name, OUTLINE)
         fill = "#f3e3f1" if explores else "#ffffff"
         return (
@@ -102,7 +105,9 @@ def edge_shares(trace: StepTrace, edges: set[Edge]) -> tuple[dict[Edge, float], 
 
 def _steps(path: tuple[str, ...]) -> Iterator[Edge]:
     """The edges that a path may go along, such as of ("push", "x[3]+y[3]", "a")."""
-    for above, below in zip(path, path[1:], strict=False):
+    # Where gradients were merged on the way, it begins with their goals, and they came by others.
+    names = path[1:] if "+" in path[0] else path
+    for above, below in pairwise(names):
         for target in above.split("+"):
             for source in below.split("+"):
                 yield re.sub(r"\[\d+\]", "", target), re.sub(r"\[\d+\]", "", source)
@@ -116,8 +121,16 @@ def _places(model: WorldModel, edges: list[Edge]) -> dict[str, Place]:
         names = [name for name in rows if rows[name] == number]
         names.sort(key=lambda name: _middle_of_readers(name, edges, places))
         for index, name in enumerate(names):
-            places[name] = (index + 0.5) * _WIDTH / len(names), 16.0 + _ROW * number
+            lower = _LOWER * (index % 2) if len(names) >= _CROWDED else 0.0
+            half = _box_width(name) / 2.0 + 2.0
+            x = min(max((index + 0.5) * _WIDTH / len(names), half), _WIDTH - half)
+            places[name] = x, 16.0 + _ROW * number + lower
     return places
+
+
+def _box_width(name: str) -> float:
+    """Width of the box of a node, px."""
+    return 12.0 + 6.3 * len(name)
 
 
 def _rows(model: WorldModel, edges: list[Edge]) -> dict[str, int]:

@@ -33,10 +33,12 @@ class LiveView:
         paused: Whether it waits for its reader to begin.
         scene: What draws the world; by default the scene of the task.
         compiles: Whether the policy is compiled.
+        loops: Whether it goes on with the next seed where an episode has ended.
 
     Attributes:
         running: Whether it steps by itself.
         speed: How many times as fast as real time it steps.
+        taken: Number of steps since the page was opened.
     """
 
     def __init__(
@@ -48,9 +50,10 @@ class LiveView:
         paused: bool = False,
         scene: MakeScene = make_scene,
         compiles: bool = True,
+        loops: bool = False,
     ) -> None:
-        self.episode = episode
-        self.running, self.speed = not paused, 1.0
+        self.episode, self._loops = episode, loops
+        self.running, self.speed, self.taken = not paused, 1.0, 0
         self._requests: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._stopped = threading.Event()
         self._note = ""
@@ -102,7 +105,7 @@ class LiveView:
 
     @property
     def _just_ended(self) -> bool:
-        return self.running and self.episode.ended
+        return self.running and self.episode.ended and not self._loops
 
     def _actions(self) -> Actions:
         """What the controls ask for."""
@@ -153,11 +156,14 @@ class LiveView:
         self._panel.clear()
 
     def _advance(self) -> None:
-        """Go on by one step; after the last one, rest."""
-        if self.episode.ended:
+        """Go on by one step; after the last one, rest or go on with the next seed."""
+        if self.episode.ended and self._loops:
+            self._reset(self.episode.seed + 1)
+        elif self.episode.ended:
             self.running = False
             return
         self.episode.step()
+        self.taken += 1
 
     def _draw(self, stepped: bool) -> None:
         """Draw the world; after a step its numbers become part of the curves."""
@@ -167,7 +173,7 @@ class LiveView:
 
     def _show_all(self) -> None:
         """Bring picture, words and curves to the present."""
-        if self.episode.ended:
+        if self._just_ended:
             self.running = False
         self._panel.show_running(self.running)
         self._panel.show(self._note)

@@ -53,7 +53,9 @@ class NavigationScene(PlaneScene):
     }
     curves: ClassVar[Mapping[str, Color]] = {label: color for label, color in _LOOKS.values()}
     remaining_curves: ClassVar[Mapping[str, Color]] = {"distance": TARGET}
-    hint: ClassVar[str] = "Drag the arrows at the target or at the nearest wall to put it elsewhere."
+    hint: ClassVar[str] = (
+        "Drag the arrows at the target or at the nearest wall to put it elsewhere."
+    )
     can_kick: ClassVar[bool] = True
 
     def draw_world(self) -> None:
@@ -176,6 +178,8 @@ class NavigationScene(PlaneScene):
             {
                 "start": np.asarray(info["position"][0] if start is None else start).tolist(),
                 "target": np.asarray(info["target"][0] if target is None else target).tolist(),
-                "obstacles": [wall.tolist() for wall in (self._walls() if walls is None else walls)],
+                "obstacles": [
+                    wall.tolist() for wall in (self._walls() if walls is None else walls)
+                ],
             }
         )

@@ -106,11 +106,13 @@ class PandaPushScene(ArmScene):
         self.check_going_on()
         first = self.model.joint("object").dofadr[0]
         heading = self.env.np_random.uniform(-math.pi, math.pi)
-        self.data.qvel[first : first + 2] += _KICK * np.array([math.cos(heading), math.sin(heading)])
+        self.data.qvel[first : first + 2] += _KICK * np.array(
+            [math.cos(heading), math.sin(heading)]
+        )
 
     def _above(self, body: str) -> FloatArray:
         """A place above a body, (3,)."""
-        place: FloatArray = self.data.body(body).xpos + (0.0, 0.0, 0.08)
+        place: FloatArray = self.data.body(body).xpos + np.array([0.0, 0.0, 0.08])
         return place
 
     def _move_target(self, position: FloatArray) -> None:

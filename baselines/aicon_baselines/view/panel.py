@@ -152,7 +152,9 @@ class Panel:
         left = {**scene.remaining_curves, "success": GOAL}
         self._strips = (
             Strip(gui, "strength of the gradients", scene.strength_curves()),
-            Strip(gui, "cosine of the two that are compared (−1: they oppose)", {"cosine": RESOLVED}),
+            Strip(
+                gui, "cosine of the two that are compared (−1: they oppose)", {"cosine": RESOLVED}
+            ),
             Strip(gui, "cost of each goal", costs),
             Strip(gui, "what is left, and success", left),
         )

@@ -52,11 +52,9 @@ class PlaneScene(Scene):
 
     def write(self, words: str) -> None:
         """Write a line above the world."""
-        self.canvas.text("words", words, np.array([0.0, 0.48 * HEIGHT, 0.5]))
+        self.canvas.text("words", words, np.array([0.0, 0.45 * HEIGHT, 0.5]))
 
-    def handle(
-        self, where: Callable[[], FloatArray], move: Callable[[FloatArray], None]
-    ) -> Handle:
+    def handle(self, where: Callable[[], FloatArray], move: Callable[[FloatArray], None]) -> Handle:
         """What a hand drags, by its place (2,) in the world."""
         return Handle(
             where=lambda: self.canvas.to_scene(where(), _HANDLE_LAYER),

@@ -27,9 +27,9 @@ def record_html(episode: LiveEpisode, duration: float, scene: MakeScene = make_s
         while not episode.ended and episode.time < duration:
             for _ in range(stride):
                 episode.step()
+            recorder.insert_sleep(stride * episode.time_step)
             world.draw()
             world.write(f"{episode.time:.1f} s  {world.headline()}")
-            recorder.insert_sleep(stride * episode.time_step)
 
         recorder.insert_sleep(_END)
         return recorder.as_html()

@@ -59,7 +59,12 @@ class Shapes:
         )
 
     def ball(
-        self, name: str, center: ArrayLike, radius: float, color: Color, opacity: float | None = None
+        self,
+        name: str,
+        center: ArrayLike,
+        radius: float,
+        color: Color,
+        opacity: float | None = None,
     ) -> None:
         """Draw a ball."""
         self.ellipsoid(name, center, radius * np.eye(3), color, opacity)

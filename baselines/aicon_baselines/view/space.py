@@ -92,7 +92,7 @@ class MuJoCoScene(Scene):
     def write(self, words: str) -> None:
         """Write a line above the world."""
         _, target = self.camera
-        self.shapes.text("words", words, target + np.array([0.0, 0.0, 0.75]))
+        self.shapes.text("words", words, target + np.array([0.0, 0.0, 0.6]))
 
     def direction(self, quantity: str, gradient: FloatArray) -> FloatArray:
         """The direction (3,) in space of descending a gradient at a quantity."""

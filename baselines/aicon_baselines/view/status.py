@@ -17,7 +17,7 @@ def status(scene: Scene, note: str) -> str:
     episode = scene.episode
     numbers = [f"{episode.time:.1f} s", scene.progress()]
     numbers.append(f"cosine {float(episode.meeting.cosine[0]):+.2f}")
-    numbers.append("compiled" if episode.compiled else "not compiled yet")
+    numbers.append("compiled" if episode.compiled else "")
     shown = " · ".join(words for words in numbers if words)
 
     lines = [

@@ -33,9 +33,9 @@ class Strip:
             self._data(),
             tuple(series),
             title=title,
-            height=130,
+            height=160,
             scales={"x": {"time": False}},
-            axes=({"size": 28}, {"size": 46}),
+            axes=({"size": 34}, {"size": 50}),
             legend={"show": True, "live": False},
         )
 
