@@ -17,8 +17,8 @@ from aicon_baselines.view import LiveView
 
 @contextmanager
 def opened(browser: Browser, address: str) -> Iterator[Page]:
-    """A page."""
-    page = browser.new_page(viewport={"width": 1000, "height": 500})
+    """A page, small, since nothing but the processor paints it."""
+    page = browser.new_page(viewport={"width": 700, "height": 300})
     page.set_default_timeout(120_000)
     page.goto(address)
     yield page

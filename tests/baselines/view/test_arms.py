@@ -65,7 +65,8 @@ def test_an_arrow_of_the_joints_is_where_the_tip_would_go(scene: MuJoCoScene) ->
     before = data.site("tip").xpos.copy()
     data.qpos[:7] -= size * gradient
     mujoco.mj_kinematics(model, data)
-    np.testing.assert_allclose((data.site("tip").xpos - before) / size, arrow, atol=1e-4)
+    moved = (data.site("tip").xpos - before) / size
+    np.testing.assert_allclose(moved, arrow, rtol=0.02, atol=2e-3)  # one physics step apart
 
 
 @pytest.mark.parametrize("name", ["sum", "steepest path", "nullspace projection"])
