@@ -12,7 +12,7 @@ from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.pusht.timeline import add_timelines
 from aicon_baselines.figures.pusht.view import PushView
 from aicon_baselines.figures.recording import FloatArray, track
-from aicon_baselines.figures.rendering import save_video
+from aicon_baselines.figures.rendering import is_moving_picture, save_video
 from aicon_baselines.figures.style import TIMELINE_TINT, blend
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
 
@@ -54,7 +54,7 @@ class PushFilm(Film):
 
 
 def draw_film(recording: PushRecording, path: Path, *, progress: bool = False) -> None:
-    """Save the episode as a video in real time, mp4 or gif by the name of the file.
+    """Save the episode as a video in real time, mp4, webp or gif by the name of the file.
 
     The last of the n + 1 frames rests for a second.
 
@@ -64,9 +64,9 @@ def draw_film(recording: PushRecording, path: Path, *, progress: bool = False) -
         progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
-        ComparisonError: If imageio is not installed and the video is no gif.
+        ComparisonError: If imageio is not installed and the video is an mp4.
     """
-    film = PushFilm(recording, dpi=60 if path.suffix == ".gif" else 100)
+    film = PushFilm(recording, dpi=60 if is_moving_picture(path) else 100)
 
     rate = round(1 / recording.time_step)
     moments = track(range(recording.steps + 1), "video", progress)
