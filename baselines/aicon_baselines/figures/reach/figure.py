@@ -11,7 +11,6 @@ from aicon_baselines.figures.summary import FigureSummary
 from aicon_baselines.tasks.reach import ROBOTS, TASK
 from aicon_torch import make_policy
 
-
 FILMED = "ur5"
 """The robot of the film."""
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
+from aicon_baselines.figures.reach.picture import ZOOM
 from aicon_baselines.figures.reach.recording import ReachRecording
 from aicon_baselines.figures.rendering import Frame, is_moving_picture, save_video
 from aicon_envs.reach.simulation import CONTROL_STEP
@@ -49,10 +50,10 @@ def captioned(recording: ReachRecording, stride: int = 1) -> Iterator[Frame]:
         if number == last:
             doing = "arrived" if recording.success else "did not arrive"
 
-        picture = Image.fromarray(recording.frames[number])
+        picture = Image.fromarray(recording.frames[number][ZOOM, ZOOM])
         words = f"{recording.robot}   {step * CONTROL_STEP:.1f} s   {doing}"
         color = _EXPLORING if explores and number < last else _INK
-        ImageDraw.Draw(picture).text((14, 10), words, fill=color, font_size=24)
+        ImageDraw.Draw(picture).text((12, 8), words, fill=color, font_size=21)
         yield np.asarray(picture)
 
 

@@ -16,7 +16,7 @@ from aicon_baselines.agents import factory
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.reach import ReachRecording, draw_picture, make_figure, record
 from aicon_baselines.figures.reach.film import captioned, draw_film
-from aicon_baselines.figures.reach.picture import _draw_curves
+from aicon_baselines.figures.reach.picture import ZOOM, _draw_curves
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +49,9 @@ def test_the_film_says_what_happens(episode: ReachRecording, tmp_path: Path) -> 
 
     written = list(captioned(episode))
     assert len(written) == len(episode.frames)
-    for frame, plain in zip(written, episode.frames, strict=True):
-        assert (frame[:50] != plain[:50]).any() and (frame[60:] == plain[60:]).all()
+    for frame, picture in zip(written, episode.frames, strict=True):
+        plain = picture[ZOOM, ZOOM]
+        assert (frame[:40] != plain[:40]).any() and (frame[50:] == plain[50:]).all()
 
 
 def test_the_curves_are_those_of_the_episode(episode: ReachRecording) -> None:
