@@ -38,6 +38,9 @@ class CapsuleSegments(nn.Module):
     Args:
         chain: From the joints to the links.
         capsules: The shape of the robot.
+
+    Attributes:
+        radii: Their radii, m.
     """
 
     ends: Tensor
@@ -46,6 +49,7 @@ class CapsuleSegments(nn.Module):
         super().__init__()
         self.chain = chain
         self.links = [capsule.link for capsule in capsules]
+        self.radii = tuple(capsule.radius for capsule in capsules)
 
         ends = torch.ones(len(capsules), 2, 4, dtype=torch.float64)  # homogeneous
         for index, capsule in enumerate(capsules):

@@ -2,46 +2,54 @@
 
 Example: aicon watch pusht --policy steepest --seed 3
 
-The page has a button to pause, others to step and to start another seed; goals can be switched off
-and on, the rule for gradients in conflict changed, and the target moved while the policy acts.
-Over ssh: ssh -L 8080:localhost:8080 HOST, and open the page on your own machine.
+The page has a button to pause, others to step and to start another seed; goals can be weighted, the
+rule for gradients in conflict changed, and targets and obstacles moved while the policy acts. Over
+ssh: ssh -L 8080:localhost:8080 HOST, and open the page on your own machine. With --record there is
+no page: the episode becomes one HTML file that plays in any browser, without a server.
 """
 
 import argparse
 import logging
+from pathlib import Path
 
 import torch
 
 from aicon_baselines.agents.variants import REFERENCE
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name
-from aicon_baselines.view import LiveView, open_episode
+from aicon_baselines.view import LiveEpisode, LiveView, open_episode, record_html
 from aicon_baselines.view.scenes import check_watchable
 
+_LONGEST = 60.0  # s that are recorded
 _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the episode, the policy and the page."""
-    parser.add_argument("task", metavar="TASK", help="name of the task, such as pusht or nav2d")
+    parser.add_argument("task", metavar="TASK", help="nav2d, pusht, panda_push or reach")
     parser.add_argument(
         "--policy",
         default=REFERENCE,
         metavar="TEXT",
         help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
     )
-    parser.add_argument("--condition", metavar="NAME", help="variant of the task (default: first)")
+    parser.add_argument("--condition", metavar="NAME", help="variant of the task")
     parser.add_argument("--seed", type=int, default=0, help="seed of the episode (default: 0)")
     parser.add_argument("--port", type=int, default=8080, help="port of the page (default: 8080)")
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen at (default: this machine only)"
     )
     parser.add_argument("--paused", action="store_true", help="wait for the button to begin")
+    parser.add_argument("--loop", action="store_true", help="go on with seed after seed")
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE", help="save the episode as html instead"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Serve the page until the user stops it."""
+    """Serve the page until the user stops it, or save the recording."""
     torch.set_num_threads(1)
     _check(arguments)
     check_watchable(arguments.task)
@@ -50,7 +58,13 @@ def run(arguments: argparse.Namespace) -> None:
     episode = open_episode(
         arguments.task, arguments.policy, arguments.condition, seed=arguments.seed
     )
-    view = LiveView(episode, arguments.port, arguments.host, paused=arguments.paused)
+    if arguments.record is not None:
+        _record(episode, arguments.record)
+        return
+
+    view = LiveView(
+        episode, arguments.port, arguments.host, paused=arguments.paused, loops=arguments.loop
+    )
     try:
         name = "localhost" if arguments.host in _EVERYWHERE else arguments.host
         print(f"watch it at http://{name}:{view.port} (Ctrl-C ends it)", flush=True)
@@ -60,10 +74,24 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    """Refuse what cannot be watched, before anything is built."""
+    """Refuse what cannot be watched or recorded, before anything is built."""
     check_name(arguments.task)
     if not 0 <= arguments.port <= 65_535:
         raise ComparisonError(f"--port must be between 0 and 65535, not {arguments.port}")
+    if arguments.record is not None and arguments.record.suffix != ".html":
+        raise ComparisonError(f"a recording ends in .html, not {arguments.record.suffix!r}")
+
+
+def _record(episode: LiveEpisode, path: Path) -> None:
+    """Save the episode as a page."""
+    page = record_html(episode, _LONGEST)
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as place:
+        place.write_text(page, encoding="utf-8")
+
+    ending = "success" if episode.succeeded else "no success"
+    print(f"{ending} after {episode.time:g} s; saved: {path}")
 
 
 COMMAND = Command(__doc__, add_arguments, run)

@@ -22,14 +22,21 @@ except ModuleNotFoundError as error:
 Frame = NDArray[np.uint8]
 """A rendered picture, (height, width, 3)."""
 
-VIDEO_FORMATS = ("mp4", "gif", "none")
+VIDEO_FORMATS = ("mp4", "webp", "gif", "none")
 """Formats of a video, "none" among them."""
+
+_QUALITY = 55  # of a webp, of 100
 
 
 def check_video(video: str) -> None:
     """Raise a ComparisonError if this is no format of a video."""
     if video not in VIDEO_FORMATS:
         raise ComparisonError(f"unknown video {video!r}; valid: {', '.join(VIDEO_FORMATS)}")
+
+
+def is_moving_picture(path: Path) -> bool:
+    """Whether a video is one that pages show as a picture, which is to be small."""
+    return path.suffix in (".gif", ".webp")
 
 
 def render(figure: Figure) -> Frame:
@@ -52,7 +59,7 @@ def save_picture(figure: Figure, path: Path) -> None:
 
 
 def save_video(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArray) -> None:
-    """Save frames as an mp4 or a gif, by the name of the file.
+    """Save frames as an mp4, a webp or a gif, by the name of the file.
 
     Args:
         frames: The frames.
@@ -61,11 +68,13 @@ def save_video(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArr
         palette: The colours of a gif, (256 or fewer, 3), from 0 to 1.
 
     Raises:
-        ComparisonError: If imageio is not installed and the video is no gif.
+        ComparisonError: If imageio is not installed and the video is an mp4.
     """
     with replacing(path) as place:
         if path.suffix == ".gif":
             _save_gif(frames, place, rate, palette)
+        elif path.suffix == ".webp":
+            _save_webp(frames, place, rate)
         else:
             _save_mp4(frames, place, rate)
 
@@ -83,12 +92,21 @@ def _save_gif(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArra
     images[0].save(path, save_all=True, append_images=images[1:], duration=1000 // rate, loop=0)
 
 
+def _save_webp(frames: Iterable[Frame], path: Path, rate: int) -> None:
+    images = [Image.fromarray(frame) for frame in frames]
+    looks: dict[str, Any] = {"quality": _QUALITY, "method": 4}
+    duration = 1000 // rate
+    images[0].save(
+        path, save_all=True, append_images=images[1:], duration=duration, loop=0, **looks
+    )
+
+
 def _save_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
     try:
         import imageio.v2 as imageio  # the picture and the gif do without
     except ModuleNotFoundError as error:
         raise ComparisonError(
-            f"mp4 needs imageio: {pip_command('compare')}; or choose --video gif"
+            f"mp4 needs imageio: {pip_command('compare')}; or choose --video webp"
         ) from error
 
     writer: Any

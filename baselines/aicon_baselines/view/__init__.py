@@ -3,6 +3,21 @@
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.live import LiveView
 from aicon_baselines.view.opening import open_episode
+from aicon_baselines.view.own import open_own, watch
+from aicon_baselines.view.plane import PlaneScene
+from aicon_baselines.view.recording import record_html
+from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_baselines.view.scenes import make_scene
 
-__all__ = ["LiveEpisode", "LiveView", "make_scene", "open_episode"]
+__all__ = [
+    "GradientArrow",
+    "Handle",
+    "LiveEpisode",
+    "LiveView",
+    "PlaneScene",
+    "make_scene",
+    "open_episode",
+    "open_own",
+    "record_html",
+    "watch",
+]

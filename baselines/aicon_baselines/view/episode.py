@@ -1,14 +1,20 @@
 """An episode in which one may interfere: the environment, the policy and its memory."""
 
+from collections.abc import Callable
 from typing import Any
 
 from gymnasium.vector import VectorEnv
 
-from aicon_baselines.evaluation.task import Task
+from aicon_baselines.view.compiling import CompiledTwins
 from aicon_baselines.view.resolutions import carried_over, resolutions_of, with_resolution
 from aicon_torch import Policy, StepTrace
 from aicon_torch.control import QuantityTrace
 from aicon_torch.resolution import Memory
+
+
+def by_seed(seed: int) -> dict[str, Any]:
+    """The arguments of `reset` for an environment whose seed says everything."""
+    return {"seed": [seed]}
 
 
 class LiveEpisode:
@@ -18,9 +24,10 @@ class LiveEpisode:
     has chosen the action of the next step.
 
     Args:
-        task: The task.
-        env: Its environment, with a single episode.
+        name: What is watched, such as "pusht".
+        env: The environment, with a single episode.
         policy: A policy of the library.
+        start_arguments: The arguments of the environment's `reset` for a seed.
 
     Attributes:
         seed: Seed of the episode.
@@ -29,14 +36,24 @@ class LiveEpisode:
         memory: The policy's memory; its batch is (1,).
         ended: Whether the episode has ended.
         resolution: Name of the resolution in use, one of `resolutions`.
+        watched: The quantity whose gradients are looked at; None for the one where most meet.
     """
 
-    def __init__(self, task: Task, env: VectorEnv[Any, Any, Any], policy: Policy) -> None:
-        self.task, self.env, self.policy = task, env, policy
+    def __init__(
+        self,
+        name: str,
+        env: VectorEnv[Any, Any, Any],
+        policy: Policy,
+        start_arguments: Callable[[int], dict[str, Any]] = by_seed,
+    ) -> None:
+        self.name, self.env, self.policy = name, env, policy
+        self._start_arguments = start_arguments
         self._resolutions = resolutions_of(policy)
         self.resolution = next(iter(self._resolutions))
+        self._twins: CompiledTwins | None = None
 
         self.seed, self.steps, self.ended = 0, 0, False
+        self.watched: str | None = None
         self.info: dict[str, Any] = {}
         self._starts = True
         self._before: Memory | None = None
@@ -52,36 +69,57 @@ class LiveEpisode:
 
     @property
     def trace(self) -> StepTrace:
-        """What the policy knows and has decided, with a batch of (1,)."""
+        """What the policy knows and has decided, with a batch of (1,), read off its memory."""
         if self._trace is None:
             self._trace = self.policy.trace(self.memory)
         return self._trace
 
     @property
     def meeting(self) -> QuantityTrace:
-        """What happened at the quantity where the most gradients meet.
+        """What happened at the quantity that is watched.
 
-        Which one that is depends on the resolution: those that only choose among gradients need not
-        choose before the actuator.
+        Where the most gradients meet depends on the resolution: those that only choose among
+        gradients need not choose before the actuator.
         """
-        quantities = self.trace.quantities.values()
-        return max(quantities, key=lambda quantity: len(quantity.paths))
+        quantities = self.trace.quantities
+        if self.watched in quantities:
+            return quantities[self.watched]
+        return max(quantities.values(), key=lambda quantity: len(quantity.paths))
+
+    @property
+    def time_step(self) -> float:
+        """Duration of a step, s."""
+        return self.policy.model.dt
 
     @property
     def time(self) -> float:
         """Time since the start, s."""
-        return self.steps * self.task.time_step
+        return self.steps * self.time_step
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the environment says that it is a success now."""
+        return bool(self.info.get("is_success", [False])[0])
 
     @property
     def resolutions(self) -> tuple[str, ...]:
         """Names of the resolutions to choose from, the policy's own first."""
         return tuple(self._resolutions)
 
+    @property
+    def compiled(self) -> bool:
+        """Whether the policy in use is compiled."""
+        return self._twins is not None and self._twins.has(self.resolution)
+
+    def compile(self) -> None:
+        """Compile in the background, also the resolutions that are chosen later."""
+        self._twins = CompiledTwins()
+        self._begin_to_compile()
+
     def start(self, seed: int) -> None:
         """Start the episode of a seed; goals that are switched off stay off."""
         self.seed, self.steps, self.ended = seed, 0, False
-        arguments = self.task.reset_arguments([self.task.episode(seed)])
-        self._observation, self.info = self.env.reset(**arguments)
+        self._observation, self.info = self.env.reset(**self._start_arguments(seed))
 
         # Of the memory from before only the goals' factors count.
         self._starts = True
@@ -102,7 +140,7 @@ class LiveEpisode:
         self._starts, self._before = False, self.memory
         self._decide()
 
-    def switch(self, goal: str, factor: float) -> None:
+    def weigh(self, goal: str, factor: float) -> None:
         """Weight a goal, 0 for off and 1 for on, and decide again.
 
         Raises:
@@ -125,6 +163,7 @@ class LiveEpisode:
         self._before = carried_over(self.policy, self._started(), fresh)
         self.policy, self.resolution = other, name
         self._decide()
+        self._begin_to_compile()
 
     def relocate(self, options: dict[str, Any]) -> None:
         """Set the world, not the policy: it still believes what it believed, and sees the new.
@@ -145,9 +184,18 @@ class LiveEpisode:
 
     def _decide(self) -> None:
         """Let the policy see the world as it is and choose, from what it knew before."""
+        policy = self.policy
+        if self._twins is not None:
+            policy = self._twins.of(self.resolution, policy)
+
         starts = [True] if self._starts else None
-        self._action, self._memory = self.policy.predict(self._observation, self._started(), starts)
+        self._action, self._memory = policy.predict(self._observation, self._started(), starts)
         self._trace = None
+
+    def _begin_to_compile(self) -> None:
+        """Compile the policy in use, where compiling is wanted."""
+        if self._twins is not None:
+            self._twins.begin(self.resolution, self.policy, self._observation, self._started())
 
     def _started(self) -> Memory:
         """The memory before the step that was decided last."""

@@ -7,13 +7,14 @@ from queue import Empty, SimpleQueue
 
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.panel import Actions, Panel
-from aicon_baselines.view.scenes import make_scene
+from aicon_baselines.view.scenes import MakeScene, make_scene
 from aicon_baselines.view.server import serve
 from aicon_torch import AiconError
 
 _PICTURES_PER_SECOND = 15.0
 _PANELS_PER_SECOND = 4.0
 _REST = 0.01  # s between two looks at what is to do
+_LAG = 0.2  # s that it catches up with, where drawing took long
 
 
 class LiveView:
@@ -22,15 +23,22 @@ class LiveView:
     The server has threads of its own. What a reader asks for is put into a queue and done between
     two steps, in the thread that calls :meth:`run`.
 
+    The policy is compiled in the background, so that the control loop keeps its rate; what the
+    pictures need is read off its memory, as often as there is a picture.
+
     Args:
         episode: The episode, started.
         port: Port of the page; where it is taken, the next free one.
         host: Address to listen at; "0.0.0.0" is visible to the whole network.
         paused: Whether it waits for its reader to begin.
+        scene: What draws the world; by default the scene of the task.
+        compiles: Whether the policy is compiled.
+        loops: Whether it goes on with the next seed where an episode has ended.
 
     Attributes:
         running: Whether it steps by itself.
         speed: How many times as fast as real time it steps.
+        taken: Number of steps since the page was opened.
     """
 
     def __init__(
@@ -40,19 +48,24 @@ class LiveView:
         host: str = "127.0.0.1",
         *,
         paused: bool = False,
+        scene: MakeScene = make_scene,
+        compiles: bool = True,
+        loops: bool = False,
     ) -> None:
-        self.episode = episode
-        self.running, self.speed = not paused, 1.0
+        self.episode, self._loops = episode, loops
+        self.running, self.speed, self.taken = not paused, 1.0, 0
         self._requests: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._stopped = threading.Event()
         self._note = ""
 
         self._server = serve(host, port)
-        self.scene = make_scene(self._server, episode)
+        self.scene = scene(self._server, episode)
         self._panel = Panel(self._server, self.scene, self._actions())
         self.scene.start()
-        self.scene.add_grip(lambda move: self._ask(move))
+        self.scene.add_grips(self._ask)
         self._show_all()
+        if compiles:
+            episode.compile()
 
     @property
     def port(self) -> int:
@@ -69,17 +82,17 @@ class LiveView:
             stepped = self.running and now >= due
             if stepped:
                 self._advance()
-                # Where it is too slow for the speed, it does not try to catch up.
-                due = max(due + self.episode.task.time_step / self.speed, now)
+                # What drawing took is caught up with; where it is too slow for the speed, not more.
+                due = max(due + self.episode.time_step / self.speed, now - _LAG)
 
             # Pictures and words, only as often as an eye can follow.
             if asked or (stepped and now >= drawn + 1.0 / _PICTURES_PER_SECOND):
-                self.scene.draw()
+                self._draw(stepped)
                 drawn = now
             if asked or (stepped and now >= shown + 1.0 / _PANELS_PER_SECOND) or self._just_ended:
                 self._show_all()
                 shown = now
-            self._stopped.wait(_REST if not stepped or due > now else 0.0)
+            self._stopped.wait(min(max(due - now, 0.0), _REST) if self.running else _REST)
 
     def stop(self) -> None:
         """Let :meth:`run` return."""
@@ -92,7 +105,7 @@ class LiveView:
 
     @property
     def _just_ended(self) -> bool:
-        return self.running and self.episode.ended
+        return self.running and self.episode.ended and not self._loops
 
     def _actions(self) -> Actions:
         """What the controls ask for."""
@@ -101,8 +114,9 @@ class LiveView:
             step=lambda: self._ask(self._step_once),
             reset=lambda seed: self._ask(lambda: self._reset(seed)),
             set_speed=lambda speed: self._ask(lambda: setattr(self, "speed", speed)),
-            weigh=lambda goal, factor: self._ask(lambda: self.episode.switch(goal, factor)),
+            weigh=lambda goal, factor: self._ask(lambda: self.episode.weigh(goal, factor)),
             resolve_by=lambda name: self._ask(lambda: self.episode.resolve_by(name)),
+            look_at=lambda name: self._ask(lambda: setattr(self.episode, "watched", name)),
             kick=lambda: self._ask(self.scene.kick),
         )
 
@@ -134,6 +148,7 @@ class LiveView:
     def _step_once(self) -> None:
         self.running = False
         self._advance()
+        self._panel.add_moment()
 
     def _reset(self, seed: int) -> None:
         self.episode.start(seed)
@@ -141,16 +156,24 @@ class LiveView:
         self._panel.clear()
 
     def _advance(self) -> None:
-        """Go on by one step; after the last one, rest."""
-        if self.episode.ended:
+        """Go on by one step; after the last one, rest or go on with the next seed."""
+        if self.episode.ended and self._loops:
+            self._reset(self.episode.seed + 1)
+        elif self.episode.ended:
             self.running = False
             return
         self.episode.step()
-        self._panel.add_moment()
+        self.taken += 1
+
+    def _draw(self, stepped: bool) -> None:
+        """Draw the world; after a step its numbers become part of the curves."""
+        self.scene.draw()
+        if stepped:
+            self._panel.add_moment()
 
     def _show_all(self) -> None:
         """Bring picture, words and curves to the present."""
-        if self.episode.ended:
+        if self._just_ended:
             self.running = False
         self._panel.show_running(self.running)
         self._panel.show(self._note)

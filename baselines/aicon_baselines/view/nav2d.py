@@ -6,7 +6,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from aicon_baselines.view.canvas import FloatArray
-from aicon_baselines.view.scene import GradientArrow, Scene
+from aicon_baselines.view.plane import PlaneScene
+from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_baselines.view.style import (
     AWAY,
     BELIEF,
@@ -24,6 +25,7 @@ from aicon_baselines.view.style import (
 
 _MARGIN = 0.9  # m of ground around what there is
 _ARRIVAL = 0.2  # m
+_KICK = 0.25  # m
 _LOOKS = {
     ("reach", "p_tar"): ("reach the target", TOWARDS),
     ("reach", "P_tar"): ("know it better", CERTAINTY),
@@ -31,7 +33,7 @@ _LOOKS = {
 }
 
 
-class NavigationScene(Scene):
+class NavigationScene(PlaneScene):
     """The trap from above, in the world's frame, m."""
 
     title: ClassVar[str] = (
@@ -50,30 +52,32 @@ class NavigationScene(Scene):
         "motion, exploring": EXPLORING,
     }
     curves: ClassVar[Mapping[str, Color]] = {label: color for label, color in _LOOKS.values()}
-    trail_length: ClassVar[int] = 1000
-    hint: ClassVar[str] = "Drag the arrows at the target to put it elsewhere."
+    remaining_curves: ClassVar[Mapping[str, Color]] = {"distance": TARGET}
+    hint: ClassVar[str] = (
+        "Drag the arrows at the target or at the nearest wall to put it elsewhere."
+    )
+    can_kick: ClassVar[bool] = True
 
     def draw_world(self) -> None:
-        """Draw the ground, the walls and the target."""
+        """Draw the ground."""
         env: Any = self.episode.env.unwrapped
         world = env.maps[0]
         self._radius = env.physics.radius
 
-        obstacles = [np.array(vertices) for vertices in world.obstacles]
-        points = np.concatenate([*obstacles, [world.start], [world.target]])
+        points = np.concatenate([*self._walls(), [world.start], [world.target]])
         low, high = points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
         self.canvas.fit(low, high)
 
         ground = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
         self.canvas.fill("ground", [ground], GROUND, 0)
-        self.canvas.fill("obstacles", obstacles, OBSTACLE, 2)
 
     def draw_moving(self) -> None:
-        """Draw the robot, its trail, its beliefs and its gradients."""
+        """Draw the walls, the target, the robot, its trail, its beliefs and its gradients."""
         canvas, info = self.canvas, self.episode.info
         position, target = info["position"][0], info["target"][0]
         values = self.episode.trace.values
 
+        canvas.fill("walls", self._walls(), OBSTACLE, 2)
         canvas.disc("target", target, _ARRIVAL, TARGET, 4)
         above = canvas.to_scene(target + np.array([0.0, 1.2 * _ARRIVAL]), 30)
         canvas.text("target.label", "target", above)
@@ -113,18 +117,69 @@ class NavigationScene(Scene):
         """The strength of each gradient, by what it wants."""
         return {arrow.label: arrow.strength for arrow in self.arrows()}
 
-    def distance_left(self) -> str:
+    def progress(self) -> str:
         """The distance to the target."""
         return f"{self.episode.info['distance'][0]:.2f} m to the target"
 
-    def target(self) -> tuple[FloatArray, float]:
-        """The target; a point has no angle."""
-        return self.episode.info["target"][0], 0.0
+    def handles(self) -> Mapping[str, Handle]:
+        """The target, and the nearest wall."""
+        return {
+            "target": self.handle(lambda: self.episode.info["target"][0], self.move_target),
+            "wall": self.handle(self._middle_of_nearest, self.move_wall),
+        }
 
-    def move_target(self, position: FloatArray, angle: float) -> None:
-        """Put the target elsewhere, in the same map."""
+    def kick(self) -> None:
+        """Displace the robot."""
         env: Any = self.episode.env.unwrapped
-        start = self.episode.info["position"][0].tolist()
+        way = env.np_random.normal(0.0, _KICK, 2)
+        self._set(start=self.episode.info["position"][0] + way)
+
+    def move_target(self, position: FloatArray) -> None:
+        """Put the target elsewhere.
+
+        Raises:
+            ValueError: If there is a wall.
+        """
+        self._set(target=position)
+
+    def move_wall(self, position: FloatArray) -> None:
+        """Put the middle of the wall that was nearest elsewhere.
+
+        Raises:
+            ValueError: If the robot or the target is there.
+        """
+        walls = self._walls()
+        walls[self._nearest] += position - walls[self._nearest].mean(axis=0)
+        self._set(walls=walls)
+
+    def _middle_of_nearest(self) -> FloatArray:
+        """The middle (2,) of the wall that is nearest now, which is then the one that moves."""
+        position = self.episode.info["position"][0]
+        middles = np.stack([wall.mean(axis=0) for wall in self._walls()])
+        self._nearest = int(np.linalg.norm(middles - position, axis=1).argmin())
+        nearest: FloatArray = middles[self._nearest]
+        return nearest
+
+    def _walls(self) -> list[FloatArray]:
+        """The corners of each wall, (N, 2), m."""
+        env: Any = self.episode.env.unwrapped
+        return [np.array(vertices, np.float64) for vertices in env.maps[0].obstacles]
+
+    def _set(
+        self,
+        *,
+        start: FloatArray | None = None,
+        target: FloatArray | None = None,
+        walls: list[FloatArray] | None = None,
+    ) -> None:
+        """Change the world; what is not named stays."""
+        info = self.episode.info
         self.episode.relocate(
-            {"obstacles": env.maps[0].obstacles, "start": start, "target": position.tolist()}
+            {
+                "start": np.asarray(info["position"][0] if start is None else start).tolist(),
+                "target": np.asarray(info["target"][0] if target is None else target).tolist(),
+                "obstacles": [
+                    wall.tolist() for wall in (self._walls() if walls is None else walls)
+                ],
+            }
         )

@@ -10,8 +10,9 @@ from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.tasks import load
 from aicon_baselines.view.episode import LiveEpisode
 
-# Where the goal can be dragged, the policy has to see it.
+# Where the goal can be dragged, the policy has to see it; and there is something to keep off.
 _ENVIRONMENT: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
+_CONDITION = {"reach": "panda_pose_home_ball"}
 _POLICY: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
 
 
@@ -23,7 +24,7 @@ def open_episode(
     Args:
         task_name: Name of the task.
         policy: Name of the policy, options of it, or both, as in `aicon run`.
-        condition: A condition of the task; by default the usual one.
+        condition: A condition of the task; by default the usual one, or one with more to see.
         seed: Seed of the episode.
 
     Raises:
@@ -31,6 +32,7 @@ def open_episode(
     """
     # The names are checked as in a comparison.
     task = load(task_name)
+    condition = condition or _CONDITION.get(task.name)
     conditions = [condition] if condition else None
     config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
     task, condition = config.apply(task), config.conditions[0]
@@ -51,6 +53,9 @@ def open_episode(
     built: Any = replace(build, options={**shown, **build.options})(condition)
     env = task.make_env(1, condition, task.horizon, **_ENVIRONMENT.get(task.name, {}))
 
-    episode = LiveEpisode(task, env, built)
+    def start_arguments(seed: int) -> dict[str, Any]:
+        return task.reset_arguments([task.episode(seed)])
+
+    episode = LiveEpisode(task.name, env, built, start_arguments)
     episode.start(seed)
     return episode

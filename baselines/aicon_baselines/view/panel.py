@@ -1,17 +1,20 @@
 """The panel beside the world: what happens in words, the controls, and curves over time."""
 
-import html
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from aicon_baselines.view.graph_picture import GraphPicture
 from aicon_baselines.view.scene import Scene
 from aicon_baselines.view.server import viser
+from aicon_baselines.view.status import legend, status
 from aicon_baselines.view.strips import Strip
-from aicon_baselines.view.style import EXPLORING, GOAL, OUTLINE, RESOLVED, Color, to_hex
+from aicon_baselines.view.style import GOAL, RESOLVED
 
 _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)
+_HEAVIEST = 3.0  # factor of a goal
+_ANYWHERE = "where most meet"
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,7 @@ class Actions:
         set_speed: How many times as fast as real time.
         weigh: Give a goal a factor.
         resolve_by: Take another resolution.
+        look_at: Show the gradients at another quantity; None for where most meet.
         kick: Kick the object.
     """
 
@@ -34,6 +38,7 @@ class Actions:
     set_speed: Callable[[float], None]
     weigh: Callable[[str, float], None]
     resolve_by: Callable[[str], None]
+    look_at: Callable[[str | None], None]
     kick: Callable[[], None]
 
 
@@ -50,13 +55,15 @@ class Panel:
         self._gui, self._scene, self._actions = server.gui, scene, actions
         self._gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
         self._gui.main_panel.dock_right()
-        self._gui.set_panel_label(f"aicon watch {scene.episode.task.name}")
+        self._gui.set_panel_label(f"aicon watch {scene.episode.name}")
 
         self._status = self._gui.add_html("")
         self._add_controls()
         self._add_choices()
         with self._gui.add_folder("What you see"):
-            self._gui.add_html(_legend(scene.title, scene.legend))
+            self._gui.add_html(legend(scene.title, scene.legend))
+        with self._gui.add_folder("Along the graph"):
+            self._add_graph()
         with self._gui.add_folder("Over time"):
             self._add_strips()
 
@@ -65,27 +72,28 @@ class Panel:
         self._toggle.label = "Pause" if running else "Play"
 
     def show(self, note: str = "") -> None:
-        """Bring words and curves to the present.
+        """Bring words, graph and curves to the present.
 
         Args:
             note: What else there is to say.
         """
-        self._status.content = _status(self._scene, note)
-        for strip in (self._strengths, self._cosine, self._costs):
+        self._status.content = status(self._scene, note)
+        self._graph.content = self._picture.draw(self._scene.episode.trace)
+        for strip in self._strips:
             strip.show()
 
     def add_moment(self) -> None:
         """Add the present to the curves."""
-        episode = self._scene.episode
-        meeting = episode.meeting
-        self._strengths.add(episode.time, self._scene.strengths())
-        self._cosine.add(episode.time, {"cosine": float(meeting.cosine[0])})
+        scene, episode = self._scene, self._scene.episode
         costs = {name: float(cost[0]) for name, cost in episode.trace.costs.items()}
-        self._costs.add(episode.time, costs)
+        left = scene.remaining() | {"success": float(episode.succeeded)}
+        moments = (scene.strengths(), {"cosine": float(episode.meeting.cosine[0])}, costs, left)
+        for strip, values in zip(self._strips, moments, strict=True):
+            strip.add(episode.time, values)
 
     def clear(self) -> None:
         """Begin the curves anew."""
-        for strip in (self._strengths, self._cosine, self._costs):
+        for strip in self._strips:
             strip.clear()
 
     def _add_controls(self) -> None:
@@ -104,79 +112,49 @@ class Panel:
         speed.on_update(lambda _: actions.set_speed(_SPEEDS[speeds.index(speed.value)]))
 
     def _add_choices(self) -> None:
-        """Goals, resolution, and what a hand can do to the world."""
+        """Goals, resolution, quantity, and what a hand can do to the world."""
         gui, actions, episode = self._gui, self._actions, self._scene.episode
         with gui.add_folder("Goals"):
             for goal in episode.policy.model.goals:
-                box = gui.add_checkbox(goal, True)
-                box.on_update(partial(self._weigh, goal))
+                slider = gui.add_slider(goal, 0.0, _HEAVIEST, 0.05, 1.0, hint="0: switched off")
+                slider.on_update(partial(self._weigh, goal))
 
         names = episode.resolutions
         rule = gui.add_dropdown("In conflict", names, initial_value=names[0])
         rule.on_update(lambda _: actions.resolve_by(rule.value))
 
+        places = (_ANYWHERE, *episode.trace.quantities)
+        place = gui.add_dropdown("Gradients at", places, initial_value=_ANYWHERE)
+        place.on_update(
+            lambda _: actions.look_at(None if place.value == _ANYWHERE else place.value)
+        )
+
         gui.add_markdown(self._scene.hint)
         if self._scene.can_kick:
-            gui.add_button("Kick the object").on_click(lambda _: actions.kick())
+            gui.add_button("Kick").on_click(lambda _: actions.kick())
 
     def _weigh(self, goal: str, event: viser.GuiEvent[Any]) -> None:
-        """Switch a goal on or off."""
-        self._actions.weigh(goal, 1.0 if event.target.value else 0.0)
+        """Give a goal the weight of its slider."""
+        self._actions.weigh(goal, float(event.target.value))
+
+    def _add_graph(self) -> None:
+        """The model, with what comes along its edges."""
+        model = self._scene.episode.policy.model
+        colors = {goal: self._scene.goal_color(goal) for goal in model.goals}
+        self._picture = GraphPicture(model, colors)
+        self._graph = self._gui.add_html("")
 
     def _add_strips(self) -> None:
-        """Strengths, cosine, costs."""
-        goals = self._scene.episode.policy.model.goals
-        self._strengths = Strip(self._gui, "strength of the gradients", self._scene.curves)
-        self._cosine = Strip(
-            self._gui, "cosine of the two that are compared (−1: they oppose)", {"cosine": RESOLVED}
+        """Strengths, cosine, costs, and what is left."""
+        gui, scene = self._gui, self._scene
+        goals = scene.episode.policy.model.goals
+        costs = {goal: scene.goal_color(goal) for goal in goals}
+        left = {**scene.remaining_curves, "success": GOAL}
+        self._strips = (
+            Strip(gui, "strength of the gradients", scene.strength_curves()),
+            Strip(
+                gui, "cosine of the two that are compared (−1: they oppose)", {"cosine": RESOLVED}
+            ),
+            Strip(gui, "cost of each goal", costs),
+            Strip(gui, "what is left, and success", left),
         )
-        self._costs = Strip(self._gui, "cost of each goal", dict.fromkeys(goals))
-
-
-def _status(scene: Scene, note: str) -> str:
-    """What happens, as a headline and a line of numbers."""
-    episode = scene.episode
-    meeting = episode.meeting
-    headline, color = _headline(scene)
-    numbers = (
-        f"{episode.time:.1f} s · {scene.distance_left()} · cosine {float(meeting.cosine[0]):+.2f}"
-    )
-
-    lines = [
-        f'<div style="padding:0.4em 1em"><div style="font-weight:700;font-size:1.15em;'
-        f'color:{to_hex(color)}">{html.escape(headline)}</div>',
-        f"<div>{html.escape(numbers)}</div>",
-    ]
-    if note:
-        lines.append(f'<div style="color:#c4122f">{html.escape(note)}</div>')
-    return "".join([*lines, "</div>"])
-
-
-def _headline(scene: Scene) -> tuple[str, Color]:
-    """What happens in a few words, and their colour."""
-    episode = scene.episode
-    meeting = episode.meeting
-    if episode.ended:
-        if episode.info["is_success"][0]:
-            return "Arrived", GOAL
-        return ("Collision", OUTLINE) if episode.info["collision"][0] else ("Out of time", OUTLINE)
-
-    if bool(meeting.exploring[0]):
-        return f"Exploring: {scene.conflict()}", EXPLORING
-    leader = scene.arrows()[int(meeting.leader[0])].label
-    return f"Descending: {leader}", RESOLVED
-
-
-def _legend(title: str, legend: dict[str, Color]) -> str:
-    """What the world is, and each colour with its meaning."""
-    rows = [
-        f'<div style="padding:0.2em 1em 0.6em;font-size:0.88em;line-height:1.45">'
-        f'<p style="margin:0 0 0.5em">{html.escape(title)}</p>'
-    ]
-    for meaning, color in legend.items():
-        swatch = (
-            f'<span style="display:inline-block;width:0.9em;height:0.9em;border-radius:3px;'
-            f'margin-right:0.5em;vertical-align:-0.1em;background:{to_hex(color)}"></span>'
-        )
-        rows.append(f"<div>{swatch}{html.escape(meaning)}</div>")
-    return "".join([*rows, "</div>"])

@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from aicon_baselines.view.canvas import FloatArray
-from aicon_baselines.view.scene import GradientArrow, Scene
+from aicon_baselines.view.plane import PlaneScene
+from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_baselines.view.style import (
     AWAY,
     BELIEF,
@@ -28,7 +29,7 @@ from aicon_envs.pusht.simulation import PUSHER_RADIUS, SIZE
 from aicon_torch.models.pusht import PIXEL
 
 
-class PushScene(Scene):
+class PushScene(PlaneScene):
     """The table from above, y down, px."""
 
     title: ClassVar[str] = (
@@ -48,12 +49,13 @@ class PushScene(Scene):
     }
     curves: ClassVar[Mapping[str, Color]] = {"strongest to touch": TOWARDS, "to leave": AWAY}
     trail_length: ClassVar[int] = 25
-    hint: ClassVar[str] = "Drag the arrows at the goal to put it elsewhere."
+    remaining_curves: ClassVar[Mapping[str, Color]] = {"coverage": GOAL}
+    hint: ClassVar[str] = "Drag the arrows at the goal or at the object to put it elsewhere."
     can_kick: ClassVar[bool] = True
 
     def draw_world(self) -> None:
         """Draw the table."""
-        env: Any = self.episode.env
+        env: Any = self.episode.env.unwrapped
         self._env = env.envs[0].unwrapped
         self._object = self._env.object
 
@@ -97,7 +99,7 @@ class PushScene(Scene):
 
         found = []
         for index, gradient in enumerate(gradients):
-            side = _side_of(meeting.paths[index])
+            side = side_of(meeting.paths[index])
             touches = float(-gradient @ to_sides[side]) > 0.0
             label = "touch this side" if touches else "leave this side"
             color = TOWARDS if touches else AWAY
@@ -112,20 +114,34 @@ class PushScene(Scene):
             strongest[curve] = max(strongest[curve], arrow.strength)
         return strongest
 
-    def distance_left(self) -> str:
-        """How far the object is from its goal, turn included."""
+    def progress(self) -> str:
+        """How much of the goal is covered."""
         covered = self.episode.info["coverage"][0]
         return f"{covered:.0%} of the goal covered"
 
-    def target(self) -> tuple[FloatArray, float]:
-        """The pose of the goal."""
-        x, y, angle = self.episode.info["goal_pose"][0].tolist()
-        return np.array([x, y]), angle
+    def handles(self) -> Mapping[str, Handle]:
+        """The goal and the object."""
+        return {
+            "goal": self.handle(lambda: self._place_of("goal_pose"), self.move_target),
+            "object": self.handle(lambda: self._place_of("block_pose"), self.move_object),
+        }
 
-    def move_target(self, position: FloatArray, angle: float) -> None:
+    def move_target(self, position: FloatArray) -> None:
         """Put the goal elsewhere; pusher and object stay."""
         x, y = np.clip(position, 0.0, SIZE).tolist()
-        self._set(self.episode.info["block_pose"][0].tolist(), [x, y, angle])
+        info = self.episode.info
+        angle = float(info["goal_pose"][0, 2])
+        self._set(info["block_pose"][0].tolist(), [x, y, angle])
+
+    def move_object(self, position: FloatArray) -> None:
+        """Put the object elsewhere; pusher and goal stay.
+
+        Raises:
+            ValueError: If it cannot be there.
+        """
+        info = self.episode.info
+        angle = float(info["block_pose"][0, 2])
+        self._set([*position.tolist(), angle], info["goal_pose"][0].tolist())
 
     def kick(self) -> None:
         """Shift and turn the object at random, as the environment's kicks do."""
@@ -137,13 +153,18 @@ class PushScene(Scene):
         )
         self._set(list(kicked), info["goal_pose"][0].tolist())
 
+    def _place_of(self, name: str) -> FloatArray:
+        """The position of a pose in `info`, (2,), px."""
+        position: FloatArray = self.episode.info[name][0, :2]
+        return position
+
     def _set(self, pose: list[float], goal: list[float]) -> None:
         """Set the poses of object and goal."""
         pusher = self.episode.info["pos_agent"][0].tolist()
         self.episode.relocate({"reset_to_state": [*pusher, *pose], "goal_pose": goal})
 
 
-def _side_of(path: Sequence[str]) -> int:
+def side_of(path: Sequence[str]) -> int:
     """The side that a path comes through, such as 3 of "x_contact[3]"."""
     found = re.search(r"\[(\d+)\]", " ".join(path))
     return int(found.group(1)) if found else 0

@@ -1,4 +1,4 @@
-"""What every world of the view offers, and how gradients are drawn in it."""
+"""What every world of the view offers: what it shows, what it says and what a hand can move."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -6,18 +6,20 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
-from aicon_baselines.view.canvas import HEIGHT, Canvas, FloatArray
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.server import viser
-from aicon_baselines.view.style import EXPLORING, RESOLVED, Color
+from aicon_baselines.view.style import GOALS, Color
 
-_LONGEST = 0.15 * HEIGHT  # length of an arrow
-_WIDEST = 0.16  # width of the strongest
+FloatArray = NDArray[np.float64]
+Request = Callable[[Callable[[], None]], None]
+"""Has something done between two steps."""
+
+FAINT = 0.02
+"""Share of the strongest gradient below which another is not drawn."""
+
 _FEW = 3  # gradients that are all labelled
-_FAINT = 0.02  # share of the strongest below which an arrow is not drawn
-_ARROW_LAYER = 20.0
 
 
 @dataclass(frozen=True)
@@ -27,9 +29,9 @@ class GradientArrow:
     Attributes:
         label: What it wants, in two or three words.
         color: Its colour.
-        direction: Where it would go, (2,), in the world's frame.
+        direction: Where it would go, (2,) or (3,), in the world's frame.
         strength: Its magnitude.
-        source: What it comes from, a point (2,) that is marked; None for nothing to mark.
+        source: What it comes from, a point that is marked; None for nothing to mark.
     """
 
     label: str
@@ -39,97 +41,128 @@ class GradientArrow:
     source: FloatArray | None = None
 
 
+@dataclass(frozen=True)
+class Handle:
+    """Something that a hand can drag.
+
+    Attributes:
+        where: Returns where it is in the scene, (3,).
+        move: Puts it to a place in the scene, (3,), or raises a ValueError if it cannot be there.
+        axes: Along which axes of the scene it can be dragged.
+    """
+
+    where: Callable[[], FloatArray]
+    move: Callable[[FloatArray], None]
+    axes: tuple[bool, bool, bool] = (True, True, False)
+
+
 class Scene(ABC):
-    """The world of a task in the plane, on a canvas.
+    """The world of an episode.
+
+    Only the two methods that draw have to be written; what else a world can tell and offer has
+    defaults that fit any graph.
 
     Args:
         server: The server of the page.
         episode: The episode, started.
-
-    Attributes:
-        canvas: Where it is drawn.
     """
 
-    title: ClassVar[str]
+    title: ClassVar[str] = ""
     """What happens in this world, in a sentence."""
 
-    legend: ClassVar[dict[str, Color]]
+    legend: ClassVar[Mapping[str, Color]] = {}
     """What each colour says."""
 
-    curves: ClassVar[Mapping[str, Color]]
-    """The curves of strengths, with their colours."""
+    curves: ClassVar[Mapping[str, Color]] = {}
+    """The curves of strengths, with their colours; by default one for each goal."""
 
-    hint: ClassVar[str]
+    remaining_curves: ClassVar[Mapping[str, Color]] = {}
+    """The curves of what is left to do; by default the distance that the environment tells."""
+
+    hint: ClassVar[str] = ""
     """What a hand can do."""
 
-    trail_length: ClassVar[int]
-    """How many pictures back the trail goes."""
-
-    flipped: ClassVar[bool] = False
     can_kick: ClassVar[bool] = False
+    handle_size: ClassVar[float] = 0.9
+    """Size of a handle, in units of the scene."""
 
     def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
         self.server, self.episode = server, episode
-        self.canvas = Canvas(server, self.flipped)
-        self._grip: viser.TransformControlsHandle | None = None
+        self._grips: dict[str, viser.TransformControlsHandle] = {}
+        self._dragged: set[str] = set()
 
-    def start(self) -> None:
-        """Draw a new episode from nothing."""
-        self.canvas.clear()
-        self._trail: list[FloatArray] = []
-        self.draw_world()
-        self.draw()
-        if self._grip is not None:
-            self._place_grip()
-
-    def draw(self) -> None:
-        """Bring everything that moves to the present."""
-        with self.server.atomic():
-            self.draw_moving()
+    @abstractmethod
+    def clear(self) -> None:
+        """Remove everything that was drawn."""
 
     @abstractmethod
     def draw_world(self) -> None:
-        """Draw what an episode does not change, and fit the canvas to it."""
+        """Draw what an episode does not change."""
 
     @abstractmethod
     def draw_moving(self) -> None:
         """Draw what moves: robot, object, beliefs, gradients."""
 
     @abstractmethod
+    def write(self, words: str) -> None:
+        """Write a line into the world."""
+
+    def start(self) -> None:
+        """Draw a new episode from nothing."""
+        self.clear()
+        self.draw_world()
+        self.draw()
+
+    def draw(self) -> None:
+        """Bring everything that moves to the present."""
+        with self.server.atomic():
+            self.draw_moving()
+            self._place_grips()
+
     def arrows(self) -> list[GradientArrow]:
-        """The gradients that meet."""
+        """The gradients that meet; by default each goal has its colour."""
+        meeting = self.episode.meeting
+        gradients = meeting.gradients[0].numpy(force=True)
+        strengths = meeting.strengths[0].tolist()
 
-    @abstractmethod
+        found = []
+        for index, gradient in enumerate(gradients):
+            goals = meeting.goals[index]
+            color = self.goal_color(goals[0])
+            found.append(GradientArrow(" + ".join(goals), color, -gradient, strengths[index]))
+        return found
+
+    def goal_color(self, goal: str) -> Color:
+        """The colour of a goal, by its number."""
+        return GOALS[list(self.episode.policy.model.goals).index(goal) % len(GOALS)]
+
+    def strength_curves(self) -> Mapping[str, Color]:
+        """The curves of strengths, with their colours."""
+        if self.curves:
+            return self.curves
+        return {goal: self.goal_color(goal) for goal in self.episode.policy.model.goals}
+
     def strengths(self) -> dict[str, float]:
-        """The strengths at this moment, by curve."""
+        """The strengths at this moment, by curve: the strongest gradient of each goal alone."""
+        strongest = dict.fromkeys(self.strength_curves(), 0.0)
+        for met in self.episode.trace.quantities.values():
+            for goals, strength in zip(met.goals, met.strengths[0].tolist(), strict=True):
+                if len(goals) == 1:
+                    strongest[goals[0]] = max(strongest[goals[0]], strength)
+        return strongest
 
-    @abstractmethod
-    def distance_left(self) -> str:
-        """How far it is to the target, in words."""
+    def remaining(self) -> dict[str, float]:
+        """What is left to do, by curve."""
+        info: Mapping[str, Any] = self.episode.info
+        return {name: float(info[name][0]) for name in self.remaining_curves if name in info}
 
-    @abstractmethod
-    def target(self) -> tuple[FloatArray, float]:
-        """Where the target is, (2,), and its angle, rad, in the world's frame."""
+    def progress(self) -> str:
+        """What is left to do, in words."""
+        return ", ".join(f"{name} {value:.3g}" for name, value in self.remaining().items())
 
-    @abstractmethod
-    def move_target(self, position: FloatArray, angle: float) -> None:
-        """Put the target elsewhere; the episode goes on.
-
-        Raises:
-            ValueError: If it cannot be there.
-        """
-
-    def draw_words(self) -> None:
-        """Write what happens into the world, for a page without a panel."""
-        episode = self.episode
-        if episode.ended:
-            words = "arrived" if episode.info["is_success"][0] else "ended"
-        elif bool(self.episode.meeting.exploring[0]):
-            words = f"exploring: {self.conflict()}"
-        else:
-            words = f"descending: {self.arrows()[int(self.episode.meeting.leader[0])].label}"
-        position = np.array([0.0, 0.48 * HEIGHT, 0.5])
-        self.canvas.text("words", f"{episode.time:.1f} s, {words}", position)
+    def handles(self) -> Mapping[str, Handle]:
+        """What a hand can drag, by name; the same names from start to end."""
+        return {}
 
     def kick(self) -> None:
         """Displace the object, in worlds that have one."""
@@ -144,103 +177,66 @@ class Scene(ABC):
             return f"{leader}, until it gets on"
         return f"{leader} ↔ {arrows[opponent].label}"
 
-    def add_grip(self, ask: Callable[[Callable[[], None]], None]) -> None:
-        """Add the handle by which a hand moves the target.
+    def headline(self) -> str:
+        """What happens, in a few words."""
+        if self.episode.succeeded:
+            return "Arrived"
+        if self.episode.ended:
+            collided = self.episode.info.get("collision", [False])[0]
+            return "Collision" if collided else "Out of time"
+
+        meeting = self.episode.meeting
+        if bool(meeting.exploring[0]):
+            return f"Exploring: {self.conflict()}"
+        return f"Descending: {self.arrows()[int(meeting.leader[0])].label}"
+
+    def labelled(self) -> set[int]:
+        """Which gradients have their words: where there are many, the two that are compared."""
+        meeting = self.episode.meeting
+        if len(meeting.paths) <= _FEW:
+            return set(range(len(meeting.paths)))
+        return {int(meeting.leader[0]), int(meeting.opponent[0])}
+
+    def add_grips(self, ask: Request) -> None:
+        """Add what a hand takes hold of.
 
         Args:
             ask: Has something done between two steps.
         """
-        self._grip = grip = self.server.scene.add_transform_controls(
-            "/grip",
-            scale=0.9,
-            active_axes=(True, True, False),
-            disable_rotations=True,
-            depth_test=False,
-            opacity=0.7,
-        )
-        self._place_grip()
+        for name, handle in self.handles().items():
+            grip = self.server.scene.add_transform_controls(
+                f"/grip/{name}",
+                scale=self.handle_size,
+                active_axes=handle.axes,
+                disable_rotations=True,
+                depth_test=False,
+                opacity=0.7,
+            )
+            self._grips[name] = grip
+            self._listen(name, grip, ask)
+        self._place_grips()
+
+    def _listen(self, name: str, grip: viser.TransformControlsHandle, ask: Request) -> None:
+        """While a hand holds it, it stays in the hand; let go, it moves what it belongs to."""
 
         @grip.on_update
         def _(event: Any) -> None:
-            if event.phase == "end":
-                ask(self._take_grip)
+            if event.phase != "end":
+                self._dragged.add(name)
+                return
+            ask(lambda: self._let_go(name))
 
-    def _take_grip(self) -> None:
-        """Put the target where the handle is; where that cannot be, the handle goes back."""
-        assert self._grip is not None
-        position = self.canvas.to_world(self._grip.position)
+    def _let_go(self, name: str) -> None:
+        """Put what a handle belongs to where the handle is; else the handle goes back."""
         try:
-            self.move_target(position, self.target()[1])
+            self.handles()[name].move(np.array(self._grips[name].position))
         finally:
-            self._place_grip()
+            self._dragged.discard(name)
+            self._place_grips()
 
-    def _place_grip(self) -> None:
-        """Put the handle where the target is."""
-        assert self._grip is not None
-        position, _ = self.target()
-        self._grip.position = self.canvas.to_scene(position, 40)
-
-    def draw_arrows(self, position: ArrayLike) -> None:
-        """Draw the gradients, and what becomes of them, where they act."""
-        arrows = self.arrows()
-        strongest = max((arrow.strength for arrow in arrows), default=0.0)
-
-        # Where there are many, only the two that are compared have their words.
-        meeting = self.episode.meeting
-        compared = {int(meeting.leader[0]), int(meeting.opponent[0])}
-        for index, arrow in enumerate(arrows):
-            name = f"gradient.{index}"
-            share = arrow.strength / strongest if strongest else 0.0
-            labelled = len(arrows) <= _FEW or index in compared
-            if share > _FAINT:
-                self._draw_arrow(name, position, arrow, share, labelled)
-            else:
-                self.canvas.hide(name)
-                self.canvas.hide(f"{name}.source")
-            if share <= _FAINT or not labelled:
-                self.canvas.hide(f"{name}.label")
-        self._draw_resolved(position)
-
-    def draw_trail(self, position: ArrayLike, color: Color, layer: float) -> None:
-        """Draw where something has been since the start."""
-        self._trail.append(np.array(position, np.float64))
-        latest = self._trail[-self.trail_length :]
-        self.canvas.line("trail", np.stack(latest), color, layer, thickness=3.0)
-
-    def _draw_arrow(
-        self,
-        name: str,
-        position: ArrayLike,
-        arrow: GradientArrow,
-        share: float,
-        labelled: bool,
-    ) -> None:
-        """Draw a gradient, its label at the tip; its width is by its share of the strongest."""
-        width = max(_WIDEST * share**0.5, 0.03)
-        layer = _ARROW_LAYER + 1.0 - share
-        self.canvas.arrow(name, position, arrow.direction, arrow.color, layer, _LONGEST, width)
-
-        if arrow.source is not None:
-            radius = 0.09 / self.canvas.scale
-            self.canvas.disc(f"{name}.source", arrow.source, radius, arrow.color, layer)
-        if not labelled:
-            return
-
-        flip = np.array([1.0, -1.0 if self.flipped else 1.0])
-        along = arrow.direction * flip / np.linalg.norm(arrow.direction)
-        tip = self.canvas.to_scene(position, _ARROW_LAYER + 5)
-        tip[:2] += 1.12 * _LONGEST * along
-        self.canvas.text(f"{name}.label", arrow.label, tip)
-
-    def _draw_resolved(self, position: ArrayLike) -> None:
-        """Draw the motion that comes out, in another colour while it explores."""
-        trace = self.episode.trace
-        actuator = next(iter(self.episode.policy.model.actuators))
-        action = trace.values[actuator][0].numpy(force=True)
-        exploring = bool(self.episode.meeting.exploring[0])
-
-        shown, other = ("exploring", "descending") if exploring else ("descending", "exploring")
-        color = EXPLORING if exploring else RESOLVED
-        layer = _ARROW_LAYER + 3
-        self.canvas.hide(f"motion.{other}")
-        self.canvas.arrow(f"motion.{shown}", position, action, color, layer, 1.25 * _LONGEST, 0.05)
+    def _place_grips(self) -> None:
+        """Put each handle where it belongs, unless it is being dragged."""
+        handles = self.handles() if self._grips else {}
+        for name, grip in self._grips.items():
+            if name in handles and name not in self._dragged:
+                grip.position = handles[name].where()

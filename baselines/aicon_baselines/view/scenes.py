@@ -1,5 +1,6 @@
 """The worlds that can be watched, by task."""
 
+from collections.abc import Callable
 from importlib import import_module
 
 from aicon_baselines.evaluation.errors import ComparisonError
@@ -7,9 +8,14 @@ from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.scene import Scene
 from aicon_baselines.view.server import viser
 
+MakeScene = Callable[[viser.ViserServer, LiveEpisode], Scene]
+"""Makes a scene, such as the class of one."""
+
 _SCENES = {
     "nav2d": ("aicon_baselines.view.nav2d", "NavigationScene"),
     "pusht": ("aicon_baselines.view.pusht", "PushScene"),
+    "panda_push": ("aicon_baselines.view.panda_push", "PandaPushScene"),
+    "reach": ("aicon_baselines.view.reach", "ReachScene"),
 }
 
 
@@ -27,7 +33,7 @@ def check_watchable(task: str) -> None:
 
 def make_scene(server: viser.ViserServer, episode: LiveEpisode) -> Scene:
     """The scene of an episode's task, not yet drawn."""
-    check_watchable(episode.task.name)
-    module, name = _SCENES[episode.task.name]
+    check_watchable(episode.name)
+    module, name = _SCENES[episode.name]
     scene: Scene = getattr(import_module(module), name)(server, episode)
     return scene

@@ -7,10 +7,9 @@ import numpy as np
 
 from aicon_baselines.view.canvas import FloatArray
 from aicon_baselines.view.server import viser
-from aicon_baselines.view.style import AWAY, BELIEF, CERTAINTY, RESOLVED, TOWARDS, Color, to_hex
+from aicon_baselines.view.style import Color, to_hex
 
 _KEPT = 400  # moments that a strip shows
-_COLORS = (TOWARDS, AWAY, CERTAINTY, BELIEF, RESOLVED)
 
 
 class Strip:
@@ -19,25 +18,24 @@ class Strip:
     Args:
         gui: Where to add it.
         title: What it shows.
-        curves: The curves with their colours; without colours, those of the view in turn.
+        curves: The curves with their colours.
     """
 
-    def __init__(self, gui: viser.GuiApi, title: str, curves: Mapping[str, Color | None]) -> None:
+    def __init__(self, gui: viser.GuiApi, title: str, curves: Mapping[str, Color]) -> None:
         self._names = tuple(curves)
         self._moments: deque[list[float]] = deque(maxlen=_KEPT)
 
         series: list[viser.uplot.Series] = [{"label": "s"}]
-        for index, (name, color) in enumerate(curves.items()):
-            shown = color or _COLORS[index % len(_COLORS)]
-            series.append({"label": name, "stroke": to_hex(shown), "width": 1.5})
+        for name, color in curves.items():
+            series.append({"label": name, "stroke": to_hex(color), "width": 1.5})
 
         self._plot = gui.add_uplot(
             self._data(),
             tuple(series),
             title=title,
-            height=130,
+            height=160,
             scales={"x": {"time": False}},
-            axes=({"size": 28}, {"size": 46}),
+            axes=({"size": 34}, {"size": 50}),
             legend={"show": True, "live": False},
         )
 

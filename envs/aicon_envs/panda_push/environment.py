@@ -4,6 +4,7 @@ import math
 from typing import Any, get_args
 
 import gymnasium as gym
+import mujoco
 import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +14,7 @@ from aicon_envs.checks import (
     check_choice,
     check_integer,
     check_number,
+    check_numbers,
     check_render_mode,
 )
 from aicon_envs.panda_push.arms import Arm, resolve_arm
@@ -230,6 +232,38 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         error = math.hypot(info["distance"], _REWARD_RADIUS * info["angle"])
         terminated = bool(info["is_success"] or info["fallen"])
         return self._observe(), -error, terminated, False, info
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The scene of MuJoCo."""
+        return self._simulation.model
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """The state of MuJoCo's scene."""
+        return self._simulation.data
+
+    def move_target(self, pose: ArrayLike) -> None:
+        """Put the target elsewhere while the episode goes on.
+
+        Args:
+            pose: The object's target (x, y, angle), m and rad.
+        """
+        episode = self._current_episode()
+        target = np.array(check_numbers("pose", pose, "(x, y, angle), finite, in m and rad", 3))
+        self._episode = episode._replace(target_pose=target)
+        self._simulation.show_target(target)
+        mujoco.mj_kinematics(self.model, self.data)
+
+    def move_object(self, pose: ArrayLike) -> None:
+        """Put the object elsewhere while the episode goes on, at rest.
+
+        Args:
+            pose: Its (x, y, angle), m and rad.
+        """
+        self._current_episode()
+        place = check_numbers("pose", pose, "(x, y, angle), finite, in m and rad", 3)
+        self._simulation.place(place)
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture, if `render_mode` is "rgb_array"."""

@@ -197,6 +197,44 @@ class ReachEnv(gym.Env[Observation, Action]):
         error = math.hypot(info["distance"], _REWARD_RADIUS * info["angle"])
         return self._observe(), -error, bool(info["is_success"]), False, info
 
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The scene of MuJoCo."""
+        return self._simulation.scene.model
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """The state of MuJoCo's scene."""
+        return self._simulation.data
+
+    def move_target(self, position: ArrayLike) -> None:
+        """Put the target elsewhere while the episode goes on; whether it can be reached is unknown.
+
+        Args:
+            position: Where the tip should be, ``(3,)``, m.
+        """
+        self._current_episode()
+        place = check_numbers("position", position, "(x, y, z), finite, in m", 3)
+        self._target = np.array(place), self._target[1]
+        self._simulation.show_target(*self._target)
+
+    def move_ball(self, number: int, position: ArrayLike) -> None:
+        """Put a ball, or the middle of its way, elsewhere while the episode goes on.
+
+        Args:
+            number: 1 for the first.
+            position: Where, ``(3,)``, m.
+        """
+        episode = self._current_episode()
+        place = check_numbers("position", position, "(x, y, z), finite, in m", 3)
+        balls = list(episode.balls)
+        balls[number - 1] = balls[number - 1]._replace(middle=np.array(place))
+        self._episode = episode._replace(balls=tuple(balls))
+
+        # Seen at once, also where nothing moves.
+        self._simulation.data.mocap_pos[1:] = self._ball_positions()
+        mujoco.mj_kinematics(self.model, self.data)
+
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture, if `render_mode` is "rgb_array"."""
         if self.render_mode is None:

@@ -50,6 +50,8 @@ def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
         (["nav2d", "--port", "70000"], "--port must be between 0 and 65535, not 70000"),
         (["nav2d", "--host", "no host"], "cannot listen at 'no host'"),
         (["nav2d", "--policy", "bug2"], "has no gradients to show"),
+        (["nav2d", "--policy", "oracle"], "unknown policy 'oracle'"),
+        (["nav2d", "--record", "episode.avi"], "a recording ends in .html, not '.avi'"),
     ],
 )
 def test_it_says_what_is_wrong(

@@ -71,6 +71,17 @@ def test_gif_has_the_colours_of_its_palette(tmp_path: Path) -> None:
     np.testing.assert_equal(first[0, 0], [0, 0, 255])
 
 
+def test_a_webp_moves_and_is_small(tmp_path: Path) -> None:
+    path = tmp_path / "video.webp"
+    save_video(frames(6), path, 5, PALETTE)
+
+    with Image.open(path) as image:
+        assert image.n_frames == 6 and image.size == (320, 160)
+        first = np.asarray(image.convert("RGB")).astype(int)
+    assert np.abs(first[80, 160] - [0, 0, 250]).max() < 20
+    assert path.stat().st_size < 5_000
+
+
 def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
     pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / "video.mp4"
@@ -84,5 +95,5 @@ def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
 
 
 def test_unknown_format_is_an_error_that_lists_the_valid_ones() -> None:
-    with pytest.raises(ComparisonError, match="mp4, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
         check_video("avi")

@@ -1,6 +1,7 @@
 """An episode in which one interferes: time goes on, and so does what the policy knows."""
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -56,7 +57,7 @@ def test_a_goal_that_is_switched_off_stays_off_in_the_next_episode() -> None:
     before = episode.memory["p_tar"]
     assert strength_of(episode, "reach") > 0.0
 
-    episode.switch("reach", 0.0)
+    episode.weigh("reach", 0.0)
     assert strength_of(episode, "reach") == 0.0
     torch.testing.assert_close(episode.memory["p_tar"], before)
 
@@ -83,7 +84,7 @@ def test_a_target_that_is_moved_is_seen_where_it_is() -> None:
         scene = NavigationScene(server, episode)
         position = episode.info["position"][0]
         target = episode.info["target"][0] + [0.1, 0.1]
-        scene.move_target(target, 0.0)
+        scene.move_target(target)
 
         np.testing.assert_allclose(episode.info["target"][0], target)
         np.testing.assert_array_equal(episode.info["position"][0], position)
@@ -93,7 +94,41 @@ def test_a_target_that_is_moved_is_seen_where_it_is() -> None:
 
         inside = np.mean(episode.env.unwrapped.maps[0].obstacles[0], axis=0)  # type: ignore[attr-defined]
         with pytest.raises(ValueError, match="target must be outside of every obstacle"):
-            scene.move_target(inside, 0.0)
+            scene.move_target(inside)
+    finally:
+        server.stop()
+
+
+def test_the_compiled_policy_takes_over_and_does_the_same() -> None:
+    readable, compiled = opened(steps=2), opened(steps=2)
+    compiled.compile()
+    for _ in range(6000):
+        if compiled.compiled:
+            break
+        time.sleep(0.01)
+    assert compiled.compiled
+
+    for _ in range(3):
+        readable.step()
+        compiled.step()
+    np.testing.assert_allclose(compiled.info["position"], readable.info["position"], atol=1e-9)
+    torch.testing.assert_close(compiled.trace.costs, readable.trace.costs)
+
+
+def test_a_wall_that_is_moved_leaves_the_rest_where_it_was() -> None:
+    from aicon_baselines.view.nav2d import NavigationScene
+    from aicon_baselines.view.server import serve
+
+    episode = opened()
+    server = serve("127.0.0.1", 0)
+    try:
+        wall = NavigationScene(server, episode).handles()["wall"]
+        before = episode.info["position"][0].copy(), episode.info["target"][0].copy()
+        elsewhere = wall.where() + np.array([0.2, 0.1, 0.0])
+        wall.move(elsewhere)
+        np.testing.assert_allclose(wall.where(), elsewhere)
+        np.testing.assert_array_equal(episode.info["position"][0], before[0])
+        np.testing.assert_array_equal(episode.info["target"][0], before[1])
     finally:
         server.stop()
 

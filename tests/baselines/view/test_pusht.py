@@ -33,11 +33,11 @@ def test_a_kick_moves_the_object_and_nothing_else(scene: Scene) -> None:
 
 
 def test_the_policy_sees_a_goal_that_is_moved(scene: Scene) -> None:
-    position, angle = scene.target()
+    goal = scene.handles()["goal"]
     cost = scene.episode.trace.costs["push"].clone()
-    elsewhere = position + np.array([60.0, 0.0])
-    scene.move_target(elsewhere, angle)
-    np.testing.assert_allclose(scene.target()[0], elsewhere)
+    elsewhere = goal.where() + np.array([1.2, 0.0, 0.0])
+    goal.move(elsewhere)
+    np.testing.assert_allclose(goal.where(), elsewhere)
     assert not np.isclose(float(scene.episode.trace.costs["push"]), float(cost))
 
 

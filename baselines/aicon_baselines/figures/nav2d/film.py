@@ -13,7 +13,7 @@ from aicon_baselines.figures.nav2d.recording import NavigationRecording
 from aicon_baselines.figures.nav2d.timeline import draw_strengths
 from aicon_baselines.figures.nav2d.view import NavigationView
 from aicon_baselines.figures.recording import FloatArray, track
-from aicon_baselines.figures.rendering import save_video
+from aicon_baselines.figures.rendering import is_moving_picture, save_video
 from aicon_baselines.figures.style import TIMELINE_TINT, blend
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
 
@@ -63,7 +63,7 @@ class NavigationFilm(Film):
 def draw_film(
     recording: NavigationRecording, path: Path, spacing: float = 0.06, *, progress: bool = False
 ) -> None:
-    """Save the rollout as a video, mp4 or gif by the name of the file.
+    """Save the rollout as a video, mp4, webp or gif by the name of the file.
 
     The last frame rests for a second.
 
@@ -74,9 +74,9 @@ def draw_film(
         progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
-        ComparisonError: If imageio is not installed and the video is no gif.
+        ComparisonError: If imageio is not installed and the video is an mp4.
     """
-    dpi = 60 if path.suffix == ".gif" else 100
+    dpi = 60 if is_moving_picture(path) else 100
     film = NavigationFilm(recording, grid_around(recording, spacing), dpi)
 
     rate = _frame_rate(path)
@@ -91,8 +91,8 @@ def film_steps(recording: NavigationRecording, path: Path) -> range:
 
 
 def _frame_rate(path: Path) -> int:
-    """Frames per second; a gif stores every frame almost in full."""
-    return 5 if path.suffix == ".gif" else 15
+    """Frames per second; a moving picture stores every frame almost in full."""
+    return 5 if is_moving_picture(path) else 15
 
 
 def _phase(recording: NavigationRecording, step: int) -> str:

@@ -11,9 +11,12 @@ from aicon_baselines.figures.panda_push.recording import ArmRecording
 from aicon_baselines.figures.panda_push.timeline import add_timelines
 from aicon_baselines.figures.panda_push.view import CameraView
 from aicon_baselines.figures.recording import FloatArray, track
-from aicon_baselines.figures.rendering import render, save_video
+from aicon_baselines.figures.rendering import is_moving_picture, render, save_video
 from aicon_baselines.figures.timeline import TimeCursor
 from aicon_baselines.files import replacing
+
+_FASTER = 5
+"""How much faster than real time a moving picture plays."""
 
 
 class ArmFilm(Film):
@@ -21,10 +24,11 @@ class ArmFilm(Film):
 
     Args:
         recording: The episode.
+        dpi: Pixels per inch.
     """
 
-    def __init__(self, recording: ArmRecording) -> None:
-        self.figure = Figure(figsize=(9.6, 6.4), dpi=100)
+    def __init__(self, recording: ArmRecording, dpi: int = 100) -> None:
+        self.figure = Figure(figsize=(9.6, 6.4), dpi=dpi)
         self._recording = recording
 
         # Side by side, as large as their pictures allow.
@@ -54,7 +58,9 @@ def draw_still(recording: ArmRecording, path: Path) -> None:
 
 
 def draw_film(recording: ArmRecording, path: Path, *, progress: bool = False) -> None:
-    """Save the episode as a video in real time, mp4 or gif by the name of the file.
+    """Save the episode as a video, mp4, webp or gif by the name of the file.
+
+    An mp4 plays in real time, a moving picture five times as fast; the last frame rests a second.
 
     Args:
         recording: The episode.
@@ -62,12 +68,13 @@ def draw_film(recording: ArmRecording, path: Path, *, progress: bool = False) ->
         progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
-        ComparisonError: If imageio is not installed and the video is no gif.
+        ComparisonError: If imageio is not installed and the video is an mp4.
     """
-    film = ArmFilm(recording)
+    small = is_moving_picture(path)
+    film = ArmFilm(recording, dpi=60 if small else 100)
     rate = round(1 / recording.time_step)
-    steps = track(range(len(recording.times)), "video", progress)
-    save_video(film.frames(steps), path, rate, _palette())
+    steps = track(range(0, len(recording.times), _FASTER if small else 1), "video", progress)
+    save_video(film.frames(steps, hold=rate), path, rate, _palette())
 
 
 def _palette() -> FloatArray:

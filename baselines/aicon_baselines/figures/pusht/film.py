@@ -12,7 +12,7 @@ from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.pusht.timeline import add_timelines
 from aicon_baselines.figures.pusht.view import PushView
 from aicon_baselines.figures.recording import FloatArray, track
-from aicon_baselines.figures.rendering import save_video
+from aicon_baselines.figures.rendering import is_moving_picture, save_video
 from aicon_baselines.figures.style import TIMELINE_TINT, blend
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
 
@@ -54,9 +54,10 @@ class PushFilm(Film):
 
 
 def draw_film(recording: PushRecording, path: Path, *, progress: bool = False) -> None:
-    """Save the episode as a video in real time, mp4 or gif by the name of the file.
+    """Save the episode as a video, mp4, webp or gif by the name of the file.
 
-    The last of the n + 1 frames rests for a second.
+    An mp4 plays in real time, a moving picture at half that speed. The last of the n + 1 frames
+    rests for a second.
 
     Args:
         recording: The episode.
@@ -64,11 +65,12 @@ def draw_film(recording: PushRecording, path: Path, *, progress: bool = False) -
         progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
-        ComparisonError: If imageio is not installed and the video is no gif.
+        ComparisonError: If imageio is not installed and the video is an mp4.
     """
-    film = PushFilm(recording, dpi=60 if path.suffix == ".gif" else 100)
+    small = is_moving_picture(path)
+    film = PushFilm(recording, dpi=60 if small else 100)
 
-    rate = round(1 / recording.time_step)
+    rate = round((0.5 if small else 1.0) / recording.time_step)
     moments = track(range(recording.steps + 1), "video", progress)
     save_video(film.frames(moments, hold=rate), path, rate, _palette())
 

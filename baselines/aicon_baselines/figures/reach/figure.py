@@ -1,18 +1,18 @@
 """The figure of arms that reach: from the episodes to the files."""
 
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-
+from aicon_baselines.figures.reach.film import draw_film
 from aicon_baselines.figures.reach.picture import draw_picture
-from aicon_baselines.figures.reach.recording import record
-from aicon_baselines.figures.rendering import check_video, save_video
+from aicon_baselines.figures.reach.recording import ReachRecording, record
+from aicon_baselines.figures.rendering import check_video
 from aicon_baselines.figures.summary import FigureSummary
 from aicon_baselines.tasks.reach import ROBOTS, TASK
 from aicon_torch import make_policy
 
-_PALETTE = np.stack(np.meshgrid(*[np.linspace(0, 1, 6)] * 3), axis=-1).reshape(-1, 3)
-"""The colours of a gif: six levels of red, green and blue each."""
+FILMED = "ur5"
+"""The robot of the film."""
 
 
 def make_figure(
@@ -41,18 +41,16 @@ def make_figure(
     picture = out / "reach.png"
 
     # The same numbers for every robot.
-    recordings = []
-    for robot in ROBOTS:
-        policy = make_policy("reach", **TASK.policy_options(f"{robot}_pose_home"))
-        recordings.append(record(policy, robot, seed, horizon, progress=progress))
+    options: dict[str, Any] = {"seed": seed, "horizon": horizon, "progress": progress}
+    recordings = [_record(robot, f"{robot}_pose_home", **options) for robot in ROBOTS]
     draw_picture(recordings, picture)
     files = [picture]
 
-    # One after the other.
+    # The film has something in the way.
     if video != "none":
         film = picture.with_suffix(f".{video}")
-        frames = [frame for recording in recordings for frame in recording.frames]
-        save_video(frames, film, 25, _PALETTE)
+        recording = _record(FILMED, f"{FILMED}_pose_home_ball", balls=1, **options)
+        draw_film(recording, film)
         files.append(film)
 
     endings, numbers = [], {}
@@ -61,3 +59,9 @@ def make_figure(
         endings.append(f"{recording.robot} {ending} after {recording.times[-1]:.1f} s")
         numbers[recording.robot] = float(recording.times[-1])
     return FigureSummary("; ".join(endings), {"seed": seed, "times_s": numbers}, tuple(files))
+
+
+def _record(robot: str, condition: str, **options: Any) -> ReachRecording:
+    """An episode of a robot in a condition of the task."""
+    policy = make_policy("reach", **TASK.policy_options(condition))
+    return record(policy, robot, **options)

@@ -1,14 +1,16 @@
 """An episode of an arm that reaches: pictures, errors and gaps."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from aicon_baselines.evaluation.predictor import Predictor
-from aicon_baselines.figures.recording import FloatArray, track
+from aicon_baselines.figures.recording import BoolArray, FloatArray, track
 from aicon_baselines.figures.rendering import Frame
 from aicon_envs.reach import ReachEnv
 from aicon_envs.reach.simulation import CONTROL_STEP
+from aicon_torch import Policy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +27,7 @@ class ReachRecording:
         angle: (n,), rad.
         self_gap: Smallest gap of the robot to itself, (n,), m.
         limit_margin: Smallest distance of a joint to its stops, (n,), rad.
+        exploring: Whether the policy explored, (n,); never for one that has no gradients.
     """
 
     robot: str
@@ -36,6 +39,7 @@ class ReachRecording:
     angle: FloatArray
     self_gap: FloatArray
     limit_margin: FloatArray
+    exploring: BoolArray
 
     @property
     def times(self) -> FloatArray:
@@ -50,6 +54,7 @@ def record(
     horizon: int,
     *,
     stride: int = 2,
+    balls: int = 0,
     progress: bool = False,
 ) -> ReachRecording:
     """Run an episode of a robot that reaches for a pose from its home.
@@ -60,14 +65,17 @@ def record(
         seed: Seed of the episode.
         horizon: Steps after which it ends.
         stride: Steps from one picture to the next.
+        balls: Number of balls about on its way.
         progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
         RuntimeError: If nothing can be rendered.
     """
-    env = ReachEnv(robot, render_mode="rgb_array", render_width=480, render_height=480)
+    size = {"render_width": 480, "render_height": 480}
+    env = ReachEnv(robot, balls=balls, render_mode="rgb_array", **size)
     observation, info = env.reset(seed=seed)
     frames, rows, state = [_picture(env)], [], None
+    exploring: list[bool] = []
 
     for step in track(range(1, horizon + 1), robot, progress):
         batch = {name: values[None] for name, values in observation.items()}
@@ -75,6 +83,7 @@ def record(
         action, state = policy.predict(batch, state=state, episode_start=start)
         observation, _, terminated, _, info = env.step(np.asarray(action)[0])
 
+        exploring.append(_explores(policy, state))
         rows.append([info[name] for name in ("distance", "angle", "self_gap", "limit_margin")])
         if step % stride == 0 or terminated:
             frames.append(_picture(env))
@@ -93,7 +102,16 @@ def record(
         angle=angle,
         self_gap=self_gap,
         limit_margin=limit_margin,
+        exploring=np.array(exploring),
     )
+
+
+def _explores(policy: Predictor, state: Any) -> bool:
+    """Whether the step that returned this state explored anywhere."""
+    if not isinstance(policy, Policy):
+        return False
+    quantities = policy.trace(state).quantities.values()
+    return any(bool(quantity.exploring[0]) for quantity in quantities)
 
 
 def _picture(env: ReachEnv) -> Frame:

@@ -72,5 +72,5 @@ def test_no_colour_stands_for_two_curves(recording: NavigationRecording) -> None
 def test_unknown_names_are_errors_that_list_the_valid_ones(tmp_path: Path) -> None:
     with pytest.raises(ComparisonError, match="u_trap_2"):
         make_figure(tmp_path, SEED, "none", map_name="u_trop", progress=False)
-    with pytest.raises(ComparisonError, match="mp4, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
         make_figure(tmp_path, SEED, "avi", map_name=MAP, progress=False)

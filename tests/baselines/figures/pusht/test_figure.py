@@ -66,5 +66,5 @@ def test_no_colour_stands_for_two_curves(episode: PushRecording) -> None:
 
 
 def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:
-    with pytest.raises(ComparisonError, match="mp4, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
         make_figure(tmp_path, SEED, "avi", progress=False)

@@ -15,7 +15,8 @@ from PIL import Image
 from aicon_baselines.agents import factory
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.reach import ReachRecording, draw_picture, make_figure, record
-from aicon_baselines.figures.reach.picture import _draw_curves
+from aicon_baselines.figures.reach.film import captioned, draw_film
+from aicon_baselines.figures.reach.picture import ZOOM, _draw_curves
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +42,18 @@ def test_the_picture_shows_each_robot(episode: ReachRecording, tmp_path: Path) -
         assert picture.width > 1000 and picture.height > 500
 
 
+def test_the_film_says_what_happens(episode: ReachRecording, tmp_path: Path) -> None:
+    draw_film(episode, tmp_path / "reach.webp")
+    with Image.open(tmp_path / "reach.webp") as film:
+        assert film.size == (320, 320) and film.n_frames > 2
+
+    written = list(captioned(episode))
+    assert len(written) == len(episode.frames)
+    for frame, picture in zip(written, episode.frames, strict=True):
+        plain = picture[ZOOM, ZOOM]
+        assert (frame[:40] != plain[:40]).any() and (frame[50:] == plain[50:]).all()
+
+
 def test_the_curves_are_those_of_the_episode(episode: ReachRecording) -> None:
     axes = Figure().add_subplot()
     _draw_curves(axes, episode)
@@ -49,5 +62,5 @@ def test_the_curves_are_those_of_the_episode(episode: ReachRecording) -> None:
 
 
 def test_an_unknown_format_is_an_error_before_anything_runs(tmp_path: Path) -> None:
-    with pytest.raises(ComparisonError, match="unknown video 'avi'; valid: mp4, gif, none"):
+    with pytest.raises(ComparisonError, match="unknown video 'avi'; valid: mp4, webp, gif, none"):
         make_figure(tmp_path, video="avi")

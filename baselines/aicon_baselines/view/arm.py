@@ -1,0 +1,38 @@
+"""What the worlds of arms have in common: the body as the policy knows it."""
+
+from aicon_baselines.view.scene import FloatArray
+from aicon_baselines.view.space import MuJoCoScene
+from aicon_baselines.view.style import BODY
+from aicon_torch.parts.self_collision import CapsuleSegments
+
+_OPACITY = 0.15
+
+
+class ArmScene(MuJoCoScene):
+    """An arm whose policy has capsules around its links."""
+
+    def draw_body(self, segments: FloatArray) -> None:
+        """Draw the capsules that the policy takes for the body.
+
+        Args:
+            segments: Their segments (C, 6), m: a start and an end each.
+        """
+        for index, (segment, radius) in enumerate(zip(segments, self._radii(), strict=True)):
+            start, end = segment[:3], segment[3:]
+            self.shapes.capsule(f"body.{index}", start, end, radius, BODY, _OPACITY)
+
+    def check_going_on(self) -> None:
+        """Refuse to move anything after the end.
+
+        Raises:
+            ValueError: If the episode has ended.
+        """
+        if self.episode.ended:
+            raise ValueError("the episode has ended: reset it first")
+
+    def _radii(self) -> tuple[float, ...]:
+        """The radii of the capsules, m."""
+        for module in self.episode.policy.model.modules():
+            if isinstance(module, CapsuleSegments):
+                return module.radii
+        return ()

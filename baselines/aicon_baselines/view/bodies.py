@@ -1,0 +1,115 @@
+"""MuJoCo's shapes in the scene: each as a mesh that follows its place."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from aicon_baselines.view.server import viser
+
+FloatArray = NDArray[np.float64]
+_Shape = mujoco.mjtGeom
+
+_INVISIBLE_GROUP = 3  # groups from here on are hidden in MuJoCo's own viewer
+_PLANE = 3.0  # m; how far planes without an end are drawn
+
+
+class MuJoCoBodies:
+    """The shapes and visible sites of a MuJoCo scene.
+
+    Args:
+        server: The server of the page.
+        model: The scene.
+        data: Its state, which may change.
+        shown_groups: Groups that are drawn besides those that MuJoCo's viewer shows.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        shown_groups: tuple[int, ...] = (),
+    ) -> None:
+        self._scene, self._data = server.scene, data
+        self._geoms: dict[int, Any] = {}
+        self._sites: dict[int, Any] = {}
+
+        for geom in range(model.ngeom):
+            group = int(model.geom_group[geom])
+            if group < _INVISIBLE_GROUP or group in shown_groups:
+                mesh = _mesh_of_geom(model, geom)
+                self._geoms[geom] = self._add(f"/geom/{geom}", mesh, model.geom_rgba[geom])
+
+        for site in range(model.nsite):
+            if model.site_group[site] < _INVISIBLE_GROUP and model.site_rgba[site, 3] > 0.0:
+                mesh = _primitive(model.site_type[site], model.site_size[site])
+                self._sites[site] = self._add(f"/site/{site}", mesh, model.site_rgba[site])
+
+    def draw(self) -> None:
+        """Bring every shape to where it is now."""
+        data = self._data
+        for geom, handle in self._geoms.items():
+            _place(handle, data.geom_xpos[geom], data.geom_xmat[geom])
+        for site, handle in self._sites.items():
+            _place(handle, data.site_xpos[site], data.site_xmat[site])
+
+    def remove(self) -> None:
+        """Remove all shapes."""
+        for handle in (*self._geoms.values(), *self._sites.values()):
+            handle.remove()
+
+    def _add(self, name: str, mesh: trimesh.Trimesh, rgba: FloatArray) -> Any:
+        """Add a mesh, not yet in its place."""
+        red, green, blue, alpha = rgba.tolist()
+        return self._scene.add_mesh_simple(
+            name,
+            np.asarray(mesh.vertices, np.float32),
+            np.asarray(mesh.faces, np.uint32),
+            color=(round(255 * red), round(255 * green), round(255 * blue)),
+            opacity=None if alpha >= 1.0 else alpha,
+            flat_shading=True,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+
+def _place(handle: Any, position: FloatArray, matrix: FloatArray) -> None:
+    """Put a shape to a position (3,), with the rotation (9,)."""
+    rotation = np.zeros(4)
+    mujoco.mju_mat2Quat(rotation, matrix)
+    handle.position, handle.wxyz = position, rotation
+
+
+def _mesh_of_geom(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
+    """A geom's shape in its own frame."""
+    if model.geom_type[geom] != _Shape.mjGEOM_MESH:
+        return _primitive(model.geom_type[geom], model.geom_size[geom])
+
+    mesh = model.geom_dataid[geom]
+    first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+    vertices = model.mesh_vert[first : first + count]
+    first, count = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
+    return trimesh.Trimesh(vertices, model.mesh_face[first : first + count], process=False)
+
+
+def _primitive(kind: int, size: FloatArray) -> trimesh.Trimesh:
+    """A simple shape by MuJoCo's type and sizes: half lengths, the radius first."""
+    radius, half = float(size[0]), float(size[1])
+    if kind == _Shape.mjGEOM_PLANE:
+        extent = [length if length > 0.0 else _PLANE for length in size[:2].tolist()]
+        return trimesh.creation.box((2.0 * extent[0], 2.0 * extent[1], 1e-4))
+    if kind == _Shape.mjGEOM_BOX:
+        return trimesh.creation.box(2.0 * size)
+    if kind == _Shape.mjGEOM_CYLINDER:
+        return trimesh.creation.cylinder(radius, 2.0 * half, sections=24)
+    if kind == _Shape.mjGEOM_CAPSULE:
+        return trimesh.creation.capsule(2.0 * half, radius, count=[16, 16])
+
+    # Spheres have one size, ellipsoids three.
+    ball = trimesh.creation.icosphere(3)
+    scale = size if kind == _Shape.mjGEOM_ELLIPSOID else np.full(3, radius)
+    return trimesh.Trimesh(ball.vertices * scale, ball.faces, process=False)

@@ -1,0 +1,100 @@
+"""Reaching: an arm, what it takes for its body, its target and what it keeps off."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from aicon_baselines.view.arm import ArmScene
+from aicon_baselines.view.scene import FloatArray, Handle
+from aicon_baselines.view.style import (
+    AWAY,
+    BELIEF,
+    BODY,
+    EXPLORING,
+    RESOLVED,
+    TARGET,
+    TOWARDS,
+    Color,
+)
+
+_RADIUS = 0.015  # m; the target as a ball
+
+
+class ReachScene(ArmScene):
+    """An arm that reaches, in the frame of its root, m."""
+
+    title: ClassVar[str] = (
+        "An arm reaches for a pose. Its goals are the target and, safe above all, its joints' "
+        "limits and the gaps to itself and to the ball."
+    )
+    legend: ClassVar[Mapping[str, Color]] = {
+        "target": TARGET,
+        "the body as it knows it": BODY,
+        "the ball as it believes it (2σ)": BELIEF,
+        "gradient: reach": TOWARDS,
+        "shortest gap to the ball": AWAY,
+        "motion of the tip, descending": RESOLVED,
+        "motion of the tip, exploring": EXPLORING,
+    }
+    remaining_curves: ClassVar[Mapping[str, Color]] = {"distance": TARGET, "angle": BELIEF}
+    hint: ClassVar[str] = "Drag the arrows at the target or at the ball to put it elsewhere."
+
+    def draw_beliefs(self) -> None:
+        """Draw the body, the target and the balls as the policy knows them."""
+        values = self.episode.trace.values
+        segments = values["x_body"][0].numpy(force=True)
+        self.draw_body(segments)
+        self.shapes.ball("target", values["x_target"][0, :3].numpy(force=True), _RADIUS, TARGET)
+
+        for number in range(1, self._balls + 1):
+            ball = values[f"x_ball_{number}"][0, :3].numpy(force=True)
+            covariance = values[f"P_ball_{number}"][0, :3, :3].numpy(force=True)
+            radius = float(self.model.geom(f"ball_{number}").size[0])
+            axes = self.ellipsoid_axes(covariance) + 1.05 * radius * np.eye(3)
+            self.shapes.ellipsoid(f"ball_{number}.belief", ball, axes, BELIEF, opacity=0.35)
+            self._draw_gap(f"ball_{number}.gap", segments, ball)
+
+    def progress(self) -> str:
+        """The distance and the angle to the target."""
+        left = self.remaining()
+        return f"{1e3 * left['distance']:.0f} mm and {np.degrees(left['angle']):.0f}° to the target"
+
+    def handles(self) -> Mapping[str, Handle]:
+        """The target and the balls."""
+        everywhere = (True, True, True)
+        handles = {
+            "target": Handle(lambda: self.data.mocap_pos[0].copy(), self._move_target, everywhere)
+        }
+        for number in range(1, self._balls + 1):
+            handles[f"ball {number}"] = self._handle_of_ball(number)
+        return handles
+
+    def _handle_of_ball(self, number: int) -> Handle:
+        """What a hand drags of a ball."""
+
+        def move(position: FloatArray) -> None:
+            self.check_going_on()
+            self.env.move_ball(number, position)
+
+        return Handle(lambda: self.data.mocap_pos[number].copy(), move, (True, True, True))
+
+    def _move_target(self, position: FloatArray) -> None:
+        """Put the target elsewhere; its orientation stays."""
+        self.check_going_on()
+        self.env.move_target(position)
+
+    def _draw_gap(self, name: str, segments: FloatArray, ball: FloatArray) -> None:
+        """Draw the shortest line from the body's segments (C, 6) to a ball's middle (3,)."""
+        starts, ways = segments[:, :3], segments[:, 3:] - segments[:, :3]
+        lengths = np.maximum((ways**2).sum(axis=1), 1e-12)
+        shares = np.clip(((ball - starts) * ways).sum(axis=1) / lengths, 0.0, 1.0)
+
+        points = starts + shares[:, np.newaxis] * ways
+        nearest = np.linalg.norm(points - ball, axis=1).argmin()
+        self.shapes.line(name, [points[nearest], ball], AWAY)
+
+    @property
+    def _balls(self) -> int:
+        """Number of balls; the first body that is placed by hand is the target."""
+        return int(self.model.nmocap) - 1

@@ -1,0 +1,165 @@
+"""A world in MuJoCo, seen in space, and how gradients are drawn in it."""
+
+from typing import Any, ClassVar
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from aicon_baselines.view.bodies import MuJoCoBodies
+from aicon_baselines.view.episode import LiveEpisode
+from aicon_baselines.view.scene import FAINT, FloatArray, Scene
+from aicon_baselines.view.server import viser
+from aicon_baselines.view.shapes import Shapes
+from aicon_baselines.view.style import EXPLORING, RESOLVED
+
+_THINNEST = 0.15  # of the thickest arrow
+
+
+class MuJoCoScene(Scene):
+    """A world whose environment has MuJoCo's `model` and `data`, m.
+
+    It is enough for any such environment. Gradients are drawn at the site :attr:`tip`: those of 2
+    or 3 numbers as they are, of longer poses the first three; those of joints by the motion that
+    descending would give the tip, −J g with the Jacobian J of the site (3, n).
+
+    Args:
+        server: The server of the page.
+        episode: The episode, started.
+
+    Attributes:
+        model: The scene of MuJoCo.
+        data: Its state.
+        shapes: What is drawn besides.
+    """
+
+    tip: ClassVar[str] = "tip"
+    """The site at which gradients are drawn; where there is none, they are not."""
+
+    joints: ClassVar[tuple[str, ...]] = ("x_joints", "a")
+    """Quantities whose numbers belong to the joints."""
+
+    camera: ClassVar[tuple[FloatArray, FloatArray]] = (
+        np.array([1.5, -1.4, 1.1]),
+        np.array([0.2, 0.0, 0.4]),
+    )
+    """Where the view is from, and where it looks, m."""
+
+    arrow_length: ClassVar[float] = 0.16
+    arrow_width: ClassVar[float] = 0.012
+    shown_groups: ClassVar[tuple[int, ...]] = ()
+    handle_size: ClassVar[float] = 0.15
+
+    def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
+        super().__init__(server, episode)
+        self.env: Any = episode.env.unwrapped.envs[0].unwrapped  # type: ignore[attr-defined]
+        self.model: mujoco.MjModel = self.env.model
+        self.data: mujoco.MjData = self.env.data
+        self.shapes = Shapes(server.scene)
+        self._bodies: MuJoCoBodies | None = None
+
+        position, target = self.camera
+        server.scene.set_up_direction("+z")
+        server.initial_camera.position = tuple(position.tolist())
+        server.initial_camera.look_at = tuple(target.tolist())
+        server.initial_camera.fov = 0.7
+        server.scene.configure_default_lights(enabled=False)
+        server.scene.add_light_ambient("/light/ambient", intensity=0.7)
+        server.scene.add_light_directional(
+            "/light/sun", intensity=1.0, position=(1.0, -2.0, 4.0), cast_shadow=False
+        )
+
+    def clear(self) -> None:
+        """Remove what an episode drew; the bodies stay, and move."""
+        self.shapes.clear()
+
+    def draw_world(self) -> None:
+        """Draw the bodies, once."""
+        if self._bodies is None:
+            self._bodies = MuJoCoBodies(self.server, self.model, self.data, self.shown_groups)
+
+    def draw_moving(self) -> None:
+        """Draw the bodies and the gradients."""
+        assert self._bodies is not None
+        self._bodies.draw()
+        self.draw_beliefs()
+        if self._tip >= 0:
+            self.draw_arrows(self.data.site_xpos[self._tip])
+
+    def draw_beliefs(self) -> None:
+        """Draw what the policy believes; nothing, unless a world says how."""
+
+    def write(self, words: str) -> None:
+        """Write a line above the world."""
+        _, target = self.camera
+        self.shapes.text("words", words, target + np.array([0.0, 0.0, 0.6]))
+
+    def direction(self, quantity: str, gradient: FloatArray) -> FloatArray:
+        """The direction (3,) in space of descending a gradient at a quantity."""
+        if quantity in self.joints:
+            return self.jacobian() @ -gradient
+        flat = -gradient[:3]
+        return np.pad(flat, (0, 3 - len(flat)))
+
+    def jacobian(self) -> FloatArray:
+        """The Jacobian of the tip's position (3, n), by the joints that the action moves."""
+        full = np.zeros((3, self.model.nv))
+        mujoco.mj_jacSite(self.model, self.data, full, None, self._tip)
+
+        (action,) = self.episode.policy.model.actuators.values()
+        joints = self.model.actuator_trnid[: action.size, 0]
+        columns: FloatArray = full[:, self.model.jnt_dofadr[joints]]
+        return columns
+
+    def draw_arrows(self, position: ArrayLike) -> None:
+        """Draw the gradients, and what becomes of them, where they act."""
+        tail, quantity = np.array(position, np.float64), self.episode.meeting.name
+        arrows, labelled = self.arrows(), self.labelled()
+        strongest = max((arrow.strength for arrow in arrows), default=0.0)
+
+        for index, arrow in enumerate(arrows):
+            name = f"gradient.{index}"
+            share = arrow.strength / strongest if strongest else 0.0
+            along = self.direction(quantity, -arrow.direction)
+            norm = float(np.linalg.norm(along))
+            if share <= FAINT or norm == 0.0:
+                for part in (name, f"{name}.label", f"{name}.source"):
+                    self.shapes.hide(part)
+                continue
+
+            along *= self.arrow_length / norm
+            width = self.arrow_width * max(share**0.5, _THINNEST)
+            self.shapes.arrow(name, tail, along, arrow.color, width)
+            if arrow.source is not None:
+                self.shapes.ball(f"{name}.source", arrow.source, 0.006, arrow.color)
+            if index in labelled:
+                self.shapes.text(f"{name}.label", arrow.label, tail + 1.15 * along)
+            else:
+                self.shapes.hide(f"{name}.label")
+        self._draw_resolved(tail)
+
+    def ellipsoid_axes(self, covariance: ArrayLike) -> FloatArray:
+        """Two standard deviations along the axes of a covariance (3, 3), as columns."""
+        variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
+        axes: FloatArray = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
+        return axes
+
+    def _draw_resolved(self, tail: FloatArray) -> None:
+        """Draw the motion that comes out, in another colour while it explores."""
+        trace = self.episode.trace
+        (actuator,) = self.episode.policy.model.actuators
+        motion = self.direction(actuator, -trace.values[actuator][0].numpy(force=True))
+        norm = float(np.linalg.norm(motion))
+        if norm < 1e-9:
+            self.shapes.hide("motion")
+            return
+
+        exploring = any(bool(quantity.exploring[0]) for quantity in trace.quantities.values())
+        color = EXPLORING if exploring else RESOLVED
+        along = motion * 1.25 * self.arrow_length / norm
+        self.shapes.arrow("motion", tail, along, color, 0.4 * self.arrow_width)
+
+    @property
+    def _tip(self) -> int:
+        """Number of the site of the tip, −1 where there is none."""
+        return int(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_SITE, self.tip))
