@@ -58,13 +58,13 @@ def conflict(cosine: float, exploring: bool, strengths: tuple[float, float]) -> 
     )
 
 
-def actuator(share: float, gradient: float = 1.0, smallest: float | None = None) -> ActuatorCurve:
+def actuator(share: float, gradient: float = 1.0, **others: Any) -> ActuatorCurve:
     """An actuator of two components, of which the second is at some share of its limit."""
     return ActuatorCurve(
         share=np.tile((0.1 * share, share), (STEPS, 1)),
         gradient=np.full(STEPS, gradient),
         escaping=np.zeros(STEPS, dtype=np.bool_),
-        smallest=smallest,
+        **others,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from aicon_baselines.diagnosis.finding import Finding
 from aicon_baselines.diagnosis.history import History, MeetingCurve
-from aicon_baselines.diagnosis.words import listed, percent
+from aicon_baselines.diagnosis.words import listed, percent, times
 
 OPPOSED = -0.6
 """Cosine below which gradients oppose each other, as in :class:`aicon_torch.Exploration`."""
@@ -49,7 +49,7 @@ def find_constraints(history: History, since: int) -> Iterator[Finding]:
         text = (
             f"Safety goals hold {name} up: in {percent(escaping.mean())} of the time it gave up "
             "descending to get away from where they brought it to rest, "
-            f"{_beginnings(curve.escaping[since:])} times anew.{held}"
+            f"{times(_beginnings(curve.escaping[since:]))}.{held}"
         )
         goals = tuple(goal for goal, curve in history.goals.items() if curve.safety)
         yield Finding("constraint", text, since * history.dt, goals)
@@ -63,11 +63,11 @@ def _explored(name: str, meeting: MeetingCurve, since: int) -> tuple[str, tuple[
         return None
 
     leader, opponent, share, cosine = pair
-    still = "and still did at the end" if exploring[-1] else "and did not at the end"
+    still = "and was not over at the end" if exploring[-1] else "and paused at the end"
     text = (
-        f"A conflict at {name} does not end: it explored in {percent(exploring.mean())} of the "
-        f"time, {_beginnings(exploring)} times anew, {still}. In {percent(share)} of that it was "
-        f"{meeting.labels[leader]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
+        f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
+        f"the time, began {times(_beginnings(exploring))}, {still}. In {percent(share)} of that it "
+        f"was {meeting.labels[leader]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
     )
     return text, _goals(meeting, leader, opponent)
 

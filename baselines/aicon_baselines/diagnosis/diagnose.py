@@ -6,7 +6,12 @@ from aicon_baselines.diagnosis.behaviour import find_behaviour
 from aicon_baselines.diagnosis.conflicts import find_conflicts, find_constraints
 from aicon_baselines.diagnosis.finding import Finding
 from aicon_baselines.diagnosis.history import History
-from aicon_baselines.diagnosis.limits import find_coarseness, find_limits, find_restlessness
+from aicon_baselines.diagnosis.limits import (
+    find_coarseness,
+    find_limits,
+    find_restlessness,
+    find_slowness,
+)
 from aicon_baselines.diagnosis.readings import find_disagreements, find_silence
 
 
@@ -55,6 +60,7 @@ def diagnose(history: History) -> Diagnosis:
         *find_disagreements(history, since),
         *find_conflicts(history, since),
         *find_constraints(history, since),
+        *find_slowness(history, since),
         *find_coarseness(history, since),
         *find_limits(history, since),
         *find_restlessness(history, since),

@@ -69,12 +69,14 @@ class ActuatorCurve:
         escaping: Whether it moved along the force of its constraints, (n,).
         smallest: Share of the limit by which the last inner step of its descent changed it; None
             where the action law does not iterate.
+        constraints: Names of what limits it further.
     """
 
     share: FloatArray
     gradient: FloatArray
     escaping: BoolArray
     smallest: float | None = None
+    constraints: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -236,6 +238,7 @@ def _actuator_curves(policy: Policy, trace: StepTrace) -> Iterator[tuple[str, Ac
                 gradient=nothing if quantity is None else _strongest(quantity),
                 escaping=nothing.astype(bool) if quantity is None else _flags(quantity.exploring),
                 smallest=_smallest_step(policy),
+                constraints=tuple(_name_of(one) for one in actuator.constraints),
             ),
         )
 
@@ -257,6 +260,11 @@ def _smallest_step(policy: Policy) -> float | None:
     """The last inner step of a descent with foresight, as a share of the limit."""
     law = policy.law
     return law.step / law.iterations if isinstance(law, Foresight) else None
+
+
+def _name_of(constraint: object) -> str:
+    """The name of a function, or of an object's class."""
+    return getattr(constraint, "__name__", type(constraint).__name__)
 
 
 def _array(tensor: Tensor) -> FloatArray:

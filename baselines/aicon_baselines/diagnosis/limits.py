@@ -16,6 +16,9 @@ AT_LIMIT = 0.99
 MOSTLY = 0.8
 """Share of the time."""
 
+HELD_BACK = 0.5
+"""Share of its limit below which an actuator with constraints counts as slowed down."""
+
 SWINGS = 3
 """How often a cost must rise to be called restless."""
 
@@ -34,6 +37,18 @@ def find_limits(history: History, since: int) -> Iterator[Finding]:
             "more is wished for than it can do."
         )
         yield Finding("limit", text, since * history.dt, (name,))
+
+
+def find_slowness(history: History, since: int) -> Iterator[Finding]:
+    """Actuators that are kept well below their limit by what else constrains them."""
+    for name, curve in history.actuators.items():
+        used = float(np.median(curve.share[since:].max(axis=1)))
+        if curve.constraints and STILL < used < HELD_BACK:
+            text = (
+                f"{name} uses {percent(used)} of its limit: it is slowed down by "
+                f"{listed(curve.constraints)}, so that everything takes longer."
+            )
+            yield Finding("constraint", text, since * history.dt, (name,))
 
 
 def find_coarseness(history: History, since: int) -> Iterator[Finding]:

@@ -10,6 +10,11 @@ def seconds(time: float) -> str:
     return f"{time:.1f} s" if time < 100 else f"{time:.0f} s"
 
 
+def times(count: int) -> str:
+    """``"once"``, ``"twice"``, ``"3 times"``."""
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
 def percent(share: float) -> str:
     """``"64 %"``."""
     return f"{share:.0%}".replace("%", " %")
@@ -27,5 +32,6 @@ def costs_in_words(history: History) -> str:
     left: list[str] = []
     for name, curve in history.goals.items():
         if not curve.safety:
-            left.append(f"{name} {curve.cost[-1]:.3g} (at the start {curve.cost[0]:.3g})")
+            first, best, last = curve.cost[0], curve.cost.min(), curve.cost[-1]
+            left.append(f"{name} {last:.3g} (at the start {first:.3g}, at best {best:.3g})")
     return f"Cost at the end: {', '.join(left)}." if left else "There is no goal."

@@ -64,6 +64,12 @@ def test_an_actuator_within_its_limit_is_not() -> None:
     assert not diagnose(history(straight(), actuators={"a": actuator(share=0.9)})).causes
 
 
+def test_an_actuator_that_its_constraints_slow_down_is() -> None:
+    slowed = {"a": actuator(share=0.3, constraints=("ClearanceLimits",))}
+    found = only_cause(history(straight(), actuators=slowed))
+    assert found.text.startswith("a uses 30 % of its limit: it is slowed down by ClearanceLimits")
+
+
 def test_rest_on_a_slope_is_told_where_the_action_is_iterated() -> None:
     rests = {"a": actuator(share=0.0, gradient=0.2, smallest=1 / 60)}
     plain = {"a": actuator(share=0.0, gradient=0.2)}
