@@ -84,10 +84,13 @@ def _not_explored(
     leader, opponent, _, cosine = pair
     strengths = meeting.strengths[since:][opposed]
     ratio = np.median(strengths[:, leader] / np.maximum(strengths[:, opponent], 1e-300))
+    strength = "Both are about equally strong, and nothing is explored."
+    if ratio > 1.5:
+        strength = f"The first is {ratio:.2g} times as strong, so that it hardly ever explores."
     text = (
         f"Gradients oppose each other at {name} in {percent(opposed.mean())} of the time (cosine "
-        f"{cosine:+.2f}): {meeting.labels[leader]} against {meeting.labels[opponent]}. The first "
-        f"is {ratio:.2g} times as strong, so that it hardly ever explores."
+        f"{cosine:+.2f}): {meeting.labels[leader]} against {meeting.labels[opponent]}. "
+        f"{strength}"
     )
     return text, _goals(meeting, leader, opponent)
 

@@ -151,6 +151,9 @@ class Recorder:
     Args:
         policy: The policy.
 
+    Attributes:
+        memories: What each step returned, in their order.
+
     Example:
         >>> recorder = Recorder(policy)
         >>> action, memory = policy.predict(observation, memory)
@@ -160,15 +163,15 @@ class Recorder:
 
     def __init__(self, policy: Policy) -> None:
         self.policy = policy
-        self._memories: list[Memory] = []
+        self.memories: list[Memory] = []
 
     def add(self, memory: Memory) -> None:
         """Keep the memory that a step returned."""
-        self._memories.append({key: value.detach().clone() for key, value in memory.items()})
+        self.memories.append({key: value.detach().clone() for key, value in memory.items()})
 
     def history(self, success: bool | None = None) -> History:
         """All steps so far, with whether the episode succeeded, if that is known."""
-        return History.of(self.policy, self._memories, success)
+        return History.of(self.policy, self.memories, success)
 
 
 def _stacked(model: WorldModel, memories: Sequence[Memory]) -> Memory:
