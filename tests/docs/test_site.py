@@ -86,6 +86,12 @@ def test_every_name_of_the_library_is_listed_and_described() -> None:
             assert f".. automodule:: aicon_torch.{package}\n" in described
 
 
+def test_every_part_is_on_the_page_of_parts() -> None:
+    page = (ROOT / "docs" / "parts.md").read_text()
+    for name in import_module("aicon_torch.parts").__all__:
+        assert re.search(rf"\b{name}\b", page), name
+
+
 def test_every_example_is_shown() -> None:
     page = (ROOT / "docs" / "examples.md").read_text()
     for example in (ROOT / "examples").glob("*.py"):
