@@ -5,9 +5,9 @@ limits and speeds come from the URDF, its shape from the collision geometry ther
 wherever the target is now, keeps away from its stops and from itself whatever it wishes, and finds
 its way out where they hold it up.
 
-A LeRobot SO-101, whose five joints reach a position and an approach direction, goes to three targets
-one after the other; each appears before the arm has come to rest. The robot's files come with
-`pip install "aicon-torch[robots]" example-robot-data`.
+A LeRobot SO-101, whose five joints reach a position and an approach direction, goes to three
+targets one after the other; each appears before the arm has come to rest. The robot's files come
+with `pip install "aicon-torch[robots]" example-robot-data`.
 
     python examples/07_own_arm.py
 """

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from _documents import ROOT
+
 from notebooks import NOTEBOOKS, PAGES, run_notebook, to_notebook
 
 NEEDED = {

@@ -19,8 +19,8 @@ STEPS = Foresight().iterations
 def draw(path: Path) -> None:
     """Save the picture."""
     one, many, costs = drawing.new_figure(3, height=4.0, below=0.5)
-    foreseen = np.array([PLACE, *(DT * _action(_after(k)) for k in range(1, STEPS + 1))])
-    full = DT * _action(DirectDescent(smoothing=0.0))
+    foreseen = np.array([PLACE, *(DT * action_of(law_after(k)) for k in range(1, STEPS + 1))])
+    full = DT * action_of(DirectDescent(smoothing=0.0))
 
     _draw_step(one, "One gradient: it goes too far")
     drawing.draw_arrow(one, PLACE, full, drawing.RESULT)
@@ -77,11 +77,12 @@ def _draw_costs(axes: Axes, foreseen: FloatArray, full: FloatArray) -> None:
     simplify(axes)
 
 
-def _after(steps: int) -> Foresight:
+def law_after(steps: int) -> Foresight:
     """The law that stops after so many inner steps."""
     return Foresight(iterations=steps, smoothing=0.0)
 
 
-def _action(law: ActionLaw) -> FloatArray:
+def action_of(law: ActionLaw) -> FloatArray:
+    """The action at :data:`PLACE`, (2,), m/s."""
     action, _ = make_policy(law=law).predict(readings(PLACE, TARGET, FAR_AWAY))
     return to_array(action)
