@@ -1,8 +1,15 @@
 """Sphinx's settings: the site of these pages, built by `make docs`."""
 
+import sys
+from pathlib import Path
+
 from sphinx.application import Sphinx
 
 import aicon_torch
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "scripts"))
+from notebooks import NOTEBOOKS, save_notebook  # noqa: E402  # a script, not a package
 
 project = "aicon-torch"
 author = "the aicon-torch authors"
@@ -53,6 +60,20 @@ def link_to_pages(app: Sphinx, page: str, source: list[str]) -> None:
         source[0] = source[0].replace(f"]({up}{target})", f"]({up}{shown})")
 
 
+def make_notebooks(app: Sphinx) -> None:
+    """Make the notebooks of tutorials, for those who would rather run them."""
+    for name in NOTEBOOKS:
+        save_notebook(HERE / "tutorials" / f"{name}.md", HERE / "_build" / "_notebooks")
+
+
+def link_to_notebook(app: Sphinx, page: str, source: list[str]) -> None:
+    """Let a tutorial that is a notebook as well say so, below its title."""
+    folder, _, name = page.rpartition("/")
+    if folder == "tutorials" and name in NOTEBOOKS:
+        link = f"{{download}}`a notebook <../_build/_notebooks/{name}.ipynb>`"
+        source[0] = source[0].replace("\n\n", f"\n\n*This page is also {link}.*\n\n", 1)
+
+
 def escape_bars(
     app: Sphinx, what: str, name: str, documented: object, options: object, lines: list[str]
 ) -> None:
@@ -65,5 +86,7 @@ def escape_bars(
 
 def setup(app: Sphinx) -> None:
     """Connect what is done to every page, and to every docstring."""
+    app.connect("builder-inited", make_notebooks)
     app.connect("source-read", link_to_pages)
+    app.connect("source-read", link_to_notebook)
     app.connect("autodoc-process-docstring", escape_bars)

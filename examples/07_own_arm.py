@@ -5,9 +5,9 @@ limits and speeds come from the URDF, its shape from the collision geometry ther
 wherever the target is now, keeps away from its stops and from itself whatever it wishes, and finds
 its way out where they hold it up.
 
-A LeRobot SO-101, whose five joints reach a position and an approach direction, goes to five targets
-one after the other; each appears before the arm has come to rest. The robot's files come with
-`pip install "aicon-torch[robots]" example-robot-data`.
+A LeRobot SO-101, whose five joints reach a position and an approach direction, goes to three
+targets one after the other; each appears before the arm has come to rest. The robot's files come
+with `pip install "aicon-torch[robots]" example-robot-data`.
 
     python examples/07_own_arm.py
 """
@@ -33,14 +33,14 @@ def find(name: str) -> Path:
 
 
 def main() -> None:
-    """Reach five targets."""
+    """Reach three targets."""
     arm = Robot.from_urdf(find("urdf/so101.urdf"), tip="gripper_frame_link")
     policy = make_policy("reach", robot=arm, orientation="axis", speed=2.0, dt=DT)
 
     # Targets that can be reached: where the tip is in some posture within the limits.
     low, high = arm.chain.low, arm.chain.high
     generator = torch.Generator().manual_seed(4)
-    shares = 0.3 + 0.4 * torch.rand(5, len(low), generator=generator, dtype=torch.float64)
+    shares = 0.3 + 0.4 * torch.rand(3, len(low), generator=generator, dtype=torch.float64)
     targets = arm.chain(low + shares * (high - low))
 
     q, memory = (low + high) / 2, None

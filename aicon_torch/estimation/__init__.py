@@ -7,7 +7,7 @@ from aicon_torch.estimation.deterministic import Deterministic
 from aicon_torch.estimation.ekf import EKF, Derivative
 from aicon_torch.estimation.kalman import KalmanFilter
 from aicon_torch.estimation.late import LateEKF
-from aicon_torch.estimation.measurement import Measurement
+from aicon_torch.estimation.measurement import Innovation, Measurement
 
 __all__ = [
     "EKF",
@@ -16,6 +16,7 @@ __all__ = [
     "Derivative",
     "Deterministic",
     "Estimator",
+    "Innovation",
     "KalmanFilter",
     "LateEKF",
     "Measurement",

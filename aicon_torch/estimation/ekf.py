@@ -11,7 +11,7 @@ from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.estimation.correction import Correction
 from aicon_torch.estimation.covariance import Covariance, Noise
-from aicon_torch.estimation.measurement import Measurement
+from aicon_torch.estimation.measurement import Innovation, Measurement
 from aicon_torch.interconnections import Affine, Interconnection, Values
 from aicon_torch.quantities import ANEW
 
@@ -99,12 +99,22 @@ class EKF(Estimator):
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """Predict and correct; readings that are absent or beyond the gate are left out, by row."""
-        # Predict.
-        mean, transition = self._predicted_mean(values)
-        covariance = self._predicted_covariance(values, transition)
-
-        mean, covariance = self._corrected(values, mean, covariance)
+        mean, covariance = self._predicted(values)
+        mean, covariance, _ = self._corrections(values, mean, covariance)
         return {self.mean: mean, self.covariance: covariance}
+
+    @torch.no_grad()
+    def innovations(self, values: Values) -> list[Innovation]:
+        """By how much the readings differ from what was expected: what :meth:`update` corrects by.
+
+        Args:
+            values: As for :meth:`update`: the belief before the step, the action and the readings.
+
+        Returns:
+            The innovation of each measurement, from the belief that those before it left.
+        """
+        mean, covariance = self._predicted(values)
+        return self._corrections(values, mean, covariance)[2]
 
     def forward(self, values: Values, output: str) -> Tensor:
         """The belief one step ahead: the moved mean, or the covariance after measuring there."""
@@ -169,6 +179,11 @@ class EKF(Estimator):
         self.register_buffer("prior_covariance", cast(Tensor, covariance.constant))
         return len(mean)
 
+    def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
+        """The belief before the measurements, x⁻ and P⁻."""
+        mean, transition = self._predicted_mean(values)
+        return mean, self._predicted_covariance(values, transition)
+
     def _predicted_mean(
         self, values: Values, differentiable: bool = False
     ) -> tuple[Tensor, Tensor | None]:
@@ -184,9 +199,15 @@ class EKF(Estimator):
             covariance = transition @ covariance @ transition.mT
         return covariance + cast(Tensor, self.noise(values))
 
-    def _corrected(self, values: Values, mean: Tensor, covariance: Tensor) -> tuple[Tensor, Tensor]:
-        """The belief after the measurements; those absent or beyond the gate change nothing."""
+    def _corrections(
+        self, values: Values, mean: Tensor, covariance: Tensor
+    ) -> tuple[Tensor, Tensor, list[Innovation]]:
+        """The belief after the measurements, and what they were corrected by.
+
+        Those absent or beyond the gate change nothing.
+        """
         mean, covariance = self._begun_anew(values, mean, covariance)
+        innovations: list[Innovation] = []
 
         # One after the other, each from the belief that the last one left.
         for measurement in self._measurements:
@@ -199,13 +220,15 @@ class EKF(Estimator):
             # A reading that is absent or refused changes nothing in its row.
             distance = partial(correction.squared_distance, residual)
             accepted = measurement.accepted(values, distance)
+            innovation = Innovation(measurement.inputs, residual, correction.spread, accepted)
+            innovations.append(innovation)
             if accepted is not None:
                 mean_change = torch.where(accepted[..., None], mean_change, 0.0)
                 covariance_change = torch.where(accepted[..., None, None], covariance_change, 0.0)
 
             mean, covariance = mean - mean_change, covariance - covariance_change
 
-        return mean, covariance
+        return mean, covariance, innovations
 
     def _begun_anew(
         self, values: Values, mean: Tensor, covariance: Tensor

@@ -70,22 +70,12 @@ class LateEKF(EKF):
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """Move the belief to when the reading was taken, correct it, and move it on to now."""
-        moves = self._remembered_moves(values)
+        moves, new_lag = self._remembered_moves(values), self._new_lag(values)
         steps = list(self._steps(moves))
 
-        # How old is the belief, and how old will it be?
-        lag = cast(Tensor, values[self.lag]) + 1
-        age = cast(Tensor, values[self.sensor + AGE]).unsqueeze(-1) / cast(float, values["dt"])
-        is_present = cast(Tensor, values[self.sensor + PRESENT]).unsqueeze(-1)
-        new_lag = torch.where(is_present, age.round(), lag).clamp(0, self.steps)
-        new_lag = torch.minimum(new_lag, lag)
-
         # To when the reading was taken, ...
-        mean, covariance = (cast(Tensor, values[name]) for name in self.then)
-        for back, step in steps:
-            is_due = (back <= lag) & (back > new_lag)
-            mean, covariance = self._moved(values, step, mean, covariance, is_due)
-        mean, covariance = self._corrected(values, mean, covariance)
+        mean, covariance = self._predicted(values)
+        mean, covariance, _ = self._corrections(values, mean, covariance)
         then = {self.then[0]: mean, self.then[1]: covariance}
 
         # ... and on to now.
@@ -100,6 +90,23 @@ class LateEKF(EKF):
         if output in (self.mean, self.covariance):
             return super().forward(values, output)
         return cast(Tensor, values[output])
+
+    def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
+        """The belief of when the reading was taken, before it is corrected."""
+        lag, new_lag = cast(Tensor, values[self.lag]) + 1, self._new_lag(values)
+        mean, covariance = (cast(Tensor, values[name]) for name in self.then)
+        for back, step in self._steps(self._remembered_moves(values)):
+            is_due = (back <= lag) & (back > new_lag)
+            mean, covariance = self._moved(values, step, mean, covariance, is_due)
+        return mean, covariance
+
+    def _new_lag(self, values: Values) -> Tensor:
+        """How many steps ago the last reading was taken, ``(*B, 1)``."""
+        lag = cast(Tensor, values[self.lag]) + 1
+        age = cast(Tensor, values[self.sensor + AGE]).unsqueeze(-1) / cast(float, values["dt"])
+        is_present = cast(Tensor, values[self.sensor + PRESENT]).unsqueeze(-1)
+        new_lag = torch.where(is_present, age.round(), lag).clamp(0, self.steps)
+        return torch.minimum(new_lag, lag)
 
     def _remembered_moves(self, values: Values) -> Tensor:
         """What moved it in the last L + 1 steps, oldest first, ``(*B, (L + 1) m)``."""

@@ -1,7 +1,7 @@
 """Implicit measurements: what relates an estimate to a reading."""
 
 from collections.abc import Callable, Mapping
-from typing import cast
+from typing import NamedTuple, cast
 
 from torch import Tensor, nn
 
@@ -9,6 +9,22 @@ from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.interconnections import Interconnection, Values
 from aicon_torch.quantities import PRESENT
+
+
+class Innovation(NamedTuple):
+    """What a measurement corrects an estimate by, before it does.
+
+    Attributes:
+        inputs: Names of what the measurement reads.
+        residual: ν = h(x⁻, z), ``(*B, m)``.
+        spread: S = H P⁻ Hᵀ + R, ``(*B, m, m)``.
+        accepted: Which rows believe the reading, ``(*B,)``; None where all must.
+    """
+
+    inputs: tuple[str, ...]
+    residual: Tensor
+    spread: Tensor
+    accepted: Tensor | None
 
 
 class Measurement(nn.Module):

@@ -1,6 +1,7 @@
 """Python in the documents: what is complete runs, and the rest is Python.
 
 A block of ```python that imports something is a program. Fragments import nothing, or are ```py.
+In a tutorial the blocks follow on each other: test_tutorials.py.
 """
 
 import contextlib
@@ -10,7 +11,7 @@ import io
 import pytest
 from _documents import Block, all_blocks
 
-BLOCKS = all_blocks("python")
+BLOCKS = [block for block in all_blocks("python") if block.document.parent.name != "tutorials"]
 PROGRAMS = [block for block in BLOCKS if "import " in block.code]
 FRAGMENTS = [block for block in BLOCKS if "import " not in block.code] + all_blocks("py")
 

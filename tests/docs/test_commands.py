@@ -20,6 +20,7 @@ CLI = {
     "aicon run": "aicon_baselines.cli.run",
     "aicon watch": "aicon_baselines.cli.watch",
     "aicon compare": "aicon_baselines.cli.compare",
+    "aicon diagnose": "aicon_baselines.cli.diagnose",
     "aicon figures": "aicon_baselines.cli.figures",
     "aicon bench": "aicon_baselines.cli.bench",
     "aicon export": "aicon_baselines.cli.export",

@@ -7,8 +7,9 @@ figure's numbers) and the film nav2d_rollout.mp4. pusht saves the same as pusht_
 of an episode, and the gradients that arrive at the pusher. panda_push saves panda_push_film.mp4, an
 episode of the arm from outside and from its hand above the strengths of its gradients, and
 panda_push_film.png, a picture from the middle of it. reach saves reach.png, moments of three arms'
-episodes beside their errors and gaps, and reach.mp4, one of them with a ball in its way. With
---video webp or gif a film is a small moving picture for a page.
+episodes beside their errors and gaps, and reach.mp4, one of them with a ball in its way. concepts
+saves the idea in six pictures, concept_path.png and so on, from what a policy of a small world
+computes. With --video webp or gif a film is a small moving picture for a page.
 """
 
 import argparse
@@ -19,11 +20,13 @@ from typing import Any
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.figures import VIDEO_FORMATS, FigureSummary
 
+_CONCEPTS = "concepts"
 _FIGURES = {
     "nav2d": "2D navigation: the evolving potential",
     "pusht": "pushing: the gradients that arrive at the pusher",
     "panda_push": "pushing with an arm: its views and its gradients",
     "reach": "reaching with three arms: moments, errors and gaps",
+    _CONCEPTS: "the idea in six pictures",
 }
 
 
@@ -33,10 +36,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, title in _FIGURES.items():
         figure = figures.add_parser(name, help=title, description=title)
         figure.add_argument(
-            "--seed", type=int, help="seed of the episode (default: one that shows it all)"
-        )
-        figure.add_argument(
             "--out", type=Path, default=Path("runs/figures"), help="default: runs/figures"
+        )
+        if name == _CONCEPTS:  # no episode, and nothing that moves
+            continue
+        figure.add_argument(
+            "--seed", type=int, help="seed of the episode (default: one that shows it all)"
         )
         figure.add_argument(
             "--video", choices=VIDEO_FORMATS, default="mp4", help="kind of video (default: mp4)"
@@ -49,14 +54,14 @@ def run(arguments: argparse.Namespace) -> None:
     """Draw and save the figure, and say what it shows."""
     # What is left out is for the figure to decide.
     options: dict[str, Any] = {}
-    if arguments.seed is not None:
-        options["seed"] = arguments.seed
-    if getattr(arguments, "map", None) is not None:
-        options["map_name"] = arguments.map
+    for argument, option in (("seed", "seed"), ("map", "map_name"), ("video", "video")):
+        value = getattr(arguments, argument, None)
+        if value is not None:
+            options[option] = value
 
     # Imported by name: a figure needs its task's environment, which may come with an extra.
     module = import_module(f"aicon_baselines.figures.{arguments.figure}")
-    summary: FigureSummary = module.make_figure(arguments.out, video=arguments.video, **options)
+    summary: FigureSummary = module.make_figure(arguments.out, **options)
     print(summary)
 
 

@@ -4,6 +4,7 @@ aicon list                      tasks, policies, conditions, environments, extra
 aicon run --task nav2d          one episode, and what the policy decided at its end
 aicon watch pusht               the same live in the browser, with your own hands in it
 aicon compare --task pusht ...  policies on the same episodes: rows, table, curves
+aicon diagnose RUN --seed 3     why an episode of a comparison failed
 aicon figures nav2d             the figure and the film of a rollout
 aicon bench                     the time of a control step, compiled and not
 aicon export pusht -o pusht.so  a policy as a file that runs without torch
@@ -27,6 +28,7 @@ _MODULES = {
     "run": "aicon_baselines.cli.run",
     "watch": "aicon_baselines.cli.watch",
     "compare": "aicon_baselines.cli.compare",
+    "diagnose": "aicon_baselines.cli.diagnose",
     "figures": "aicon_baselines.cli.figures",
     "bench": "aicon_baselines.cli.bench",
     "export": "aicon_baselines.cli.export",

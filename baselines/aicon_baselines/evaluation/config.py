@@ -55,6 +55,24 @@ class Config:
         milestones = tuple(steps for steps in task.milestones if steps <= self.horizon)
         return replace(task, maps=self.maps, horizon=self.horizon, milestones=milestones)
 
+    @classmethod
+    def load(cls, path: Path) -> "Config":
+        """Read a saved configuration.
+
+        Raises:
+            ComparisonError: If there is none, or it is one of another version.
+        """
+        if not path.exists():
+            raise ComparisonError(f"{path.parent} is no folder of a comparison: no {path.name}")
+        saved = {
+            name: tuple(value) if isinstance(value, list) else value
+            for name, value in _read(path).items()
+        }
+        try:
+            return cls(**saved)
+        except TypeError as error:
+            raise ComparisonError(f"{path} is of another version: {error}") from error
+
     def save(self, path: Path) -> None:
         """Write the configuration as JSON, or check that the file there holds the same one.
 

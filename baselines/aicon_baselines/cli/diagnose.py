@@ -1,0 +1,64 @@
+"""Say why an episode of a comparison failed, in words and in one picture.
+
+Example: aicon diagnose runs/first --seed 3
+
+RUN is a folder that aicon compare wrote. The episode is run again, alone and compiled, with the
+policy, condition and horizon of the run, and its trace is looked at: did the robot stand still, go
+in circles, or run out of time? Which gradients stood against each other, which goal never rested,
+which actuator was at its limit, which readings contradicted the estimates?
+
+What it says was seen; that it is the cause, an experiment shows: aicon watch is one to begin with.
+"""
+
+import argparse
+from pathlib import Path
+
+from aicon_baselines.cli.command_line import Command
+from aicon_baselines.diagnosis import diagnose
+from aicon_baselines.diagnosis.picture import draw_diagnosis
+from aicon_baselines.diagnosis.rerun import Rerun, rerun
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the run, the episode and the picture."""
+    parser.add_argument("run", type=Path, metavar="RUN", help="folder that aicon compare wrote")
+    parser.add_argument("--seed", type=int, required=True, help="seed of the episode")
+    parser.add_argument(
+        "--policy", metavar="NAME", help="as the rows call it (default: that failed)"
+    )
+    parser.add_argument("--condition", metavar="NAME", help="condition (default: that failed)")
+    parser.add_argument(
+        "--picture", type=Path, metavar="FILE", help="default: RUN/diagnosis_SEED.png"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run the episode again, and say what is seen in it."""
+    again = rerun(arguments.run, arguments.seed, arguments.policy, arguments.condition)
+    found = diagnose(again.history)
+    title = describe(again)
+
+    path = arguments.picture or arguments.run / f"diagnosis_{arguments.seed}.png"
+    draw_diagnosis(again.history, found, path, title=title, places=again.places)
+
+    print(title)
+    if again.row.success != again.history.success:
+        print(
+            "In the comparison it was otherwise. There the episode was one of a batch: in the last "
+            "bits it differs, and that decided."
+        )
+    print(f"\n{found}\n\nsaved: {path}")
+
+
+def describe(again: Rerun) -> str:
+    """Which episode it was, and how it ended."""
+    row, history = again.row, again.history
+    ending = "success" if history.success else "no success"
+    return (
+        f"seed {row.seed}, {row.policy}, {row.condition}: {ending} after "
+        f"{history.steps} steps ({history.steps * history.dt:g} s), {again.distance:.3g} "
+        f"{again.unit} from the target"
+    )
+
+
+COMMAND = Command(__doc__, add_arguments, run)

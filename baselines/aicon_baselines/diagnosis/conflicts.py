@@ -1,0 +1,131 @@
+"""Conflicts that do not end, and constraints that hold the robot up."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from aicon_baselines.diagnosis.finding import Finding
+from aicon_baselines.diagnosis.history import History, MeetingCurve
+from aicon_baselines.diagnosis.words import listed, percent, times
+
+OPPOSED = -0.6
+"""Cosine below which gradients oppose each other, as in :class:`aicon_torch.Exploration`."""
+
+OFTEN = 0.2
+"""Share of the time from which on something is worth telling."""
+
+
+def find_conflicts(history: History, since: int) -> Iterator[Finding]:
+    """Where gradients opposed each other, explored or not, from a step on.
+
+    Args:
+        history: The episode.
+        since: The step.
+    """
+    for name, meeting in history.meetings.items():
+        exploring = meeting.exploring[since:]
+        opposed = (meeting.cosine[since:] < OPPOSED) & (meeting.opponent[since:] >= 0)
+        found = None
+        if exploring.mean() >= OFTEN:
+            found = _explored(name, meeting, since)
+        elif opposed.mean() >= 0.5:
+            found = _not_explored(name, meeting, since)
+
+        if found is not None:
+            text, goals = found
+            yield Finding("conflict", text, since * history.dt, goals)
+
+
+def find_constraints(history: History, since: int) -> Iterator[Finding]:
+    """Whether safety goals held an actuator up, from a step on."""
+    for name, curve in history.actuators.items():
+        escaping = curve.escaping[since:]
+        if escaping.mean() < OFTEN:
+            continue
+
+        near = _near_goals(history, since)
+        held = f" What is near its bound: {listed(near)}." if near else ""
+        text = (
+            f"Safety goals hold {name} up: in {percent(escaping.mean())} of the time it gave up "
+            "descending to get away from where they brought it to rest, "
+            f"{times(_beginnings(curve.escaping[since:]))}.{held}"
+        )
+        goals = tuple(goal for goal, curve in history.goals.items() if curve.safety)
+        yield Finding("constraint", text, since * history.dt, goals)
+
+
+def _explored(name: str, meeting: MeetingCurve, since: int) -> tuple[str, tuple[str, ...]] | None:
+    """A conflict that was explored, in words, and its goals."""
+    exploring = meeting.exploring[since:]
+    pair = _most_frequent(meeting, exploring & (meeting.opponent[since:] >= 0), since)
+    if pair is None:
+        return None
+
+    leader, opponent, share, cosine = pair
+    still = "and was not over at the end" if exploring[-1] else "and paused at the end"
+    text = (
+        f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
+        f"the time, began {times(_beginnings(exploring))}, {still}. In {percent(share)} of that it "
+        f"was {meeting.labels[leader]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
+    )
+    return text, _goals(meeting, leader, opponent)
+
+
+def _not_explored(
+    name: str, meeting: MeetingCurve, since: int
+) -> tuple[str, tuple[str, ...]] | None:
+    """A conflict in which one gradient was too strong to be explored."""
+    opposed = (meeting.cosine[since:] < OPPOSED) & (meeting.opponent[since:] >= 0)
+    pair = _most_frequent(meeting, opposed, since)
+    if pair is None:
+        return None
+
+    leader, opponent, _, cosine = pair
+    strengths = meeting.strengths[since:][opposed]
+    ratio = np.median(strengths[:, leader] / np.maximum(strengths[:, opponent], 1e-300))
+    strength = "Both are about equally strong, and nothing is explored."
+    if ratio > 1.5:
+        strength = f"The first is {ratio:.2g} times as strong, so that it hardly ever explores."
+    text = (
+        f"Gradients oppose each other at {name} in {percent(opposed.mean())} of the time (cosine "
+        f"{cosine:+.2f}): {meeting.labels[leader]} against {meeting.labels[opponent]}. "
+        f"{strength}"
+    )
+    return text, _goals(meeting, leader, opponent)
+
+
+def _most_frequent(
+    meeting: MeetingCurve, steps: np.ndarray[tuple[int], np.dtype[np.bool_]], since: int
+) -> tuple[int, int, float, float] | None:
+    """The leader and opponent of most of these steps, their share of them, and their cosine."""
+    if not steps.any():
+        return None
+    leaders, opponents = meeting.leader[since:][steps], meeting.opponent[since:][steps]
+    pairs = Counter(zip(leaders.tolist(), opponents.tolist(), strict=True))
+
+    (leader, opponent), count = pairs.most_common(1)[0]
+    theirs = (leaders == leader) & (opponents == opponent)
+    cosine = float(np.median(meeting.cosine[since:][steps][theirs]))
+    return leader, opponent, count / int(steps.sum()), cosine
+
+
+def _goals(meeting: MeetingCurve, leader: int, opponent: int) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((meeting.goals[leader], meeting.goals[opponent])))
+
+
+def _beginnings(flags: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int:
+    """How often a flag rose."""
+    return int(flags[0]) + int((flags[1:] & ~flags[:-1]).sum())
+
+
+def _near_goals(history: History, since: int) -> list[str]:
+    """Safety goals whose gap was almost used up, with how often."""
+    near: list[str] = []
+    for name, curve in history.goals.items():
+        if curve.gap is None:
+            continue
+        share = (curve.gap[since:] < 0.1 * np.median(curve.gap)).mean()
+        if share >= OFTEN:
+            near.append(f"{name} ({percent(share)} of the time, least gap {curve.gap.min():.3g})")
+    return near

@@ -1,0 +1,282 @@
+"""What is looked at to find out why an episode failed: its memories, as curves over time."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from aicon_baselines.diagnosis.innovations import Innovations, innovations
+from aicon_torch import EKF, Actuator, Foresight, Goal, Policy, StepTrace, WorldModel
+from aicon_torch.control import QuantityTrace
+from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.quantities import PRESENT
+from aicon_torch.resolution import Memory
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class GoalCurve:
+    """A goal over the n steps of an episode.
+
+    Attributes:
+        cost: Its cost, (n,).
+        safety: Whether nothing may violate it.
+        gap: Of a safety goal, what is left until it costs something, (n,).
+    """
+
+    cost: FloatArray
+    safety: bool = False
+    gap: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class MeetingCurve:
+    """What happened where gradients met, over the n steps of an episode.
+
+    Attributes:
+        labels: For each of g gradients its path, such as "reach → p_tar → x_rob".
+        goals: For each gradient its goals, joined by "+".
+        strengths: (n, g).
+        leader: Index of the leading gradient, (n,).
+        opponent: Index of the gradient that it was compared with, (n,); −1 for none.
+        cosine: Between the two, (n,).
+        exploring: (n,).
+    """
+
+    labels: tuple[str, ...]
+    goals: tuple[str, ...]
+    strengths: FloatArray
+    leader: IntArray
+    opponent: IntArray
+    cosine: FloatArray
+    exploring: BoolArray
+
+
+@dataclass(frozen=True)
+class ActuatorCurve:
+    """An actuator over the n steps of an episode.
+
+    Attributes:
+        share: Its action as a share of its limit, (n, 1) where the norm is limited and (n, size)
+            where each component is; zero where there is no limit.
+        gradient: Norm of the gradient that arrived, (n,).
+        escaping: Whether it moved along the force of its constraints, (n,).
+        smallest: Share of the limit by which the last inner step of its descent changed it; None
+            where the action law does not iterate.
+        constraints: Names of what limits it further.
+    """
+
+    share: FloatArray
+    gradient: FloatArray
+    escaping: BoolArray
+    smallest: float | None = None
+    constraints: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class History:
+    """An episode of n steps, as curves; what an episode did not have is empty.
+
+    Attributes:
+        dt: Time of a step, s.
+        state: What the robot and its world did, as the policy estimates it, (n, d).
+        goals: The goals that were switched on, by name.
+        meetings: Where gradients met, by quantity.
+        actuators: The actuators, by name.
+        innovations: By how much readings differed from what was estimated.
+        present: Whether each sensor had a reading, (n,) each.
+        success: Whether the episode succeeded; None where nobody knows.
+    """
+
+    dt: float
+    state: FloatArray
+    goals: Mapping[str, GoalCurve] = field(default_factory=dict)
+    meetings: Mapping[str, MeetingCurve] = field(default_factory=dict)
+    actuators: Mapping[str, ActuatorCurve] = field(default_factory=dict)
+    innovations: Sequence[Innovations] = ()
+    present: Mapping[str, BoolArray] = field(default_factory=dict)
+    success: bool | None = None
+
+    @property
+    def steps(self) -> int:
+        """Number of steps n."""
+        return len(self.state)
+
+    @property
+    def times(self) -> FloatArray:
+        """When each step was, (n,), s."""
+        return self.dt * np.arange(self.steps, dtype=np.float64)
+
+    @classmethod
+    def of(
+        cls, policy: Policy, memories: Sequence[Memory], success: bool | None = None
+    ) -> "History":
+        """The history of an episode of a single robot.
+
+        Args:
+            policy: The policy.
+            memories: What each step returned, in their order, each without batch or of one row.
+            success: Whether the episode succeeded.
+
+        Raises:
+            ValueError: If there are fewer than two steps, or more than one robot.
+        """
+        if len(memories) < 2:
+            raise ValueError(f"memories: expected those of two steps or more, got {len(memories)}.")
+        batch = _stacked(policy.model, memories)
+        trace = policy.trace(batch)
+        return cls(
+            dt=policy.model.dt,
+            state=_state(policy.model, trace),
+            goals=dict(_goal_curves(policy.model, batch, trace)),
+            meetings=dict(_meeting_curves(trace)),
+            actuators=dict(_actuator_curves(policy, trace)),
+            innovations=innovations(policy.model, batch),
+            present={
+                name: _array(batch[name + PRESENT]).astype(bool) for name in policy.model.sensors
+            },
+            success=success,
+        )
+
+
+class Recorder:
+    """Keeps the memories of a policy that is running, to ask for a history at any time.
+
+    Args:
+        policy: The policy.
+
+    Attributes:
+        memories: What each step returned, in their order.
+
+    Example:
+        >>> recorder = Recorder(policy)
+        >>> action, memory = policy.predict(observation, memory)
+        >>> recorder.add(memory)
+        >>> print(diagnose(recorder.history()))
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        self.policy = policy
+        self.memories: list[Memory] = []
+
+    def add(self, memory: Memory) -> None:
+        """Keep the memory that a step returned."""
+        self.memories.append({key: value.detach().clone() for key, value in memory.items()})
+
+    def history(self, success: bool | None = None) -> History:
+        """All steps so far, with whether the episode succeeded, if that is known."""
+        return History.of(self.policy, self.memories, success)
+
+
+def _stacked(model: WorldModel, memories: Sequence[Memory]) -> Memory:
+    """The memories as one batch (n,)."""
+    actuator, declared = next(iter(model.actuators.items()))
+    batch = {key: torch.stack([memory[key] for memory in memories]) for key in memories[0]}
+
+    # One robot in a batch of its own.
+    if batch[actuator].dim() == 3 and batch[actuator].shape[1] == 1:
+        batch = {key: value.squeeze(1) for key, value in batch.items()}
+    if batch[actuator].shape != (len(memories), declared.size):
+        raise ValueError("memories: expected those of a single robot; take one row of each.")
+    return batch
+
+
+def _state(model: WorldModel, trace: StepTrace) -> FloatArray:
+    """What Kalman filters estimate, or else what is read, side by side."""
+    means = [one.mean for one in model.estimators if isinstance(one, EKF) and not one.is_motion]
+    columns = [_array(trace.values[name]) for name in means or model.sensors]
+    return np.concatenate([column.reshape(len(column), -1) for column in columns], axis=1)
+
+
+def _goal_curves(
+    model: WorldModel, memory: Memory, trace: StepTrace
+) -> Iterator[tuple[str, GoalCurve]]:
+    """The goals that are switched on in the end."""
+    factors = memory[GOAL_FACTORS][-1]
+    for factor, (name, goal) in zip(factors.tolist(), model.goals.items(), strict=True):
+        if factor != 0:
+            gap = _gap(goal, trace.values, model.dt) if goal.safety else None
+            yield name, GoalCurve(_array(trace.costs[name]), goal.safety, gap)
+
+
+def _gap(goal: Goal, values: Mapping[str, Tensor], dt: float) -> FloatArray:
+    """The least gap of a safety goal, (n,)."""
+    with torch.no_grad():
+        return _array(goal.gaps({**values, "dt": dt}).amin(-1))
+
+
+def _meeting_curves(trace: StepTrace) -> Iterator[tuple[str, MeetingCurve]]:
+    """Where more than one gradient arrived."""
+    for name, quantity in trace.quantities.items():
+        if len(quantity.paths) > 1:
+            yield (
+                name,
+                MeetingCurve(
+                    labels=quantity.labels,
+                    goals=tuple("+".join(goals) for goals in quantity.goals),
+                    strengths=_array(quantity.strengths),
+                    leader=_indices(quantity.leader),
+                    opponent=_indices(quantity.opponent),
+                    cosine=_array(quantity.cosine),
+                    exploring=_flags(quantity.exploring),
+                ),
+            )
+
+
+def _actuator_curves(policy: Policy, trace: StepTrace) -> Iterator[tuple[str, ActuatorCurve]]:
+    for name, actuator in policy.model.actuators.items():
+        quantity = trace.quantities.get(name)
+        share = _share_of_limit(actuator, _array(trace.values[name]))
+        nothing = np.zeros(len(share))
+        yield (
+            name,
+            ActuatorCurve(
+                share=share,
+                gradient=nothing if quantity is None else _strongest(quantity),
+                escaping=nothing.astype(bool) if quantity is None else _flags(quantity.exploring),
+                smallest=_smallest_step(policy),
+                constraints=tuple(_name_of(one) for one in actuator.constraints),
+            ),
+        )
+
+
+def _share_of_limit(actuator: Actuator, action: FloatArray) -> FloatArray:
+    """The action by its limit: its norm (n, 1), or each component (n, size)."""
+    limit = np.atleast_1d(np.asarray(actuator.limit, dtype=np.float64))
+    if len(limit) == 1:
+        action = np.linalg.norm(action, axis=-1, keepdims=True)
+    return np.abs(action) / limit
+
+
+def _strongest(quantity: QuantityTrace) -> FloatArray:
+    """The norm of the strongest gradient, (n,)."""
+    return _array(quantity.strengths.amax(-1))
+
+
+def _smallest_step(policy: Policy) -> float | None:
+    """The last inner step of a descent with foresight, as a share of the limit."""
+    law = policy.law
+    return law.step / law.iterations if isinstance(law, Foresight) else None
+
+
+def _name_of(constraint: object) -> str:
+    """The name of a function, or of an object's class."""
+    return getattr(constraint, "__name__", type(constraint).__name__)
+
+
+def _array(tensor: Tensor) -> FloatArray:
+    return tensor.numpy(force=True).astype(np.float64)
+
+
+def _indices(tensor: Tensor) -> IntArray:
+    return tensor.numpy(force=True).astype(np.int64)
+
+
+def _flags(tensor: Tensor) -> BoolArray:
+    return tensor.numpy(force=True).astype(bool)

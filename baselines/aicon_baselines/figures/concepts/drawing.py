@@ -1,0 +1,123 @@
+"""How the pictures of concepts are drawn: the same colours and marks in all six."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch
+
+from aicon_baselines.figures.concepts.world import Wall
+from aicon_baselines.figures.nav2d.style import OBSTACLE, TARGET, TARGET_MARK
+from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.figures.rendering import save_picture
+from aicon_baselines.figures.style import EXPLORING, ROBOT
+
+REACH, AVOID, RESULT, EXPLORES = TARGET, OBSTACLE, ROBOT, EXPLORING
+"""Colours: what the goals "reach" and "avoid" want, what comes of it, and exploration."""
+
+INK, PALE = "#1d2127", "#8a919c"
+PATHS = {"reach": REACH, "avoid": AVOID}
+
+
+def new_figure(
+    columns: int, *, height: float = 3.4, widths: tuple[float, ...] = (), below: float = 0.1
+) -> list[Axes]:
+    """Panels side by side, of a figure that is 11 inches wide.
+
+    Args:
+        columns: Number of panels.
+        height: Of the figure, inches.
+        widths: Of the panels, in relation to each other.
+        below: Room for the labels of an axis, inches.
+    """
+    figure = Figure(figsize=(11, height), dpi=100)
+    grid = figure.add_gridspec(
+        1,
+        columns,
+        width_ratios=widths or (1,) * columns,
+        left=0.02,
+        right=0.98,
+        top=1 - 0.42 / height,
+        bottom=below / height,
+        wspace=0.16 if below > 0.1 else 0.08,
+    )
+    return [figure.add_subplot(grid[column]) for column in range(columns)]
+
+
+def as_world(axes: Axes, *, x: tuple[float, float], y: tuple[float, float], title: str) -> None:
+    """Let axes show a part of the world, without ticks."""
+    axes.set(xlim=x, ylim=y, aspect="equal", xticks=[], yticks=[])
+    axes.set_title(title, fontsize=11, loc="left", color=INK)
+    for spine in axes.spines.values():
+        spine.set_color("#c3c8d0")
+
+
+def draw_robot(axes: Axes, place: FloatArray) -> None:
+    """The robot at a place (2,)."""
+    axes.plot(*place, "o", color=ROBOT, markersize=13, markeredgecolor="white", zorder=6)
+
+
+def draw_target(axes: Axes, place: tuple[float, float]) -> None:
+    """The target."""
+    axes.plot(*place, **TARGET_MARK, zorder=6)
+
+
+def draw_wall(axes: Axes, wall: Wall) -> None:
+    """The wall."""
+    ends = np.array([wall.start, wall.end])
+    axes.plot(*ends.T, color=OBSTACLE, linewidth=9, solid_capstyle="round", zorder=3)
+
+
+def draw_arrow(
+    axes: Axes,
+    start: FloatArray,
+    vector: FloatArray,
+    color: str,
+    *,
+    width: float = 3.0,
+    **looks: Any,
+) -> None:
+    """An arrow from a point (2,) along a vector (2,)."""
+    if np.linalg.norm(vector) < 1e-6:
+        return
+    axes.add_patch(
+        FancyArrowPatch(
+            tuple(start),
+            tuple(start + vector),
+            arrowstyle="-|>",
+            mutation_scale=6 + 3 * width,
+            linewidth=width,
+            color=color,
+            shrinkA=0,
+            shrinkB=0,
+            joinstyle="miter",
+            **{"zorder": 5, **looks},
+        )
+    )
+
+
+def label(axes: Axes, place: FloatArray, text: str, color: str = INK, **looks: Any) -> None:
+    """Words at a place (2,)."""
+    axes.text(*place, text, color=color, **{"fontsize": 10, "zorder": 7, **looks})
+
+
+def note(axes: Axes, text: str, place: tuple[float, float] = (0.03, 0.05)) -> None:
+    """Words in a corner, in shares of the axes."""
+    axes.text(
+        *place,
+        text,
+        transform=axes.transAxes,
+        fontsize=9.5,
+        color="0.25",
+        linespacing=1.35,
+        va="bottom" if place[1] < 0.5 else "top",
+    )
+
+
+def save(axes: list[Axes], path: Path) -> None:
+    """Save the figure that these panels belong to."""
+    figure = axes[0].figure
+    assert isinstance(figure, Figure)
+    save_picture(figure, path)

@@ -1,0 +1,73 @@
+"""What exploration does: along the wall, while the conflict lasts."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from aicon_baselines.figures.concepts import drawing
+from aicon_baselines.figures.concepts.conflict import START, TARGET, WALL
+from aicon_baselines.figures.concepts.world import DT, Way, make_policy, run
+from aicon_baselines.figures.recording import to_array, true_intervals
+from aicon_baselines.figures.timeline import SHADE, simplify
+from aicon_torch import DirectDescent, Exploration
+
+
+def draw(path: Path) -> None:
+    """Save the picture."""
+    world, curves = drawing.new_figure(2, height=3.9, widths=(1.45, 1), below=0.5)
+    way = run(make_policy(law=DirectDescent()), START, TARGET, WALL, steps=300)
+
+    drawing.as_world(
+        world, x=(-1.85, 1.6), y=(-1.15, 1.4), title="Explore where they cancel: it gets around"
+    )
+    drawing.draw_wall(world, WALL)
+    drawing.draw_target(world, TARGET)
+    _draw_way(world, way)
+    _draw_moment(world, way)
+    _draw_cosine(curves, way)
+
+    drawing.save([world, curves], path)
+
+
+def _draw_way(axes: Axes, way: Way) -> None:
+    """The way, violet where it explored."""
+    axes.plot(*way.places.T, color=drawing.RESULT, linewidth=2.4)
+    for begin, end in true_intervals(np.array(way.exploring)):
+        axes.plot(*way.places[begin : end + 1].T, color=drawing.EXPLORES, linewidth=4)
+    drawing.draw_robot(axes, way.places[-1])
+    drawing.note(axes, "Violet: it moves in the nullspace of the stronger gradient.")
+
+
+def _draw_moment(axes: Axes, way: Way) -> None:
+    """The gradients in the middle of the exploration, and the direction that it takes."""
+    explored = np.flatnonzero(way.exploring)
+    step = int(explored[len(explored) // 2])
+    place, meeting = way.places[step], way.meetings[step]
+    for goals, descent in zip(meeting.goals, -to_array(meeting.gradients), strict=True):
+        drawing.draw_arrow(axes, place, 0.4 * descent, drawing.PATHS[goals[0]], width=2.2)
+
+    motion = way.places[step + 1] - place
+    drawing.draw_arrow(axes, place, 0.5 * motion / np.linalg.norm(motion), drawing.EXPLORES)
+    axes.plot(*place, "o", color="white", markeredgecolor=drawing.EXPLORES, markersize=9, zorder=6)
+
+
+def _draw_cosine(axes: Axes, way: Way) -> None:
+    """The cosine of the two, and where a conflict begins and ends."""
+    times = DT * np.arange(len(way.meetings))
+    axes.plot(times, [float(meeting.cosine) for meeting in way.meetings], color=drawing.INK)
+    for begin, end in true_intervals(np.array(way.exploring)):
+        axes.axvspan(DT * begin, DT * end, **SHADE)
+
+    bounds = Exploration()
+    for bound, words in (
+        (bounds.enter_cosine, "a conflict begins below"),
+        (bounds.exit_cosine, "and ends above"),
+    ):
+        axes.axhline(bound, color=drawing.PALE, linewidth=1, linestyle=(0, (3, 2)))
+        axes.text(
+            times[-1], bound + 0.04, f"{words} {bound:g}", ha="left", fontsize=9, color="0.35"
+        )
+    axes.set(xlabel="time, s", ylabel="cosine of the two", ylim=(-1.1, 1.1), xlim=(0, times[-1]))
+    axes.set_title("How much they oppose each other", fontsize=11, loc="left")
+    simplify(axes)

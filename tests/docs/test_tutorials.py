@@ -1,0 +1,72 @@
+"""Tutorials run from the first block to the last, and print what they say that they print."""
+
+import contextlib
+import importlib.util
+import io
+import os
+import re
+from pathlib import Path
+
+import pytest
+from _documents import ROOT
+
+from notebooks import NOTEBOOKS, PAGES, run_notebook, to_notebook
+
+NEEDED = {
+    "own_arm": ("pytorch_kinematics", "trimesh", "matplotlib"),
+    "own_object": ("pymunk", "matplotlib"),
+    "shield": ("matplotlib",),
+}
+BLOCK = re.compile(r"^```(python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+os.environ.setdefault("MPLBACKEND", "agg")
+
+
+def test_each_tutorial_is_on_the_site_and_runs_one_way_or_the_other() -> None:
+    names = {page.stem for page in PAGES}
+    assert names == {*NOTEBOOKS, *NEEDED}
+
+    contents = (ROOT / "docs" / "index.md").read_text()
+    for name in names:
+        assert f"tutorials/{name}\n" in contents
+
+
+@pytest.mark.parametrize("name", NEEDED)
+def test_the_program_of_a_tutorial_runs_and_prints_what_it_says(name: str) -> None:
+    for module in NEEDED[name]:
+        pytest.importorskip(module)
+
+    page = ROOT / "docs" / "tutorials" / f"{name}.md"
+    names: dict[str, object] = {"__name__": "__main__"}
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        for language, code in BLOCK.findall(page.read_text()):
+            if language == "python":
+                exec(compile(code, str(page), "exec"), names)
+
+    check_what_is_printed(page, printed.getvalue())
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_a_notebook_runs_and_prints_what_its_page_says(name: str, tmp_path: Path) -> None:
+    for module in ("jupytext", "nbclient", "ipykernel", "matplotlib"):
+        if importlib.util.find_spec(module) is None:
+            pytest.skip(f"{module} is not installed")
+
+    page = ROOT / "docs" / "tutorials" / f"{name}.md"
+    printed = run_notebook(to_notebook(page), tmp_path)
+
+    check_what_is_printed(page, "".join(printed))
+
+
+def check_what_is_printed(page: Path, printed: str) -> None:
+    """Every line that a page shows as output is printed, but for numbers."""
+    lines = {without_numbers(line) for line in printed.splitlines()}
+    for language, text in BLOCK.findall(page.read_text()):
+        if language == "text":
+            for line in text.splitlines():
+                assert without_numbers(line) in lines, line
+
+
+def without_numbers(line: str) -> str:
+    """A line with # for its numbers: they differ from machine to machine in the last digits."""
+    return re.sub(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?", "#", line.strip())
