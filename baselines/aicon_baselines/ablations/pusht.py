@@ -41,6 +41,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         # From the gradient to the command.
         "without_smoothing": {"law.smoothing": 0.0},
         "without_foresight": {"law": DirectDescent()},
+        "without_dither": {"law.dither": 0.0},
         "without_lag_compensation": {"compensate_lag": False},
     }
 )
