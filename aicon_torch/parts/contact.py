@@ -12,8 +12,9 @@ from torch import Tensor
 
 from aicon_torch.parts.planar import norm
 
-END_TOLERANCE = 1e-9
-"""Distance from the end of a side within which a point counts as that end, m."""
+END_TOLERANCE = 1e-6
+"""Distance from the end of a side within which a point counts as that end, m: what single precision
+rounds at a distance of some metres."""
 
 
 def tangent(x_side: Tensor) -> Tensor:
