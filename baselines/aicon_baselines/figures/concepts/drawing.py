@@ -100,7 +100,13 @@ def draw_arrow(
 
 def label(axes: Axes, place: FloatArray, text: str, color: str = INK, **looks: Any) -> None:
     """Words at a place (2,)."""
-    axes.text(*place, text, color=color, **{"fontsize": 10, "zorder": 7, **looks})
+    axes.text(
+        float(place[0]),
+        float(place[1]),
+        text,
+        color=color,
+        **{"fontsize": 10, "zorder": 7, **looks},
+    )
 
 
 def note(axes: Axes, text: str, place: tuple[float, float] = (0.03, 0.05)) -> None:

@@ -63,10 +63,11 @@ def _draw_costs(axes: Axes, foreseen: FloatArray, full: FloatArray) -> None:
     """The distance that is foreseen after each inner step."""
     distances = np.linalg.norm(foreseen - TARGET, axis=1)
     axes.plot(range(STEPS + 1), 100 * distances, "o-", color=drawing.RESULT, markersize=4)
-    axes.axhline(100 * np.linalg.norm(full - TARGET), color=drawing.PALE, linestyle=(0, (3, 3)))
+    after_full_speed = 100 * float(np.linalg.norm(full - TARGET))
+    axes.axhline(after_full_speed, color=drawing.PALE, linestyle=(0, (3, 3)))
     drawing.label(
         axes,
-        np.array([STEPS, 100 * np.linalg.norm(full - TARGET) + 0.12]),
+        np.array([STEPS, after_full_speed + 0.12]),
         "after one step at full speed",
         drawing.PALE,
         ha="right",

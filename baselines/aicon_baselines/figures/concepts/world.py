@@ -64,7 +64,7 @@ def move(a: Tensor, dt: float) -> Tensor:
 
 def far(target: Tensor) -> Tensor:
     """Cost of the goal "reach": the distance, m."""
-    return target.norm(dim=-1)
+    return torch.linalg.vector_norm(target, dim=-1)
 
 
 def near(wall: Tensor) -> Tensor:
@@ -110,7 +110,8 @@ def run(
 ) -> Way:
     """The robot's way from a start, until it arrives or has taken so many steps."""
     place = np.array(start)
-    places, meetings = [place], []
+    places = [place]
+    meetings: list[QuantityTrace] = []
     memory: Memory | None = None
 
     while len(meetings) < steps and np.linalg.norm(place - target) > 0.03:
