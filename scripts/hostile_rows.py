@@ -20,12 +20,15 @@ from aicon_baselines.cli.command_line import Command, run_command
 from aicon_torch import Policy, make_policy
 from aicon_torch.models.pusht import PIXEL
 
-BATCH, HOSTILE_STEPS, GOOD_STEPS = 500, 7, 3
-"""Rows of a batch; how many hostile steps come in a row, and then how many good ones."""
+HOSTILE_STEPS, GOOD_STEPS = 7, 3
+"""How many hostile steps come in a row, and then how many good ones."""
 
 SPECIAL = np.array(
     [np.nan, np.inf, -np.inf, 0.0, -0.0, 5e-324, 1e-300, 1e38, -1e38, 1e308, -1e308, 4.0, 1e6]
 )
+
+REACH_SPEED = 1.5
+"""Largest speed of a joint in the task "reach", rad/s."""
 
 Readings = dict[str, NDArray[Any]]
 
@@ -34,6 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare whose readings, and how many."""
     parser.add_argument("--task", choices=tuple(GOOD), required=True)
     parser.add_argument("--rows", type=int, default=1_000_000, help="readings in all")
+    parser.add_argument("--batch", type=int, default=10_000, help="of them at once")
     parser.add_argument("--seed", type=int, default=60_000)
     parser.add_argument("--tensors", action="store_true", help="tensors instead of arrays")
     parser.add_argument("--compile", action="store_true", help="the compiled policy")
@@ -42,36 +46,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run the steps, and print what was found."""
     torch.set_num_threads(1)
-    policy = make_policy(arguments.task, **OPTIONS[arguments.task])
+    policy = make_policy(arguments.task, **OPTIONS.get(arguments.task, dict)())
     if arguments.compile:
         policy = policy.compile()
 
     started = time.perf_counter()
-    counts = feed(policy, arguments.task, arguments.rows, arguments.seed, arguments.tensors)
+    counts = feed(policy, arguments)
     counts["seconds"] = round(time.perf_counter() - started)
     print(f"{arguments.task}: " + ", ".join(f"{key} {value}" for key, value in counts.items()))
     if counts["illegal"] or counts["unhealed"]:
         raise SystemExit(1)
 
 
-def feed(policy: Policy, task: str, rows: int, seed: int, tensors: bool) -> dict[str, int]:
+def feed(policy: Policy, arguments: argparse.Namespace) -> dict[str, int]:
     """Step through hostile and good readings; count what is not as it should be."""
-    generator = np.random.default_rng(seed)
+    task, batch = arguments.task, arguments.batch
+    generator = np.random.default_rng(arguments.seed)
     counts = {"rows": 0, "illegal": 0, "unhealed": 0}
     memory: Any = None
     step = 0
-    while counts["rows"] < rows:
+    while counts["rows"] < arguments.rows:
         is_good = step % (HOSTILE_STEPS + GOOD_STEPS) >= HOSTILE_STEPS
-        readings = GOOD[task](generator)
+        readings = GOOD[task](generator, batch)
         if not is_good:
             readings = {key: hostile(value, generator) for key, value in readings.items()}
 
         given: Mapping[str, Any] = readings
-        if tensors:
+        if arguments.tensors:
             given = {key: torch.as_tensor(value) for key, value in readings.items()}
         action, memory = policy.predict(given, memory)
 
-        counts["rows"] += BATCH
+        counts["rows"] += batch
         counts["illegal"] += int((~is_legal(task, np.asarray(action))).sum())
         if is_good:
             counts["unhealed"] += int((~is_finite(memory)).sum())
@@ -99,9 +104,10 @@ def hostile(reading: NDArray[np.float64], generator: np.random.Generator) -> NDA
 
 def is_finite(memory: Mapping[str, torch.Tensor]) -> NDArray[np.bool_]:
     """Which rows of a memory are finite, ``(B,)``."""
-    finite = torch.ones(BATCH, dtype=torch.bool)
+    rows = len(next(iter(memory.values())))
+    finite = torch.ones(rows, dtype=torch.bool)
     for value in memory.values():
-        finite &= value.reshape(BATCH, -1).isfinite().all(-1)
+        finite &= value.reshape(rows, -1).isfinite().all(-1)
     return finite.numpy()
 
 
@@ -112,45 +118,66 @@ def is_legal(task: str, action: NDArray[Any]) -> NDArray[np.bool_]:
         on_board: NDArray[np.bool_] = finite & ((action >= 0) & (action <= 512)).all(-1)
         return on_board
 
+    if task == "reach":
+        within: NDArray[np.bool_] = finite & (np.abs(action) <= REACH_SPEED * (1 + 1e-6)).all(-1)
+        return within
+
     limit = {"nav2d": 0.5, "panda_push": 1.6}[task]
     speed = np.linalg.norm(action.astype(np.float64), axis=-1)
     legal: NDArray[np.bool_] = finite & (speed <= limit * (1 + 1e-6))
     return legal
 
 
-def _nav2d(generator: np.random.Generator) -> Readings:
+def _nav2d(generator: np.random.Generator, count: int) -> Readings:
     return {
-        "bearing": generator.uniform(-np.pi, np.pi, (BATCH, 1)),
-        "range": generator.uniform(0.0, 20.0, (BATCH, 1)),
+        "bearing": generator.uniform(-np.pi, np.pi, (count, 1)),
+        "range": generator.uniform(0.0, 20.0, (count, 1)),
     }
 
 
-def _pusht(generator: np.random.Generator) -> Readings:
+def _pusht(generator: np.random.Generator, count: int) -> Readings:
     from aicon_torch.models.pusht import Options, rigid_object
 
     body = rigid_object(Options())
-    places = generator.uniform(100.0, 400.0, (BATCH, 2)) * PIXEL
-    poses = np.concatenate((places, generator.uniform(-np.pi, np.pi, (BATCH, 1))), axis=-1)
+    places = generator.uniform(100.0, 400.0, (count, 2)) * PIXEL
+    poses = np.concatenate((places, generator.uniform(-np.pi, np.pi, (count, 1))), axis=-1)
     keypoints = body.keypoints_at(torch.as_tensor(poses)).flatten(-2).numpy() / PIXEL
     return {
-        "agent_pos": generator.uniform(0.0, 512.0, (BATCH, 2)),
+        "agent_pos": generator.uniform(0.0, 512.0, (count, 2)),
         "environment_state": keypoints,
     }
 
 
-def _panda_push(generator: np.random.Generator) -> Readings:
+def _panda_push(generator: np.random.Generator, count: int) -> Readings:
     from aicon_torch.models.panda_push import PANDA
 
     near, far = np.array([0.4, -0.2, -np.pi]), np.array([0.7, 0.2, np.pi])
     return {
-        "q": generator.uniform(PANDA.low, PANDA.high, (BATCH, 7)),
-        "target": generator.uniform(near, far, (BATCH, 3)),
-        "object_pose": generator.uniform(near, far, (BATCH, 3)),
+        "q": generator.uniform(PANDA.low, PANDA.high, (count, 7)),
+        "target": generator.uniform(near, far, (count, 3)),
+        "object_pose": generator.uniform(near, far, (count, 3)),
     }
 
 
-GOOD = {"nav2d": _nav2d, "pusht": _pusht, "panda_push": _panda_push}
-OPTIONS: dict[str, dict[str, Any]] = {"nav2d": {}, "pusht": {}, "panda_push": {"sensing": "pose"}}
+def _reach(generator: np.random.Generator, count: int) -> Readings:
+    return {
+        "q": generator.uniform(-1.5, 1.5, (count, 6)),
+        "target_position": generator.uniform(-0.6, 0.6, (count, 3)),
+    }
+
+
+def _ur5() -> dict[str, Any]:
+    from aicon_baselines.tasks import load
+
+    return load("reach").policy_options("ur5_position_home")
+
+
+def _observed_pose() -> dict[str, Any]:
+    return {"sensing": "pose"}
+
+
+GOOD = {"nav2d": _nav2d, "pusht": _pusht, "panda_push": _panda_push, "reach": _reach}
+OPTIONS = {"panda_push": _observed_pose, "reach": _ur5}
 
 COMMAND = Command(__doc__, add_arguments, run)
 

@@ -10,6 +10,7 @@ the tip's axis ``(*B, 3)``, or a quaternion (w, x, y, z) ``(*B, 4)``. Where ther
 import copy
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from torch import Tensor
 
@@ -36,6 +37,12 @@ JOINT_DRIFT = 1e-6
 
 UNKNOWN_JOINT = 10.0
 """Variance of a joint before it is read, rad²."""
+
+ANYWHERE = (-100.0, 100.0)
+"""Range of angles, places and components of a direction, rad and m."""
+
+MAX_GAP = 2.5
+"""Steps without a reading of the joints after which the arm slows down."""
 
 
 def build(options: Options) -> Policy:
@@ -80,16 +87,22 @@ def _robot(options: Options) -> Robot:
 
 def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
     """The joints and the target."""
+    watched: dict[str, Any] = {}
+    if options.watchdog:
+        watched = {"max_age": MAX_GAP * options.dt, "driven_by": "a"}
+    joints = len(robot.chain.names)
     sensors = {
-        "z_joints": Sensor(len(robot.chain.names), "rad or m", key="q"),
-        "z_position": Sensor(3, "m", key="target_position"),
+        "z_joints": Sensor(joints, "rad or m", key="q", range=ANYWHERE, **watched),
+        "z_position": Sensor(3, "m", key="target_position", range=ANYWHERE),
     }
+
+    told: dict[str, Any] = {"key": "target_orientation", "range": ANYWHERE}
     if options.orientation == "axis":
-        sensors["z_orientation"] = Sensor(3, "a direction", key="target_orientation")
+        sensors["z_orientation"] = Sensor(3, "a direction", **told)
     if options.orientation == "full":
-        sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", key="target_orientation")
+        sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **told)
     for ball in _balls(options):
-        sensors[f"z_{ball}"] = Sensor(3, "m", key=ball)
+        sensors[f"z_{ball}"] = Sensor(3, "m", key=ball, range=ANYWHERE)
     return sensors
 
 

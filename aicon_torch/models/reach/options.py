@@ -42,6 +42,7 @@ class Options:
         damping: Of the pseudo-inverse of the Jacobian, m/rad.
         tolerance: Within which a target asks for nothing, m.
         joint_noise: Standard deviation of the encoders, rad.
+        watchdog: Whether the arm stops on readings of its joints that are too old or frozen.
     """
 
     robot: Robot | str | Path | None = None
@@ -66,6 +67,7 @@ class Options:
     damping: float = 0.05
     tolerance: float = 0.001
     joint_noise: float = 1e-4
+    watchdog: bool = True
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves.
