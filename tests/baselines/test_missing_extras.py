@@ -99,7 +99,7 @@ def test_a_robot_that_reaches_names_its_extra(monkeypatch: pytest.MonkeyPatch) -
 
     hide(monkeypatch, "trimesh")
     with pytest.raises(ModuleNotFoundError, match=r"pip install 'aicon-torch\[reach\]'"):
-        urdf.read_description(robots["ur5"])
+        urdf.read_description(robots["kinova"])  # whose meshes are Collada
 
 
 def test_every_extra_is_tried() -> None:

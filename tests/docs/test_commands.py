@@ -79,6 +79,6 @@ def check_names(arguments: argparse.Namespace) -> None:
 
 def known_conditions(task: str) -> tuple[str, ...]:
     """The conditions of a task whose environment is installed."""
-    if task == "panda_push":
+    if task in ("arm_push", "panda_push"):
         pytest.importorskip("mujoco")
     return tasks.load(task).conditions
