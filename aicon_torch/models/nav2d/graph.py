@@ -121,10 +121,14 @@ def _watched(options: Options) -> dict[str, Any]:
 
 
 def _actuator(options: Options) -> Actuator:
-    """The velocity, which late readings limit where obstacles are near."""
-    limits: tuple[ClearanceLimits, ...] = ()
-    if options.delay:
-        limits = (ClearanceLimits.for_latency(options.delay * options.dt),)
+    """The velocity, limited where obstacles are near by readings that are late or jump.
+
+    The nearest point of an obstacle jumps from one wall to another. Where its direction is read,
+    the velocity turns with it, and is the wrong one for a step.
+    """
+    jumps = options.sensing == "range_bearing"
+    latency = (options.delay + jumps) * options.dt
+    limits = (ClearanceLimits.for_latency(latency),) if latency else ()
     return Actuator(2, "m/s", limit=options.max_speed, constraints=limits, key="executed")
 
 
