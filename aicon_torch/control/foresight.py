@@ -29,7 +29,8 @@ class Foresight:
 
     The descent begins with a dither u in [−1, 1], another one at every step and the same at every
     run. Without noise, a descent that always begins at rest can repeat itself for ever: to and fro
-    along a line, or around a corner. A redundant robot is dithered in its nullspace as well.
+    along a line, or around a corner. A component that nothing pulls goes back to rest; in a
+    nullspace across several components, as a redundant arm has, the dither is left.
 
     Attributes:
         iterations: K.
@@ -80,10 +81,10 @@ class Foresight:
         length = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
         down = -longest * gradient / length.clamp(min=torch.finfo(length.dtype).tiny)
 
-        # Where there is no direction, or where a cost overflows, it goes back to rest.
+        # A component that nothing pulls, or a cost that overflows, goes back to rest.
         to_rest = -torch.minimum(torch.maximum(action, -longest), longest)
-        has_direction = (length > 0) & length.isfinite()
-        return actuator.clip(action + torch.where(has_direction, down, to_rest))
+        pulls = (down != 0) & down.isfinite()
+        return actuator.clip(action + torch.where(pulls, down, to_rest))
 
     def finish(self, action: Tensor, last: Tensor, actuator: Actuator, dt: float) -> Tensor:
         """The low-pass."""

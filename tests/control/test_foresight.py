@@ -131,6 +131,14 @@ def test_every_descent_begins_elsewhere_within_its_share_of_the_limit() -> None:
     assert not Foresight(dither=0).start(last, steps, LIMITED).any()
 
 
+def test_a_component_that_nothing_pulls_goes_back_to_rest() -> None:
+    law, actuator = Foresight(step=0.4), Actuator(2, "m/s", (0.5, 0.5))
+    action = torch.tensor([0.3, 0.1], dtype=torch.float64)
+    gradient = torch.tensor([0.0, 2.0], dtype=torch.float64)
+    nearer = law.descend(action, gradient, torch.tensor(2.0), actuator)
+    torch.testing.assert_close(nearer, torch.tensor([0.2, 0.0], dtype=torch.float64))
+
+
 def test_a_robot_that_nothing_pulls_rests() -> None:
     policy = foreseeing((3.0, -1.0))
     readings = walled(60)

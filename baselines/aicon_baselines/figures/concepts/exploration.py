@@ -66,7 +66,12 @@ def _draw_cosine(axes: Axes, way: Way) -> None:
     ):
         axes.axhline(bound, color=drawing.PALE, linewidth=1, linestyle=(0, (3, 2)))
         axes.text(
-            times[-1], bound + 0.04, f"{words} {bound:g}", ha="left", fontsize=9, color="0.35"
+            times[-1] - 0.1,
+            bound + 0.04,
+            f"{words} {bound:g}",
+            ha="right",
+            fontsize=9,
+            color="0.35",
         )
     axes.set(xlabel="time, s", ylabel="cosine of the two", ylim=(-1.1, 1.1), xlim=(0, times[-1]))
     axes.set_title("How much they oppose each other", fontsize=11, loc="left")
