@@ -235,6 +235,7 @@ ELEMENTWISE: dict[str, Translation] = {
 for _name in (
     *("neg", "abs", "maximum", "minimum", "remainder", "floor", "ceil", "round", "trunc", "mul"),
     *("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan", "atan2"),
+    "hypot",
     *("sinh", "cosh", "tanh", "erf", "eq", "ne", "lt", "le", "gt", "ge", "where"),
 ):
     ELEMENTWISE[_name] = elementwise(_name)

@@ -75,6 +75,7 @@ OPERATIONS: dict[str, Operation] = {
     "acos": Operation("acos{f}({0})", np.arccos),
     "atan": Operation("atan{f}({0})", np.arctan),
     "atan2": Operation("atan2{f}({0}, {1})", np.arctan2),
+    "hypot": Operation("hypot{f}({0}, {1})", np.hypot),
     "sinh": Operation("sinh{f}({0})", np.sinh),
     "cosh": Operation("cosh{f}({0})", np.cosh),
     "tanh": Operation("tanh{f}({0})", np.tanh),
