@@ -45,6 +45,7 @@ FUNCTIONS: dict[str, Function] = {
     # Element by element.
     "arithmetic": lambda x: (x * 2 - x / 3 + 1).abs() - x.neg() ** 2 + x.square().sqrt(),
     "functions": lambda x: torch.exp(x) + torch.sin(x) * torch.cos(x) + torch.tanh(x) + x.erf(),
+    "lengths": lambda x: torch.hypot(x, x.flip(0)),
     "angles": lambda x: torch.atan2(x, x.flip(0)) + torch.remainder(x, 2.0) + x.sigmoid(),
     "lengths": lambda x: torch.hypot(x, x.flip(0)),
     "bounds": lambda x: x.clamp(-0.5, 0.5) + torch.maximum(x, x.flip(0)) + x.clamp(min=0.1),

@@ -98,18 +98,20 @@ def _mesh_of_geom(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
 
 def _primitive(kind: int, size: FloatArray) -> trimesh.Trimesh:
     """A simple shape by MuJoCo's type and sizes: half lengths, the radius first."""
-    radius, half = float(size[0]), float(size[1])
+    radius, length = float(size[0]), 2.0 * float(size[1])
+    shape: trimesh.Trimesh
     if kind == _Shape.mjGEOM_PLANE:
-        extent = [length if length > 0.0 else _PLANE for length in size[:2].tolist()]
-        return trimesh.creation.box((2.0 * extent[0], 2.0 * extent[1], 1e-4))
-    if kind == _Shape.mjGEOM_BOX:
-        return trimesh.creation.box(2.0 * size)
-    if kind == _Shape.mjGEOM_CYLINDER:
-        return trimesh.creation.cylinder(radius, 2.0 * half, sections=24)
-    if kind == _Shape.mjGEOM_CAPSULE:
-        return trimesh.creation.capsule(2.0 * half, radius, count=[16, 16])
-
-    # Spheres have one size, ellipsoids three.
-    ball = trimesh.creation.icosphere(3)
-    scale = size if kind == _Shape.mjGEOM_ELLIPSOID else np.full(3, radius)
-    return trimesh.Trimesh(ball.vertices * scale, ball.faces, process=False)
+        extent = [side if side > 0.0 else _PLANE for side in size[:2].tolist()]
+        shape = trimesh.creation.box((2.0 * extent[0], 2.0 * extent[1], 1e-4))
+    elif kind == _Shape.mjGEOM_BOX:
+        shape = trimesh.creation.box(2.0 * size)
+    elif kind == _Shape.mjGEOM_CYLINDER:
+        shape = trimesh.creation.cylinder(radius, length, sections=24)
+    elif kind == _Shape.mjGEOM_CAPSULE:
+        shape = trimesh.creation.capsule(length, radius, count=[16, 16])
+    else:
+        # Spheres have one size, ellipsoids three.
+        ball = trimesh.creation.icosphere(3)
+        scale = size if kind == _Shape.mjGEOM_ELLIPSOID else np.full(3, radius)
+        shape = trimesh.Trimesh(ball.vertices * scale, ball.faces, process=False)
+    return shape

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_baselines.view.outlines import arrow_outline, circle, triangulate
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.style import Color
 
@@ -97,7 +97,7 @@ class Canvas:
             return
 
         self._sizes[name] = sizes
-        self._add_mesh(name, vertices, _triangulate(rings), color, opacity)
+        self._add_mesh(name, vertices, triangulate(rings), color, opacity)
 
     def ellipse(
         self,
@@ -111,7 +111,7 @@ class Canvas:
         """Fill an ellipse of two standard deviations around a mean (2,), covariance (2, 2)."""
         variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
         axes = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
-        ring = np.asarray(center, np.float64) + _circle() @ axes.T
+        ring = np.asarray(center, np.float64) + circle() @ axes.T
         self.fill(name, [ring], color, layer, opacity)
 
     def disc(
@@ -124,7 +124,7 @@ class Canvas:
         opacity: float | None = None,
     ) -> None:
         """Fill a disc."""
-        ring = np.asarray(center, np.float64) + radius * _circle()
+        ring = np.asarray(center, np.float64) + radius * circle()
         self.fill(name, [ring], color, layer, opacity)
 
     def line(
@@ -171,7 +171,7 @@ class Canvas:
         along /= norm
         across = np.array([-along[1], along[0]])
         start = self.to_scene(tail, layer)
-        corners = _arrow_outline(length, width) @ np.stack([along, across])
+        corners = arrow_outline(length, width) @ np.stack([along, across])
         vertices = start + np.pad(corners, ((0, 0), (0, 1)))
         if name in self._handles:
             self._move(name, vertices, color)
@@ -222,32 +222,3 @@ class Canvas:
             cast_shadow=False,
             receive_shadow=False,
         )
-
-
-def _circle(count: int = 48) -> FloatArray:
-    """Points on the unit circle, (count, 2)."""
-    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    circle: FloatArray = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    return circle
-
-
-def _arrow_outline(length: float, width: float) -> FloatArray:
-    """Corners of a shaft and a head along the first axis, (7, 2)."""
-    head_width = max(2.6 * width, 0.16)
-    neck = length - min(1.1 * head_width, 0.6 * length)
-    shaft = [(0.0, -width / 2), (neck, -width / 2), (neck, width / 2), (0.0, width / 2)]
-    head = [(neck, -head_width / 2), (length, 0.0), (neck, head_width / 2)]
-    return np.array(shaft + head)
-
-
-def _triangulate(rings: Sequence[FloatArray]) -> NDArray[np.int_]:
-    """Triangles that fill polygons without holes: indices into all their points, (F, 3)."""
-    faces, first = [], 0
-    for ring in rings:
-        pieces = shapely.constrained_delaunay_triangles(shapely.Polygon(ring))
-        for triangle in shapely.get_parts(pieces):
-            corners = shapely.get_coordinates(triangle)[:3]
-            gaps = np.linalg.norm(corners[:, np.newaxis] - ring, axis=-1)
-            faces.append(first + gaps.argmin(axis=1))
-        first += len(ring)
-    return np.array(faces)

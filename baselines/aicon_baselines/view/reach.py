@@ -25,7 +25,7 @@ class ReachScene(ArmScene):
     """An arm that reaches, in the frame of its root, m."""
 
     title: ClassVar[str] = (
-        "An arm reaches for a pose. Its goals are the target and, safe above all, its joints' "
+        "An arm reaches for a pose. Its goals are the target and, before that, its joints' "
         "limits and the gaps to itself and to the ball."
     )
     legend: ClassVar[Mapping[str, Color]] = {

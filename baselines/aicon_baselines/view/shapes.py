@@ -44,7 +44,7 @@ class Shapes:
         points = np.stack([tail, tail + along])[np.newaxis].astype(np.float32)
         if name in self._handles:
             handle = self._handles[name]
-            handle.points, handle.colors = points, np.array(color, np.uint8)
+            handle.points, handle.colors = points, _linear(color)
             handle.shaft_radius, handle.head_radius = width / 2.0, 1.4 * width
             handle.visible = True
             return
@@ -52,7 +52,7 @@ class Shapes:
         self._handles[name] = self._scene.add_arrows(
             f"/{name}",
             points,
-            np.array(color, np.uint8),
+            _linear(color),
             shaft_radius=width / 2.0,
             head_radius=1.4 * width,
             head_length=0.03,
@@ -152,3 +152,9 @@ class Shapes:
         self._handles[name] = self._scene.add_label(
             f"/{name}", text, position=place, anchor="bottom-center", font_screen_scale=0.9
         )
+
+
+def _linear(color: Color) -> NDArray[np.uint8]:
+    """A colour as arrows take it: proportional to light, not to what the eye sees."""
+    shares = np.array(color) / 255.0
+    return np.asarray(np.round(255.0 * shares**2.2), np.uint8)

@@ -8,7 +8,8 @@ import pytest
 pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.view.canvas import Canvas, _triangulate
+from aicon_baselines.view.canvas import Canvas
+from aicon_baselines.view.outlines import triangulate
 from aicon_baselines.view.server import serve
 
 
@@ -34,7 +35,7 @@ def test_triangles_cover_polygons_that_are_not_convex() -> None:
     points = np.concatenate(rings)
 
     area = 0.0
-    for a, b, c in points[_triangulate(rings)]:
+    for a, b, c in points[triangulate(rings)]:
         (x1, y1), (x2, y2) = b - a, c - a
         area += 0.5 * abs(x1 * y2 - x2 * y1)
     assert area == pytest.approx(10.0)

@@ -14,7 +14,7 @@ from aicon_baselines.view.graph_picture import GraphPicture, edge_shares
 def test_edges_are_as_wide_as_their_gradients_are_strong() -> None:
     trace = open_episode("nav2d", seed=1006).trace
     (meeting,) = (met for met in trace.quantities.values() if len(met.paths) > 1)
-    edges = set()
+    edges: set[tuple[str, str]] = set()
     for path in meeting.paths:
         edges.update(pairwise(path))
 

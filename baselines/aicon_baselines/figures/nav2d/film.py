@@ -70,14 +70,15 @@ def draw_film(
     Args:
         recording: The rollout.
         path: Where to save the video.
-        spacing: Distance of the sampled positions, m.
+        spacing: Distance of the sampled positions, m; twice as much in a moving picture.
         progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
         ComparisonError: If imageio is not installed and the video is an mp4.
     """
-    dpi = 60 if is_moving_picture(path) else 100
-    film = NavigationFilm(recording, grid_around(recording, spacing), dpi)
+    small = is_moving_picture(path)
+    grid = grid_around(recording, 2.0 * spacing if small else spacing)
+    film = NavigationFilm(recording, grid, dpi=60 if small else 100)
 
     rate = _frame_rate(path)
     steps = track(film_steps(recording, path), "video", progress)

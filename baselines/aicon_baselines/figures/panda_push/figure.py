@@ -36,7 +36,7 @@ def make_figure(
     picture = out / "panda_push_film.png"
 
     # The episode, and the picture from its middle.
-    policy = make_policy("panda_push", **TASK.policy_options("camera"))
+    policy = make_policy("panda_push", **TASK.policy_options("camera")).compile()
     recording = record(policy, seed, horizon, progress=progress)
     draw_still(recording, picture)
     files = [picture]

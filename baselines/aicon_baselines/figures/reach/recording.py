@@ -71,7 +71,7 @@ def record(
     Raises:
         RuntimeError: If nothing can be rendered.
     """
-    size = {"render_width": 480, "render_height": 480}
+    size: dict[str, Any] = {"render_width": 480, "render_height": 480}
     env = ReachEnv(robot, balls=balls, render_mode="rgb_array", **size)
     observation, info = env.reset(seed=seed)
     frames, rows, state = [_picture(env)], [], None
