@@ -32,6 +32,7 @@ def to_notebook(page: Path) -> Any:
     text = page.read_text()
     for pattern in (_PICTURE, _PRINTED):
         text = pattern.sub("", text)
+    text = text.replace("```bash\n", "```console\n")  # commands are shown, and not run
     notebook: Any = jupytext.reads(text, fmt="md")
     notebook.metadata["kernelspec"] = {
         "name": "python3",

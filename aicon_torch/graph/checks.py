@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
+from torch import Tensor
+
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
@@ -126,12 +128,18 @@ def attempt(node: Estimator | Goal, call: Callable[[], Result]) -> Result:
     """Run a user's function, and name its node where shapes do not fit or a value is not there yet.
 
     Raises:
-        GraphError: If it fails.
+        GraphError: If it fails, or returns something else than tensors.
     """
     try:
-        return call()
+        result = call()
     except GraphError:
         raise
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
         name = names_of(node)[0]
         raise GraphError(f"{name!r} cannot be evaluated on its inputs: {error!r}") from error
+
+    named = result if isinstance(result, dict) else {names_of(node)[0]: result}
+    for name, value in named.items():
+        if not isinstance(value, Tensor):
+            raise GraphError(f"{name!r} is a {type(value).__name__}; expected a tensor of torch.")
+    return result

@@ -38,10 +38,26 @@ def summed_over_everything(a: Tensor) -> Tensor:
     return a.sum()
 
 
+def in_numpy(a: Tensor) -> Any:
+    return a.detach().numpy()
+
+
+def a_number(a: Tensor) -> Any:
+    return float(a.sum())
+
+
 MISSHAPEN: dict[str, tuple[Callable[[], Any], str]] = {
     "shapes that do not match": (
         lambda: tracking_model(Deterministic("x", Affine(a=torch.ones(3, 5))), TRACK),
         r"'x' cannot be evaluated",
+    ),
+    "an array of numpy": (
+        lambda: tracking_model(Deterministic("x", in_numpy), TRACK),
+        r"'x' is a ndarray; expected a tensor",
+    ),
+    "a cost that is a number": (
+        lambda: tracking_model(MOVE, TRACK, goals=[Goal("far", a_number)]),
+        r"'far' is a float; expected a tensor",
     ),
     "a prediction of another size": (
         lambda: tracking_model(

@@ -69,7 +69,7 @@ def far(target: Tensor) -> Tensor:
 
 def near(wall: Tensor) -> Tensor:
     """Cost of the goal "avoid": it rises toward the wall, and is nothing from 0.6 m on."""
-    return 0.6 * torch.relu(1.0 - wall.norm(dim=-1) / REACH) ** 2
+    return 0.6 * torch.relu(1.0 - torch.linalg.vector_norm(wall, dim=-1) / REACH) ** 2
 
 
 def make_policy(resolution: Resolution | None = None, law: ActionLaw | None = None) -> Policy:
