@@ -32,7 +32,7 @@ UNFILTERED_NOISE = 1e-6 * PIXEL
 """Standard deviation of keypoints that are taken as they come, m: next to nothing."""
 
 TOUCH_DEVIATION = 1.0 * PIXEL
-"""Standard deviation of the gap to an object that is touched, m: the simulation lets them overlap."""
+"""Standard deviation of the gap to an object that is touched, m: in the simulation they overlap."""
 
 STIR, STIR_DEVIATIONS = 0.5 * PIXEL, 6.0
 """Motion of a keypoint from which on the object was pushed, m, besides what is noise."""
