@@ -18,6 +18,7 @@ from aicon_torch import Policy, StepTrace
 from aicon_torch.control import QuantityTrace
 from aicon_torch.models.panda_push import PANDA, Options, end_effector
 from aicon_torch.parts.camera import Visibility
+from aicon_torch.parts.end_effector import EndEffector
 
 CONFLICT_QUANTITIES = ("x_pusher", "x_ee", "x_joints")
 """Where gradients meet: the sides of the object, the goals of the end effector, all goals."""
@@ -29,7 +30,6 @@ _HEIGHT = 0.02  # m, at which the tip is to be, and the object's centre is
 _SETTLING_STEPS = 100  # in which the tip comes down to it
 _MILLIMETRES = 1e3
 
-_END_EFFECTOR = end_effector(Options())
 _VISIBILITY = Visibility(PANDA.intrinsics, (1.0, 1.0, 1.0), edge_growth=0.0, height=_HEIGHT)
 
 
@@ -61,6 +61,7 @@ def watch(
 
     found: dict[int, EpisodeNumbers] = {}
 
+    arm = end_effector(Options(robot=TASK.policy_options(condition)["robot"]))
     env = TASK.make_env(len(episodes), condition, horizon)
     try:
         observation, _ = env.reset(**TASK.reset_arguments(episodes))
@@ -69,7 +70,7 @@ def watch(
 
         while missing - set(found):
             action, memory = policy.predict(observation, memory, starts)
-            facts = read_facts(policy.trace(memory))
+            facts = read_facts(policy.trace(memory), arm)
             observation, _, terminated, truncated, info = env.step(action)
 
             # Each episode that was still going on takes its numbers of this step.
@@ -109,8 +110,8 @@ class StepFacts:
     raises_leader: NDArray[np.bool_]
 
 
-def read_facts(trace: StepTrace) -> StepFacts:
-    """Read them off the trace of the step."""
+def read_facts(trace: StepTrace, arm: EndEffector) -> StepFacts:
+    """Read them off the trace of the step of an arm."""
     resolved = {}
     for name in CONFLICT_QUANTITIES:
         if name in trace.quantities:
@@ -120,11 +121,11 @@ def read_facts(trace: StepTrace) -> StepFacts:
         position=trace.values["x_pose"][..., :2].numpy(),
         camera=trace.values.get("x_cam"),
         resolved=resolved,
-        raises_leader=(change_of_leader(trace) > 1e-9).numpy(),
+        raises_leader=(change_of_leader(trace, arm) > 1e-9).numpy(),
     )
 
 
-def change_of_leader(trace: StepTrace) -> Tensor:
+def change_of_leader(trace: StepTrace, arm: EndEffector) -> Tensor:
     """Predicted change of the cost whose gradient leads, ``(B,)``, per s.
 
     Where that gradient came from the end effector, it is the one that leads there, by the motion
@@ -141,7 +142,7 @@ def change_of_leader(trace: StepTrace) -> Tensor:
     if "x_ee" not in trace.quantities:
         return change
 
-    jacobian = _END_EFFECTOR.jacobian(trace.values["x_joints"])
+    jacobian = arm.jacobian(trace.values["x_joints"])
     motion = (jacobian @ action.unsqueeze(-1)).squeeze(-1)
     change_there = (_leading_gradient(trace.quantities["x_ee"]) * motion).sum(-1)
 

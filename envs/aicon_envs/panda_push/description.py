@@ -68,9 +68,9 @@ def describe(model: mujoco.MjModel, arm: Arm, width: int, height: int) -> dict[s
 
 
 def _transform(model: mujoco.MjModel, above: int, below: int) -> FloatArray:
-    """Return the transform ``(4, 4)`` of a body in one above it, from which no joint leads there.
+    """Return the fixed transform ``(4, 4)`` of a body in one above it.
 
-    That of the joint just above the body, if there is one, is left out.
+    Only the lower body may have a joint, which moves it after this transform.
     """
     transform = np.eye(4)
     while below != above:

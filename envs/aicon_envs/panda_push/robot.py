@@ -63,12 +63,11 @@ def equip_robot(spec: mujoco.MjSpec, arm: Arm, description: Description) -> None
         raise ValueError(f"gains must be one pair for each of {count} joints, got {arm.gains}")
 
     _prepare_arm(spec)
-    for index, name in enumerate(description.joints):
-        joint, speed = spec.joint(name), description.speeds[index]
+    for index, (name, speed) in enumerate(zip(description.joints, description.speeds, strict=True)):
+        joint = spec.joint(name)
         _check_joint(joint, speed)
-        _add_servo(
-            spec, joint, speed, _default_gains(joint) if arm.gains is None else arm.gains[index]
-        )
+        gains = _default_gains(joint) if arm.gains is None else arm.gains[index]
+        _add_servo(spec, joint, speed, gains)
 
     tool = _add_tool(spec, arm.tip)
     _add_camera(tool)
@@ -84,13 +83,13 @@ def _check_joint(joint: mujoco.MjsJoint, speed: float) -> None:
         ValueError: If it does not; it names the joint and what its description lacks.
     """
     low, high = joint.range
-    lacks = {
+    needs = {
         "turn": joint.type == mujoco.mjtJoint.mjJNT_HINGE,
         "have limits": low < high,
         "have a largest speed": math.isfinite(speed),
         "have a largest torque": joint.actfrcrange[1] > 0.0,
     }
-    for what, is_there in lacks.items():
+    for what, is_there in needs.items():
         if not is_there:
             raise ValueError(f"robot: its joint {joint.name} must {what}, for the stick to push")
 
