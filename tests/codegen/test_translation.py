@@ -47,7 +47,6 @@ FUNCTIONS: dict[str, Function] = {
     "functions": lambda x: torch.exp(x) + torch.sin(x) * torch.cos(x) + torch.tanh(x) + x.erf(),
     "lengths": lambda x: torch.hypot(x, x.flip(0)),
     "angles": lambda x: torch.atan2(x, x.flip(0)) + torch.remainder(x, 2.0) + x.sigmoid(),
-    "lengths": lambda x: torch.hypot(x, x.flip(0)),
     "bounds": lambda x: x.clamp(-0.5, 0.5) + torch.maximum(x, x.flip(0)) + x.clamp(min=0.1),
     "logic": lambda x: torch.where((x > 0) & ~(x > 1) | (x < -1), x, -x) + (x > 0).to(x.dtype),
     "missing": lambda x: (x / (x - x)).nan_to_num(nan=3.0, posinf=2.0, neginf=1.0),
