@@ -8,6 +8,9 @@ from aicon_torch.resolution import Memory
 from aicon_torch.safety import ConstraintEscape, SafeAction
 from aicon_torch.vectors import unit
 
+JUMP = 2.0
+"""A cost that grows by more than so many steps at full speed is that of other goals."""
+
 
 def initial_escape(size: int) -> Memory:
     """Not escaping, and nothing was reached yet: what is remembered, without batch dimensions.
@@ -23,6 +26,7 @@ def initial_escape(size: int) -> Memory:
         "lowest": torch.tensor(torch.inf),
         "best": torch.tensor(torch.inf),
         "tries": torch.tensor(0),
+        "before": torch.tensor(torch.inf),
     }
 
 
@@ -68,15 +72,23 @@ class Stalemate:
         falls = now < share * memory["lowest"]
         is_stuck = ~falls & (clock >= self.options.patience) & (now > self.options.near)
         begins = ~was_escaping & is_stuck
-        ends = was_escaping & self._is_out(cost, safe.action, clock, memory["by_force"])
+        steepness = cost.steepness(self.limits.to(wish))
+        is_out = self._is_out(cost, steepness, safe.action, clock, memory["by_force"])
+
+        # A cost that grows by more than a step can do is that of other goals: all begins anew.
+        before, fastest = memory["before"], torch.linalg.vector_norm(self.limits.to(wish))
+        by_motion = JUMP * steepness * fastest
+        is_other = now > before + torch.maximum(by_motion, self.options.progress * before)
+        begins = begins & ~is_other
+        ends = was_escaping & (is_out | is_other)
 
         # Every escape without a new best cost is one more try.
-        is_best = ~was_escaping & (now < share * memory["best"])
+        is_best = is_other | (~was_escaping & (now < share * memory["best"]))
         tries = torch.where(is_best, 0, memory["tries"])
         by_force, direction = self._way_out(wish, safe.force, tries)
 
         # The clock begins anew with every escape, attempt and progress.
-        restarts = begins | ends | (~was_escaping & falls)
+        restarts = begins | ends | is_other | (~was_escaping & falls)
         return {
             "escaping": (was_escaping | begins) & ~ends,
             "by_force": torch.where(begins, by_force, memory["by_force"]),
@@ -85,14 +97,20 @@ class Stalemate:
             "lowest": torch.where(restarts, now, memory["lowest"]),
             "best": torch.where(is_best, now, memory["best"]),
             "tries": tries + begins,
+            "before": now,
         }
 
     def _is_out(
-        self, cost: FollowedCost, action: Tensor, clock: Tensor, by_force: Tensor
+        self,
+        cost: FollowedCost,
+        steepness: Tensor,
+        action: Tensor,
+        clock: Tensor,
+        by_force: Tensor,
     ) -> Tensor:
         """Whether an escape is over, ``(*B,)``."""
         options, limits = self.options, self.limits.to(action)
-        is_over_crest = cost.fall_along(action) > options.crest * cost.steepness(limits)
+        is_over_crest = cost.fall_along(action) > options.crest * steepness
         is_blocked = (action.abs() / limits).amax(-1) < options.blocked
 
         may_end = (clock >= options.shortest) & (is_over_crest | is_blocked)

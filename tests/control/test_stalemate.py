@@ -76,6 +76,25 @@ def test_behind_a_stop_it_goes_the_other_way_round() -> None:
     assert not escaping[-1]
 
 
+@pytest.mark.parametrize("first", [0.5, -2.8])
+def test_the_next_target_is_judged_by_itself(first: float) -> None:
+    """What the last one cost, or how often it was escaped from, says nothing about it."""
+    policy = hand(ConstraintEscape())
+    q, memory = place(2.5), None
+    for _ in range(300):
+        action, memory = policy.predict({"z": q, "z_target": place(first)}, memory)
+        q = q + DT * action
+
+    for _ in range(150):
+        action, memory = policy.predict({"z": q, "z_target": place(-0.5)}, memory)
+        assert not memory["a/escape/escaping"]
+        q = q + DT * action
+        if abs(float(q) + 0.5) < 0.05:
+            break
+    else:
+        pytest.fail(f"It is still at {float(q):.2f} rad.")
+
+
 def test_without_an_escape_it_stays_at_the_stop() -> None:
     way, _ = turn(hand(None), start=2.5, target=-2.8, steps=200)
     assert way[-1] == pytest.approx(STOP, abs=0.05)
