@@ -76,5 +76,7 @@ def step(episode: LiveEpisode, seed: int) -> None:
     episode.step()
 
 
+COMMAND = Command(__doc__, add_arguments, run)
+
 if __name__ == "__main__":
-    run_command(Command(__doc__, add_arguments, run))
+    run_command(COMMAND)

@@ -34,6 +34,7 @@ _TOL_MUTED = (
 )
 _COLOURS = (*_OKABE_ITO, *_TOL_MUTED)
 _LINE_STYLES = ("-", "--", ":", "-.")
+_EVERYWHERE = ("aicon", "paper_literal", "potential_field", "steepest")
 
 
 @dataclass(frozen=True)
@@ -113,9 +114,9 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
         task: The task; episodes end without success at its horizon, its last milestone is marked.
         path: Where to save the picture.
     """
-    # A policy looks the same in all panels.
+    # A policy looks the same in all panels, and those of every task in all pictures.
     conditions = group_rows(rows, _condition)
-    policies = sorted({row.policy for row in rows})
+    policies = (*_EVERYWHERE, *sorted({row.policy for row in rows}.difference(_EVERYWHERE)))
     styles = {policy: line_style(index) for index, policy in enumerate(policies)}
     # The axis starts at the first success of any policy.
     start = min(row.steps or task.horizon / 2 for row in rows)
