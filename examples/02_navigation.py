@@ -23,7 +23,7 @@ SEED = 1
 def main() -> None:
     """Run an episode, and tell when the policy explored."""
     env = gym.make("aicon/Nav2D-v0", map="u_trap_1")
-    policy = make_policy("nav2d")
+    policy = make_policy("nav2d").compile()  # the same, much faster
 
     observation, info = env.reset(seed=SEED)
     print(f"map {info['map']}: {info['distance']:.1f} m to the target, as the crow flies")

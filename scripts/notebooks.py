@@ -44,11 +44,11 @@ def to_notebook(page: Path) -> Any:
 
 def save_notebook(page: Path, folder: Path) -> Path:
     """Save the notebook of a tutorial in a folder, and return where."""
-    import nbformat
+    import jupytext
 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{page.stem}.ipynb"
-    nbformat.write(to_notebook(page), path)
+    jupytext.write(to_notebook(page), path)
     return path
 
 

@@ -43,7 +43,7 @@ def test_an_unknown_command_is_refused_with_the_list(
 ) -> None:
     with pytest.raises(SystemExit, match="2"):
         main(words)
-    assert "{list,run,watch,compare,figures,bench,export}" in capsys.readouterr().err
+    assert "{list,run,watch,compare,diagnose,figures,bench,export}" in capsys.readouterr().err
 
 
 def add_nothing(parser: argparse.ArgumentParser) -> None:

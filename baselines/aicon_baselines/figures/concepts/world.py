@@ -64,7 +64,8 @@ def move(a: Tensor, dt: float) -> Tensor:
 
 def far(target: Tensor) -> Tensor:
     """Cost of the goal "reach": the distance, m."""
-    return torch.linalg.vector_norm(target, dim=-1)
+    distance: Tensor = torch.linalg.vector_norm(target, dim=-1)
+    return distance
 
 
 def near(wall: Tensor) -> Tensor:
