@@ -4,8 +4,8 @@ import os
 import shutil
 
 import pytest
-import standing
 
+import standing
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
 from aicon_torch import Policy, make_policy
