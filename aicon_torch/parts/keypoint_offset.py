@@ -5,13 +5,13 @@ while it is touched: then the gap between where the pusher is and where the obje
 the offset along the normal of that side, and pushes on other sides tell the rest.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 from torch.nn.functional import pad
 
-from aicon_torch.interconnections import Interconnection
 from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
@@ -51,7 +51,7 @@ class KeypointOffset:
     deviation: float
     stir: float
 
-    def prior(self, deviation: float) -> Interconnection:
+    def prior(self, deviation: float) -> Callable[[Tensor], tuple[Tensor, Tensor]]:
         """No offset, and the first pose; by the standard deviation of the offset, m."""
 
         def first(z_keypoints: Tensor) -> tuple[Tensor, Tensor]:
@@ -59,7 +59,7 @@ class KeypointOffset:
             variances = (deviation**2, deviation**2, 0.0, 0.0, 0.0)
             return mean, torch.diag(z_keypoints.new_tensor(variances))
 
-        return Interconnection(first)
+        return first
 
     def gap(self, x_offset: Tensor, z_keypoints: Tensor, z_pusher: Tensor) -> Tensor:
         """The gap ``(*B, 1)``, m, with keypoints ``(*B, 2K)`` and a pusher at ``(*B, 2)``, m."""

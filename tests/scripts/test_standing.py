@@ -1,4 +1,4 @@
-"""A short version of the table of faults: on readings that go wrong for ever, robots come to rest."""
+"""A short version of the table of faults: on readings that stay wrong, robots come to rest."""
 
 import os
 import shutil
