@@ -32,7 +32,7 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     seen = {"optional": True, "scale": PIXEL, "range": BOARD, **_watched(options)}
     size = 2 * len(body.keypoints)
     shape = RigidShape(body, BEND + JUMP_DEVIATIONS * options.keypoint_noise)
-    rigid = {"is_possible": shape} if options.watchdog else {}
+    rigid: dict[str, Any] = {"is_possible": shape} if options.watchdog else {}
     found = {
         "z_pusher": Sensor(2, "m", key="agent_pos", **_moving(options), **seen),
         "z_keypoints": Sensor(size, "m", key="environment_state", **rigid, **seen),

@@ -64,10 +64,9 @@ class Config:
         """
         if not path.exists():
             raise ComparisonError(f"{path.parent} is no folder of a comparison: no {path.name}")
-        saved = {
-            name: tuple(value) if isinstance(value, list) else value
-            for name, value in _read(path).items()
-        }
+        saved: dict[str, Any] = {}
+        for name, value in _read(path).items():
+            saved[name] = tuple(value) if isinstance(value, list) else value
         try:
             return cls(**saved)
         except TypeError as error:
