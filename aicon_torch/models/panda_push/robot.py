@@ -125,7 +125,8 @@ def _pairs_with_tool(shape: Capsules, tool: Sequence[Capsule]) -> list[tuple[int
     pairs: list[tuple[int, int]] = []
     for number, capsule in enumerate(shape.capsules):
         for index, other in enumerate(tool, start=len(shape.capsules)):
-            if other.link - capsule.link > FREE_LINKS:
+            carrier = other.link - 1  # the link that the tool is fixed to
+            if carrier - capsule.link > FREE_LINKS:
                 pairs.append((number, index))
     return pairs
 
