@@ -17,7 +17,6 @@ import pickle
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -25,29 +24,31 @@ from typing import Any
 
 import numpy as np
 
+from aicon_baselines.cli.command_line import Command, run_command
+
 REPOSITORY = Path(__file__).resolve().parents[1]
 OPTIONS: dict[str, dict[str, Any]] = {"panda_push": {"sensing": "pose"}}
 CONDITIONS = {"panda_push": "true_pose"}
 ONE_GRADIENT = {"law.iterations": 1}
 RECORDED = 100
 
+WORKER = Path(__file__).with_name("take_steps.py")
+"""What takes the steps, in a process of its own, in which another version may be imported."""
+
 Told = dict[str, tuple[float, float]]
 """Seconds of the processor and by the clock, of what is done once."""
 
 
-def main() -> None:
-    """Measure the tasks and print a table for each."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is measured."""
     parser.add_argument("--other", type=Path, help="folder with the source of another version")
     parser.add_argument("--tasks", nargs="+", default=["nav2d", "pusht", "panda_push"])
     parser.add_argument("--rounds", type=int, default=300, help="turns (default: 300)")
     parser.add_argument("--steps", type=int, default=100, help="steps of a turn (default: 100)")
-    parser.add_argument("--worker", help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
 
-    if arguments.worker:
-        work(json.loads(arguments.worker))
-        return
+
+def run(arguments: argparse.Namespace) -> None:
+    """Measure the tasks and print a table for each."""
     for task in arguments.tasks:
         measure(task, arguments)
 
@@ -147,7 +148,7 @@ def started(tree: Path, what: dict[str, Any], cache: Path) -> Iterator[Worker]:
     environment = dict(os.environ, PYTHONPATH=str(tree), OMP_NUM_THREADS="1")
     for name in ("XDG_CACHE_HOME", "TORCHINDUCTOR_CACHE_DIR", "TMPDIR", "HOME"):
         environment[name] = str(cache)
-    command = [sys.executable, "-W", "ignore", __file__, "--worker", json.dumps(what)]
+    command = [sys.executable, "-W", "ignore", str(WORKER), json.dumps(what)]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, env=environment, text=True, stdin=pipe, stdout=pipe) as process:
         yield Worker(process)
@@ -155,53 +156,7 @@ def started(tree: Path, what: dict[str, Any], cache: Path) -> Iterator[Worker]:
         process.stdin.close()
 
 
-def work(what: dict[str, Any]) -> None:
-    """Take a first step, then as many as each line asks for; answer with how long they took."""
-    import torch
-
-    import aicon_torch
-
-    torch.set_num_threads(1)
-    observations = pickle.loads(Path(what["file"]).read_bytes())
-    told: Told = {}
-
-    start = clocks()
-    if "load" in what:
-        policy: Any = aicon_torch.load_exported(what["load"])
-    else:
-        policy = aicon_torch.make_policy(what["task"], **what["options"]).compile()
-    policy.predict(observations[0])
-    told["first step"] = since(start)
-
-    for file, options in what.get("exports", {}).items():
-        start = clocks()
-        aicon_torch.make_policy(what["task"], **options).export(file)
-        told[f"export of {Path(file).stem}"] = since(start)
-    print(json.dumps(told), flush=True)
-
-    memory, taken = None, 0
-    for line in sys.stdin:
-        seconds = []
-        for _ in range(int(line)):
-            observation = observations[taken % len(observations)]
-            began = time.process_time()
-            _, memory = policy.predict(observation, memory)
-            seconds.append(time.process_time() - began)
-            taken += 1
-        print(json.dumps(seconds), flush=True)
-
-
-def clocks() -> tuple[float, float]:
-    """Time of the processor, with that of finished compilers, and of the clock, s."""
-    times = os.times()
-    return sum(times[:4]), times.elapsed
-
-
-def since(start: tuple[float, float]) -> tuple[float, float]:
-    """What has passed on both."""
-    processor, clock = clocks()
-    return processor - start[0], clock - start[1]
-
+COMMAND = Command(__doc__, add_arguments, run)
 
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

@@ -15,7 +15,10 @@ def test_the_memory_holds_the_constrained_action_and_the_robot_gets_the_command(
     for reading in walled(5):
         command, memory = policy.predict(reading, memory)
         action, other = plain.predict(reading, other)
+        sent = memory.pop("a.sent")
         assert_same_memory(memory, other, 0.0)
+        memory["a.sent"] = sent
+        assert torch.equal(sent, command)
         assert torch.equal(memory["a"], action) and memory["a"].norm() <= 1.0
         torch.testing.assert_close(command, memory["x"] + 0.1 * action)
 

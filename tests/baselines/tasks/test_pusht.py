@@ -51,7 +51,7 @@ def test_the_policy_is_told_lengths_in_metres() -> None:
 
 def test_aicon_pushes_the_t_in_place_where_sum_and_steepest_path_do_not() -> None:
     """Whole episodes, within 60 steps."""
-    seeds = (1000, 1015, 1024)
+    seeds = (1000, 1016, 1022)
     episodes = [Episode(seed, 0, "uniform") for seed in seeds]
     task = replace(TASK, horizon=60)
 

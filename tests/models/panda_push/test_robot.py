@@ -74,7 +74,8 @@ def test_the_tip_of_another_arm_is_that_of_the_physics_and_its_capsules_enclose_
         simulation.data.qpos[:6] = q.numpy()
         mujoco.mj_kinematics(simulation.model, simulation.data)
         np.testing.assert_allclose(arm(q)[:3], simulation.data.site("tip").xpos, atol=1e-9)
-        assert goal.distances(segments(q)).min() <= simulation.self_distance + 1e-3
+        seen = goal.distances(segments(q)).min().clamp(max=0.05)  # as far as the physics look
+        assert seen <= simulation.self_distance + 1e-3
 
 
 def test_a_description_gives_plain_numbers():

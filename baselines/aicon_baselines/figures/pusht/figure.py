@@ -10,7 +10,7 @@ from aicon_baselines.figures.rendering import check_video
 from aicon_baselines.figures.summary import FigureSummary, save_numbers
 from aicon_torch import make_policy
 
-DEFAULT_SEED = 1065
+DEFAULT_SEED = 1043
 """Of 1000 to 1059 the shortest episode that shows all six moments of the paper's figure."""
 
 

@@ -8,4 +8,4 @@ from aicon_torch import make_policy
 
 @pytest.fixture(scope="session")
 def episode() -> PushRecording:
-    return record(make_policy("pusht"), 1065)
+    return record(make_policy("pusht"), 1043)

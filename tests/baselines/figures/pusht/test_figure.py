@@ -15,7 +15,7 @@ from aicon_baselines.figures.pusht import PushRecording, draw_film, figure, make
 from aicon_baselines.figures.pusht.timeline import add_timelines
 from aicon_torch import make_policy
 
-SEED = 1065
+SEED = 1043
 
 
 def record_briefly(policy: Any, seed: int) -> PushRecording:
