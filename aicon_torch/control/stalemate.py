@@ -24,6 +24,7 @@ def initial_escape(size: int) -> Memory:
         "direction": torch.zeros(size),
         "clock": torch.tensor(0.0),
         "lowest": torch.tensor(torch.inf),
+        "highest": torch.tensor(0.0),
         "best": torch.tensor(torch.inf),
         "tries": torch.tensor(0),
         "before": torch.tensor(torch.inf),
@@ -71,7 +72,11 @@ class Stalemate:
         # Begin where the cost has not fallen for long; end over the crest.
         falls = now < share * memory["lowest"]
         is_stuck = ~falls & (clock >= self.options.patience) & (now > self.options.near)
-        begins = ~was_escaping & is_stuck
+        # What comes and goes while nothing opposes it is noise: the actuator is where it can be.
+        highest = torch.maximum(now, memory["highest"])
+        is_steady = highest < (1.0 + self.options.progress) * memory["lowest"]
+        is_held_up = is_steady | self._is_opposed(wish, safe.force)
+        begins = ~was_escaping & is_stuck & is_held_up
         steepness = cost.steepness(self.limits.to(wish))
         is_out = self._is_out(cost, steepness, safe.action, clock, memory["by_force"])
 
@@ -95,6 +100,7 @@ class Stalemate:
             "direction": torch.where(begins.unsqueeze(-1), direction, memory["direction"]),
             "clock": torch.where(restarts, 0.0, clock),
             "lowest": torch.where(restarts, now, memory["lowest"]),
+            "highest": torch.where(restarts, now, highest),
             "best": torch.where(is_best, now, memory["best"]),
             "tries": tries + begins,
             "before": now,
@@ -116,11 +122,14 @@ class Stalemate:
         may_end = (clock >= options.shortest) & (is_over_crest | is_blocked)
         return torch.where(by_force, may_end | (clock >= options.longest), clock >= options.detour)
 
+    def _is_opposed(self, wish: Tensor, force: Tensor) -> Tensor:
+        """Whether the constraints take away a good share of the wish, ``(*B,)``."""
+        opposition = -(force * wish).sum(-1)
+        return opposition > self.options.opposition * (wish * wish).sum(-1)
+
     def _way_out(self, wish: Tensor, force: Tensor, tries: Tensor) -> tuple[Tensor, Tensor]:
         """Whether it is the force's, ``(*B,)``, and the direction of an escape, ``(*B, n)``."""
-        opposition = -(force * wish).sum(-1)
-        is_opposed = opposition > self.options.opposition * (wish * wish).sum(-1)
-        by_force = is_opposed & (tries < self.options.forced)
+        by_force = self._is_opposed(wish, force) & (tries < self.options.forced)
         return by_force, torch.where(by_force.unsqueeze(-1), unit(force), spread(tries, wish))
 
 

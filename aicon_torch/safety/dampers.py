@@ -11,18 +11,21 @@ class ConstraintEscape:
 
     All times are multiples of the dampers' time constant T, so a faster robot needs no new number.
 
-    A *stalemate* is that the cost of the goals has not fallen by the share ``progress`` for
-    ``patience``. Then the actuator moves along the constraints' force f = a − w, what they add to
-    the wish w to make it the action a, in the direction that f had at the stalemate, and within the
-    same constraints. It ends over the crest: once the cost falls along the motion, at least
-    ``crest`` times as much as along its steepest descent, or where the motion is blocked as well.
+    A *stalemate* is that for ``patience`` the cost of the goals has not fallen by the share
+    ``progress``, although the constraints oppose the wish or it has not risen by that share either.
+    (A cost that comes and goes while nothing is in the way is the noise of the readings.)
+
+    Then the actuator moves along the constraints' force f = a − w, what they add to the wish w to
+    make it the action a, in the direction that f had at the stalemate, and within the same
+    constraints. It ends over the crest: once the cost falls along the motion, at least ``crest``
+    times as much as along its steepest descent, or where the motion is blocked as well.
 
     Where the constraints do not oppose the wish, as at a singularity, and where ``forced`` escapes
     have led to no better cost, it makes a detour instead: it moves for a while in a direction of a
     sequence that fills the space of directions evenly.
 
     Attributes:
-        progress: Share by which the cost must fall.
+        progress: Share by which the cost must fall, or rise.
         patience: For how long it may fail to.
         near: A cost below this, in its unit, is near enough to stay.
         forced: Number of escapes along the force, from the last best cost on.

@@ -105,6 +105,17 @@ def test_where_the_way_is_free_it_never_escapes() -> None:
     assert not escaping.any()
 
 
+def test_noise_at_the_target_is_no_stalemate() -> None:
+    noise = torch.randn(600, 1, generator=torch.Generator().manual_seed(1), dtype=torch.float64)
+    policy, q, memory = hand(ConstraintEscape()), place(0.5), None
+
+    for disturbance in 0.05 * noise:  # five times what counts as near enough to stay
+        action, memory = policy.predict({"z": q, "z_target": place(-1.0) + disturbance}, memory)
+        q = q + DT * action
+        assert not memory["a/escape/escaping"]
+    assert q.item() == pytest.approx(-1.0, abs=0.2)
+
+
 def test_it_is_over_the_crest_before_it_turns_to_the_target_again() -> None:
     way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=-2.8, steps=200)
     left = int(escaping.nonzero()[-1])
