@@ -1,18 +1,23 @@
 """Capsules around a shape: one about some points, or a few that cover a surface."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from aicon_torch.extras import import_extra
 
 WIDENING = (1.0, 1.03, 1.07, 1.12, 1.2, 1.3, 1.45, 1.7, 2.0)
 """Radii that are tried, in least radii: a wider capsule may be shorter, and smaller in the end."""
 
-WORTH_A_SPLIT = 0.8
-"""Two capsules replace one if they have less than this share of its volume."""
+STANDS_OUT = 0.02
+"""A capsule may stand out of a shape by so much, m, before two replace it."""
 
-CUTS = (0.25, 0.5, 0.75)
+WORTH_A_SPLIT = 0.95
+"""They do if both stand out by less than this share of what the one did."""
+
+CUTS = (0.25, 0.375, 0.5, 0.625, 0.75)
 """Where a surface is cut in two, as shares of its extent."""
 
 FACETS = 16
@@ -97,62 +102,95 @@ def around_points(points: np.ndarray, directions: int = 64, rounds: int = 12) ->
     return _smallest(points, axis[None], center[None])[2]
 
 
-def around_surface(triangles: np.ndarray, count: int) -> list[Segment]:
-    """A few capsules that cover a surface.
+def around_surfaces(surfaces: Sequence[np.ndarray], count: int) -> list[Segment]:
+    """A few capsules that cover some surfaces.
 
-    Again and again, the largest one that is better replaced by two is: the surface is cut across
-    one of its principal axes, where the two capsules are smallest.
+    Again and again the capsule that stands out most, by more than :data:`STANDS_OUT`, is replaced
+    by two: what it covers is cut across, where both stand out least.
 
     Args:
-        triangles: ``(T, 3, 3)``, m.
+        surfaces: ``(T, 3, 3)`` each, triangles, m.
         count: At most so many capsules.
     """
-    pieces = [_small_triangles(triangles)]
+    hulls = _Hulls(surfaces)
+    pieces = [_small_triangles(np.concatenate(surfaces))]
     segments = [around_points(pieces[0].reshape(-1, 3))]
+    heights = [hulls.height(segments[0])]  # 0 where nothing is to be gained any more
 
-    closed: list[bool] = [False]
-    while len(pieces) < count and not all(closed):
-        volumes = [
-            0.0 if done else part.volume for done, part in zip(closed, segments, strict=True)
-        ]
-        index = int(np.argmax(volumes))
-
-        halves = _best_cut(pieces[index])
+    while len(pieces) < count and max(heights) > STANDS_OUT:
+        index = int(np.argmax(heights))
+        halves = _best_cut(pieces[index], hulls)
         if not all(len(half) for half in halves):
-            closed[index] = True
+            heights[index] = 0.0
             continue
 
         fits = [around_points(half.reshape(-1, 3)) for half in halves]
-        if sum(fit.volume for fit in fits) > WORTH_A_SPLIT * segments[index].volume:
-            closed[index] = True
+        of_fits = [hulls.height(fit) for fit in fits]
+        if max(of_fits) > WORTH_A_SPLIT * heights[index]:
+            heights[index] = 0.0
             continue
 
         pieces[index : index + 1] = halves
         segments[index : index + 1] = fits
-        closed[index : index + 1] = [False, False]
+        heights[index : index + 1] = of_fits
     return segments
 
 
-def _best_cut(triangles: np.ndarray) -> list[np.ndarray]:
-    """The two halves of a surface whose capsules are smallest."""
+class _Hulls:
+    """The convex hulls of surfaces: how far something stands out of all of them.
+
+    Args:
+        surfaces: ``(T, 3, 3)`` each, triangles, m.
+    """
+
+    def __init__(self, surfaces: Sequence[np.ndarray]) -> None:
+        corners = [_extreme_points(surface.reshape(-1, 3)) for surface in surfaces]
+        # Shaken a little (QJ), since what lies in a plane has no hull.
+        self._planes = [ConvexHull(points, qhull_options="QJ").equations for points in corners]
+
+    def height(self, segment: Segment) -> float:
+        """By how much a capsule stands out, beyond the planes of the hulls' faces, m."""
+        points = _surface_of(segment)
+        outside = [(points @ planes[:, :3].T + planes[:, 3]).max(axis=1) for planes in self._planes]
+        return max(0.0, float(np.min(outside, axis=0).max()))
+
+
+def _surface_of(segment: Segment) -> np.ndarray:
+    """Points all over the surface of a capsule: its round ends, and rings between them."""
+    axis = segment.end - segment.start
+    half = _hemisphere(48)
+    directions = np.concatenate((half, -half))
+    is_at_end = (directions @ axis > 0.0)[:, None]
+    ends = np.where(is_at_end, segment.end, segment.start) + segment.radius * directions
+
+    # Two directions across the axis, and the circle that they span.
+    across = np.linalg.svd(axis[None])[2][1:]
+    angle = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+    ring = segment.radius * np.stack((np.cos(angle), np.sin(angle)), axis=1) @ across
+    along = segment.start + np.linspace(0.0, 1.0, 9)[:, None] * axis
+    return np.concatenate((ends, (along[:, None] + ring).reshape(-1, 3)))
+
+
+def _best_cut(triangles: np.ndarray, hulls: _Hulls) -> list[np.ndarray]:
+    """The two halves of a surface whose capsules stand out least."""
     sample = triangles[:: 1 + len(triangles) // SAMPLE]
     best, least = np.ones(len(triangles), dtype=bool), np.inf
 
-    for axis in _principal_axes(sample.reshape(-1, 3)):
+    for axis in np.concatenate((_principal_axes(sample.reshape(-1, 3)), np.eye(3))):
         along = triangles.mean(axis=1) @ axis
         of_sample = sample.mean(axis=1) @ axis
 
         for share in CUTS:
-            height = along.min() + share * np.ptp(along)
+            height = of_sample.min() + share * np.ptp(of_sample)
             lower = of_sample < height
             halves = (sample[lower], sample[~lower])
             if not all(len(half) for half in halves):
                 continue
 
             fits = [around_points(half.reshape(-1, 3), directions=8, rounds=0) for half in halves]
-            volume = sum(fit.volume for fit in fits)
-            if volume < least:
-                best, least = along < height, volume
+            smaller, larger = sorted(hulls.height(fit) for fit in fits)
+            if larger + smaller / 2.0 < least:
+                best, least = along < height, larger + smaller / 2.0
 
     return [triangles[best], triangles[~best]]
 

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_surface
+from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_surfaces
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml, read_urdf
 from aicon_torch.parts.descriptions.collision import CollisionGeometry, read_collision_geometry
@@ -147,7 +147,7 @@ def _fit(geometry: CollisionGeometry, per_link: int) -> list[Segment]:
         segments.append(segment.moved(cylinder.pose))
 
     if geometry.triangles:
-        segments += around_surface(np.concatenate(geometry.triangles), per_link)
+        segments += around_surfaces(geometry.triangles, per_link)
     return segments
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_points, around_surface
+from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_points, around_surfaces
 
 GENERATOR = np.random.default_rng(0)
 
@@ -52,17 +52,17 @@ def test_a_cylinder_is_inside_its_capsule(length: float, radius: float) -> None:
     assert found.volume <= Segment(-half, half, radius).volume + 1e-15
 
 
-def bars() -> np.ndarray:
-    """The surface of an L of two bars, ``(triangles, 3, 3)``."""
+def bars() -> list[np.ndarray]:
+    """The surfaces of an L of two bars, ``(triangles, 3, 3)`` each."""
     trimesh = pytest.importorskip("trimesh")
     upright = trimesh.creation.box(extents=(0.1, 0.1, 1.0))
     lying = trimesh.creation.box(extents=(1.0, 0.1, 0.1))
     lying.apply_translation((0.55, 0.0, -0.45))
-    return np.concatenate((upright.triangles, lying.triangles))
+    return [np.asarray(upright.triangles), np.asarray(lying.triangles)]
 
 
 def test_one_capsule_is_replaced_by_two_where_they_fit_better() -> None:
-    whole, parts = around_surface(bars(), 1), around_surface(bars(), 2)
+    whole, parts = around_surfaces(bars(), 1), around_surfaces(bars(), 2)
     assert (len(whole), len(parts)) == (1, 2)
     assert sum(part.volume for part in parts) < 0.2 * whole[0].volume
 
@@ -70,12 +70,12 @@ def test_one_capsule_is_replaced_by_two_where_they_fit_better() -> None:
 def test_a_surface_that_one_capsule_fits_keeps_one() -> None:
     trimesh = pytest.importorskip("trimesh")
     mesh = trimesh.creation.capsule(height=1.0, radius=0.2)
-    assert len(around_surface(np.asarray(mesh.triangles), 4)) == 1
+    assert len(around_surfaces([np.asarray(mesh.triangles)], 4)) == 1
 
 
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_capsules_cover_the_whole_surface(count: int) -> None:
     shares = GENERATOR.dirichlet(np.ones(3), size=(24, 200))
-    points = (shares @ bars()).reshape(-1, 3)
-    gaps = np.stack([gap(part, points) for part in around_surface(bars(), count)])
+    points = (shares @ np.concatenate(bars())).reshape(-1, 3)
+    gaps = np.stack([gap(part, points) for part in around_surfaces(bars(), count)])
     assert gaps.min(axis=0).max() <= 1e-9
