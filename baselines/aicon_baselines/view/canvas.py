@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_baselines.view.mesh import add_mesh
 from aicon_baselines.view.outlines import arrow_outline, circle, triangulate
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.style import Color
@@ -97,7 +98,8 @@ class Canvas:
             return
 
         self._sizes[name] = sizes
-        self._add_mesh(name, vertices, triangulate(rings), color, opacity)
+        faces = triangulate(rings)
+        self._handles[name] = add_mesh(self._scene, name, vertices, faces, color, opacity)
 
     def ellipse(
         self,
@@ -176,7 +178,7 @@ class Canvas:
         if name in self._handles:
             self._move(name, vertices, color)
             return
-        self._add_mesh(name, vertices, _ARROW_FACES, color, None)
+        self._handles[name] = add_mesh(self._scene, name, vertices, _ARROW_FACES, color)
 
     def text(self, name: str, text: str, position: FloatArray, scale: float = 1.0) -> None:
         """Write a text centred above a point (3,) of the scene."""
@@ -203,22 +205,3 @@ class Canvas:
         handle.visible = True
         if tuple(handle.color) != color:
             handle.color = color
-
-    def _add_mesh(
-        self,
-        name: str,
-        vertices: FloatArray,
-        faces: NDArray[np.int_],
-        color: Color,
-        opacity: float | None,
-    ) -> None:
-        self._handles[name] = self._scene.add_mesh_simple(
-            f"/{name}",
-            vertices.astype(np.float32),
-            faces.astype(np.uint32),
-            color=color,
-            opacity=opacity,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-        )

@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_baselines.view.mesh import add_mesh
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.style import Color
 
@@ -95,16 +96,7 @@ class Shapes:
             self._handles[name].visible = True
             return
 
-        self._handles[name] = self._scene.add_mesh_simple(
-            f"/{name}",
-            vertices.astype(np.float32),
-            faces.astype(np.uint32),
-            color=color,
-            opacity=opacity,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
+        self._handles[name] = add_mesh(self._scene, name, vertices, faces, color, opacity)
 
     def capsule(
         self,
