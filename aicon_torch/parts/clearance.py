@@ -122,7 +122,7 @@ class ClearanceLimits:
     @classmethod
     def for_latency(cls, latency: float) -> "ClearanceLimits":
         """Limits for readings that are so late, s; margin and times are from trials."""
-        return cls(time=0.2 + 2.0 * latency, margin=0.04, slowest=0.05)
+        return cls(time=0.2 + latency, margin=0.04, slowest=0.05)
 
     def __call__(self, a: Tensor, x_obs: Tensor, P_obs: Tensor) -> Tensor:
         """The velocity within the limits.

@@ -51,6 +51,9 @@ PASSING_DISTANCE = 0.1
 MAX_GAP = 1.0
 """Steps without a reading after which the agent slows down."""
 
+JUMPS = 3
+"""Steps for which a velocity is wrong after the direction to the nearest obstacle has jumped."""
+
 TURN_RATE = 2.0
 """Variance by which each component of ∇d grows in a second, m²/m² s⁻¹: obstacles are no walls."""
 
@@ -124,9 +127,9 @@ def _actuator(options: Options) -> Actuator:
     """The velocity, limited where obstacles are near by readings that are late or jump.
 
     The nearest point of an obstacle jumps from one wall to another. Where its direction is read,
-    the velocity turns with it, and is the wrong one for a step.
+    the velocity turns with it, and is the wrong one for a few steps.
     """
-    jumps = options.sensing == "range_bearing"
+    jumps = JUMPS if options.sensing == "range_bearing" else 0
     latency = (options.delay + jumps) * options.dt
     limits = (ClearanceLimits.for_latency(latency),) if latency else ()
     return Actuator(2, "m/s", limit=options.max_speed, constraints=limits, key="executed")

@@ -42,7 +42,7 @@ _FAULTS = Faults(
     pause=100,
     bias={"range": 0.05},
     ranges={"range": (0.0, Physics().max_range), "bearing": (-math.pi, math.pi)},
-    held=8,
+    held=10,
     tells_action=True,
 )
 
