@@ -61,7 +61,7 @@ def measure(task: str, arguments: argparse.Namespace) -> None:
         workers: dict[str, Worker] = {}
         for name, (tree, what) in versions(task, Path(folder), arguments.other).items():
             what = {**what, "task": task, "file": str(observations)}
-            cache = Path(folder, f"cache of {name}")
+            cache = Path(folder, f"cache_{len(workers)}")  # compilers stumble over spaces
             cache.mkdir()
             workers[name] = stack.enter_context(started(tree, what, cache))
             print(f"{task}, {name}: {in_words(workers[name].told)}", flush=True)

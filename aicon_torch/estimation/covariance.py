@@ -33,9 +33,7 @@ class Covariance(Node):
         variances = torch.as_tensor(noise, dtype=torch.float64)
         has_right_size = variances.dim() == 0 or variances.shape == (size,)
         if not has_right_size or not (variances >= 0).all():
-            raise GraphError(
-                f"noise={noise!r}: expected one variance >= 0 or {size}, one a component."
-            )
+            raise GraphError(f"Variances {noise!r}: expected one >= 0 or {size}, one a component.")
         self.register_buffer("constant", torch.diag(variances.expand(size).clone()))
 
     def forward(self, values: Values) -> Tensor:

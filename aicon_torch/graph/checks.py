@@ -9,6 +9,7 @@ from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.paths import Edge
+from aicon_torch.interconnections import Values
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 
 Result = TypeVar("Result")
@@ -124,22 +125,34 @@ def names_of(node: Estimator | Goal) -> tuple[str, ...]:
     return node.outputs if isinstance(node, Estimator) else (node.name,)
 
 
-def attempt(node: Estimator | Goal, call: Callable[[], Result]) -> Result:
+def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values: Values) -> Result:
     """Run a user's function, and name its node where shapes do not fit or a value is not there yet.
 
     Raises:
         GraphError: If it fails, or returns something else than tensors.
     """
     try:
-        result = call()
+        result = function(values)
     except GraphError:
         raise
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
-        name = names_of(node)[0]
-        raise GraphError(f"{name!r} cannot be evaluated on its inputs: {error!r}") from error
+        raise GraphError(
+            f"{names_of(node)[0]!r} cannot be evaluated on its inputs, of shapes "
+            f"{_shapes(node, values)} with the batch in front: {error!r}"
+        ) from error
 
     named = result if isinstance(result, dict) else {names_of(node)[0]: result}
     for name, value in named.items():
         if not isinstance(value, Tensor):
             raise GraphError(f"{name!r} is a {type(value).__name__}; expected a tensor of torch.")
     return result
+
+
+def _shapes(node: Estimator | Goal, values: Values) -> str:
+    """What a node reads and owns, with its shapes, as far as it is there."""
+    shapes: list[str] = []
+    for name in dict.fromkeys((*names_of(node), *node.inputs)):
+        value = values.get(name)
+        if isinstance(value, Tensor):
+            shapes.append(f"{name} {tuple(value.shape)}")
+    return ", ".join(shapes)

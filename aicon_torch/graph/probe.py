@@ -1,7 +1,6 @@
 """Probing a graph when it is built: one step on zeros shows whether all shapes fit."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 import torch
 from torch import Tensor
@@ -36,7 +35,7 @@ def probe(
     values = initial_values(declaration, estimators, readings, BATCH, like)
     for estimator in estimators:
         inputs = with_dt(values, declaration.dt)
-        updated = attempt(estimator, partial(estimator.update, inputs))
+        updated = attempt(estimator, estimator.update, inputs)
         for name, value in updated.items():
             _check_shape(name, value, values.get(name, value))
         values.update(updated)
@@ -81,7 +80,7 @@ def _check_shape(name: str, value: Tensor, earlier: Tensor) -> None:
 def _check_goals(declaration: Declaration, values: Mapping[str, Tensor]) -> None:
     """A goal's cost is one number for each row of the batch."""
     for name, goal in declaration.goals.items():
-        cost = attempt(goal, partial(goal.forward, with_dt(values, declaration.dt)))
+        cost = attempt(goal, goal.forward, with_dt(values, declaration.dt))
         if cost.shape != BATCH:
             raise GraphError(
                 f"Goal {name!r}: expected a cost of the batch's shape {BATCH}, got "

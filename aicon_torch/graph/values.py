@@ -1,7 +1,6 @@
 """The named values of a step: before the first one, and with the time step among them."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 import torch
 from torch import Tensor
@@ -43,7 +42,7 @@ def initial_values(
 
     # What remembers begins with its prior.
     for estimator in estimators:
-        prior = attempt(estimator, partial(estimator.initial, with_dt(values, dt)))
+        prior = attempt(estimator, estimator.initial, with_dt(values, dt))
         for name, value in prior.items():
             own_dimensions = 2 if name in estimator.covariances else 1
             values[name] = value.expand((*batch, *value.shape[-own_dimensions:]))
@@ -51,6 +50,6 @@ def initial_values(
     # What does not remember follows from it.
     memoryless = [estimator for estimator in estimators if not estimator.recursive]
     for estimator in in_order(memoryless):
-        values |= attempt(estimator, partial(estimator.update, with_dt(values, dt)))
+        values |= attempt(estimator, estimator.update, with_dt(values, dt))
 
     return values
