@@ -176,7 +176,7 @@ class ExportedPolicy:
         for entry in self.metadata["readings"]:
             reading = readings[entry["name"]]
             parts.append(reading if entry["shape"] else reading.unsqueeze(-1))
-        return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
+        return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy(), dtype=self._library.dtype)
 
     def _plain_readings(self, observation: Mapping[str, Any]) -> Array | None:
         """The readings of one robot if all are arrays of real numbers."""
@@ -240,10 +240,10 @@ class ExportedPolicy:
         return perception(observation, state, None if starts is None else starts.numpy())
 
     def _flat(self, memory: Mapping[str, Tensor]) -> Array:
-        """The numbers of a memory."""
-        if not isinstance(memory, ExportedMemory):
-            memory = ExportedMemory.of(memory, self._layout, self._library.dtype)
-        return memory.flat
+        """The numbers of a memory, which may be that of another policy of this graph."""
+        if isinstance(memory, ExportedMemory) and memory.layout is self._layout:
+            return memory.flat
+        return ExportedMemory.of(memory, self._layout, self._library.dtype).flat
 
     def _action(self, commands: Array, takes_tensors: bool) -> Any:
         """The commands of the observation's kind, and alone where there is one actuator."""
