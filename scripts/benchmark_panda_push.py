@@ -108,10 +108,10 @@ def measure(steps: int, seed: int, compiled: bool, background: bool) -> Times:
 
     times = Times([], perception.seconds, [], [], [], [], [])
     memory: Any = None
-    memories: list[Any] = []
+    begins: list[bool] = []
 
     for _ in range(steps):
-        memories.append(memory)
+        begins.append(memory is None)
         clock, start = time.perf_counter(), time.process_time()
 
         action, memory = policy.predict(observation, memory)
@@ -129,17 +129,18 @@ def measure(steps: int, seed: int, compiled: bool, background: bool) -> Times:
             observation, _ = env.reset(seed=seed)
 
     env.close()
-    times.again.extend(measure_again(blind, perception.readings, memories))
+    times.again.extend(measure_again(blind, perception.readings, begins))
     return times
 
 
-def measure_again(policy: Any, readings: list[Any], memories: list[Any]) -> list[float]:
+def measure_again(policy: Any, readings: list[Any], begins: list[bool]) -> list[float]:
     """Seconds of the same control steps with nothing between them."""
-    policy.predict(readings[0])  # it compiles
+    _, memory = policy.predict(readings[0])  # it compiles
     seconds = []
-    for reading, memory in zip(readings, memories, strict=True):
+    for reading, is_first in zip(readings, begins, strict=True):
+        before = None if is_first else memory
         start = time.process_time()
-        policy.predict(reading, memory)
+        _, memory = policy.predict(reading, before)
         seconds.append(time.process_time() - start)
     return seconds
 

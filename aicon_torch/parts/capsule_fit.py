@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from aicon_torch.extras import import_extra
 
@@ -144,9 +143,12 @@ class _Hulls:
     """
 
     def __init__(self, surfaces: Sequence[np.ndarray]) -> None:
-        corners = [_extreme_points(surface.reshape(-1, 3)) for surface in surfaces]
-        # Shaken a little (QJ), since what lies in a plane has no hull.
-        self._planes = [ConvexHull(points, qhull_options="QJ").equations for points in corners]
+        spatial = import_extra("scipy.spatial", "robots")
+        self._planes: list[np.ndarray] = []
+        for surface in surfaces:
+            corners = _extreme_points(surface.reshape(-1, 3))
+            # Shaken a little (QJ), since what lies in a plane has no hull.
+            self._planes.append(spatial.ConvexHull(corners, qhull_options="QJ").equations)
 
     def height(self, segment: Segment) -> float:
         """By how much a capsule stands out, beyond the planes of the hulls' faces, m."""
