@@ -24,6 +24,10 @@ REACH = 0.05
 """Capsules that were never nearer than this in any of them, m, are taken never to meet."""
 
 
+APART = 0.01
+"""Links that were never further apart than this in any of them, m, are taken for neighbours."""
+
+
 @dataclass(frozen=True)
 class Capsules:
     """The shape of a robot as capsules, and which of them can meet.
@@ -59,8 +63,8 @@ class Capsules:
         the chain go with the one that they hang on, their joints at 0 or at the limit next to it.
 
         Left out are the pairs that the SRDF disables, those of links between which there is only
-        one joint, and, as seen in random postures within the limits, those that always overlap or
-        never come near each other.
+        one joint, and, as seen in random postures within the limits, those that always overlap,
+        whose links never come apart, or that never come near each other.
 
         Args:
             source: The URDF, a file next to its meshes, or its text.
@@ -89,7 +93,7 @@ class Capsules:
 
         chain = Chain.from_path(path)
         candidates = _candidates(capsules, links, disabled)
-        pairs = _that_can_meet(chain, capsules, candidates)
+        pairs = _that_can_meet(chain, capsules, links, candidates)
         return cls(tuple(capsules), tuple(links), tuple(pairs))
 
 
@@ -172,16 +176,17 @@ def _candidates(
 
 
 def _that_can_meet(
-    chain: Chain, capsules: Sequence[Capsule], candidates: Sequence[Pair]
+    chain: Chain, capsules: Sequence[Capsule], links: Sequence[str], candidates: Sequence[Pair]
 ) -> list[Pair]:
-    """The pairs that neither always overlap nor never come near each other."""
+    """The pairs that do not always overlap, of links that come apart and near each other."""
     if not candidates:
         return []
 
     segments = CapsuleSegments(chain, capsules)
     compared = SelfCollision(capsules, SquaredHinge(margin=1.0, weight=1.0), candidates)
+    of_links = _numbered([frozenset((links[i], links[j])) for i, j in candidates])
     least = torch.full((len(candidates),), torch.inf, dtype=torch.float64)
-    largest = -least
+    largest, largest_of_links = -least, -least
 
     # In parts, since many pairs take much memory.
     for q in torch.split(_postures(chain), 256):
@@ -189,8 +194,18 @@ def _that_can_meet(
         least = torch.minimum(least, distances.amin(0))
         largest = torch.maximum(largest, distances.amax(0))
 
-    can_meet = (largest > 0.0) & (least < REACH)
+        nearest = torch.full_like(distances, torch.inf)
+        nearest.scatter_reduce_(1, of_links.expand_as(distances), distances, "amin")
+        largest_of_links = torch.maximum(largest_of_links, nearest[:, of_links].amax(0))
+
+    can_meet = (largest > 0.0) & (largest_of_links > APART) & (least < REACH)
     return [pair for pair, keep in zip(candidates, can_meet.tolist(), strict=True) if keep]
+
+
+def _numbered(names: Sequence[frozenset[str]]) -> Tensor:
+    """The same number for the same names, ``(len(names),)``."""
+    numbers = {name: number for number, name in enumerate(dict.fromkeys(names))}
+    return torch.tensor([numbers[name] for name in names])
 
 
 def _postures(chain: Chain) -> Tensor:

@@ -10,6 +10,8 @@ no page: the episode becomes one HTML file that plays in any browser, without a 
 
 import argparse
 import logging
+import os
+import sys
 from pathlib import Path
 
 import torch
@@ -69,6 +71,11 @@ def run(arguments: argparse.Namespace) -> None:
         name = "localhost" if arguments.host in _EVERYWHERE else arguments.host
         print(f"watch it at http://{name}:{view.port} (Ctrl-C ends it)", flush=True)
         view.run()
+    except KeyboardInterrupt:
+        view.close()
+        # A thread may still be compiling, and torch aborts where Python takes it down with itself.
+        print("\nstopped", file=sys.stderr, flush=True)
+        os._exit(130)
     finally:
         view.close()
 
