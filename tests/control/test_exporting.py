@@ -57,6 +57,16 @@ def test_it_takes_the_same_steps_as_shipped(dtype: torch.dtype, tmp_path: Path) 
     assert_same_steps(policy, exported(policy, tmp_path), drifting(100), tolerance)
 
 
+def test_a_memory_of_another_precision_is_converted(pair: Pair, tmp_path: Path) -> None:
+    single = make_policy("nav2d", law=Foresight(iterations=2), dtype=torch.float32)
+    observation = observation_with(range=np.array([1.0]))
+    _, memory = exported(single, tmp_path).predict(observation)
+
+    _, found = pair[1].predict(observation, memory)
+    _, expected = pair[1].predict(observation, dict(memory))
+    assert_same_memory(found, expected, 0.0)
+
+
 def test_arrays_give_the_same_as_tensors_quickly_or_not(pair: Pair) -> None:
     """The quick way of one robot's arrays, and the way that takes anything."""
     policy, found = pair
