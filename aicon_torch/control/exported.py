@@ -176,7 +176,7 @@ class ExportedPolicy:
         for entry in self.metadata["readings"]:
             reading = readings[entry["name"]]
             parts.append(reading if entry["shape"] else reading.unsqueeze(-1))
-        return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy(), dtype=self._library.dtype)
+        return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
 
     def _plain_readings(self, observation: Mapping[str, Any]) -> Array | None:
         """The readings of one robot if all are arrays of real numbers."""

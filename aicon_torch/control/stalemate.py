@@ -72,11 +72,12 @@ class Stalemate:
         # Begin where the cost has not fallen for long; end over the crest.
         falls = now < share * memory["lowest"]
         is_stuck = ~falls & (clock >= self.options.patience) & (now > self.options.near)
+
         # What comes and goes while nothing opposes it is noise: the actuator is where it can be.
         highest = torch.maximum(now, memory["highest"])
         is_steady = highest < (1.0 + self.options.progress) * memory["lowest"]
-        is_held_up = is_steady | self._is_opposed(wish, safe.force)
-        begins = ~was_escaping & is_stuck & is_held_up
+        is_opposed = self._is_opposed(wish, safe.force)
+        begins = ~was_escaping & is_stuck & (is_steady | is_opposed)
         steepness = cost.steepness(self.limits.to(wish))
         is_out = self._is_out(cost, steepness, safe.action, clock, memory["by_force"])
 
@@ -90,14 +91,15 @@ class Stalemate:
         # Every escape without a new best cost is one more try.
         is_best = is_other | (~was_escaping & (now < share * memory["best"]))
         tries = torch.where(is_best, 0, memory["tries"])
-        by_force, direction = self._way_out(wish, safe.force, tries)
+        by_force = is_opposed & (tries < self.options.forced)
+        way_out = torch.where(by_force.unsqueeze(-1), unit(safe.force), spread(tries, wish))
 
         # The clock begins anew with every escape, attempt and progress.
         restarts = begins | ends | is_other | (~was_escaping & falls)
         return {
             "escaping": (was_escaping | begins) & ~ends,
             "by_force": torch.where(begins, by_force, memory["by_force"]),
-            "direction": torch.where(begins.unsqueeze(-1), direction, memory["direction"]),
+            "direction": torch.where(begins.unsqueeze(-1), way_out, memory["direction"]),
             "clock": torch.where(restarts, 0.0, clock),
             "lowest": torch.where(restarts, now, memory["lowest"]),
             "highest": torch.where(restarts, now, highest),
@@ -126,11 +128,6 @@ class Stalemate:
         """Whether the constraints take away a good share of the wish, ``(*B,)``."""
         opposition = -(force * wish).sum(-1)
         return opposition > self.options.opposition * (wish * wish).sum(-1)
-
-    def _way_out(self, wish: Tensor, force: Tensor, tries: Tensor) -> tuple[Tensor, Tensor]:
-        """Whether it is the force's, ``(*B,)``, and the direction of an escape, ``(*B, n)``."""
-        by_force = self._is_opposed(wish, force) & (tries < self.options.forced)
-        return by_force, torch.where(by_force.unsqueeze(-1), unit(force), spread(tries, wish))
 
 
 def spread(index: Tensor, like: Tensor) -> Tensor:

@@ -20,9 +20,10 @@ class Covariance(Node):
         noise: A variance, one variance a component, or a function that returns variances ``(*B,
             n)``.
         size: Number of components n.
+        named: What an error calls the noise.
     """
 
-    def __init__(self, noise: Noise, size: int) -> None:
+    def __init__(self, noise: Noise, size: int, named: str = "noise") -> None:
         super().__init__()
         if callable(noise):
             self.relation: Interconnection | None = Interconnection(noise)
@@ -33,7 +34,9 @@ class Covariance(Node):
         variances = torch.as_tensor(noise, dtype=torch.float64)
         has_right_size = variances.dim() == 0 or variances.shape == (size,)
         if not has_right_size or not (variances >= 0).all():
-            raise GraphError(f"Variances {noise!r}: expected one >= 0 or {size}, one a component.")
+            raise GraphError(
+                f"{named}={noise!r}: expected one variance >= 0 or {size}, one a component."
+            )
         self.register_buffer("constant", torch.diag(variances.expand(size).clone()))
 
     def forward(self, values: Values) -> Tensor:

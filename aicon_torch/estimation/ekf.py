@@ -173,7 +173,7 @@ class EKF(Estimator):
             return size
 
         mean, variances = initial
-        covariance = Covariance(variances, len(mean))
+        covariance = Covariance(variances, len(mean), named="variances of initial")
         self.prior, self.prior_inputs = None, ()
         self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.float64))
         self.register_buffer("prior_covariance", cast(Tensor, covariance.constant))

@@ -80,8 +80,8 @@ def test_parameters_of_the_user_leave_no_graph_in_the_memory() -> None:
             "'exact': expected 'model', 'update' or 'detached_gain'",
         ),
         (lambda: beacon(initial=lambda z: (z, z)), "'x': .*size="),
-        (lambda: beacon(noise=(1.0, 2.0, 3.0)), "Variances"),
-        (lambda: beacon(initial=((0.0, 0.0), (1.0, 1.0, 1.0))), "Variances"),
+        (lambda: beacon(noise=(1.0, 2.0, 3.0)), "noise"),
+        (lambda: beacon(initial=((0.0, 0.0), (1.0, 1.0, 1.0))), "noise|variance"),
         (
             lambda: KalmanFilter("x", "P", predict=drive, noise=1.0, initial=((0.0,), 1.0)),  # type: ignore[arg-type]
             "'x': prediction and measurements must be Affine",

@@ -26,7 +26,7 @@ def test_constant_noise_is_a_diagonal(noise: Any, size: int, expected: list[floa
 
 @pytest.mark.parametrize("noise", [-1.0, (1.0, 2.0, 3.0), (1.0, -2.0), float("nan"), [[1.0]]])
 def test_bad_noise_is_named(noise: Any) -> None:
-    with pytest.raises(GraphError, match=r"Variances .*expected one >= 0 or 2"):
+    with pytest.raises(GraphError, match=r"noise=.*expected one variance >= 0 or 2"):
         Covariance(noise, 2)
 
 
