@@ -17,7 +17,7 @@ FILMED = "ur5"
 
 def make_figure(
     out: Path,
-    seed: int = 1000,
+    seed: int = 1020,
     video: str = "mp4",
     *,
     horizon: int = 1_000,
