@@ -97,6 +97,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Save what is asked for."""
+    if arguments.pictures:
+        arguments.pictures.mkdir(parents=True, exist_ok=True)
+
     for page in PAGES:
         if page.stem not in arguments.tutorials:
             continue
