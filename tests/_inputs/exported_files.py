@@ -37,6 +37,6 @@ def write_wrong_file(name: str, good: Path, folder: Path) -> Path:
         text = source.read_text().replace("#define FORMAT 1", "#define FORMAT 9")
         compile_library(text, path)
     elif name == "other_numbers":
-        before = "recorded_commands[COMMANDS] = {"
+        before = "recorded[MEMORY + COMMANDS] = {"
         compile_library(source.read_text().replace(before, before + "1e3 + "), path)
     return path
