@@ -1,10 +1,13 @@
 """Where the jobs of a comparison run: processes on this machine, or a dask cluster."""
 
+import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
+from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.parent import end_with
 from aicon_baselines.extras import missing_extra
 
 try:
@@ -35,7 +38,11 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
     with ExitStack() as stack:
         if name == "dask":
             _connect(stack, jobs, scheduler)
-        stack.enter_context(parallel_config(name, n_jobs=jobs))
+            stack.enter_context(parallel_config(name, n_jobs=jobs))
+        else:
+            # Even a worker that has not been given anything to do yet.
+            tied: dict[str, Any] = {"initializer": end_with, "initargs": (os.getpid(),)}
+            stack.enter_context(parallel_config(name, n_jobs=jobs, **tied))
         yield
 
 

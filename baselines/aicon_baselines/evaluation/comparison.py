@@ -1,6 +1,5 @@
 """Running a comparison: every policy on every episode, in parallel, resuming an earlier run."""
 
-import os
 from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 from aicon_baselines.evaluation.backends import joblib_backend
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.parent import end_with
 from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.progress import ProgressBar, report
 from aicon_baselines.evaluation.rollout import Outcome, rollout
@@ -38,15 +36,6 @@ class _Job(NamedTuple):
     repeat: int
     chunk: int
     seeds: frozenset[int]
-
-
-class _Surroundings(NamedTuple):
-    """What a worker shares with the process that started it."""
-
-    parent: int | None
-    """Number of that process, if it is this worker's parent."""
-    progress: Path
-    """File of the progress bar."""
 
 
 def compare(
@@ -86,8 +75,7 @@ def compare(
     # Rows are saved as they arrive, in any order, and sorted at the end.
     if missing:
         with joblib_backend(backend, jobs, scheduler), ProgressBar(done, total) as bar:
-            around = _Surroundings(os.getpid() if backend == "loky" else None, bar.path)
-            for rows in _run_all(task, policies, missing, folder, around):
+            for rows in _run_all(task, policies, missing, folder, bar.path):
                 folder.append(rows)
                 bar.received(len(rows))
     folder.sort()
@@ -99,12 +87,12 @@ def _run_all(
     policies: Mapping[str, Factory],
     jobs: list[_Job],
     folder: RunFolder,
-    around: _Surroundings,
+    progress: Path,
 ) -> Iterator[list[Row]]:
     """Run the jobs in workers and yield the rows of each, in the order in which they end."""
     folder.unfinished.open()
     calls = (
-        delayed(_run)(task, policies[job.policy], job, folder.unfinished.new_file(), around)
+        delayed(_run)(task, policies[job.policy], job, folder.unfinished.new_file(), progress)
         for job in jobs
     )
     results = Parallel(return_as="generator_unordered")(calls)
@@ -133,12 +121,8 @@ def _list_jobs(
             yield _Job(policy, condition, repeat, chunk, missing)
 
 
-def _run(
-    task: Task, build: Factory, job: _Job, unfinished: Path, around: _Surroundings
-) -> list[Row]:
+def _run(task: Task, build: Factory, job: _Job, unfinished: Path, progress: Path) -> list[Row]:
     """Run one job in a worker and return the rows of its seeds; each is kept as it ends."""
-    if around.parent is not None:
-        end_with(around.parent)
     # One thread: the order of additions must not depend on the number of cores.
     torch.set_num_threads(1)
 
@@ -149,7 +133,7 @@ def _run(
     def on_ended(outcome: Outcome, indices: NDArray[np.intp]) -> None:
         ended = [_to_row(task, job, episodes[index], outcome, index) for index in indices]
         keep(unfinished, ended)
-        report(around.progress, len(ended))
+        report(progress, len(ended))
         rows.extend(ended)
 
     rollout(policy, task, job.condition, episodes, job.seeds, on_ended)

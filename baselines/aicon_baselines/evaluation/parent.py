@@ -2,15 +2,13 @@
 
 import os
 import time
-from functools import cache
 from threading import Thread
 
 _INTERVAL = 0.2  # s between two looks at the parent
 
 
-@cache
 def end_with(parent: int) -> None:
-    """End this process soon after its parent; only the first call in a process does anything.
+    """End this process soon after its parent.
 
     The parent may be killed without a chance to tell anyone. Its children then belong to another
     process, which is how they notice.

@@ -14,23 +14,44 @@ CHILD = (
 )
 PARENT = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {CHILD!r}])"
 
+# Two workers that have nothing more to do, in a process that goes on.
+IDLE = """
+import os, time
+from joblib import Parallel, delayed
+from aicon_baselines.evaluation.backends import joblib_backend
+
+with joblib_backend("loky", jobs=2, scheduler=None):
+    with Parallel() as parallel:
+        print(*parallel(delayed(os.getpid)() for _ in range(2)), flush=True)
+        time.sleep(3600)
+"""
+
 
 def test_a_child_ends_when_its_parent_is_killed() -> None:
-    command = [sys.executable, "-c", PARENT]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
-        assert parent.stdout is not None
-        child = int(parent.stdout.readline())
-        assert is_running(child)
+    ends_with_its_parent(PARENT)
 
-        # Its end of the pipe closes when it ends.
-        parent.kill()
-        assert parent.stdout.read() == ""
-    while is_running(child):
-        time.sleep(0.01)
+
+def test_an_idle_worker_ends_when_its_parent_is_killed() -> None:
+    ends_with_its_parent(IDLE)
 
 
 def test_a_process_does_not_watch_itself() -> None:
     end_with(os.getpid())
+
+
+def ends_with_its_parent(program: str) -> None:
+    """Run a program that prints the numbers of its children, kill it, and see that they end."""
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
+        assert parent.stdout is not None
+        children = [int(number) for number in parent.stdout.readline().split()]
+        assert children and all(map(is_running, children))
+
+        # Their ends of the pipe close when they end.
+        parent.kill()
+        assert parent.stdout.read() == ""
+    while any(map(is_running, children)):
+        time.sleep(0.01)
 
 
 def is_running(process: int) -> bool:
