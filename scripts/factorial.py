@@ -1,15 +1,17 @@
-"""What carries pushT: every combination of rule, exploration, law and speed, on the same episodes.
+"""What carries pushing: each combination of rule, exploration, law and speed, on the same episodes.
 
-Example: python scripts/factorial.py --jobs 2 --out runs/factorial
+Example: python scripts/factorial.py --task pusht --jobs 2 --out runs/factorial
 
 The rules are the sum of the gradients, their weighted sum and the projection; each with exploration
-and without, with one gradient a step and with foresight, at four speeds. The folder gets the rows
-of each speed in a folder of its own, `factorial.csv`, `factorial.md` and `factorial.png`. The same
-command goes on where a stopped run was.
+and without, with one gradient a step and with foresight, on the arm with limits near contact as
+well, at several speeds. The folder gets the rows of each speed in a folder of its own,
+`factorial.csv`, `factorial.md` and `factorial.png`. The same command goes on where a stopped run
+was.
 """
 
 import argparse
 import csv
+from collections.abc import Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,6 +24,7 @@ from aicon_baselines.agents.registry import compiled, factory
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.tables import to_markdown
@@ -42,13 +45,61 @@ EXPLORATION: dict[str, dict[str, Any]] = {
     "exploration": {},
 }
 
-LAWS = {"one gradient": DirectDescent(), "foresight": Foresight()}
 
-HORIZONS = {25: 6000, 100: 2000, 400: 1000, 800: 1000}
-"""Speeds of the pusher, px/s, and the steps that an episode may take then."""
+class Setting(NamedTuple):
+    """What is combined in a task.
 
-SOON = 300
-"""Steps of gym-pusht's own limit, the shorter of two horizons."""
+    Attributes:
+        condition: The condition.
+        laws: Options of each action law, by its name.
+        speed: The option that limits the speed of the pusher.
+        unit: Of the speeds below, by the option's.
+        unit_name: Its name.
+        horizons: The speeds, and the steps that an episode may take then.
+        soon: A shorter horizon, steps.
+        seed: First seed.
+        episodes: How many.
+    """
+
+    condition: str
+    laws: Mapping[str, Mapping[str, Any]]
+    speed: str
+    unit: float
+    unit_name: str
+    horizons: Mapping[int, int]
+    soon: int
+    seed: int
+    episodes: int
+
+
+SETTINGS = {
+    "pusht": Setting(
+        condition="deterministic",
+        laws={"one gradient": {"law": DirectDescent()}, "foresight": {"law": Foresight()}},
+        speed="max_speed",
+        unit=PIXEL,
+        unit_name="px/s",
+        horizons={25: 6000, 100: 2000, 400: 1000, 800: 1000},
+        soon=300,  # gym-pusht's own
+        seed=200,
+        episodes=200,
+    ),
+    "panda_push": Setting(
+        condition="true_pose",
+        laws={
+            "one gradient": {"law": DirectDescent(), "contact_limits": None},
+            "foresight": {"law": Foresight(), "contact_limits": None},
+            "limits near contact": {"law": DirectDescent()},
+        },
+        speed="limits.tip_speed",
+        unit=1e-3,
+        unit_name="mm/s",
+        horizons={50: 18000, 200: 18000},
+        soon=6000,
+        seed=0,
+        episodes=20,
+    ),
+}
 
 
 class Cell(NamedTuple):
@@ -60,74 +111,91 @@ class Cell(NamedTuple):
     speed: int
     episodes: int
     horizon: int
-    within_300: float
+    within_soon: float
     within_horizon: float
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the speeds and the episodes."""
-    parser.add_argument("--speeds", nargs="+", type=int, choices=HORIZONS, default=[*HORIZONS])
-    parser.add_argument("--episodes", type=int, default=200, help="seeds (default: 200)")
-    parser.add_argument("--seed", type=int, default=200, help="first seed (default: 200)")
+    """Declare the task, the speeds and the episodes."""
+    parser.add_argument("--task", choices=SETTINGS, required=True)
+    parser.add_argument("--rules", nargs="+", choices=RULES, default=[*RULES])
+    parser.add_argument("--speeds", nargs="+", type=int, help="default: all of the task")
+    parser.add_argument("--episodes", type=int, help="seeds (default: the task's)")
+    parser.add_argument("--seed", type=int, help="first seed (default: the task's)")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Run what is missing, speed by speed; write the table and the picture after each."""
-    cells: list[Cell] = []
-    for speed in arguments.speeds:
-        cells += run_speed(speed, arguments)
-        write_cells(arguments.out / "factorial.csv", cells)
-        draw(arguments.out / "factorial.png", cells)
+    setting = SETTINGS[arguments.task]
+    speeds = arguments.speeds or [*setting.horizons]
+    if unknown := set(speeds) - set(setting.horizons):
+        valid = ", ".join(map(str, setting.horizons))
+        raise ComparisonError(
+            f"--speeds {min(unknown)}: expected some of {valid} ({setting.unit_name})"
+        )
 
-    table = to_table(cells)
+    cells: list[Cell] = []
+    for speed in speeds:
+        cells += run_speed(speed, setting, arguments)
+        write_cells(arguments.out / "factorial.csv", cells)
+        draw(arguments.out / "factorial.png", cells, setting)
+
+    table = to_table(cells, setting)
     with replacing(arguments.out / "factorial.md") as path:
         path.write_text(table + "\n", encoding="utf-8")
     print(table)
 
 
-def run_speed(speed: int, arguments: argparse.Namespace) -> list[Cell]:
+def run_speed(speed: int, setting: Setting, arguments: argparse.Namespace) -> list[Cell]:
     """Run every combination at one speed."""
-    task = load("pusht")
-    combinations = {", ".join(names): names for names in product(RULES, EXPLORATION, LAWS)}
+    task = load(arguments.task)
+    combinations = {
+        ", ".join(names): names for names in product(arguments.rules, EXPLORATION, setting.laws)
+    }
     policies = {
-        name: compiled(factory(task.name, "aicon", **options_of(*names, speed)))
+        name: compiled(factory(task.name, "aicon", **options_of(names, speed, setting)))
         for name, names in combinations.items()
     }
 
     config = configure(
-        task, seed=arguments.seed, episodes=arguments.episodes, horizon=HORIZONS[speed]
+        task,
+        seed=setting.seed if arguments.seed is None else arguments.seed,
+        episodes=setting.episodes if arguments.episodes is None else arguments.episodes,
+        conditions=[setting.condition],
+        horizon=setting.horizons[speed],
     )
     with RunFolder.open(arguments.out / f"speed_{speed}", config) as folder:
         compare(task, policies, folder, arguments.jobs)
         rows = list(folder.rows())
 
     return [
-        to_cell(names, speed, [row for row in rows if row.policy == name])
+        to_cell(names, speed, setting, [row for row in rows if row.policy == name])
         for name, names in combinations.items()
     ]
 
 
-def options_of(rule: str, exploration: str, law: str, speed: int) -> dict[str, Any]:
+def options_of(names: tuple[str, ...], speed: int, setting: Setting) -> dict[str, Any]:
     """Options of one combination, on top of the policy that is shipped."""
-    chosen = {"law": LAWS[law], "max_speed": speed * PIXEL}
-    return RULES[rule] | EXPLORATION[exploration] | chosen
+    rule, exploration, law = names
+    fastest = {setting.speed: speed * setting.unit}
+    return {**RULES[rule], **EXPLORATION[exploration], **setting.laws[law], **fastest}
 
 
-def to_cell(names: tuple[str, ...], speed: int, rows: list[Row]) -> Cell:
+def to_cell(names: tuple[str, ...], speed: int, setting: Setting, rows: list[Row]) -> Cell:
     """Count the successes of one combination."""
     rule, exploration, law = names
     solved = np.array([row.success for row in rows])
-    soon = np.array([row.steps is not None and row.steps <= SOON for row in rows])
+    soon = np.array([row.steps is not None and row.steps <= setting.soon for row in rows])
     return Cell(
         rule,
         exploration,
         law,
         speed,
         episodes=len(rows),
-        horizon=HORIZONS[speed],
-        within_300=float((solved & soon).mean()),
+        horizon=setting.horizons[speed],
+        within_soon=float((solved & soon).mean()),
         within_horizon=float(solved.mean()),
     )
 
@@ -140,30 +208,32 @@ def write_cells(path: Path, cells: list[Cell]) -> None:
         writer.writerows(cells)
 
 
-def to_table(cells: list[Cell]) -> str:
+def to_table(cells: list[Cell], setting: Setting) -> str:
     """A row for each rule, with and without exploration; a column for each law and speed."""
     columns = list(dict.fromkeys((cell.law, cell.speed) for cell in cells))
-    head = ["rule", "", *(f"{law}, {speed} px/s" for law, speed in columns)]
+    names = (f"{law}, {speed} {setting.unit_name}" for law, speed in columns)
 
     lines = []
-    for rule, exploration in product(RULES, EXPLORATION):
+    for rule, exploration in dict.fromkeys((cell.rule, cell.exploration) for cell in cells):
         found = {
-            (cell.law, cell.speed): f"{100 * cell.within_300:.1f} / {100 * cell.within_horizon:.1f}"
+            (cell.law, cell.speed): (cell.within_soon, cell.within_horizon)
             for cell in cells
             if (cell.rule, cell.exploration) == (rule, exploration)
         }
-        lines.append([rule, exploration, *(found[column] for column in columns)])
-    return to_markdown(head, lines)
+        shares = [" / ".join(f"{100 * share:.1f}" for share in found[column]) for column in columns]
+        lines.append([rule, exploration, *shares])
+    return to_markdown(["rule", "", *names], lines)
 
 
-def draw(path: Path, cells: list[Cell]) -> None:
+def draw(path: Path, cells: list[Cell], setting: Setting) -> None:
     """Save a picture: success at the long horizon, a panel for each law."""
-    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    laws = list(setting.laws)
+    figure = Figure(figsize=(1.0 + 4.0 * len(laws), 3.6), layout="constrained")
     FigureCanvasAgg(figure)
-    rows = list(product(RULES, EXPLORATION))
+    rows = list(dict.fromkeys((cell.rule, cell.exploration) for cell in cells))
     speeds = list(dict.fromkeys(cell.speed for cell in cells))
 
-    for axes, law in zip(figure.subplots(1, 2, sharey=True), LAWS, strict=True):
+    for axes, law in zip(figure.subplots(1, len(laws), sharey=True), laws, strict=True):
         share = {
             (cell.rule, cell.exploration, cell.speed): cell.within_horizon
             for cell in cells
@@ -177,7 +247,7 @@ def draw(path: Path, cells: list[Cell]) -> None:
             axes.text(column, line, f"{value:.0f}", ha="center", va="center", color=color)
         axes.set_xticks(range(len(speeds)), [f"{speed}" for speed in speeds])
         axes.set_yticks(range(len(rows)), [f"{rule}, {how}" for rule, how in rows])
-        axes.set_xlabel("speed of the pusher, px/s")
+        axes.set_xlabel(f"speed of the pusher, {setting.unit_name}")
         axes.set_title(f"{law}: success, %")
 
     with replacing(path) as new:
