@@ -24,6 +24,7 @@ from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.report import write_report
+from aicon_baselines.evaluation.row import COMPILED
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.tables import list_failures
 from aicon_baselines.evaluation.task import Task
@@ -85,7 +86,7 @@ def choose_policies(task: Task, arguments: argparse.Namespace) -> dict[str, Fact
         elif task.compiles:
             policies[name] = compiled(factory(task.name, name))
         elif arguments.compile:
-            policies[f"{name}_compiled"] = compiled(factory(task.name, name))
+            policies[name + COMPILED] = compiled(factory(task.name, name))
         else:
             policies[name] = factory(task.name, name)
 

@@ -12,14 +12,12 @@ from aicon_baselines.diagnosis.history import FloatArray, History
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
-from aicon_baselines.evaluation.row import Row
+from aicon_baselines.evaluation.row import COMPILED, Row
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
 from aicon_torch import Policy
 from aicon_torch.resolution import Memory
-
-_COMPILED = "_compiled"
 
 
 @dataclass(frozen=True)
@@ -96,7 +94,7 @@ def _factory(task: Task, name: str) -> Factory:
     """What builds the policy of a row."""
     if ":" in name:
         return own_policy(name)
-    return factory(task.name, name.removesuffix(_COMPILED))
+    return factory(task.name, name.removesuffix(COMPILED))
 
 
 def _record(task: Task, row: Row, policy: Policy) -> Rerun:

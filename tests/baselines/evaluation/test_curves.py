@@ -33,9 +33,8 @@ def test_a_policy_without_success_has_a_curve_without_points() -> None:
     assert (curve.final_share, curve.median_time) == (0.0, np.inf)
 
 
-def test_the_legend_has_the_order_in_which_the_curves_end(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def legend_of(rows: list[Row], folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names in the legend of the curves."""
     figures: list[Figure] = []
     save = Figure.savefig
 
@@ -44,19 +43,37 @@ def test_the_legend_has_the_order_in_which_the_curves_end(
         save(figure, path, **options)
 
     monkeypatch.setattr(Figure, "savefig", watched_save)
+    draw_success_curves(rows, STEPS, folder / "curves.png")
+
+    (figure,) = figures
+    legend = figure.axes[0].get_legend()
+    assert legend is not None
+    return [text.get_text().split("  ")[0] for text in legend.get_texts()]
+
+
+def test_the_legend_has_the_order_in_which_the_curves_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rows = [
         *rows_by_steps("a fails", [None, None]),
         *rows_by_steps("b is late", [300, 300]),
         *rows_by_steps("c is early", [200, 200]),
         *rows_by_steps("d does half", [100, None]),
     ]
-    draw_success_curves(rows, STEPS, tmp_path / "curves.png")
-
-    (figure,) = figures
-    legend = figure.axes[0].get_legend()
-    assert legend is not None
-    names = [text.get_text().split("  ")[0] for text in legend.get_texts()]
+    names = legend_of(rows, tmp_path, monkeypatch)
     assert names == ["c is early", "b is late", "d does half", "a fails"]
+
+
+def test_compiled_policies_are_named_plainly_but_beside_themselves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = [
+        *rows_by_steps("aicon_compiled", [100, 100]),
+        *rows_by_steps("aicon", [200, 200]),
+        *rows_by_steps("steepest_compiled", [300, None]),
+    ]
+    names = legend_of(rows, tmp_path, monkeypatch)
+    assert names == ["aicon_compiled", "aicon", "steepest"]
 
 
 def test_no_two_policies_look_the_same() -> None:
