@@ -110,7 +110,8 @@ class LiveView:
     def _actions(self) -> Actions:
         """What the controls ask for."""
         return Actions(
-            toggle=lambda: self._ask(self._toggle),
+            play=lambda: self._ask(self._play),
+            pause=lambda: self._ask(lambda: setattr(self, "running", False)),
             step=lambda: self._ask(self._step_once),
             reset=lambda seed: self._ask(lambda: self._reset(seed)),
             set_speed=lambda speed: self._ask(lambda: setattr(self, "speed", speed)),
@@ -140,10 +141,10 @@ class LiveView:
             except (ValueError, AiconError) as error:
                 self._note = str(error)
 
-    def _toggle(self) -> None:
+    def _play(self) -> None:
         if self.episode.ended and not self.running:
             self._reset(self.episode.seed)
-        self.running = not self.running
+        self.running = True
 
     def _step_once(self) -> None:
         self.running = False

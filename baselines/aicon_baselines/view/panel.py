@@ -22,7 +22,8 @@ class Actions:
     """What the controls do; they are called in a thread of the server.
 
     Attributes:
-        toggle: Go on or pause.
+        play: Go on, or from the start again after the end.
+        pause: Rest.
         step: Go on by one step, and pause.
         reset: Start the episode of a seed.
         set_speed: How many times as fast as real time.
@@ -32,7 +33,8 @@ class Actions:
         kick: Kick the object.
     """
 
-    toggle: Callable[[], None]
+    play: Callable[[], None]
+    pause: Callable[[], None]
     step: Callable[[], None]
     reset: Callable[[int], None]
     set_speed: Callable[[float], None]
@@ -68,8 +70,8 @@ class Panel:
             self._add_strips()
 
     def show_running(self, running: bool) -> None:
-        """Say on the button what it would do now."""
-        self._toggle.label = "Pause" if running else "Play"
+        """Show the button of what can be done now."""
+        self._play.visible, self._pause.visible = not running, running
 
     def show(self, note: str = "") -> None:
         """Bring words, graph and curves to the present.
@@ -97,10 +99,13 @@ class Panel:
             strip.clear()
 
     def _add_controls(self) -> None:
-        """Pause, step, reset, speed."""
+        """Play or pause, step, reset, speed."""
         gui, actions = self._gui, self._actions
-        self._toggle = gui.add_button("Pause")
-        self._toggle.on_click(lambda _: actions.toggle())
+
+        # Two buttons in one place: a click means what was to be read when it was made.
+        self._play, self._pause = gui.add_button("Play"), gui.add_button("Pause")
+        self._play.on_click(lambda _: actions.play())
+        self._pause.on_click(lambda _: actions.pause())
         gui.add_button("Step").on_click(lambda _: actions.step())
 
         seed = gui.add_number("Seed", self._scene.episode.seed, min=0, step=1)
