@@ -8,7 +8,6 @@ one robot that reaches for a pose. Times are those of the processor, compilers i
 
 import argparse
 import os
-import resource
 import tempfile
 import time
 from typing import Any, get_args
@@ -18,7 +17,7 @@ import torch
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from aicon_baselines.cli.bench import record_observations
+from aicon_baselines.cli.bench import observations_of_one
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load
 from aicon_torch import Policy, make_policy
@@ -51,8 +50,7 @@ def measure(robot: str, rounds: int) -> None:
     """Print the first step and the median time of the others, of both."""
     condition = f"{robot}_pose_home"
     policies = build_both(load("reach").policy_options(condition))
-    batches = record_observations("reach", condition, RECORDED)
-    observations = [{key: np.array(value[0]) for key, value in batch.items()} for batch in batches]
+    observations = observations_of_one("reach", condition, RECORDED)
 
     for name, policy in policies.items():
         print(
@@ -92,8 +90,7 @@ def first_step(policy: Policy, observation: dict[str, NDArray[Any]]) -> float:
 
 def processor_time() -> float:
     """Of this process and of those that it has waited for, s."""
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime
+    return sum(os.times()[:4])
 
 
 def turn(policy: Policy, observations: Observations) -> float:

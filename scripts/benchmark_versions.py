@@ -114,12 +114,11 @@ def in_words(told: Told) -> str:
 
 def recorded(task: str) -> list[dict[str, Any]]:
     """Observations of one robot."""
-    from aicon_baselines.cli.bench import record_observations
+    from aicon_baselines.cli.bench import observations_of_one
     from aicon_baselines.tasks import load
 
     condition = CONDITIONS.get(task, load(task).conditions[0])
-    batches = record_observations(task, condition, RECORDED)
-    return [{key: np.array(value[0]) for key, value in batch.items()} for batch in batches]
+    return observations_of_one(task, condition, RECORDED)
 
 
 class Worker:

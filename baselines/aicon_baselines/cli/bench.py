@@ -10,7 +10,9 @@ the times are those of the processor, so that a busy machine slows both alike.
 import argparse
 from typing import Any
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import make
 from aicon_baselines.cli.command_line import Command
@@ -97,6 +99,12 @@ def record_observations(
         return observations
     finally:
         env.close()
+
+
+def observations_of_one(task: str, condition: str, steps: int) -> list[dict[str, NDArray[Any]]]:
+    """The same as one robot alone observes it, without a batch."""
+    batches = record_observations(task, condition, steps)
+    return [{key: np.array(value[0]) for key, value in batch.items()} for batch in batches]
 
 
 def record_episodes(

@@ -120,11 +120,13 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         help="policies of the task; trained ones: sb3, diffusion; in pusht a planner: mppi; your "
         "own: MODULE:FUNCTION, a function of the condition that returns something with predict",
     )
+
     group.add_argument(
         "--compile",
         action="store_true",
         help="compile them: the rows of NAME are NAME_compiled (panda_push: always, as NAME)",
     )
+
     group.add_argument(
         "--sb3-path",
         nargs="+",
@@ -142,6 +144,7 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         help="load agents that hold more than numbers: any code in their files runs, so know where "
         "they come from",
     )
+
     group.add_argument(
         "--diffusion-path",
         nargs="+",
@@ -177,6 +180,7 @@ def _add_episodes(group: argparse._ArgumentGroup) -> None:
         default=1,
         help="runs of each seed with other noise (default: 1)",
     )
+
     group.add_argument(
         "--conditions",
         nargs="+",

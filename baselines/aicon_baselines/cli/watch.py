@@ -39,10 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--condition", metavar="NAME", help="variant of the task")
     parser.add_argument("--seed", type=int, default=0, help="seed of the episode (default: 0)")
+
     parser.add_argument("--port", type=int, default=8080, help="port of the page (default: 8080)")
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen at (default: this machine only)"
     )
+
     parser.add_argument("--paused", action="store_true", help="wait for the button to begin")
     parser.add_argument("--loop", action="store_true", help="go on with seed after seed")
     parser.add_argument(
