@@ -10,7 +10,10 @@ from torch import Tensor, nn
 from aicon_torch.errors import GraphError, choices
 
 Values = Mapping[str, Tensor | float]
-"""Named values of one step: quantities of shape ``(*B, *shape)`` and constants such as ``dt``."""
+"""Named values of one step: quantities of shape ``(*B, *shape)``, and the time step ``dt``, s.
+
+``dt`` is a number, or ``(*B, 1)`` where a clock tells how long the last step took.
+"""
 
 
 def wiring(function: Callable[..., object]) -> tuple[str, ...]:
@@ -186,31 +189,36 @@ class Interconnection(Node):
 
 
 class Affine(Interconnection):
-    """``Σ_k M_k x_k``: a linear relation, whose Jacobians are constants.
+    """``Σ_k M_k x_k``: a linear relation, whose Jacobians depend on no ``x_k``.
 
     Args:
         matrices: For each quantity its matrix ``(m, n)``, or a number that stands for a multiple of
-            the identity.
+            the identity, or ``"dt"`` if that number is the time step.
 
     Example:
         >>> approach = Affine(p_tar=1.0, x_rob=-1.0)  # it comes nearer by what the robot moves
+        >>> motion = Affine(x_joints=1.0, a="dt")  # joints at the velocity a
     """
 
-    def __init__(self, **matrices: float | Tensor) -> None:
+    def __init__(self, **matrices: float | str | Tensor) -> None:
         nn.Module.__init__(self)  # there is no function to wire
-        self.inputs = tuple(matrices)
         self.jacobians = nn.ModuleDict()
 
         self.factors: dict[str, float] = {}
+        self.named_factors: dict[str, str] = {}
         for name, value in matrices.items():
             if isinstance(value, Tensor):
                 self.register_buffer(f"matrix_{name}", value.to(torch.float64))
+            elif isinstance(value, str):
+                self.named_factors[name] = value
             else:
                 self.factors[name] = value
+        self.inputs = (*matrices, *dict.fromkeys(self.named_factors.values()))
+        self._quantities = tuple(matrices)
 
     def forward(self, values: Values) -> Tensor:
         """The sum ``(*B, m)``."""
-        terms = [self._term(name, cast(Tensor, values[name])) for name in self.inputs]
+        terms = [self._term(name, values) for name in self._quantities]
         total = terms[0]
         for term in terms[1:]:
             total = total + term
@@ -219,17 +227,20 @@ class Affine(Interconnection):
     def linearize(
         self, values: Values, name: str, rows: int, differentiable: bool = False
     ) -> tuple[Tensor, Tensor]:
-        """Value ``(*B, m)`` and the constant Jacobian, ``(m, n)``; nothing is differentiated."""
+        """Value ``(*B, m)`` and the Jacobian, ``(m, n)``; nothing is differentiated."""
         point = cast(Tensor, values[name])
         value = self(values)
-        if name not in self.inputs:
+        if name not in self._quantities:
             return value, point.new_zeros(rows, point.shape[-1])
-        return value, self._matrix(name, point)
+        return value, self._matrix(name, values)
 
-    def _term(self, name: str, value: Tensor) -> Tensor:
+    def _term(self, name: str, values: Values) -> Tensor:
         """M x, ``(*B, m)``."""
+        value = cast(Tensor, values[name])
+        if name in self.named_factors:
+            return values[self.named_factors[name]] * value
         if name not in self.factors:
-            return (self._matrix(name, value) * value.unsqueeze(-2)).sum(-1)
+            return (self._matrix(name, values) * value.unsqueeze(-2)).sum(-1)
 
         factor = self.factors[name]
         if factor == 1:
@@ -238,11 +249,17 @@ class Affine(Interconnection):
             return -value
         return factor * value
 
-    def _matrix(self, name: str, like: Tensor) -> Tensor:
+    def _matrix(self, name: str, values: Values) -> Tensor:
+        """M, ``(m, n)``, or ``(*B, m, n)`` if it is a multiple that differs from row to row."""
+        if name not in self.factors and name not in self.named_factors:
+            return cast(Tensor, getattr(self, f"matrix_{name}"))
+
+        like = cast(Tensor, values[name])
+        identity = torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
         if name in self.factors:
-            identity = torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
             return self.factors[name] * identity
-        return cast(Tensor, getattr(self, f"matrix_{name}"))
+        factor = values[self.named_factors[name]]
+        return (factor.unsqueeze(-1) if isinstance(factor, Tensor) else factor) * identity
 
 
 def _agree(given: Tensor, expected: Tensor) -> bool:

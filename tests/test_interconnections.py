@@ -157,3 +157,15 @@ def test_affine_is_the_sum_of_products(batch: tuple[int, ...]) -> None:
 def test_affine_matrices_follow_the_precision() -> None:
     relation = Affine(x=torch.tensor([[1, 2]])).to(torch.float32)
     assert relation({"x": torch.ones(2)}).dtype == torch.float32
+
+
+@pytest.mark.parametrize("dt", [0.1, torch.tensor([[0.1], [0.3]], dtype=torch.float64)])
+def test_a_multiple_may_be_the_time_step(dt: Any) -> None:
+    motion, start, velocity = Affine(x=1.0, a="dt"), normal(2, 3), normal(2, 3, seed=1)
+    values = {"x": start, "a": velocity, "dt": dt}
+    assert motion.inputs == ("x", "a", "dt")
+    torch.testing.assert_close(motion(values), start + dt * velocity)
+    for name in ("x", "a"):
+        _, given = motion.linearize(values, name, 3)
+        _, expected = motion.differentiate(values, name, 3, differentiable=False)
+        torch.testing.assert_close(given.expand_as(expected), expected)

@@ -37,12 +37,14 @@ class Admission(NamedTuple):
         actuators: The actuators by name.
         needed: Sensors without which an episode cannot begin.
         dt: Time step, s.
+        clock: The sensor that tells how long the last step took, if one does.
     """
 
     sensors: dict[str, Sensor]
     actuators: dict[str, Actuator]
     needed: tuple[str, ...]
     dt: float
+    clock: str | None = None
 
     def initial(self) -> Memory:
         """What is remembered besides readings before the first, without batch dimensions."""
@@ -77,9 +79,15 @@ class Admission(NamedTuple):
             readings: The readings ``(*B, size)``, with NaN where there is none, and their ages.
             memory: The memory before the step.
         """
+        # How long the last step took.
         admitted: dict[str, Tensor] = {}
+        elapsed = self._elapsed(readings, memory)
+
+        # What is read.
         for name, sensor in self.sensors.items():
-            admitted |= self._admit(name, sensor, readings, memory)
+            admitted |= self._admit(name, sensor, readings, memory, elapsed)
+        if self.clock is not None:
+            admitted[self.clock] = elapsed.unsqueeze(-1)
 
         # What was executed, where that is told; no action is beyond its limit.
         for name, actuator in self.actuators.items():
@@ -95,16 +103,25 @@ class Admission(NamedTuple):
         admitted[BEGINS] = memory[BEGINS] & lacks
         return admitted
 
+    def _elapsed(self, readings: Mapping[str, Tensor], memory: Mapping[str, Tensor]) -> Tensor:
+        """How long the last step took, ``(*B,)``, s: as the clock tells, or as it should."""
+        usual = torch.full_like(memory[next(iter(self.sensors)) + AGE], self.dt)
+        if self.clock is None:
+            return usual
+        told = readings[self.clock].squeeze(-1)
+        return torch.where(told.isfinite(), told, usual)
+
     def _admit(
         self,
         name: str,
         sensor: Sensor,
         readings: Mapping[str, Tensor],
         memory: Mapping[str, Tensor],
+        elapsed: Tensor,
     ) -> dict[str, Tensor]:
         """One sensor's reading, and what is known of it."""
         reading, last = readings[name], memory[name]
-        waited = memory[name + AGE] + self.dt
+        waited = memory[name + AGE] + elapsed
         is_first = memory[name + AGE] >= NEVER
         age = readings.get(name + AGE, torch.zeros_like(waited))
         admitted: dict[str, Tensor] = {}
@@ -125,7 +142,7 @@ class Admission(NamedTuple):
 
         # ... and it has not jumped farther than it can.
         if sensor.rate_limit is not None:
-            admitted |= self._compared(name, sensor, reading, is_present, memory)
+            admitted |= self._compared(name, sensor, reading, is_present, memory, elapsed)
             is_present = is_present & (admitted[name + REFUSED] == 0)
 
         age = torch.where(is_present, age, waited).clamp(max=NEVER)
@@ -142,10 +159,11 @@ class Admission(NamedTuple):
         reading: Tensor,
         is_present: Tensor,
         memory: Mapping[str, Tensor],
+        elapsed: Tensor,
     ) -> dict[str, Tensor]:
         """Whether a reading is where it can be, and what is remembered in order to tell."""
         limit = cast(float, sensor.rate_limit)
-        waited, seen_waited = memory[name + AGE] + self.dt, memory[name + SEEN_AGE] + self.dt
+        waited, seen_waited = memory[name + AGE] + elapsed, memory[name + SEEN_AGE] + elapsed
         refused = memory[name + REFUSED]
 
         # Does it agree with the last one that was believed, or with those just before it?

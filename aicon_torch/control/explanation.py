@@ -111,7 +111,7 @@ def _alerts(backward: BackwardPass, memory: Memory) -> Iterator[str]:
     model = backward.model
     share = float(confidence(model.sensors, memory))
     for name, sensor in model.sensors.items():
-        if bool(memory[name + PRESENT]):
+        if bool(memory[name + PRESENT]) or name == model.clock:
             continue
 
         # Since when, and why.

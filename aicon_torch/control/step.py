@@ -30,7 +30,7 @@ class ControlStep:
     def __init__(self, model: WorldModel, backward: BackwardPass, law: ActionLaw) -> None:
         self.model, self.backward, self.law = model, backward, law
         needed = model.graph.first_readings
-        self.admit = Admission(model.sensors, model.actuators, needed, model.dt)
+        self.admit = Admission(model.sensors, model.actuators, needed, model.dt, model.clock)
         self.safety = safety_of(model)
 
     @torch.enable_grad()

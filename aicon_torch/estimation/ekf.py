@@ -90,10 +90,7 @@ class EKF(Estimator):
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """The prior belief; constants broadcast over the batch."""
-        if self.prior is None:
-            mean, covariance = cast(Tensor, self.prior_mean), cast(Tensor, self.prior_covariance)
-        else:
-            mean, covariance = self.prior(values)
+        mean, covariance = self._prior_belief(values)
         return {self.mean: mean, self.covariance: covariance}
 
     @torch.no_grad()
@@ -179,6 +176,13 @@ class EKF(Estimator):
         self.register_buffer("prior_covariance", cast(Tensor, covariance.constant))
         return len(mean)
 
+    def _prior_belief(self, values: Values) -> tuple[Tensor, Tensor]:
+        """What is believed before the first step."""
+        if self.prior is None:
+            return cast(Tensor, self.prior_mean), cast(Tensor, self.prior_covariance)
+        mean, covariance = self.prior(values)
+        return mean, covariance
+
     def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
         """The belief before the measurements, x⁻ and P⁻."""
         mean, transition = self._predicted_mean(values)
@@ -242,11 +246,11 @@ class EKF(Estimator):
             if sensor + ANEW not in values:
                 continue
 
-            prior = self.initial(values)
+            prior_mean, prior_covariance = self._prior_belief(values)
             is_anew = cast(Tensor, values[sensor + ANEW])
-            covariance = torch.where(is_anew[..., None, None], prior[self.covariance], covariance)
+            covariance = torch.where(is_anew[..., None, None], prior_covariance, covariance)
             if sensor in self.prior_inputs:
-                mean = torch.where(is_anew[..., None], prior[self.mean], mean)
+                mean = torch.where(is_anew[..., None], prior_mean, mean)
         return mean, covariance
 
     def _anticipate_covariance(

@@ -19,14 +19,15 @@ class LateEKF(EKF):
     the quantity since: filter, then predict (Larsen et al. 1998). Beside mean and covariance it
     owns, under their names with a suffix, the belief at the last reading (``_then``), how many
     steps ago that was (``_lag``), and what moved it in the last L + 1 steps (``_moves``). Times
-    count to the nearest step. With L = 0 it is an :class:`EKF`.
+    count to the nearest beginning of a step. With L = 0 it is an :class:`EKF`.
 
     Args:
         mean: As for :class:`EKF`.
         covariance: As for :class:`EKF`.
         sensor: The sensor whose age tells when the readings were taken.
         steps: L, the largest age of a reading that is made up for; an older one counts as so old.
-        moved_by: What ``predict`` reads besides the mean, with the number of its components.
+        moved_by: What ``predict`` reads besides the mean, with the number of its components; with
+            ``"dt": 1`` each step counts as long as the clock told.
         **options: As for :class:`EKF`.
 
     Example:
@@ -47,7 +48,7 @@ class LateEKF(EKF):
         super().__init__(mean, covariance, **options)
         self.sensor, self.steps, self.moved_by = sensor, steps, dict(moved_by)
         for name in self.moved_by:
-            if name not in self.predict.inputs:
+            if name not in (*self.predict.inputs, "dt"):
                 raise GraphError(
                     f"moved_by of {mean!r}: predict reads {choices(self.predict.inputs)}, not "
                     f"{name!r}."
@@ -63,15 +64,16 @@ class LateEKF(EKF):
         """The prior belief, of now; nothing has moved."""
         belief = super().initial(values)
         mean, covariance = belief[self.mean], belief[self.covariance]
-        at_rest = mean.new_zeros((self.steps + 1) * sum(self.moved_by.values()))
+        in_step = [self._at_rest(name, values, mean) for name in self.moved_by]
+        at_rest = torch.cat(in_step * (self.steps + 1))
         past = {self.then[0]: mean, self.then[1]: covariance}
         return {**belief, **past, self.lag: mean.new_zeros(1), self.moves: at_rest}
 
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """Move the belief to when the reading was taken, correct it, and move it on to now."""
-        moves, new_lag = self._remembered_moves(values), self._new_lag(values)
-        steps = list(self._steps(moves))
+        moves = self._remembered_moves(values)
+        steps, new_lag = list(self._steps(moves)), self._new_lag(values, moves)
 
         # To when the reading was taken, ...
         mean, covariance = self._predicted(values)
@@ -93,26 +95,46 @@ class LateEKF(EKF):
 
     def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
         """The belief of when the reading was taken, before it is corrected."""
-        lag, new_lag = cast(Tensor, values[self.lag]) + 1, self._new_lag(values)
+        moves = self._remembered_moves(values)
+        lag, new_lag = cast(Tensor, values[self.lag]) + 1, self._new_lag(values, moves)
         mean, covariance = (cast(Tensor, values[name]) for name in self.then)
-        for back, step in self._steps(self._remembered_moves(values)):
+        for back, step in self._steps(moves):
             is_due = (back <= lag) & (back > new_lag)
             mean, covariance = self._moved(values, step, mean, covariance, is_due)
         return mean, covariance
 
-    def _new_lag(self, values: Values) -> Tensor:
+    def _new_lag(self, values: Values, moves: Tensor) -> Tensor:
         """How many steps ago the last reading was taken, ``(*B, 1)``."""
         lag = cast(Tensor, values[self.lag]) + 1
-        age = cast(Tensor, values[self.sensor + AGE]).unsqueeze(-1) / cast(float, values["dt"])
+        age = cast(Tensor, values[self.sensor + AGE]).unsqueeze(-1)
         is_present = cast(Tensor, values[self.sensor + PRESENT]).unsqueeze(-1)
-        new_lag = torch.where(is_present, age.round(), lag).clamp(0, self.steps)
+
+        # As many steps were more than half over when it was taken.
+        since, began = torch.zeros_like(lag), torch.zeros_like(lag)
+        for _, step in reversed(list(self._steps(moves))[1:]):
+            duration = cast(Tensor, {**values, **step}["dt"])
+            since = since + (age > began + duration / 2)
+            began = began + duration
+
+        new_lag = torch.where(is_present, since, lag.clamp(max=self.steps))
         return torch.minimum(new_lag, lag)
 
     def _remembered_moves(self, values: Values) -> Tensor:
         """What moved it in the last L + 1 steps, oldest first, ``(*B, (L + 1) m)``."""
-        last = torch.cat([cast(Tensor, values[name]) for name in self.moved_by], dim=-1)
-        kept = cast(Tensor, values[self.moves])[..., last.shape[-1] :]
+        kept = cast(Tensor, values[self.moves])
+        last = torch.cat([self._move(name, values, kept) for name in self.moved_by], dim=-1)
+        kept = kept[..., last.shape[-1] :]
         return torch.cat((kept, last), dim=-1)
+
+    def _at_rest(self, name: str, values: Values, like: Tensor) -> Tensor:
+        """What did not move it in a step before the first, ``(size,)``."""
+        at_rest = like.new_zeros(self.moved_by[name])
+        return at_rest + values["dt"] if name == "dt" else at_rest
+
+    def _move(self, name: str, values: Values, like: Tensor) -> Tensor:
+        """What moved it in the last step, or how long that took, ``(*B, size)``."""
+        value = values[name]
+        return value if isinstance(value, Tensor) else torch.full_like(like[..., :1], value)
 
     def _steps(self, moves: Tensor) -> Iterator[tuple[int, dict[str, Tensor]]]:
         """For each step how long ago it began, from L + 1 to 1, and what moved it then."""

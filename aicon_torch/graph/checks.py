@@ -66,6 +66,22 @@ def check_names(
                 )
 
 
+def check_clock(clock: str | None, sensors: Mapping[str, Sensor]) -> None:
+    """Check that what tells how long a step took is a sensor of one number.
+
+    Raises:
+        GraphError: If it is not.
+    """
+    if clock is None:
+        return
+    if clock not in sensors:
+        raise GraphError(f"clock={clock!r}: expected a sensor: {choices(sensors)}.")
+    if sensors[clock].size != 1:
+        raise GraphError(
+            f"clock={clock!r}: the sensor has {sensors[clock].size} components; expected one, in s."
+        )
+
+
 def check_rows(estimators: Sequence[Estimator], quantities: Mapping[str, Quantity]) -> None:
     """Check that what is evaluated for each row reads as many rows everywhere, and vectors besides.
 

@@ -8,7 +8,7 @@ from torch import Tensor
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
-from aicon_torch.graph.checks import check_names
+from aicon_torch.graph.checks import check_clock, check_names
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.quantities import Actuator, Sensor
 
@@ -25,6 +25,7 @@ class Declaration:
         constraints: What limits each actuator, one after the other.
         commands: For an actuator that takes another command than its action: what it is sent.
         dt: Time step, s.
+        clock: The sensor that tells how long the last step took, if one does.
     """
 
     sensors: dict[str, Sensor]
@@ -34,6 +35,7 @@ class Declaration:
     constraints: dict[str, tuple[Interconnection, ...]]
     commands: dict[str, Interconnection]
     dt: float
+    clock: str | None
 
     @classmethod
     def of(
@@ -43,6 +45,7 @@ class Declaration:
         estimators: Sequence[Estimator],
         goals: Sequence[Goal],
         dt: float,
+        clock: str | None = None,
     ) -> "Declaration":
         """Check the names, and wire the actuators' functions.
 
@@ -50,6 +53,7 @@ class Declaration:
             GraphError: If a name is unknown, taken or given twice, or something is no function.
         """
         check_names(sensors, actuators, estimators, goals)
+        check_clock(clock, sensors)
         estimates = [name for estimator in estimators for name in estimator.outputs]
         known = [*sensors, *actuators, *estimates, "dt"]
 
@@ -69,6 +73,7 @@ class Declaration:
             constraints=constraints,
             commands=commands,
             dt=dt,
+            clock=clock,
         )
 
     def functions_of(self, actuator: str) -> tuple[Interconnection, ...]:

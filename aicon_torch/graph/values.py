@@ -11,7 +11,7 @@ from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.order import in_order
 
 
-def with_dt(values: Mapping[str, Tensor], dt: float) -> dict[str, Tensor | float]:
+def with_dt(values: Mapping[str, Tensor], dt: float | Tensor) -> dict[str, Tensor | float]:
     """The values, and the time step that every function may read."""
     return {**values, "dt": dt}
 

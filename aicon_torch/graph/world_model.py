@@ -53,6 +53,9 @@ class WorldModel(nn.Module):
         estimators: The estimators, in any order.
         goals: The goals.
         dt: Time step in s, which every function may read under the name ``dt``.
+        clock: A sensor that tells how long the last step took, s: estimators take that for ``dt``
+            when they are updated, and :attr:`dt` where it does not tell. What is foreseen takes
+            :attr:`dt`.
         dtype: Precision of all values; by default torch's default.
 
     Raises:
@@ -69,6 +72,7 @@ class WorldModel(nn.Module):
         estimators: Sequence[Estimator],
         goals: Sequence[Goal],
         dt: float = 1.0,
+        clock: str | None = None,
         dtype: torch.dtype | None = None,
     ) -> None:
         super().__init__()
@@ -76,7 +80,7 @@ class WorldModel(nn.Module):
             raise GraphError(
                 f"dtype={dtype!r}: expected a floating-point type such as torch.float64."
             )
-        self.declaration = Declaration.of(sensors, actuators, estimators, goals, dt)
+        self.declaration = Declaration.of(sensors, actuators, estimators, goals, dt, clock)
 
         # The parts become the model's own, with its precision.
         self._parts = nn.ModuleList([*estimators, *goals])
@@ -128,6 +132,11 @@ class WorldModel(nn.Module):
         return self.declaration.dt
 
     @property
+    def clock(self) -> str | None:
+        """The sensor that tells how long the last step took."""
+        return self.declaration.clock
+
+    @property
     def like(self) -> Tensor:
         """A scalar of the model's dtype on its device."""
         return cast(Tensor, self._like)
@@ -147,7 +156,7 @@ class WorldModel(nn.Module):
         Args:
             values: Readings of this step, last actions, and estimates of the last step.
         """
-        new = with_dt(values, self.dt)
+        new = with_dt(values, self.dt if self.clock is None else values[self.clock])
         for estimator in self.estimators:
             new.update(estimator.update(new))
         return _without_dt(new)

@@ -22,6 +22,7 @@ from aicon_torch.parts.clearance import (
     unit_gradient_jacobian,
     unit_gradient_residual,
 )
+from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import (
     ContactLikelihood,
     closest_point,
@@ -126,6 +127,7 @@ __all__ = [
     "approach",
     "bearing_jacobian",
     "bearing_residual",
+    "clock",
     "closest_point",
     "cross",
     "direction_residual",

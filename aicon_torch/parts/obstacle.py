@@ -169,6 +169,26 @@ class MotionPrior:
         return mean, torch.diag(position.new_tensor(variances))
 
 
+def moved_evenly(x: Tensor, dt: float | Tensor) -> Tensor:
+    """(p + v dt, v): position and velocity ``(*B, 6)``, m and m/s, after a time dt, s."""
+    position, velocity = x[..., :3], x[..., 3:]
+    return torch.cat((position + velocity * dt, velocity), dim=-1)
+
+
+class EvenMotion(nn.Module):
+    """The Jacobian of :func:`moved_evenly` by position and velocity: (I, I dt; 0, I)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.register_buffer("identity", torch.eye(6, dtype=torch.float64))
+        self.register_buffer("by_time", torch.eye(6, dtype=torch.float64).roll(3, 1).triu(1))
+
+    def forward(self, dt: float | Tensor) -> Tensor:
+        """``(6, 6)``, or ``(*B, 6, 6)`` by a time that differs from row to row, ``(*B, 1)``, s."""
+        time = dt.unsqueeze(-1) if isinstance(dt, Tensor) else dt
+        return cast(Tensor, self.identity) + time * cast(Tensor, self.by_time)
+
+
 def moving_point(
     name: str,
     reading: str,
@@ -185,7 +205,7 @@ def moving_point(
         name: Of the estimate ``(*B, 6)``, m and m/s, such as ``"x_ball"``; its covariance is
             ``"P_ball"``.
         reading: The sensor of its position, ``(*B, 3)``, m.
-        dt: Time step, s.
+        dt: Time step in which the velocity changes, s; the motion takes as long as a clock tells.
         noise: Standard deviation of a reading, m.
         acceleration: σ, m/s².
         speed: Standard deviation of the velocity before the first motion, m/s.
@@ -193,8 +213,6 @@ def moving_point(
     Example:
         >>> moving_point("x_ball", "z_ball", dt=0.02)
     """
-    transition = torch.eye(6, dtype=torch.float64)
-    transition[:3, 3:] = dt * torch.eye(3, dtype=torch.float64)
     position = torch.eye(6, dtype=torch.float64)[:3]
 
     drift = [(acceleration * dt**2 / 2) ** 2] * 3 + [(acceleration * dt) ** 2] * 3
@@ -205,7 +223,7 @@ def moving_point(
     return EKF(
         name,
         name.replace("x_", "P_", 1) if name.startswith("x_") else f"P_{name}",
-        predict=Affine(**{name: transition}),
+        predict=Interconnection(moved_evenly, [name, "dt"], **{name: EvenMotion()}),
         noise=drift,
         initial=Interconnection(prior, inputs=[reading]),
         correct=[Measurement(Affine(**difference), noise**2, size=3)],

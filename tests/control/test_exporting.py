@@ -189,7 +189,7 @@ def test_it_says_what_it_is(pair: Pair) -> None:
     metadata = pair[1].metadata
     assert metadata["description"] == {"task": "some task"}
     assert metadata["iterations"] == 2 and metadata["dtype"] == "float64"
-    assert [sensor["key"] for sensor in metadata["sensors"]] == ["bearing", "range"]
+    assert [sensor["key"] for sensor in metadata["sensors"]] == ["bearing", "range", "elapsed"]
 
 
 def test_a_source_is_complete(pair: Pair, tmp_path: Path) -> None:

@@ -81,6 +81,34 @@ def test_without_readings_the_belief_of_then_goes_along() -> None:
     assert belief["x_lag"].eq(2).all() and belief["x"].isfinite().all()
 
 
+def test_ages_are_times_however_long_the_steps_were() -> None:
+    """It moves evenly, and is seen as it was 0.3 s ago, in steps that differ from row to row."""
+    correct = [Measurement(residual, 1e-6, size=2)]
+    options = {**OPTIONS, "predict": Affine(x=1.0, u="dt"), "noise": 1e-6, "correct": correct}
+    moved_by = {"u": 2, "dt": 1}
+    filtered = LateEKF("x", "P", sensor="z", steps=6, moved_by=moved_by, **options).double()
+
+    velocity = normal(2, 2, seed=3)
+    belief = filtered.initial({"dt": DT})
+    belief = {name: value.expand(2, *value.shape) for name, value in belief.items()}
+    now = torch.zeros(2, 1, dtype=torch.float64)
+    for lengths in ([1, 2], [3, 1], [1, 1], [1, 3], [2, 1], [1, 1], [1, 1], [1, 2], [1, 1]):
+        dt = DT * torch.tensor(lengths, dtype=torch.float64).unsqueeze(-1)
+        now = now + dt
+        known = {
+            "u": velocity,
+            "z": velocity * (now - 0.3).clamp(min=0.0),
+            "z" + AGE: torch.full((2,), 0.3, dtype=torch.float64),
+            "z" + PRESENT: torch.ones(2, dtype=torch.bool),
+            "dt": dt,
+        }
+        belief = filtered.update({**belief, **known})
+
+    # Ages count to the beginning of a step, which here is at most half a step off.
+    torch.testing.assert_close(belief["x"], velocity * now, rtol=0, atol=0.11)
+    assert belief["x_lag"].flatten().tolist() == [3, 2]
+
+
 def test_what_moves_it_must_be_read() -> None:
     with pytest.raises(GraphError, match=r"moved_by of 'x'.*'x', 'u', not 'v'"):
         LateEKF("x", "P", sensor="z", steps=1, moved_by={"v": 2}, **OPTIONS)

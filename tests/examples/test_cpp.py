@@ -86,4 +86,4 @@ def test_another_precision_is_refused(folder: Path) -> None:
 
 def test_another_number_of_readings_is_refused(folder: Path) -> None:
     text = said(folder, folder / "good.so", readings=(0.5, 0.5, 0.0))
-    assert "step: 3 readings, expected 6" in text
+    assert "step: 3 readings, expected 7" in text

@@ -30,6 +30,7 @@ from aicon_torch.parts.clearance import (
     unit_gradient_jacobian,
     unit_gradient_residual,
 )
+from aicon_torch.parts.clock import clock
 from aicon_torch.parts.landmark import (
     BearingPrior,
     approach,
@@ -78,6 +79,7 @@ def world_model(options: Options) -> WorldModel:
             Goal("avoid", CollisionLikelihood(options.collision_length)),
         ],
         dt=options.dt,
+        clock="z_elapsed",
         dtype=options.dtype,
     )
 
@@ -111,6 +113,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 
     if options.sensing == "range_bearing":
         sensors["z_dir"] = Sensor(1, "rad", key="obstacle_bearing", **angle)
+    sensors["z_elapsed"] = clock(options.dt)
     return sensors
 
 
@@ -140,7 +143,12 @@ def _filter(options: Options, mean: str, covariance: str, sensor: str, **filtere
     if not options.delay:
         return EKF(mean, covariance, **filtered)
     return LateEKF(
-        mean, covariance, sensor=sensor, steps=options.delay, moved_by={"x_rob": 2}, **filtered
+        mean,
+        covariance,
+        sensor=sensor,
+        steps=options.delay,
+        moved_by={"x_rob": 2, "dt": 1},
+        **filtered,
     )
 
 

@@ -57,7 +57,7 @@ def joints(options: Options) -> EKF:
     middle = [(lower + upper) / 2 for lower, upper in zip(low, high, strict=True)]
     agreement = Affine(x_joints=1.0, z_joints=-1.0)
     belief: dict[str, Any] = {
-        "predict": Affine(x_joints=1.0, a=options.dt),
+        "predict": Affine(x_joints=1.0, a="dt"),
         "noise": JOINT_DRIFT,
         "initial": (middle, UNKNOWN_JOINT),
         "correct": [Measurement(agreement, options.joint_noise**2, size=len(middle))],
@@ -65,7 +65,7 @@ def joints(options: Options) -> EKF:
 
     if not options.delay:
         return KalmanFilter("x_joints", "P_joints", **belief)
-    moved_by = {"a": len(middle)}
+    moved_by = {"a": len(middle), "dt": 1}
     late: dict[str, Any] = {"sensor": "z_joints", "steps": options.delay, "moved_by": moved_by}
     return LateEKF("x_joints", "P_joints", **late, **belief)
 

@@ -22,6 +22,7 @@ from aicon_torch.models.panda_push.options import Options
 from aicon_torch.models.panda_push.perception import BLOB, KEYPOINTS, CameraPerception
 from aicon_torch.models.panda_push.pushed_object import object_top, pushed_object
 from aicon_torch.models.panda_push.scene import Scene
+from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.joint_limits import JointLimits
@@ -69,6 +70,7 @@ def world_model(options: Options) -> WorldModel:
         estimators=[*arm(scene), *_heights(scene), *pushed_object(scene), *_contacts(scene)],
         goals=_goals(scene),
         dt=options.dt,
+        clock="z_elapsed",
         dtype=options.dtype,
     )
 
@@ -83,6 +85,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         moving = {"rate_limit": JUMP * max(options.robot.speed), "driven_by": "a"}
     moving |= watched
     sensors = {
+        "z_elapsed": clock(options.dt),
         "z_joints": Sensor(len(options.robot.frames), "rad", key="q", range=TURNS, **moving),
         "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS),
     }

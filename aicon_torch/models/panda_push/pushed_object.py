@@ -88,7 +88,7 @@ def _pushed_pose(scene: Scene, **belief: Any) -> EKF:
     if not scene.options.delay or scene.options.sensing == "camera":
         return EKF("x_pose", "P_pose", **belief)
 
-    moves = {"x_pusher": 2, "d_pusher": 2}
+    moves = {"x_pusher": 2, "d_pusher": 2, "dt": 1}
     late: dict[str, Any] = {"sensor": "z_object", "steps": scene.options.delay, "moved_by": moves}
     return LateEKF("x_pose", "P_pose", **late, **belief)
 

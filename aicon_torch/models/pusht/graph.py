@@ -54,6 +54,7 @@ def world_model(options: Options) -> WorldModel:
         ],
         goals=[Goal("push", PoseDistance(dynamics.rotation_length))],
         dt=options.dt,
+        clock="z_elapsed" if options.command == "velocity" else None,
         dtype=options.dtype,
     )
 

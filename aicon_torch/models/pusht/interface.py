@@ -7,6 +7,7 @@ from torch import Tensor
 
 from aicon_torch.models.pusht.benchmark import PIXEL, WORKSPACE
 from aicon_torch.models.pusht.options import Options
+from aicon_torch.parts.clock import clock
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.servo import PositionTarget, Servo
 from aicon_torch.quantities import Actuator, Sensor
@@ -38,6 +39,8 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
         "z_keypoints": Sensor(size, "m", key="environment_state", **rigid, **seen),
     }
 
+    if options.command == "velocity":  # a place is reached, and held, in a time of its own
+        found["z_elapsed"] = clock(options.dt)
     if options.observe_goal:
         scale = (PIXEL, PIXEL, 1.0)
         found["z_target"] = Sensor(3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale)

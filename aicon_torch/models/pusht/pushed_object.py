@@ -119,6 +119,6 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
 
     if not options.is_delayed:
         return EKF("x_pose", "P_pose", **belief)
-    moved_by = {"x_pusher": 2, "d_pusher": 2 * parts}
+    moved_by = {"x_pusher": 2, "d_pusher": 2 * parts, "dt": 1}
     late: dict[str, Any] = {"sensor": "z_keypoints", "steps": options.delay, "moved_by": moved_by}
     return LateEKF("x_pose", "P_pose", **late, **belief)

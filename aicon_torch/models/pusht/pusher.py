@@ -36,7 +36,7 @@ def _position(options: Options) -> EKF:
     variance = options.pusher_noise**2 if options.estimation else UNFILTERED_VARIANCE
     agreement = Affine(x_pusher=1.0, z_pusher=-1.0)
     belief: dict[str, Any] = {
-        "predict": Affine(x_pusher=1.0, a=options.dt),
+        "predict": Affine(x_pusher=1.0, a="dt"),
         "noise": options.process_noise**2,
         "initial": first_position,
         "size": 2,
@@ -45,5 +45,9 @@ def _position(options: Options) -> EKF:
 
     if not options.is_delayed:
         return EKF("x_pusher", "P_pusher", **belief)
-    late: dict[str, Any] = {"sensor": "z_pusher", "steps": options.delay, "moved_by": {"a": 2}}
+    late: dict[str, Any] = {
+        "sensor": "z_pusher",
+        "steps": options.delay,
+        "moved_by": {"a": 2, "dt": 1},
+    }
     return LateEKF("x_pusher", "P_pusher", **late, **belief)

@@ -24,6 +24,7 @@ from aicon_torch.models.reach.options import Options
 from aicon_torch.models.reach.robot import Robot
 from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.clock import clock
 from aicon_torch.parts.end_effector import EndEffector
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
@@ -69,6 +70,7 @@ def world_model(options: Options) -> WorldModel:
         estimators=_estimators(options, robot, end_effector),
         goals=_goals(options, robot, pose),
         dt=options.dt,
+        clock="z_elapsed",
         dtype=options.dtype,
     )
 
@@ -92,6 +94,7 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
         watched = {"max_age": MAX_GAP * options.dt, "driven_by": "a"}
     joints = len(robot.chain.names)
     sensors = {
+        "z_elapsed": clock(options.dt),
         "z_joints": Sensor(joints, "rad or m", key="q", range=ANYWHERE, **watched),
         "z_position": Sensor(3, "m", key="target_position", range=ANYWHERE),
     }
@@ -178,7 +181,7 @@ def _joints(options: Options, count: int) -> KalmanFilter:
     return KalmanFilter(
         "x_joints",
         "P_joints",
-        predict=Affine(x_joints=1.0, a=options.dt),
+        predict=Affine(x_joints=1.0, a="dt"),
         noise=JOINT_DRIFT,
         initial=([0.0] * count, UNKNOWN_JOINT),
         correct=[Measurement(agreement, options.joint_noise**2, size=count)],

@@ -51,7 +51,8 @@ def innovations(model: WorldModel, memory: Memory) -> list[Innovations]:
     after = {key: value[1:] for key, value in memory.items()}
 
     # What the first estimator sees: the values of the last step and the new readings.
-    values: dict[str, Tensor | float] = {**last_values(model, before), "dt": model.dt}
+    dt = model.dt if model.clock is None else after[model.clock]
+    values: dict[str, Tensor | float] = {**last_values(model, before), "dt": dt}
     for sensor in model.sensors:
         for key in (sensor, *(sensor + suffix for suffix in (PRESENT, AGE, FROZEN))):
             if key in after:

@@ -14,12 +14,24 @@ from numpy.typing import NDArray
 
 Observation = dict[str, NDArray[Any]]
 
-FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "gone", "erratic")
+FAULTS = (
+    "late",
+    "jitter",
+    "held",
+    "uneven",
+    "stuck",
+    "outliers",
+    "bias",
+    "blackout",
+    "gone",
+    "erratic",
+)
 """The conditions.
 
 - ``late``: every observation is so old; its age is told.
 - ``jitter``: likewise, by an amount of its own each time, from none.
 - ``held``: in half of the steps the robot executes its last action again; which one is told.
+- ``uneven``: a control step takes as long as one, two or three; how long is told.
 - ``stuck``: from a random time on all readings stay the same for a while.
 - ``outliers``: one reading in twenty is any number of its range.
 - ``bias``: some sensors are off by a constant.
@@ -28,7 +40,7 @@ FAULTS = ("late", "jitter", "held", "stuck", "outliers", "bias", "blackout", "go
 - ``erratic``: from a random time on every reading is any number of its range.
 """
 
-HELD, OUTLIERS = 0.5, 0.05
+HELD, OUTLIERS, UNEVEN = 0.5, 0.05, 3
 FOR_EVER = 10**9  # steps
 _STREAM = 7919  # sets the faults' random numbers apart from the environment's
 
@@ -67,6 +79,8 @@ class Faults:
             return _Late(env, self, self.late if fault == "late" else None)
         if fault == "held":
             return _Held(env, self)
+        if fault == "uneven":
+            return _Uneven(env, self)
         return _Disturbed(env, self, fault)
 
     def policy_options(self, fault: str) -> dict[str, Any]:
@@ -78,6 +92,11 @@ class Faults:
         if fault == "held" and self.held:
             return {"delay": self.held}
         return dict(self.told) if fault == "bias" else {}
+
+
+def longest(condition: str, horizon: int) -> int:
+    """How many of the environment's steps an episode of so many control steps may take."""
+    return UNEVEN * horizon if condition == "uneven" else horizon
 
 
 class _Faulty(VectorWrapper):
@@ -168,6 +187,28 @@ class _Held(_Faulty):
             observation["age"] = np.zeros((self.num_envs, 1))
         if self._faults.tells_action:
             observation["executed"] = self._executed.copy()
+        return observation
+
+
+class _Uneven(_Faulty):
+    """Each control step takes 1 to UNEVEN of the usual ones, in all rows alike; it is told."""
+
+    def step(self, actions: Any) -> Any:
+        """Move by the actions for a while; what ends an episode meanwhile ends it."""
+        steps = int(self._generator.integers(1, UNEVEN + 1))
+        observation, rewards, terminated, truncated, info = self.env.step(actions)
+        for _ in range(steps - 1):
+            observation, more, ends, runs_out, info = self.env.step(actions)
+            rewards, terminated, truncated = rewards + more, terminated | ends, truncated | runs_out
+        return self._sensed(dict(observation), steps), rewards, terminated, truncated, info
+
+    def _begin(self, observation: Observation) -> Observation:
+        # Rows cannot wait for each other, so the sequence is the same for every episode.
+        self._generator = np.random.default_rng(_STREAM)
+        return self._sensed(observation, 1)
+
+    def _sensed(self, observation: Observation, steps: int) -> Observation:
+        observation["elapsed"] = np.full((self.num_envs, 1), self._faults.dt * steps)
         return observation
 
 

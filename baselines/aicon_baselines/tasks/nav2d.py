@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults
+from aicon_baselines.tasks.faults import FAULTS, Faults, longest
 from aicon_envs.nav2d import Physics, make_map, shortest_path_length
 
 _SLOTS = (
@@ -50,7 +50,7 @@ _FAULTS = Faults(
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     """Build the environment; a policy may ask for another `sensing` than that of the condition."""
     if condition in FAULTS:
-        env = _make_env(count, "range", horizon, **options)
+        env = _make_env(count, "range", longest(condition, horizon), **options)
         return _FAULTS.wrap(env, condition)
 
     return gymnasium.make_vec(

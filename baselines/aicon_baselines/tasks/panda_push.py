@@ -16,7 +16,7 @@ import gymnasium
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Measure, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults
+from aicon_baselines.tasks.faults import FAULTS, Faults, longest
 from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
 from aicon_envs.panda_push import ArmPushEnv
 
@@ -53,7 +53,7 @@ _FAULTS = Faults(
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     def make_one() -> gymnasium.Env[Any, Any]:
         env = ArmPushEnv(**{**_ARGUMENTS[condition], **options})
-        limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon)
+        limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=longest(condition, horizon))
         return StandStillAfterEnd(limited)
 
     env = SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)

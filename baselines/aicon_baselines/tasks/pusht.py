@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults
+from aicon_baselines.tasks.faults import FAULTS, Faults, longest
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
@@ -78,7 +78,7 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
     # Built by name, because `gymnasium.make_vec` keeps the argument `wrappers` to itself.
     env: VectorEnv[Any, Any, Any] = PushTVectorEnv(
         num_envs=count,
-        max_episode_steps=horizon,
+        max_episode_steps=longest(condition, horizon),
         autoreset_mode=AutoresetMode.DISABLED,
         **_ARGUMENTS[condition] | options,
     )

@@ -103,6 +103,16 @@ def test_held_actions_are_told(faulty: Faulty) -> None:
     assert (executed[0] == 0).all() and (executed[-1] == FORWARD).all()
 
 
+def test_steps_take_as_long_as_is_told(plain: Observations, faulty: Faulty) -> None:
+    """They drive evenly, so the clearance after a step tells how long it took."""
+    told = np.array([observation["elapsed"] for observation in faulty("uneven")])[:60, :, 0]
+    taken = np.rint(told / TASK.time_step).astype(int)
+    assert set(np.unique(taken[1:])) == {1, 2, 3}
+
+    steps = taken.cumsum(0) - 1
+    np.testing.assert_array_equal(stacked(faulty("uneven"))[:60], stacked(plain)[steps, [0, 1, 2]])
+
+
 @pytest.mark.parametrize("fault", FAULTS)
 def test_the_same_seed_brings_the_same_fault(fault: str, faulty: Faulty) -> None:
     for key in faulty(fault)[0]:

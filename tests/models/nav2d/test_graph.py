@@ -79,7 +79,7 @@ def test_the_obstacle_s_direction_is_learned_from_motion() -> None:
 def test_with_a_second_bearing_the_direction_is_read() -> None:
     policy = make_policy("nav2d", sensing="range_bearing")
     keys = [sensor.key for sensor in policy.model.sensors.values()]
-    assert keys == ["bearing", "range", "obstacle_bearing"]
+    assert keys == ["bearing", "range", "obstacle_bearing", "elapsed"]
 
     towards = torch.tensor([1.0], dtype=torch.float64)
     _, memory = policy.predict(drifting(1)[0] | {"obstacle_bearing": towards})
