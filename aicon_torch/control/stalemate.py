@@ -78,12 +78,11 @@ class Stalemate:
         is_steady = highest < (1.0 + self.options.progress) * memory["lowest"]
         is_opposed = self._is_opposed(wish, safe.force)
         begins = ~was_escaping & is_stuck & (is_steady | is_opposed)
-        steepness = cost.steepness(self.limits.to(wish))
-        is_out = self._is_out(cost, steepness, safe.action, clock, memory["by_force"])
+        is_out = self._is_out(cost, safe.action, clock, highest, memory)
 
         # A cost that grows by more than a step can do is that of other goals: all begins anew.
-        before, fastest = memory["before"], torch.linalg.vector_norm(self.limits.to(wish))
-        by_motion = JUMP * steepness * fastest
+        limits, before = self.limits.to(wish), memory["before"]
+        by_motion = JUMP * cost.steepness(limits) * torch.linalg.vector_norm(limits)
         is_other = now > before + torch.maximum(by_motion, self.options.progress * before)
         begins = begins & ~is_other
         ends = was_escaping & (is_out | is_other)
@@ -91,14 +90,17 @@ class Stalemate:
         # Every escape without a new best cost is one more try.
         is_best = is_other | (~was_escaping & (now < share * memory["best"]))
         tries = torch.where(is_best, 0, memory["tries"])
-        by_force = is_opposed & (tries < self.options.forced)
-        way_out = torch.where(by_force.unsqueeze(-1), unit(safe.force), spread(tries, wish))
+        force = unit(safe.force)
+        leads_on = ~self._points_back(force, memory)
+        by_force = is_opposed & leads_on & (tries < self.options.forced)
+        detour = spread(tries, wish) + torch.where(is_opposed.unsqueeze(-1), force, 0.0)
+        way_out = torch.where(by_force.unsqueeze(-1), force, detour)
 
         # The clock begins anew with every escape, attempt and progress.
         restarts = begins | ends | is_other | (~was_escaping & falls)
         return {
             "escaping": (was_escaping | begins) & ~ends,
-            "by_force": torch.where(begins, by_force, memory["by_force"]),
+            "by_force": torch.where(begins, by_force, memory["by_force"] & ~is_other),
             "direction": torch.where(begins.unsqueeze(-1), way_out, memory["direction"]),
             "clock": torch.where(restarts, 0.0, clock),
             "lowest": torch.where(restarts, now, memory["lowest"]),
@@ -109,20 +111,23 @@ class Stalemate:
         }
 
     def _is_out(
-        self,
-        cost: FollowedCost,
-        steepness: Tensor,
-        action: Tensor,
-        clock: Tensor,
-        by_force: Tensor,
+        self, cost: FollowedCost, action: Tensor, clock: Tensor, highest: Tensor, memory: Memory
     ) -> Tensor:
         """Whether an escape is over, ``(*B,)``."""
-        options, limits = self.options, self.limits.to(action)
-        is_over_crest = cost.fall_along(action) > options.crest * steepness
-        is_blocked = (action.abs() / limits).amax(-1) < options.blocked
+        options, now, entry = self.options, cost.at_rest, memory["lowest"]
+        is_undone = now < highest - options.descent * (highest - entry)
+        is_past_crest = now < (1.0 - options.progress) * highest
+        rises_again = is_past_crest & (cost.fall_along(action) < 0.0)
+        is_blocked = (action.abs() / self.limits.to(action)).amax(-1) < options.blocked
 
-        may_end = (clock >= options.shortest) & (is_over_crest | is_blocked)
-        return torch.where(by_force, may_end | (clock >= options.longest), clock >= options.detour)
+        may_end = (clock >= options.shortest) & (is_undone | rises_again | is_blocked)
+        by_force = may_end | (clock >= options.longest)
+        return torch.where(memory["by_force"], by_force, clock >= options.detour)
+
+    def _points_back(self, force: Tensor, memory: Memory) -> Tensor:
+        """Whether a force of length one leads back along the last escape by a force, ``(*B,)``."""
+        along = (force * memory["direction"]).sum(-1)
+        return memory["by_force"] & (along < -self.options.back)
 
     def _is_opposed(self, wish: Tensor, force: Tensor) -> Tensor:
         """Whether the constraints take away a good share of the wish, ``(*B,)``."""

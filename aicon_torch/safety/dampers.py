@@ -17,12 +17,14 @@ class ConstraintEscape:
 
     Then the actuator moves along the constraints' force f = a − w, what they add to the wish w to
     make it the action a, in the direction that f had at the stalemate, and within the same
-    constraints. It ends over the crest: once the cost falls along the motion, at least ``crest``
-    times as much as along its steepest descent, or where the motion is blocked as well.
+    constraints. The cost climbs on the way. It ends well over the crest, or else it would slide
+    back: once the share ``descent`` of the climb is undone, where the cost, fallen by ``progress``
+    from the crest, rises again, or where the motion is blocked as well.
 
-    Where the constraints do not oppose the wish, as at a singularity, and where ``forced`` escapes
-    have led to no better cost, it makes a detour instead: it moves for a while in a direction of a
-    sequence that fills the space of directions evenly.
+    It makes a detour instead where the constraints do not oppose the wish, as at a singularity,
+    where ``forced`` escapes have led to no better cost, and where the force points back against the
+    last escape, as between two stops of one joint. A detour moves for a while in a direction of a
+    sequence that fills the space of directions evenly, turned toward f where there is one.
 
     Attributes:
         progress: Share by which the cost must fall, or rise.
@@ -32,7 +34,8 @@ class ConstraintEscape:
         opposition: Share of the wish that the constraints must take away to oppose it.
         shortest: Least duration of an escape along the force.
         longest: Largest.
-        crest: See above.
+        descent: Share of the climb that must be undone.
+        back: Cosine of the angle to the last escape reversed, within which a force points back.
         blocked: Share of the actuator's limit below which a motion counts as blocked.
         detour: Duration of a detour.
 
@@ -47,7 +50,8 @@ class ConstraintEscape:
     opposition: float = 0.1
     shortest: float = 1.5
     longest: float = 30.0
-    crest: float = 0.2
+    descent: float = 0.5
+    back: float = 0.7
     blocked: float = 0.05
     detour: float = 6.0
 

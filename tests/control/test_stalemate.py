@@ -116,10 +116,33 @@ def test_noise_at_the_target_is_no_stalemate() -> None:
     assert q.item() == pytest.approx(-1.0, abs=0.2)
 
 
-def test_it_is_over_the_crest_before_it_turns_to_the_target_again() -> None:
-    way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=-2.8, steps=200)
+def test_it_is_half_way_down_from_the_crest_before_it_turns_to_the_target_again() -> None:
+    target = -2.8
+    way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=target, steps=200)
+    entered, left = (int(escaping.nonzero()[index]) for index in (0, -1))
+    at_entry, at_crest = target + 2 * math.pi - float(way[entered]), math.pi
+    assert float(way[left]) - target == pytest.approx((at_entry + at_crest) / 2, abs=0.1)
+
+
+def test_where_the_cost_rises_again_it_ends_as_well() -> None:
+    """Twice the climb is more than there is to come down, so it ends at the target."""
+    far_down = dataclasses.replace(ConstraintEscape(), descent=2.0)
+    way, escaping = turn(hand(far_down), start=2.5, target=-2.0, steps=200)
     left = int(escaping.nonzero()[-1])
-    assert way[left] < -2.8 + math.pi + 0.1
+    assert way[left] == pytest.approx(-2.0, abs=0.1)
+
+
+def test_a_force_that_points_back_makes_a_detour() -> None:
+    """Between two stops of one joint, each of which is nearest to the target."""
+    policy, memory, q = hand(ConstraintEscape()), None, place(2.5)
+    begun: list[bool] = []
+    for _ in range(400):
+        was = memory is not None and bool(memory["a/escape/escaping"])
+        action, memory = policy.predict({"z": q, "z_target": place(math.pi)}, memory)
+        q = q + DT * action
+        if bool(memory["a/escape/escaping"]) and not was:
+            begun.append(bool(memory["a/escape/by_force"]))
+    assert begun[:2] == [True, False]
 
 
 @pytest.mark.parametrize("factor", [2, 4])

@@ -64,7 +64,7 @@ class Options:
     dt: float = 0.02
     speed: float | None = None
     lever: float = 0.2
-    damping: float = 0.05
+    damping: float = 0.15
     tolerance: float = 0.001
     joint_noise: float = 1e-4
     watchdog: bool = True
