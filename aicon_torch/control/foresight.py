@@ -38,12 +38,19 @@ class Foresight:
         smoothing: T, time constant of the low-pass, s; 0 switches it off.
         dither: δ, how far from rest the descent begins at most, as a share of the limit; 0 begins
             at rest.
+        horizon: H, how far ahead the model foresees what the action brings, s: the time in which
+            the actuator and what it moves react, where that is longer than a control step; None
+            for one step.
+        carries: Whether the ranks and conflicts that a gradient leaves are what the next one finds,
+            so that their hysteresis holds within a descent, too; or those of the last reading.
     """
 
     iterations: int = 20
     step: float = 1 / 3
     smoothing: float = 0.02
     dither: float = 1 / 3
+    horizon: float | None = None
+    carries: bool = False
 
     foresees = True
 
@@ -54,6 +61,8 @@ class Foresight:
         if not 0 < self.step < math.inf:
             raise OptionError(f"step={self.step!r}: expected a share > 0 of the actuator's limit.")
         check_smoothing(self.smoothing)
+        if self.horizon is not None and not 0 < self.horizon < math.inf:
+            raise OptionError(f"horizon={self.horizon!r}: expected a time > 0 (s), or None.")
         if not 0 <= self.dither <= 1:
             raise OptionError(f"dither={self.dither!r}: expected a share of the limit, 0 to 1.")
 

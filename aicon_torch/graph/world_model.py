@@ -171,9 +171,12 @@ class WorldModel(nn.Module):
         return {name: self._record(name, inputs) for name in self.edges}
 
     def foresee(
-        self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]
+        self,
+        values: Mapping[str, Tensor],
+        actions: Mapping[str, Tensor],
+        horizon: float | None = None,
     ) -> tuple[dict[str, Tensor], LocalGraphs]:
-        """The values that these actions would bring within one step, and their local graphs.
+        """The values that these actions would bring within a while, and their local graphs.
 
         Every estimator anticipates once, from what those before it anticipate: means move as the
         model says, covariances as if the next measurements were made there.
@@ -181,11 +184,14 @@ class WorldModel(nn.Module):
         Args:
             values: Values after a step.
             actions: The action of each actuator, ``(*B, size)``.
+            horizon: For how long they act, s, which functions then read as ``dt``; None for one
+                step.
 
         Returns:
             The values foreseen, and how they depend on each other.
         """
-        foreseen = with_dt({**values, **actions}, self.dt)
+        duration = self.dt if horizon is None else horizon
+        foreseen = with_dt({**values, **actions}, duration)
         graphs: LocalGraphs = {}
         for estimator in self.estimators:
             anticipated: dict[str, Tensor] = {}

@@ -82,6 +82,8 @@ class ContactLikelihood:
         facing: Whether a contact that just happens at a corner counts as far as the side faces the
             pusher.
         radius: r of the pusher, m.
+        inset: How far from the ends of its side a sought contact is aimed at, m, or in the middle
+            of a shorter side: at an end the pusher slips around the corner.
     """
 
     reach: float
@@ -89,6 +91,7 @@ class ContactLikelihood:
     aim: float
     facing: bool
     radius: float
+    inset: float = 0.0
 
     def __call__(self, x_pusher: Tensor, x_contact: Tensor, x_side: Tensor) -> Tensor:
         """The two likelihoods of a contact with one side.
@@ -109,13 +112,28 @@ class ContactLikelihood:
 
         share = self._facing(to_point, normal, is_interior(point, x_side)) if self.facing else 1.0
 
-        sought = self._at_distance(norm(to_point - self.aim * normal), self.aim, self.reach)
+        to_aim = to_point + self._inset(point, x_side) - self.aim * normal
+        sought = self._at_distance(norm(to_aim), self.aim, self.reach)
         happening = share * self._at_distance(norm(to_point), 0.0, self.reaction)
         return torch.stack((sought, happening), dim=-1)
 
     def _at_distance(self, distance: Tensor, aim: float, reach: float) -> Tensor:
         """Likelihood exp(−(‖c − a n − x‖ − (r − a))/ℓ), ``(*B,)``, from the norm ``(*B,)``, m."""
         return torch.exp(-(distance - (self.radius - aim)) / reach)
+
+    def _inset(self, point: Tensor, x_side: Tensor) -> Tensor:
+        """From a point of a side to the nearest that is not too near an end, ``(*B, 2)``, m."""
+        if self.inset == 0:
+            return torch.zeros_like(point)
+
+        start, along = x_side[..., :2], tangent(x_side)
+        length = norm(x_side[..., 2:] - start)
+        place = ((point - start) * along).sum(-1)
+        least = (length / 2).clamp(max=self.inset)
+
+        inside = torch.minimum(torch.maximum(place, least), length - least)
+        shift = (inside - place).unsqueeze(-1) * along
+        return shift.detach()  # stops the gradient: where to aim is no goal
 
     def _facing(self, to_point: Tensor, normal: Tensor, interior: Tensor) -> Tensor:
         """How far the side faces the pusher: 1, and at its ends max(0, cos), ``(*B,)``."""

@@ -34,6 +34,7 @@ class ContactOptions:
         reach: ℓ of the likelihood of contacts that help, in sizes.
         reaction: ℓ' of the likelihood of contacts that harm, in sizes.
         aim: How far outside its side a contact that helps is aimed at, in sizes.
+        inset: How far from the ends of its side it is aimed at, in radii of the pusher.
         facing: Whether harm at a corner counts as far as the side faces the pusher.
         step: How far a contact that is certain moves the object, in sizes.
     """
@@ -45,6 +46,7 @@ class ContactOptions:
     reach: float = 1 / 4
     reaction: float = 1 / 12
     aim: float = 1 / 15
+    inset: float = 0.0
     facing: bool = True
     step: float = 1 / 120
 
@@ -55,7 +57,7 @@ class ContactOptions:
             OptionError: If one is not what it may be.
         """
         check_positive(self, ("size", "rotation", "reach", "reaction", "step"))
-        check_not_negative(self, ("aim", "intent"))
+        check_not_negative(self, ("aim", "inset", "intent"))
         check_choice(self, "effect", get_args(ContactEffect))
 
     def rotation_length(self, body: RigidObject) -> float:
@@ -80,6 +82,7 @@ class ContactOptions:
             aim=self.aim * self.size,
             facing=self.facing,
             radius=radius,
+            inset=self.inset * radius,
         )
 
 

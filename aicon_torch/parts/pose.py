@@ -11,6 +11,9 @@ from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.vectors import select
 
+NO_FORCE = 1e-12
+"""Motion along the normal that counts as none, m."""
+
 
 @dataclass(frozen=True)
 class PoseMotion:
@@ -18,15 +21,21 @@ class PoseMotion:
 
     The pusher's way is followed part by part. With the gap to the nearest side before a part, its
     motion d and the unit vector n towards the side, the push is max(d·n − max(gap, 0), 0), and the
-    object moves by as much of its response (:meth:`ContactDynamics.response`).
+    object moves by as much of its response (:meth:`ContactDynamics.response`) along the force.
+
+    The force f at the contact is A⁻¹d, which makes it stick, A = I + wwᵀ/r² with w across the arm
+    of the force and r the radius of gyration, or at the edge of the cone of friction where that is
+    within: f ∥ n + clip(fₜ/fₙ, ±μ) t.
 
     Attributes:
         dynamics: What a push does.
         radius: Radius of the pusher, m.
+        friction: μ between pusher and object; 0 pushes along the normal.
     """
 
     dynamics: ContactDynamics
     radius: float
+    friction: float = 0.0
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
         """The pose (x, y, θ).
@@ -66,8 +75,34 @@ class PoseMotion:
         # How far the pusher went beyond it, and what that does.
         normal = (point - pusher) / (gap + self.radius).unsqueeze(-1)
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
-        response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
-        return push.unsqueeze(-1) * response.squeeze(-2)
+        if self.friction == 0:
+            response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
+            return push.unsqueeze(-1) * response.squeeze(-2)
+        return push.unsqueeze(-1) * self._response(point - pose[..., :2], normal, motion)
+
+    def _response(self, arm: Tensor, normal: Tensor, motion: Tensor) -> Tensor:
+        """Motion of the object by each metre of a push with friction, ``(*B, 3)``.
+
+        Args:
+            arm: From its centre to the contact, ``(*B, 2)``, m.
+            normal: Unit vector into the object there, ``(*B, 2)``.
+            motion: d of the pusher, ``(*B, 2)``, m.
+        """
+        square = self.dynamics.body.radius_of_gyration**2
+        across = torch.stack((-arm[..., 1], arm[..., 0]), dim=-1)
+        tangent = torch.stack((-normal[..., 1], normal[..., 0]), dim=-1)
+
+        # The force that makes the contact stick, A⁻¹d, and how steep it is.
+        share = (across * motion).sum(-1) / (square + (across * across).sum(-1))
+        force = motion - share.unsqueeze(-1) * across
+        along = (force * normal).sum(-1).clamp(min=NO_FORCE)
+        slope = ((force * tangent).sum(-1) / along).clamp(-self.friction, self.friction)
+
+        # What it does, so that the contact goes along the normal as far as the pusher.
+        direction = normal + slope.unsqueeze(-1) * tangent
+        turn = (across * direction).sum(-1) / square
+        speed = 1 + turn * (across * normal).sum(-1)
+        return torch.cat((direction, turn.unsqueeze(-1)), dim=-1) / speed.unsqueeze(-1)
 
 
 def resting_pose(x_pose: Tensor) -> Tensor:

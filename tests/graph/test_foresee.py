@@ -8,6 +8,7 @@ from _inputs import BATCHES, normal
 from torch import Tensor
 
 from aicon_torch import (
+    EKF,
     Actuator,
     Affine,
     Deterministic,
@@ -111,3 +112,23 @@ def test_every_quantity_on_a_path_has_its_graph() -> None:
     assert set(graphs) == set(model.edges)
     for name, graph in graphs.items():
         assert len(graph.leaves) == len(model.edges[name])
+
+
+def test_a_horizon_is_how_long_the_actions_act() -> None:
+    """Functions read it as their time step."""
+
+    def moved(x: Tensor, a: Tensor, dt: float) -> Tensor:
+        return x + dt * a
+
+    point = EKF("x", "P", predict=moved, noise=1e-3, initial=((0.0, 0.0), 1.0))
+    model = WorldModel(
+        sensors={"z": Sensor(2, "m")},
+        actuators={"a": Actuator(2, "m/s", 2.0)},
+        estimators=[point],
+        goals=[Goal("far", lambda x: (x * x).sum(-1))],
+        dt=0.1,
+        dtype=torch.float64,
+    )
+    values, action = values_of(model, ()), {"a": normal(2, seed=2)}
+    foreseen, _ = model.foresee(values, action, horizon=0.5)
+    torch.testing.assert_close(foreseen["x"], values["x"] + 0.5 * action["a"])

@@ -85,3 +85,14 @@ def test_the_likelihood_grows_towards_the_side_and_not_along_it() -> None:
         (slope,) = torch.autograd.grad(likelihood, pusher, retain_graph=True)
         assert float(slope[1]) > 0
         assert float(slope[0]) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_with_an_inset_a_sought_contact_is_aimed_at_inside_the_side() -> None:
+    """Off the end of a side the sought contact pulls toward its inside as well."""
+    inset = ContactLikelihood(
+        reach=0.03, reaction=0.01, aim=0.008, facing=True, radius=0.015, inset=0.015
+    )
+    pusher = at(0.1, -0.015).requires_grad_()
+    sought, _ = inset(pusher, closest_point(pusher, SIDE), SIDE)
+    sought.backward()
+    assert pusher.grad is not None and float(pusher.grad[0]) > 0

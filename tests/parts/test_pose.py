@@ -118,3 +118,22 @@ def test_a_fixed_target_is_that_of_every_row() -> None:
     pose = poses(4)
     assert torch.equal(target(pose), target.pose.expand(4, 3))
     assert target(pose.float()).dtype == torch.float32
+
+
+# --- friction
+
+
+def test_a_push_through_the_centre_is_the_same_with_friction() -> None:
+    motion = PoseMotion(ContactOptions(size=T_WIDTH).dynamics(SQUARE), RADIUS, friction=0.2)
+    way = PIXEL * torch.tensor([10.0, 0.0], dtype=torch.float64)
+    start = PIXEL * torch.tensor([BESIDE, 0.0], dtype=torch.float64)
+    moved = motion(torch.zeros(3, dtype=torch.float64), start + way, way)
+    torch.testing.assert_close(moved, pushed((BESIDE, 0), (10, 0)))
+
+
+def test_friction_takes_the_object_along_a_slanting_push() -> None:
+    motion = PoseMotion(ContactOptions(size=T_WIDTH).dynamics(SQUARE), RADIUS, friction=0.2)
+    way = PIXEL * torch.tensor([10.0, 10.0], dtype=torch.float64)
+    start = PIXEL * torch.tensor([BESIDE, 0.0], dtype=torch.float64)
+    moved = motion(torch.zeros(3, dtype=torch.float64), start + way, way)
+    assert float(moved[1]) > 0 == float(pushed((BESIDE, 0), (10, 10))[1])

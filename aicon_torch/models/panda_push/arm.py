@@ -19,6 +19,7 @@ from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.camera import CameraFrame
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.self_collision import CapsuleSegments
+from aicon_torch.parts.servo import even_motion
 from aicon_torch.parts.touch import ContactForce
 
 JOINT_DRIFT = 1e-6
@@ -34,7 +35,7 @@ def arm(scene: Scene) -> list[Estimator]:
         joints(scene.options),
         Deterministic("x_ee", scene.end_effector),
         Deterministic("x_pusher", planar_position),
-        Deterministic("d_pusher", TipMotion(scene.end_effector)),
+        Deterministic("d_pusher", TipMotion(scene.end_effector, scene.options.parts)),
     ]
     if scene.options.self_collision is not None:
         segments = CapsuleSegments(scene.end_effector.chain, scene.options.robot.capsules)
@@ -76,22 +77,25 @@ def planar_position(x_ee: Tensor) -> Tensor:
 
 
 class TipMotion(nn.Module):
-    """d_pusher: how far the last action moved the tip in the plane, ``(*B, 2)``, m.
+    """d_pusher: the way of the tip in the plane by the last action, ``(*B, 2n)``, m.
+
+    They are its displacements after each of n equal parts of an even motion.
 
     Args:
         end_effector: Of the arm.
+        parts: n.
     """
 
-    def __init__(self, end_effector: EndEffector) -> None:
+    def __init__(self, end_effector: EndEffector, parts: int) -> None:
         super().__init__()
-        self.end_effector = end_effector
+        self.end_effector, self.parts = end_effector, parts
 
     def forward(self, x_joints: Tensor, a: Tensor, dt: float) -> Tensor:
         """The motion at the joint angles ``(*B, n)``, rad, by the action ``(*B, n)``, rad/s."""
         # What moved the object is past, so no gradient leads to the next action.
         jacobian = self.end_effector.jacobian(x_joints.detach())
         velocity: Tensor = (jacobian @ a.detach().unsqueeze(-1)).squeeze(-1)
-        return velocity[..., :2] * dt
+        return even_motion(velocity[..., :2] * dt, self.parts)
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,55 @@
 
 from dataclasses import dataclass
 
+import torch
 from torch import Tensor
 
+from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.planar import norm, pose_error
 
 
 def dead_zone(cost: Tensor, tolerance: float) -> Tensor:
     """max(0, cost − tolerance), ``(*B,)``: within the tolerance a goal asks for nothing."""
     return (cost - tolerance).clamp(min=0.0)
+
+
+@dataclass(frozen=True)
+class Ring:
+    """g = w Σ max(0, 1 − m/m₀)², where m are the distances to the edges of a ring about the base.
+
+    Where the centre of an object is within the ring, the tip gets behind it from all sides; what is
+    pushed beyond cannot be pushed back.
+
+    Attributes:
+        edges: Least and largest distance of the centre from the axis of the base, m.
+        cost: Margin m₀ (m) and weight w (m).
+    """
+
+    edges: tuple[float, float]
+    cost: SquaredHinge
+
+    def __call__(self, x_obj: Tensor) -> Tensor:
+        """The cost ``(*B,)``, m, of a pose ``(*B, 3)``, m and rad."""
+        nearest, farthest = self.edges
+        distance = norm(x_obj[..., :2])
+        return self.cost(torch.stack((distance - nearest, farthest - distance), dim=-1))
+
+
+@dataclass(frozen=True)
+class PushWithinReach:
+    """g₁ = ‖x_obj − x_target‖ + the cost of leaving a ring, the angle counting as a length L.
+
+    Attributes:
+        rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
+        ring: Where the object is to stay.
+    """
+
+    rotation_length: float
+    ring: Ring
+
+    def __call__(self, x_obj: Tensor, x_target: Tensor) -> Tensor:
+        """The cost ``(*B,)``, m, of two poses ``(*B, 3)``, m and rad."""
+        return norm(pose_error(x_obj, x_target, self.rotation_length)) + self.ring(x_obj)
 
 
 @dataclass(frozen=True)
@@ -20,11 +61,13 @@ class CertainPush:
         rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
         weight: w, 1/m.
         tolerance: ε, m²; 0 in the text.
+        ring: Where the object is to stay, if anywhere; not in the text.
     """
 
     rotation_length: float
     weight: float
     tolerance: float
+    ring: Ring | None = None
 
     def __call__(self, x_obj: Tensor, x_target: Tensor, P_pose: Tensor) -> Tensor:
         """The cost ``(*B,)``, m.
@@ -38,7 +81,8 @@ class CertainPush:
         trace = x + y + self.rotation_length**2 * angle
 
         distance = norm(pose_error(x_obj, x_target, self.rotation_length))
-        return distance + self.weight * dead_zone(trace, self.tolerance)
+        uncertain = distance + self.weight * dead_zone(trace, self.tolerance)
+        return uncertain if self.ring is None else uncertain + self.ring(x_obj)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,13 @@ from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.models.panda_push.arm import HeightAtObject, HeightOverTable, arm, hand
-from aicon_torch.models.panda_push.goals import CertainPush, KeepHeight, StayUpright
+from aicon_torch.models.panda_push.goals import (
+    CertainPush,
+    KeepHeight,
+    PushWithinReach,
+    Ring,
+    StayUpright,
+)
 from aicon_torch.models.panda_push.limits import ArmLimits
 from aicon_torch.models.panda_push.options import Options
 from aicon_torch.models.panda_push.perception import BLOB, KEYPOINTS, CameraPerception
@@ -24,6 +30,7 @@ from aicon_torch.models.panda_push.pushed_object import object_top, pushed_objec
 from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
+from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.pose import PoseDistance
@@ -39,6 +46,10 @@ SEEN = (-100.0, 100.0)
 
 MAX_GAP = 5.0
 """Steps without a reading after which the arm slows down."""
+
+RING = SquaredHinge(margin=0.03, weight=0.045)
+"""Margin and weight (m) of the ring that keeps the object within reach: at its edge it pulls back
+three times as strongly as a target far away pulls."""
 
 JUMP = 3.0
 """How fast a joint's reading may change, in speed limits: it has noise."""
@@ -157,6 +168,8 @@ def _goals(scene: Scene) -> list[Goal]:
 def _push(scene: Scene) -> Callable[..., Tensor]:
     """g₁, with the uncertainty of an object that is seen."""
     length, camera = scene.dynamics.rotation_length, scene.options.camera
+    ring = None if scene.options.ring is None else Ring(scene.options.ring, RING)
+
     if scene.options.sensing == "camera" and camera.trace_weight > 0:
-        return CertainPush(length, camera.trace_weight, camera.trace_tolerance)
-    return PoseDistance(length)
+        return CertainPush(length, camera.trace_weight, camera.trace_tolerance, ring)
+    return PoseDistance(length) if ring is None else PushWithinReach(length, ring)

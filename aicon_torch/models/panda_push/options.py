@@ -13,6 +13,7 @@ from aicon_torch.parts.camera import Steering
 from aicon_torch.parts.contact_options import ContactLimitOptions, ContactOptions
 from aicon_torch.parts.end_effector import Pullback
 from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.servo import PARTS
 from aicon_torch.parts.touch import ForceThreshold
 from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
 from aicon_torch.resolution import NullspaceProjection, Resolution
@@ -156,6 +157,8 @@ class Options:
         joint_noise: Standard deviation of an encoder, rad.
         pose_noise: Standard deviation of a pose that is observed, m.
         drift: Standard deviation of what moves the object in a second besides the model, m.
+        stick_friction: Coefficient of friction between stick and object, with which its
+            motion is predicted; 0 predicts without.
         expected_place: Where the object is expected before it is seen, (x, y), m.
         height: Height of the tip above the table, half the thickness of the object, m.
         height_tolerance: Deviation from it that the goal "height" leaves alone, m; 0 in the text.
@@ -163,6 +166,8 @@ class Options:
             the goal out, as the text does.
         workspace: The goal that keeps the tip from the edge of the workspace, margin in m; None
             leaves it out, as the text does.
+        ring: Least and largest distance of the object from the axis of the base, m: see
+            :class:`aicon_torch.models.panda_push.goals.Ring`; None for none.
         joint_limits: The goal g₃, margin in rad; None leaves it out.
         self_collision: The goal g₄, margin in m; None leaves it out.
         lever: A rotation of the end effector by one rad counts as much as a motion by this, m.
@@ -188,6 +193,7 @@ class Options:
     joint_noise: float = 1e-4
     pose_noise: float = 1 / 6000
     drift: float = 1 / 120
+    stick_friction: float = 0.0
     expected_place: tuple[float, float] = (0.54, 0.0)
 
     contact: ContactOptions = CONTACT
@@ -198,6 +204,7 @@ class Options:
     height_tolerance: float = 0.001
     upright_tolerance: float | None = 0.02
     workspace: SquaredHinge | None = WORKSPACE
+    ring: tuple[float, float] | None = None
     joint_limits: SquaredHinge | None = JOINT_LIMITS
     self_collision: SquaredHinge | None = SELF_COLLISION
 
@@ -206,6 +213,11 @@ class Options:
     damping: float = 0.02
     delay: int = 0
     watchdog: bool = True
+
+    @property
+    def parts(self) -> int:
+        """In how many parts a motion of the tip is followed: those of a step are short."""
+        return 1 if self.law.horizon is None else PARTS
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves.

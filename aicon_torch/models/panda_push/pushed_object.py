@@ -78,7 +78,8 @@ def seen_pose(scene: Scene) -> EKF:
 
 def _pushed_pose(scene: Scene, **belief: Any) -> EKF:
     """x_pose, predicted from what the tip has pushed; how it begins and is corrected is given."""
-    motion = PoseMotion(scene.dynamics, scene.options.robot.stick_radius)
+    options = scene.options
+    motion = PoseMotion(scene.dynamics, options.robot.stick_radius, options.stick_friction)
     moved_by = ["x_pose", "x_pusher", "d_pusher"]
     deviation = scene.options.drift * scene.options.dt**0.5
     belief |= {
@@ -88,7 +89,7 @@ def _pushed_pose(scene: Scene, **belief: Any) -> EKF:
     if not scene.options.delay or scene.options.sensing == "camera":
         return EKF("x_pose", "P_pose", **belief)
 
-    moves = {"x_pusher": 2, "d_pusher": 2, "dt": 1}
+    moves = {"x_pusher": 2, "d_pusher": 2 * options.parts, "dt": 1}
     late: dict[str, Any] = {"sensor": "z_object", "steps": scene.options.delay, "moved_by": moves}
     return LateEKF("x_pose", "P_pose", **late, **belief)
 
