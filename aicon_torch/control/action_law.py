@@ -20,8 +20,6 @@ class ActionLaw(Protocol):
         foresees: Whether each gradient is taken where the model foresees that the descent so far
             leads, or at the estimates as they are.
         horizon: How far ahead that is, s; None for one control step.
-        carries: Whether ranks and conflicts are remembered from gradient to gradient, or only from
-            step to step.
     """
 
     @property
@@ -37,11 +35,6 @@ class ActionLaw(Protocol):
     @property
     def horizon(self) -> float | None:
         """How far ahead the model foresees, s; None for one control step."""
-        ...
-
-    @property
-    def carries(self) -> bool:
-        """Whether ranks and conflicts are remembered from gradient to gradient."""
         ...
 
     def check(self, name: str, actuator: Actuator) -> None:

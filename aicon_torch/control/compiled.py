@@ -101,7 +101,6 @@ class _IteratedStep:
     """
 
     def __init__(self, step: ControlStep, readings: Named, memory: Named) -> None:
-        self.recall = step.recall
         self.counts: list[Named] = []
         for count in range(1, step.law.iterations + 1):
             self.counts.append({"count": step.model.like.new_tensor(count)})
@@ -129,8 +128,7 @@ class _IteratedStep:
         values, costs, actions = self.begin(readings, memory)
         resolved: dict[str, Tensor] = {}
         for count in self.counts:
-            recalled = self.recall(dict(memory), resolved)
-            actions, resolved = self.descend(values, costs, recalled, actions, count)
+            actions, resolved = self.descend(values, costs, memory, actions, count)
         return self.finish(values, memory, actions, resolved)
 
 

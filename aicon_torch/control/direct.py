@@ -30,7 +30,6 @@ class DirectDescent:
     iterations = 1
     foresees = False
     horizon = None
-    carries = False
 
     def __post_init__(self) -> None:
         """Check the constants."""

@@ -103,7 +103,6 @@ class FlatStep:
         """One gradient down."""
         known, so_far = self.memory.unpack(memory), self.descent.unpack(descent)
         estimates, costs = self._unpack_work(values)
-        known = self.step.recall(known, {name: so_far[name] for name in self._resolved})
         actions = {name: so_far[name] for name in self.model.actuators}
         actions, resolved = self.step.descend(estimates, costs, known, actions, so_far[COUNT])
 

@@ -41,8 +41,6 @@ class Foresight:
         horizon: H, how far ahead the model foresees what the action brings, s: the time in which
             the actuator and what it moves react, where that is longer than a control step; None
             for one step.
-        carries: Whether the ranks and conflicts that a gradient leaves are what the next one finds,
-            so that their hysteresis holds within a descent, too; or those of the last reading.
     """
 
     iterations: int = 20
@@ -50,7 +48,6 @@ class Foresight:
     smoothing: float = 0.02
     dither: float = 1 / 3
     horizon: float | None = None
-    carries: bool = False
 
     foresees = True
 

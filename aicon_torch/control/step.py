@@ -14,9 +14,6 @@ from aicon_torch.control.watchdog import confidence, keep_finite, stay
 from aicon_torch.graph import WorldModel
 from aicon_torch.resolution import Memory
 
-MADE = ("/average", "/displacement")
-"""What is remembered of the motions that were made."""
-
 Actions = dict[str, Tensor]
 """The action of each actuator, ``(*B, size)``."""
 
@@ -55,8 +52,7 @@ class ControlStep:
         resolved: Memory = {}
         for iteration in range(1, self.law.iterations + 1):
             count = self.model.like.new_tensor(iteration)
-            recalled = self.recall(memory, resolved)
-            actions, resolved = self.descend(values, costs, recalled, actions, count)
+            actions, resolved = self.descend(values, costs, memory, actions, count)
 
         # 3. Act, within what limits the actuators.
         return self.finish(values, memory, actions, resolved)
@@ -77,19 +73,6 @@ class ControlStep:
             starts[name] = self.law.start(values[name], steps, actuator)
         return starts
 
-    def recall(self, memory: Memory, resolved: Memory) -> Memory:
-        """What the next gradient of a descent finds remembered.
-
-        Args:
-            memory: The memory before the step.
-            resolved: What the gradient before it left; nothing at first.
-        """
-        if not self.law.carries:
-            return memory
-        # Motions are those that were made, which a descent within a step does not change.
-        own = {key: value for key, value in resolved.items() if not key.endswith(MADE)}
-        return memory | own
-
     @torch.enable_grad()
     def descend(
         self,
@@ -104,7 +87,7 @@ class ControlStep:
         Args:
             values: The values after the new readings.
             costs: The cost of each goal there, ``(*B,)``.
-            memory: The memory before the step, or what :meth:`recall` makes of it.
+            memory: The memory before the step.
             actions: The action of each actuator so far.
             iteration: k = 1 … K, a scalar.
 

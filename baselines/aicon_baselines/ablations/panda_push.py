@@ -14,7 +14,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "without_projection": {"resolution.projector": "none"},
         # What keeps the tip from pushing too far: limits near contact, or pushT's foresight.
         "without_contact_limits": {"contact_limits": None},
-        "foresight": {"law": Foresight(), "contact_limits": None},
+        "foresight_of_a_step": {"law": Foresight(), "contact_limits": None},
         # What seeing the object well is worth, and what the wrist feels of it.
         "without_trace": {"camera.trace_weight": 0.0},
         "tenfold_trace_weight": {"camera.trace_weight": 600.0},
