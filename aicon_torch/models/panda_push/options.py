@@ -230,7 +230,11 @@ class Options:
         check_positive(
             self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping")
         )
-        check_not_negative(self, ("height_tolerance",))
+        check_not_negative(self, ("height_tolerance", "stick_friction"))
+        if self.ring is not None and not 0 <= self.ring[0] < self.ring[1]:
+            raise OptionError(
+                f"ring={self.ring!r}: expected (least, largest) distance, m, or None."
+            )
         if not isinstance(self.robot, Robot):
             raise OptionError(
                 f"robot={self.robot!r}: expected a Robot, such as "

@@ -43,6 +43,8 @@ def test_a_nested_option_is_named_by_its_path():
         ({"goals": ("speed",)}, "has no option 'goals'"),
         ({"limits.speed": 1.0}, "'joint_speed'"),
         ({"corners": ((0.0, 0.0), (1.0, 0.0))}, "3 or more corners"),
+        ({"stick_friction": -0.1}, "stick_friction=-0.1"),
+        ({"ring": (0.6, 0.4)}, r"ring=\(0.6, 0.4\): expected \(least, largest\)"),
     ],
 )
 def test_wrong_options_are_named(options, message):
