@@ -48,7 +48,7 @@ from aicon_torch.parts.landmark import (
     expected_distance,
 )
 from aicon_torch.parts.obstacle import Box, MotionPrior, Obstacle, Rod, Sphere, moving_point
-from aicon_torch.parts.planar import cross, norm, pose_error, rotate, wrap_angle
+from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate, wrap_angle
 from aicon_torch.parts.pose import (
     FixedTarget,
     KeypointRegistration,
@@ -139,6 +139,7 @@ __all__ = [
     "norm",
     "pose_error",
     "pose_jacobian",
+    "quarter_turn",
     "range_residual",
     "resting_pose",
     "rotate",

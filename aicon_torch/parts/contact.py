@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from aicon_torch.parts.planar import norm
+from aicon_torch.parts.planar import norm, quarter_turn
 
 END_TOLERANCE = 1e-6
 """Distance from the end of a side within which a point counts as that end, m: what single precision
@@ -25,8 +25,7 @@ def tangent(x_side: Tensor) -> Tensor:
 
 def inward_normal(x_side: Tensor) -> Tensor:
     """Unit normal n = (−t_y, t_x) of a side ``(*B, 4)`` into the object, ``(*B, 2)``."""
-    x, y = tangent(x_side).unbind(-1)
-    return torch.stack((-y, x), dim=-1)
+    return quarter_turn(tangent(x_side))
 
 
 def closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.interconnections import Affine
-from aicon_torch.parts.planar import wrap_angle
+from aicon_torch.parts.planar import quarter_turn, wrap_angle
 
 NEAREST = 1e-4
 """Squared distance below which a bearing's derivative grows no more, m²: 1 cm."""
@@ -36,10 +36,8 @@ def bearing_residual(p_tar: Tensor, z_tar: Tensor) -> Tensor:
 
 def bearing_jacobian(p_tar: Tensor) -> Tensor:
     """∂bearing/∂p = (−y, x)/‖p‖², ``(*B, 1, 2)``, rad/m; nearer than 1 cm as at 1 cm."""
-    x, y = p_tar.unbind(-1)
-    across = torch.stack((-y, x), dim=-1)
     squared_distance = (p_tar * p_tar).sum(-1, keepdim=True).clamp(min=NEAREST)
-    return (across / squared_distance).unsqueeze(-2)
+    return (quarter_turn(p_tar) / squared_distance).unsqueeze(-2)
 
 
 @dataclass(frozen=True)

@@ -175,7 +175,7 @@ def moved_evenly(x: Tensor, dt: float | Tensor) -> Tensor:
     return torch.cat((position + velocity * dt, velocity), dim=-1)
 
 
-class EvenMotion(nn.Module):
+class Transition(nn.Module):
     """The Jacobian of :func:`moved_evenly` by position and velocity: (I, I dt; 0, I)."""
 
     def __init__(self) -> None:
@@ -223,7 +223,7 @@ def moving_point(
     return EKF(
         name,
         name.replace("x_", "P_", 1) if name.startswith("x_") else f"P_{name}",
-        predict=Interconnection(moved_evenly, [name, "dt"], **{name: EvenMotion()}),
+        predict=Interconnection(moved_evenly, [name, "dt"], **{name: Transition()}),
         noise=drift,
         initial=Interconnection(prior, inputs=[reading]),
         correct=[Measurement(Affine(**difference), noise**2, size=3)],

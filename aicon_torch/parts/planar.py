@@ -19,6 +19,12 @@ def cross(first: Tensor, second: Tensor) -> Tensor:
     return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
+def quarter_turn(vectors: Tensor) -> Tensor:
+    """(−y, x): vectors ``(*B, 2)`` turned counterclockwise (x towards y) by a right angle."""
+    x, y = vectors.unbind(-1)
+    return torch.stack((-y, x), dim=-1)
+
+
 def rotate(vectors: Tensor, angle: Tensor) -> Tensor:
     """R(θ) v: vectors turned counterclockwise (x towards y).
 

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.planar import norm, pose_error
+from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.vectors import select
 
@@ -89,19 +89,18 @@ class PoseMotion:
             motion: d of the pusher, ``(*B, 2)``, m.
         """
         square = self.dynamics.body.radius_of_gyration**2
-        across = torch.stack((-arm[..., 1], arm[..., 0]), dim=-1)
-        tangent = torch.stack((-normal[..., 1], normal[..., 0]), dim=-1)
+        across, along_side = quarter_turn(arm), quarter_turn(normal)
 
         # The force that makes the contact stick, A⁻¹d, and how steep it is.
-        share = (across * motion).sum(-1) / (square + (across * across).sum(-1))
+        share = cross(arm, motion) / (square + (arm * arm).sum(-1))
         force = motion - share.unsqueeze(-1) * across
         along = (force * normal).sum(-1).clamp(min=NO_FORCE)
-        slope = ((force * tangent).sum(-1) / along).clamp(-self.friction, self.friction)
+        slope = ((force * along_side).sum(-1) / along).clamp(-self.friction, self.friction)
 
         # What it does, so that the contact goes along the normal as far as the pusher.
-        direction = normal + slope.unsqueeze(-1) * tangent
-        turn = (across * direction).sum(-1) / square
-        speed = 1 + turn * (across * normal).sum(-1)
+        direction = normal + slope.unsqueeze(-1) * along_side
+        turn = cross(arm, direction) / square
+        speed = 1 + turn * cross(arm, normal)
         return torch.cat((direction, turn.unsqueeze(-1)), dim=-1) / speed.unsqueeze(-1)
 
 

@@ -54,7 +54,7 @@ def test_ages_grow_by_what_has_passed() -> None:
 
 
 def test_a_reading_may_have_gone_as_far_as_the_time_allows() -> None:
-    """In one step the bearing cannot turn by half a radian; in five it can."""
+    """In one step the bearing cannot turn by 0.8 rad; in nine it can."""
     policy, recorded = navigation(), drifting(2)
     _, memory = policy.predict(recorded[0])
     turned = recorded[0] | {"bearing": recorded[0]["bearing"] + 0.8, "range": recorded[1]["range"]}

@@ -44,6 +44,7 @@ def hand(escape: ConstraintEscape | None, speed: float = 1.0, dt: float = DT) ->
         correct=[Measurement(Affine(q=1.0, z=-1.0), 1e-8)],
     )
     limits = Goal("stops", Interconnection(stops, inputs=["q"]), safety=True)
+
     model = WorldModel(
         sensors={"z": Sensor(1, "rad"), "z_target": Sensor(1, "rad")},
         actuators={

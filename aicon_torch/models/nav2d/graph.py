@@ -66,18 +66,15 @@ def build(options: Options) -> Policy:
 
 def world_model(options: Options) -> WorldModel:
     """The graph of the paper's navigation, with its paths p₁, p₂ and p₃."""
+    robot = Deterministic("x_rob", displacement, is_motion=True)
+    reach = Goal("reach", expected_distance)
+    avoid = Goal("avoid", CollisionLikelihood(options.collision_length))
+
     return WorldModel(
         sensors=_sensors(options),
         actuators={"a": _actuator(options)},
-        estimators=[
-            Deterministic("x_rob", displacement, is_motion=True),
-            _target(options),
-            _obstacle(options),
-        ],
-        goals=[
-            Goal("reach", expected_distance),
-            Goal("avoid", CollisionLikelihood(options.collision_length)),
-        ],
+        estimators=[robot, _target(options), _obstacle(options)],
+        goals=[reach, avoid],
         dt=options.dt,
         clock="z_elapsed",
         dtype=options.dtype,

@@ -231,6 +231,8 @@ class Options:
             self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping")
         )
         check_not_negative(self, ("height_tolerance", "stick_friction"))
+
+        # What takes a sentence of its own.
         if self.ring is not None and not 0 <= self.ring[0] < self.ring[1]:
             raise OptionError(
                 f"ring={self.ring!r}: expected (least, largest) distance, m, or None."

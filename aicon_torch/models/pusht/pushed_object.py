@@ -75,6 +75,7 @@ def _offset(options: Options, body: RigidObject) -> EKF:
     gap = KeypointOffset(body, PUSHER_RADIUS, TOUCH_DEVIATION, stir)
     reading = Interconnection(gap.gap, x_offset=gap.gap_jacobian)
     last_pose = Interconnection(gap.last_pose, x_offset=gap.last_pose_jacobian)
+
     return EKF(
         "x_offset",
         "P_offset",
