@@ -74,7 +74,7 @@ class Interconnection(Node):
                 raise GraphError(
                     f"Jacobian by {name!r}: the function reads {choices(self.inputs)}."
                 )
-            self.jacobians[name] = Interconnection(jacobian)
+            self.jacobians[name] = Interconnection.of(jacobian)
 
     @classmethod
     def of(cls, function: "Callable[..., Tensor] | Interconnection") -> "Interconnection":

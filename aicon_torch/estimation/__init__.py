@@ -2,11 +2,11 @@
 
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.estimation.correction import Correction
-from aicon_torch.estimation.covariance import Covariance, Noise
+from aicon_torch.estimation.covariance import Covariance, Noise, covariance_name
 from aicon_torch.estimation.deterministic import Deterministic
 from aicon_torch.estimation.ekf import EKF, Derivative
 from aicon_torch.estimation.kalman import KalmanFilter
-from aicon_torch.estimation.late import LateEKF
+from aicon_torch.estimation.late import LateEKF, ekf_with_delay
 from aicon_torch.estimation.measurement import Innovation, Measurement
 
 __all__ = [
@@ -21,4 +21,6 @@ __all__ = [
     "LateEKF",
     "Measurement",
     "Noise",
+    "covariance_name",
+    "ekf_with_delay",
 ]

@@ -13,6 +13,11 @@ Noise = float | Sequence[float] | Callable[..., Tensor]
 """A variance, one a component, or a function of quantities that returns variances ``(*B, n)``."""
 
 
+def covariance_name(mean: str) -> str:
+    """P_tar of p_tar, P_ball of x_ball: what the covariance of an estimate is called."""
+    return f"P_{mean.removeprefix('x_').removeprefix('p_')}"
+
+
 class Covariance(Node):
     """The covariance of a noise, constant or a function of quantities wired by its parameter names.
 

@@ -163,3 +163,27 @@ class LateEKF(EKF):
             torch.where(is_due, moved, mean),
             torch.where(is_due.unsqueeze(-1), spread, covariance),
         )
+
+
+def ekf_with_delay(
+    mean: str,
+    covariance: str,
+    *,
+    delay: int,
+    sensor: str,
+    moved_by: Mapping[str, int],
+    **options: Any,
+) -> EKF:
+    """An :class:`EKF` for readings that are prompt, or a :class:`LateEKF`.
+
+    Args:
+        mean: As for :class:`EKF`.
+        covariance: As for :class:`EKF`.
+        delay: Largest age of a reading, steps; 0 where all are prompt.
+        sensor: As for :class:`LateEKF`.
+        moved_by: As for :class:`LateEKF`.
+        **options: As for :class:`EKF`.
+    """
+    if not delay:
+        return EKF(mean, covariance, **options)
+    return LateEKF(mean, covariance, sensor=sensor, steps=delay, moved_by=moved_by, **options)

@@ -12,6 +12,7 @@ from aicon_torch.parts.camera import (
 from aicon_torch.parts.capsules import Capsules
 from aicon_torch.parts.chain import Chain, Joint
 from aicon_torch.parts.clearance import (
+    Clearance,
     ClearanceLimits,
     ClearancePrior,
     CollisionLikelihood,
@@ -23,6 +24,7 @@ from aicon_torch.parts.clearance import (
     unit_gradient_residual,
 )
 from aicon_torch.parts.clock import clock
+from aicon_torch.parts.commands import DisplacementCommand, ForceServo
 from aicon_torch.parts.contact import (
     ContactLikelihood,
     closest_point,
@@ -42,6 +44,8 @@ from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.landmark import (
     BearingPrior,
+    Landmark,
+    PositionPrior,
     approach,
     bearing_jacobian,
     bearing_residual,
@@ -81,6 +85,7 @@ __all__ = [
     "CapsuleSegments",
     "Capsules",
     "Chain",
+    "Clearance",
     "ClearanceLimits",
     "ClearancePrior",
     "CollisionLikelihood",
@@ -91,8 +96,10 @@ __all__ = [
     "ContactLimits",
     "ContactOptions",
     "Detection",
+    "DisplacementCommand",
     "EndEffector",
     "FixedTarget",
+    "ForceServo",
     "ForceThreshold",
     "ImageRegistration",
     "Intrinsics",
@@ -100,11 +107,13 @@ __all__ = [
     "JointLimits",
     "KeypointOffset",
     "KeypointRegistration",
+    "Landmark",
     "MotionPrior",
     "Obstacle",
     "PoseDistance",
     "PoseMotion",
     "PoseReach",
+    "PositionPrior",
     "PositionTarget",
     "PusherMotion",
     "RGBDImage",

@@ -3,14 +3,23 @@
 The sensor feels d alone. ∇d is estimated from how d changes with the robot's motion.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import cast
 
 import torch
 from torch import Tensor
 
-from aicon_torch.interconnections import Affine
+from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_delay
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.parts.validation import check_not_negative, check_positive
 from aicon_torch.vectors import unit
+
+UNIT_GRADIENT_VARIANCE = 0.05
+"""Variance of |∇d| − 1: near a corner a clearance grows by less than one metre a metre."""
+
+TURN_RATE = 2.0
+"""Variance by which each component of ∇d grows in a second, m²/m² s⁻¹: obstacles are no walls."""
 
 DIRECTION_VARIANCE = 0.5
 """Variance of each component of ∇d before the first motion: any direction is possible."""
@@ -37,9 +46,10 @@ def slide_jacobian(x_rob: Tensor) -> Tensor:
     return torch.eye(3, dtype=x_rob.dtype, device=x_rob.device) + by_gradient
 
 
-def range_residual() -> Affine:
+def range_residual(name: str = "x_obs", reading: str = "z_obs") -> Affine:
     """The residual d − z_obs, ``(*B, 1)``, m: zero where the clearance is what the sensor reads."""
-    return Affine(x_obs=torch.tensor([[1.0, 0.0, 0.0]]), z_obs=-1.0)
+    factors: dict[str, float | Tensor] = {name: torch.tensor([[1.0, 0.0, 0.0]]), reading: -1.0}
+    return Affine(**factors)
 
 
 def unit_gradient_residual(x_obs: Tensor) -> Tensor:
@@ -148,3 +158,98 @@ class ClearanceLimits:
         retreat = (self.margin - certain) / self.time
         missing = (retreat - (slowed * away).sum(-1, keepdim=True)).clamp(min=0.0)
         return slowed + missing * away
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """How far the nearest obstacle is, and in which direction: for any graph.
+
+    The belief N(x, P) of x = (d, ∇d) moves with the robot as along a straight wall,
+
+        d⁻ = d + ∇d·x_rob,   ∇d⁻ = ∇d,
+
+    and is corrected by the range, d − z = 0, by |∇d| = 1, and by the direction of the obstacle,
+    ∇d + (cos z, sin z) = 0, where that is read.
+
+    Attributes:
+        name: Of the estimate, ``(*B, 3)``, m and m/m, such as ``"x_obs"``; its covariance is
+            ``"P_obs"``.
+        range: The sensor of the clearance, ``(*B, 1)``, m.
+        noise: Standard deviation of its readings, m.
+        motion_noise: Standard deviation of what the robot moves in a step besides ``motion``, m.
+        dt: Time step, s.
+        direction: The sensor of the direction of the nearest obstacle, ``(*B, 1)``, rad; None where
+            there is none.
+        direction_noise: Standard deviation of its readings, rad.
+        motion: The quantity that says how far the robot has moved in a step, ``(*B, 2)``, m.
+        delay: Largest age of a reading that is made up for, steps.
+
+    Raises:
+        OptionError: If a number is not what it may be.
+
+    Example:
+        >>> walls = Clearance("x_wall", "z_wall", noise=0.01, motion_noise=0.001, dt=0.05)
+        >>> estimators = [Deterministic("x_rob", displacement, is_motion=True), walls.estimator()]
+        >>> goals = [Goal("avoid", walls.collision_likelihood(length=0.04))]
+    """
+
+    name: str
+    range: str
+    noise: float
+    motion_noise: float
+    dt: float
+    direction: str | None = None
+    direction_noise: float = 0.03
+    motion: str = "x_rob"
+    delay: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_positive(self, ("noise", "dt", "direction_noise"))
+        check_not_negative(self, ("motion_noise",))
+
+    @property
+    def covariance(self) -> str:
+        """Name of P, ``(*B, 3, 3)``."""
+        return covariance_name(self.name)
+
+    def estimator(self) -> EKF:
+        """The filter of the clearance and its direction."""
+        slid = Interconnection(slide_jacobian, [self.motion])
+        prior = cast(Callable[..., Tensor], ClearancePrior(self.noise))  # mean and covariance
+        turn_variance = TURN_RATE * self.dt
+
+        return ekf_with_delay(
+            self.name,
+            self.covariance,
+            delay=self.delay,
+            sensor=self.range,
+            moved_by={self.motion: 2, "dt": 1},
+            predict=Interconnection(slide, [self.name, self.motion], **{self.name: slid}),
+            noise=(self.motion_noise**2, turn_variance, turn_variance),
+            initial=Interconnection(prior, [self.range]),
+            size=3,
+            correct=self._measurements(),
+        )
+
+    def collision_likelihood(self, length: float) -> Interconnection:
+        """The cost exp(−d/ℓ), ``(*B,)``, of a length ℓ, m: see :class:`CollisionLikelihood`."""
+        return Interconnection(CollisionLikelihood(length), [self.name])
+
+    def limits(self, limits: ClearanceLimits) -> Interconnection:
+        """Limits of a velocity ``"a"`` near an obstacle, as a constraint of an actuator."""
+        return Interconnection(limits, ["a", self.name, self.covariance])
+
+    def _measurements(self) -> list[Measurement]:
+        """What the readings say, and that a clearance grows by one metre a metre."""
+        grown = Interconnection(unit_gradient_jacobian, [self.name])
+        unit_gradient = Interconnection(unit_gradient_residual, [self.name], **{self.name: grown})
+        measurements = [
+            Measurement(range_residual(self.name, self.range), self.noise**2),
+            Measurement(unit_gradient, UNIT_GRADIENT_VARIANCE),
+        ]
+        if self.direction is None:
+            return measurements
+
+        seen = Interconnection(direction_residual, [self.name, self.direction])
+        return [*measurements, Measurement(seen, self.direction_noise**2, size=2)]

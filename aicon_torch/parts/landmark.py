@@ -1,24 +1,30 @@
-"""A landmark of which a robot sees the bearing: p_tar, its position relative to the robot.
+"""A landmark that a robot sees: p_tar, its position relative to the robot.
 
 The axes are those of the world; only the origin moves with the robot.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
+from typing import Literal, cast, get_args
 
 import torch
 from torch import Tensor
 
-from aicon_torch.interconnections import Affine
+from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_delay
+from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.planar import quarter_turn, wrap_angle
+from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
+
+Sight = Literal["bearing", "position"]
+"""What a robot sees of a landmark."""
 
 NEAREST = 1e-4
 """Squared distance below which a bearing's derivative grows no more, m²: 1 cm."""
 
 
-def approach() -> Affine:
+def approach(name: str = "p_tar", motion: str = "x_rob") -> Affine:
     """p_tar − x_rob: the landmark comes nearer by what the robot moves, ``(*B, 2)``, m."""
-    return Affine(p_tar=1.0, x_rob=-1.0)
+    return Affine(**{name: 1.0, motion: -1.0})
 
 
 def bearing_residual(p_tar: Tensor, z_tar: Tensor) -> Tensor:
@@ -77,3 +83,106 @@ def expected_distance(p_tar: Tensor, P_tar: Tensor) -> Tensor:
     distance = torch.linalg.vector_norm(p_tar, dim=-1)
     uncertainty = P_tar.diagonal(dim1=-2, dim2=-1).sum(-1)
     return cast(Tensor, distance + uncertainty)
+
+
+@dataclass(frozen=True)
+class PositionPrior:
+    """Where a landmark is believed at first: where it is seen.
+
+    Attributes:
+        noise: Standard deviation of a reading, m.
+    """
+
+    noise: float
+
+    def __call__(self, position: Tensor) -> tuple[Tensor, Tensor]:
+        """Mean ``(*B, 2)``, m, and covariance ``(2, 2)``, m², by a position ``(*B, 2)``, m."""
+        identity = torch.eye(2, dtype=position.dtype, device=position.device)
+        return position, self.noise**2 * identity
+
+
+@dataclass(frozen=True)
+class Landmark:
+    """A landmark that stays where it is, as an estimator and a goal of any graph.
+
+    The belief N(p, P) of its position relative to the robot moves against the robot,
+
+        p⁻ = p − x_rob,   P⁻ = P + σ_x² I,
+
+    and is corrected by its bearing, atan2(p_y, p_x) − z = 0, or by its position, p − z = 0.
+
+    Attributes:
+        name: Of the estimate p, ``(*B, 2)``, m, such as ``"p_tar"``; its covariance is ``"P_tar"``.
+        reading: The sensor: a bearing ``(*B, 1)``, rad, or a position ``(*B, 2)``, m.
+        noise: Standard deviation of a reading, rad or m.
+        motion_noise: σ_x, standard deviation of what the robot moves in a step besides ``motion``,
+            m.
+        sees: ``"bearing"`` or ``"position"``.
+        prior: Where it is believed by the first bearing.
+        motion: The quantity that says how far the robot has moved in a step, ``(*B, 2)``, m.
+        delay: Largest age of a reading that is made up for, steps.
+
+    Raises:
+        OptionError: If a number or a choice is not what it may be.
+
+    Example:
+        >>> tree = Landmark("p_tree", "z_tree", noise=0.03, motion_noise=0.001)
+        >>> estimators = [Deterministic("x_rob", displacement, is_motion=True), tree.estimator()]
+        >>> goals = [Goal("reach", tree.expected_distance())]
+    """
+
+    name: str
+    reading: str
+    noise: float
+    motion_noise: float
+    sees: Sight = "bearing"
+    prior: BearingPrior = BearingPrior(distance=5.0, across=0.15, along=3.0)
+    motion: str = "x_rob"
+    delay: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_positive(self, ("noise",))
+        check_not_negative(self, ("motion_noise",))
+        check_choice(self, "sees", get_args(Sight))
+
+    @property
+    def covariance(self) -> str:
+        """Name of P, ``(*B, 2, 2)``, m²."""
+        return covariance_name(self.name)
+
+    def estimator(self) -> EKF:
+        """The filter of its position."""
+        return ekf_with_delay(
+            self.name,
+            self.covariance,
+            delay=self.delay,
+            sensor=self.reading,
+            moved_by={self.motion: 2, "dt": 1},
+            predict=approach(self.name, self.motion),
+            noise=self.motion_noise**2,
+            initial=self._first_belief(),
+            size=2,
+            correct=[self._measurement()],
+        )
+
+    def expected_distance(self) -> Interconnection:
+        """The cost ‖p‖ + tr P, ``(*B,)``: see :func:`expected_distance`."""
+        return Interconnection(expected_distance, [self.name, self.covariance])
+
+    def _first_belief(self) -> Interconnection:
+        """Where it is believed by the first reading."""
+        prior = self.prior if self.sees == "bearing" else PositionPrior(self.noise)
+        function = cast(Callable[..., Tensor], prior)  # an EKF takes mean and covariance
+        return Interconnection(function, [self.reading])
+
+    def _measurement(self) -> Measurement:
+        """What a reading says of it."""
+        if self.sees == "position":
+            agreement = Affine(**{self.name: 1.0, self.reading: -1.0})
+            return Measurement(agreement, self.noise**2, size=2)
+
+        jacobian = Interconnection(bearing_jacobian, [self.name])
+        inputs = [self.name, self.reading]
+        residual = Interconnection(bearing_residual, inputs, **{self.name: jacobian})
+        return Measurement(residual, self.noise**2)

@@ -7,7 +7,7 @@ from typing import Protocol, cast
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.estimation import EKF, Measurement
+from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.planar import norm
@@ -222,7 +222,7 @@ def moving_point(
     )  # an EKF takes mean and covariance
     return EKF(
         name,
-        name.replace("x_", "P_", 1) if name.startswith("x_") else f"P_{name}",
+        covariance_name(name),
         predict=Interconnection(moved_evenly, [name, "dt"], **{name: Transition()}),
         noise=drift,
         initial=Interconnection(prior, inputs=[reading]),

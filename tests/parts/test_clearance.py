@@ -1,14 +1,17 @@
 """A clearance with its direction: how it slides along a wall, and its residuals."""
 
 import math
+from typing import Any
 
 import pytest
 import torch
 from _inputs import normal
 from torch import Tensor
 
-from aicon_torch import Interconnection
+from aicon_torch import Interconnection, OptionError
 from aicon_torch.parts import (
+    Clearance,
+    ClearanceLimits,
     ClearancePrior,
     CollisionLikelihood,
     direction_residual,
@@ -66,3 +69,54 @@ def test_a_collision_is_certain_at_contact_and_falls_with_the_clearance() -> Non
     clearances = torch.stack([at(0.04, 1.0, 0.0), at(0.0, 0.0, 1.0)])
     found = CollisionLikelihood(0.04)(clearances).tolist()
     assert found == pytest.approx([math.exp(-1.0), 1.0])
+
+
+def test_a_clearance_under_other_names_finds_the_direction_of_a_wall() -> None:
+    """A wall to the right at 1 m, felt along a zigzag."""
+    wall = Clearance("x_wall", "z_wall", noise=0.01, motion_noise=1e-3, dt=0.05, motion="moved")
+    found, left = felt(wall, [at(0.02, 0.02), at(-0.02, 0.02)] * 40)
+    torch.testing.assert_close(found["x_wall"], at(left, -1.0, 0.0), atol=0.1, rtol=0.0)
+
+    likelihood = wall.collision_likelihood(length=0.5)(found)
+    torch.testing.assert_close(likelihood, CollisionLikelihood(0.5)(found["x_wall"]))
+
+
+def test_a_direction_that_is_read_is_known_at_once() -> None:
+    wall = Clearance(
+        "x_wall",
+        "z_wall",
+        noise=0.01,
+        motion_noise=1e-3,
+        dt=0.05,
+        direction="z_side",
+        motion="moved",
+    )
+    found, _ = felt(wall, [at(0.0, 0.0)])
+    torch.testing.assert_close(found["x_wall"][1:], at(-1.0, 0.0), atol=0.01, rtol=0.0)
+
+
+def test_limits_near_an_obstacle_are_wired_to_its_names() -> None:
+    wall = Clearance("x_wall", "z_wall", noise=0.01, motion_noise=0.0, dt=0.05)
+    limits = ClearanceLimits(time=0.5, margin=0.04, slowest=0.05)
+    belief = {"x_wall": at(0.1, -1.0, 0.0), "P_wall": 1e-8 * torch.eye(3, dtype=torch.float64)}
+    allowed = wall.limits(limits)({"a": at(0.5, 0.0), **belief})
+    torch.testing.assert_close(allowed, limits(at(0.5, 0.0), belief["x_wall"], belief["P_wall"]))
+
+
+@pytest.mark.parametrize("wrong", [{"noise": 0.0}, {"dt": -1.0}, {"motion_noise": -1.0}])
+def test_numbers_that_cannot_be_are_errors(wrong: dict[str, float]) -> None:
+    (name,) = wrong
+    with pytest.raises(OptionError, match=name):
+        Clearance("x_obs", "z_obs", **{"noise": 0.01, "motion_noise": 0.0, "dt": 0.05} | wrong)
+
+
+def felt(clearance: Clearance, motions: list[Tensor]) -> tuple[dict[str, Tensor], float]:
+    """What is believed of a wall to the right after some motions, and how far it is then, m."""
+    estimator = clearance.estimator().double()
+    left = 1.0
+    values: dict[str, Any] = {"dt": 0.05, "z_wall": at(left), "z_side": at(0.0)}
+    values |= estimator.initial(values)
+    for motion in motions:
+        left -= float(motion[0])
+        values |= estimator.update(values | {"z_wall": at(left), "moved": motion})
+    return values, left

@@ -14,34 +14,14 @@ from typing import Any
 from torch import Tensor
 
 from aicon_torch.control import Policy
-from aicon_torch.estimation import EKF, Deterministic, LateEKF, Measurement
+from aicon_torch.estimation import Deterministic
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
-from aicon_torch.interconnections import Interconnection
 from aicon_torch.models.nav2d.options import Options
-from aicon_torch.parts.clearance import (
-    ClearanceLimits,
-    ClearancePrior,
-    CollisionLikelihood,
-    direction_residual,
-    range_residual,
-    slide,
-    slide_jacobian,
-    unit_gradient_jacobian,
-    unit_gradient_residual,
-)
+from aicon_torch.parts.clearance import Clearance, ClearanceLimits
 from aicon_torch.parts.clock import clock
-from aicon_torch.parts.landmark import (
-    BearingPrior,
-    approach,
-    bearing_jacobian,
-    bearing_residual,
-    expected_distance,
-)
+from aicon_torch.parts.landmark import BearingPrior, Landmark
 from aicon_torch.quantities import Actuator, Sensor
-
-UNIT_GRADIENT_VARIANCE = 0.05
-"""Variance of |∇d| − 1: near a corner a clearance grows by less than one metre a metre."""
 
 JUMP_DEVIATIONS = 6.0
 """Change of a reading between two steps that noise may bring, in its standard deviations."""
@@ -55,9 +35,6 @@ MAX_GAP = 1.0
 JUMPS = 3
 """Steps for which a velocity is wrong after the direction to the nearest obstacle has jumped."""
 
-TURN_RATE = 2.0
-"""Variance by which each component of ∇d grows in a second, m²/m² s⁻¹: obstacles are no walls."""
-
 
 def build(options: Options) -> Policy:
     """The navigation policy."""
@@ -67,13 +44,14 @@ def build(options: Options) -> Policy:
 def world_model(options: Options) -> WorldModel:
     """The graph of the paper's navigation, with its paths p₁, p₂ and p₃."""
     robot = Deterministic("x_rob", displacement, is_motion=True)
-    reach = Goal("reach", expected_distance)
-    avoid = Goal("avoid", CollisionLikelihood(options.collision_length))
+    target, obstacle = _target(options), _obstacle(options)
+    reach = Goal("reach", target.expected_distance())
+    avoid = Goal("avoid", obstacle.collision_likelihood(options.collision_length))
 
     return WorldModel(
         sensors=_sensors(options),
-        actuators={"a": _actuator(options)},
-        estimators=[robot, _target(options), _obstacle(options)],
+        actuators={"a": _actuator(options, obstacle)},
+        estimators=[robot, target.estimator(), obstacle.estimator()],
         goals=[reach, avoid],
         dt=options.dt,
         clock="z_elapsed",
@@ -123,7 +101,7 @@ def _watched(options: Options) -> dict[str, Any]:
     return told
 
 
-def _actuator(options: Options) -> Actuator:
+def _actuator(options: Options, obstacle: Clearance) -> Actuator:
     """The velocity, limited where obstacles are near by readings that are late or jump.
 
     The nearest point of an obstacle jumps from one wall to another. Where its direction is read,
@@ -131,71 +109,41 @@ def _actuator(options: Options) -> Actuator:
     """
     jumps = JUMPS if options.sensing == "range_bearing" else 0
     latency = (options.delay + jumps) * options.dt
-    limits = (ClearanceLimits.for_latency(latency),) if latency else ()
+    limits = [obstacle.limits(ClearanceLimits.for_latency(latency))] if latency else []
     return Actuator(2, "m/s", limit=options.max_speed, constraints=limits, key="executed")
 
 
-def _filter(options: Options, mean: str, covariance: str, sensor: str, **filtered: Any) -> EKF:
-    """A filter for readings that are prompt, or late."""
-    if not options.delay:
-        return EKF(mean, covariance, **filtered)
-    return LateEKF(
-        mean,
-        covariance,
-        sensor=sensor,
-        steps=options.delay,
-        moved_by={"x_rob": 2, "dt": 1},
-        **filtered,
-    )
-
-
-def _target(options: Options) -> EKF:
+def _target(options: Options) -> Landmark:
     """p_tar, P_tar: where the target is, from its bearing and from the agent's motion."""
-    bearing = Interconnection(bearing_residual, p_tar=bearing_jacobian)
     prior = BearingPrior(
         options.prior_range,
         across=options.prior_range * options.bearing_noise,
         along=options.prior_range_noise,
     )
-
-    return _filter(
-        options,
+    return Landmark(
         "p_tar",
-        "P_tar",
         "z_tar",
-        predict=approach(),
-        noise=_motion_variance(options),
-        initial=prior,
-        size=2,
-        correct=[Measurement(bearing, options.bearing_noise**2)],
+        noise=options.bearing_noise,
+        motion_noise=_motion_noise(options),
+        prior=prior,
+        delay=options.delay,
     )
 
 
-def _obstacle(options: Options) -> EKF:
+def _obstacle(options: Options) -> Clearance:
     """x_obs, P_obs: the clearance and its direction, from its reading and the agent's motion."""
-    unit_gradient = Interconnection(unit_gradient_residual, x_obs=unit_gradient_jacobian)
-    measurements = [
-        Measurement(range_residual(), options.range_noise**2),
-        Measurement(unit_gradient, UNIT_GRADIENT_VARIANCE),
-    ]
-
-    if options.sensing == "range_bearing":
-        measurements.append(Measurement(direction_residual, options.bearing_noise**2, size=2))
-
-    turn_variance = TURN_RATE * options.dt
-    return _filter(
-        options,
+    return Clearance(
         "x_obs",
-        "P_obs",
         "z_obs",
-        predict=Interconnection(slide, x_obs=slide_jacobian),
-        noise=(_motion_variance(options), turn_variance, turn_variance),
-        initial=ClearancePrior(options.range_noise),
-        size=3,
-        correct=measurements,
+        noise=options.range_noise,
+        motion_noise=_motion_noise(options),
+        dt=options.dt,
+        direction="z_dir" if options.sensing == "range_bearing" else None,
+        direction_noise=options.bearing_noise,
+        delay=options.delay,
     )
 
 
-def _motion_variance(options: Options) -> float:
-    """Variance of each component of a displacement, m²."""
-    return (options.actuation_noise * options.dt) ** 2
+def _motion_noise(options: Options) -> float:
+    """Standard deviation of each component of a displacement, m."""
+    return options.actuation_noise * options.dt

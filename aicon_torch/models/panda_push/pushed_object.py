@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from aicon_torch.estimation import EKF, Deterministic, Estimator, LateEKF, Measurement
+from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.panda_push.measurements import (
     ObservedPose,
@@ -80,18 +80,19 @@ def _pushed_pose(scene: Scene, **belief: Any) -> EKF:
     """x_pose, predicted from what the tip has pushed; how it begins and is corrected is given."""
     options = scene.options
     motion = PoseMotion(scene.dynamics, options.robot.stick_radius, options.stick_friction)
-    moved_by = ["x_pose", "x_pusher", "d_pusher"]
-    deviation = scene.options.drift * scene.options.dt**0.5
-    belief |= {
-        "predict": Interconnection(motion, moved_by, x_pose=pose_jacobian),
-        "noise": pose_variances(scene, deviation),
-    }
-    if not scene.options.delay or scene.options.sensing == "camera":
-        return EKF("x_pose", "P_pose", **belief)
+    inputs = ["x_pose", "x_pusher", "d_pusher"]
+    deviation = options.drift * options.dt**0.5
 
-    moves = {"x_pusher": 2, "d_pusher": 2 * options.parts, "dt": 1}
-    late: dict[str, Any] = {"sensor": "z_object", "steps": scene.options.delay, "moved_by": moves}
-    return LateEKF("x_pose", "P_pose", **late, **belief)
+    return ekf_with_delay(
+        "x_pose",
+        "P_pose",
+        delay=0 if options.sensing == "camera" else options.delay,
+        sensor="z_object",
+        moved_by={"x_pusher": 2, "d_pusher": 2 * options.parts, "dt": 1},
+        predict=Interconnection(motion, inputs, x_pose=pose_jacobian),
+        noise=pose_variances(scene, deviation),
+        **belief,
+    )
 
 
 def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]:

@@ -99,6 +99,6 @@ class Options:
         return round(self.dt / SUBSTEP)
 
     @property
-    def is_delayed(self) -> bool:
-        """Whether the estimates are moved on from when the readings were taken."""
-        return self.estimation and self.delay > 0
+    def filtered_delay(self) -> int:
+        """For how many steps the filters move on from when a reading was taken: none without."""
+        return self.delay if self.estimation else 0

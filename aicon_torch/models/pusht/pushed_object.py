@@ -1,12 +1,11 @@
 """Estimators of the object that is pushed: where it is, and where its corners are."""
 
 from collections.abc import Callable
-from typing import Any
 
 from torch import Tensor
 from torch.nn.functional import pad
 
-from aicon_torch.estimation import EKF, Deterministic, Estimator, LateEKF, Measurement
+from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.pusht.benchmark import (
     PIXEL,
@@ -110,16 +109,15 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
 
     process = options.process_noise**2
-    belief: dict[str, Any] = {
-        "predict": Interconnection(motion, x_pose=pose_jacobian),
-        "noise": (process, process, process / body.radius_of_gyration**2),
-        "initial": registration.prior,
-        "size": 3,
-        "correct": [Measurement(residual, registration.variances(reading_noise), size=3)],
-    }
-
-    if not options.is_delayed:
-        return EKF("x_pose", "P_pose", **belief)
-    moved_by = {"x_pusher": 2, "d_pusher": 2 * parts, "dt": 1}
-    late: dict[str, Any] = {"sensor": "z_keypoints", "steps": options.delay, "moved_by": moved_by}
-    return LateEKF("x_pose", "P_pose", **late, **belief)
+    return ekf_with_delay(
+        "x_pose",
+        "P_pose",
+        delay=options.filtered_delay,
+        sensor="z_keypoints",
+        moved_by={"x_pusher": 2, "d_pusher": 2 * parts, "dt": 1},
+        predict=Interconnection(motion, x_pose=pose_jacobian),
+        noise=(process, process, process / body.radius_of_gyration**2),
+        initial=registration.prior,
+        size=3,
+        correct=[Measurement(residual, registration.variances(reading_noise), size=3)],
+    )

@@ -1,11 +1,9 @@
 """Estimators of the pusher: where it is and how fast."""
 
-from typing import Any
-
 import torch
 from torch import Tensor
 
-from aicon_torch.estimation import EKF, Estimator, LateEKF, Measurement
+from aicon_torch.estimation import EKF, Estimator, Measurement, ekf_with_delay
 from aicon_torch.interconnections import Affine
 from aicon_torch.models.pusht.benchmark import PIXEL, PRIOR_DEVIATION
 from aicon_torch.models.pusht.options import Options
@@ -35,19 +33,15 @@ def _position(options: Options) -> EKF:
     """The position as it is read."""
     variance = options.pusher_noise**2 if options.estimation else UNFILTERED_VARIANCE
     agreement = Affine(x_pusher=1.0, z_pusher=-1.0)
-    belief: dict[str, Any] = {
-        "predict": Affine(x_pusher=1.0, a="dt"),
-        "noise": options.process_noise**2,
-        "initial": first_position,
-        "size": 2,
-        "correct": [Measurement(agreement, variance, size=2)],
-    }
-
-    if not options.is_delayed:
-        return EKF("x_pusher", "P_pusher", **belief)
-    late: dict[str, Any] = {
-        "sensor": "z_pusher",
-        "steps": options.delay,
-        "moved_by": {"a": 2, "dt": 1},
-    }
-    return LateEKF("x_pusher", "P_pusher", **late, **belief)
+    return ekf_with_delay(
+        "x_pusher",
+        "P_pusher",
+        delay=options.filtered_delay,
+        sensor="z_pusher",
+        moved_by={"a": 2, "dt": 1},
+        predict=Affine(x_pusher=1.0, a="dt"),
+        noise=options.process_noise**2,
+        initial=first_position,
+        size=2,
+        correct=[Measurement(agreement, variance, size=2)],
+    )

@@ -1,0 +1,90 @@
+"""Commands of robots that take no velocities: a force, or a displacement."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from aicon_torch.parts.validation import check_not_negative, check_positive
+
+
+@dataclass(frozen=True)
+class ForceServo:
+    """The force that brings a mass to a velocity with the time constant τ: a first-order servo.
+
+        F = m (a − v)/τ + c v,   no longer than F_max,
+
+    so that m dv/dt = F − c v becomes dv/dt = (a − v)/τ. A force that is held over a step does so
+    for τ ≥ dt.
+
+    Attributes:
+        mass: m, kg.
+        time: τ, s.
+        largest: F_max, N.
+        drag: c of the force −c v that brakes the mass, Ns/m.
+
+    Raises:
+        OptionError: If a number is not what it may be.
+
+    Example:
+        >>> servo = ForceServo(mass=2.0, time=0.1, largest=40.0)
+        >>> Actuator(2, "m/s", limit=0.5, command=servo)  # in a graph with an estimate "v_robot"
+        >>> Deterministic("x_rob", servo.displacement, is_motion=True)
+    """
+
+    mass: float
+    time: float
+    largest: float
+    drag: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_positive(self, ("mass", "time", "largest"))
+        check_not_negative(self, ("drag",))
+
+    def __call__(self, a: Tensor, v_robot: Tensor) -> Tensor:
+        """F, ``(*B, d)``, N.
+
+        Args:
+            a: The velocity that is wished for, ``(*B, d)``, m/s.
+            v_robot: The velocity now, ``(*B, d)``, m/s.
+        """
+        force = self.mass / self.time * (a - v_robot) + self.drag * v_robot
+        size = torch.linalg.vector_norm(force, dim=-1, keepdim=True)
+        shortened: Tensor = force * (self.largest / size.clamp(min=self.largest))
+        return shortened
+
+    def displacement(self, a: Tensor, v_robot: Tensor, dt: float) -> Tensor:
+        """V dt + (a − v) dt²/(2τ): how far the mass goes in a step, ``(*B, d)``, m.
+
+        Args:
+            a: The velocity that is wished for, ``(*B, d)``, m/s.
+            v_robot: The velocity now, ``(*B, d)``, m/s.
+            dt: Duration of the step, s.
+        """
+        return v_robot * dt + (a - v_robot) * (dt**2 / (2 * self.time))
+
+
+@dataclass(frozen=True)
+class DisplacementCommand:
+    """The displacement of the next step in the robot's own units, a dt/s, within ±1 each.
+
+    Attributes:
+        unit: s, the displacement that the command 1 stands for, m.
+
+    Raises:
+        OptionError: If it is not positive.
+
+    Example:
+        >>> Actuator(3, "m/s", limit=1.0, command=DisplacementCommand(unit=0.05))
+    """
+
+    unit: float
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        check_positive(self, ("unit",))
+
+    def __call__(self, a: Tensor, dt: float) -> Tensor:
+        """The command ``(*B, d)`` for a velocity ``(*B, d)``, m/s, over a step of dt, s."""
+        return (a * (dt / self.unit)).clamp(-1.0, 1.0)
