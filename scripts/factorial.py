@@ -3,8 +3,8 @@
 Example: python scripts/factorial.py --task pusht --jobs 2 --out runs/factorial
 
 The rules are the sum of the gradients, their weighted sum and the projection; each with exploration
-and without, with one gradient a step and with foresight, on the arm with limits near contact as
-well, at several speeds. The folder gets the rows of each speed in a folder of its own,
+and without, with one gradient a step and with foresight, on the arm that of a step and that of its
+reaction, at several speeds. The folder gets the rows of each speed in a folder of its own,
 `factorial.csv`, `factorial.md` and `factorial.png`. The same command goes on where a stopped run
 was.
 """
@@ -87,14 +87,14 @@ SETTINGS = {
     "panda_push": Setting(
         condition="true_pose",
         laws={
-            "one gradient": {"law": DirectDescent(), "contact_limits": None},
-            "foresight": {"law": Foresight(), "contact_limits": None},
-            "limits near contact": {"law": DirectDescent()},
+            "one gradient": {"law": DirectDescent()},
+            "foresight of a step": {"law": Foresight(dither=0.0)},
+            "foresight": {},
         },
         speed="limits.tip_speed",
         unit=1e-3,
         unit_name="mm/s",
-        horizons={50: 18000, 200: 6000},
+        horizons={50: 18000, 300: 6000},
         soon=3000,
         seed=0,
         episodes=20,

@@ -34,8 +34,7 @@ from aicon_torch.parts.contact import (
     tangent,
 )
 from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.contact_limits import ContactLimits
-from aicon_torch.parts.contact_options import ContactLimitOptions, ContactOptions
+from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.image_registration import Detection, ImageRegistration
@@ -92,8 +91,6 @@ __all__ = [
     "ContactDynamics",
     "ContactForce",
     "ContactLikelihood",
-    "ContactLimitOptions",
-    "ContactLimits",
     "ContactOptions",
     "Detection",
     "DisplacementCommand",

@@ -7,16 +7,13 @@ needs no new ones.
 from dataclasses import dataclass
 from typing import get_args
 
-from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import ContactLikelihood
 from aicon_torch.parts.contact_dynamics import ContactDynamics, ContactEffect
-from aicon_torch.parts.contact_limits import ContactLimits
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.parts.validation import (
     check_choice,
     check_not_negative,
     check_positive,
-    numbers,
 )
 
 
@@ -83,50 +80,4 @@ class ContactOptions:
             facing=self.facing,
             radius=radius,
             inset=self.inset * radius,
-        )
-
-
-@dataclass(frozen=True)
-class ContactLimitOptions:
-    """Bounds on the next displacement near contact: see :class:`ContactLimits`.
-
-    Attributes:
-        push: Least and largest push at a contact that helps, in sizes.
-        harm: Largest push at one that harms, in sizes.
-        slide_gap: Gap below which the pusher is kept from sliding off a side, in sizes; 0 never.
-        end_step: How far it may slide beyond the end of a side in one step, in sizes.
-    """
-
-    push: tuple[float, float] = (1 / 240, 1 / 24)
-    harm: float = 1 / 120
-    slide_gap: float = 1 / 8
-    end_step: float = 1 / 40
-
-    def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            OptionError: If one is not what it may be.
-        """
-        check_not_negative(self, ("harm", "slide_gap", "end_step"))
-        least, largest = numbers("push", self.push, 2)
-        if not 0 <= least <= largest:
-            raise OptionError(f"push={self.push!r}: expected (least, largest), in sizes.")
-
-    def limits(self, dynamics: ContactDynamics, radius: float, size: float) -> ContactLimits:
-        """The limits of a pusher.
-
-        Args:
-            dynamics: What a push does.
-            radius: Radius of the pusher, m.
-            size: The reference length, m.
-        """
-        least, largest = self.push
-        return ContactLimits(
-            dynamics,
-            radius=radius,
-            push=(least * size, largest * size),
-            harm=self.harm * size,
-            slide_gap=self.slide_gap * size,
-            end_step=self.end_step * size,
         )

@@ -75,6 +75,11 @@ class RigidObject:
             )
         return cls(corners - center, center, tuple(order), float(gyration))
 
+    @property
+    def radius(self) -> float:
+        """Distance of the farthest corner from the centre of mass, m."""
+        return float(torch.linalg.vector_norm(self.keypoints, dim=-1).max())
+
     def sides(self, x_keypoints: Tensor) -> Tensor:
         """The sides (start, end) around the object, in the order of the outline.
 

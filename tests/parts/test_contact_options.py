@@ -10,7 +10,7 @@ from _inputs.pushing import body_of
 
 from aicon_torch import OptionError
 from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_RADIUS, T_WIDTH
-from aicon_torch.parts import ContactLimitOptions, ContactOptions
+from aicon_torch.parts import ContactOptions
 
 CONTACT = ContactOptions(size=T_WIDTH)
 
@@ -28,11 +28,6 @@ def test_lengths_are_shares_of_the_size() -> None:
     dynamics = CONTACT.dynamics(body_of())
     assert dynamics.rotation_length == pytest.approx(1.55 * 3000**0.5 * PIXEL)
     assert dynamics.step == pytest.approx(PIXEL)
-
-    limits = ContactLimitOptions().limits(dynamics, PUSHER_RADIUS, CONTACT.size)
-    assert in_pixels(*limits.push) == pytest.approx((0.5, 5))
-    assert in_pixels(limits.harm, limits.slide_gap) == pytest.approx((1, 15))
-    assert limits.end_step == pytest.approx(3 * PIXEL)
 
 
 def test_a_world_twice_as_large_has_lengths_twice_as_long() -> None:
@@ -54,11 +49,6 @@ BAD: list[tuple[type, dict[str, Any]]] = [
     *((ContactOptions, {"size": 0.1, "aim": value}) for value in NUMBERS[1:]),
     *((ContactOptions, {"size": 0.1, "intent": value}) for value in NUMBERS[1:]),
     (ContactOptions, {"size": 0.1, "effect": "best"}),
-    *((ContactLimitOptions, {"slide_gap": value}) for value in NUMBERS[1:]),
-    *((ContactLimitOptions, {"harm": value}) for value in NUMBERS[1:]),
-    *((ContactLimitOptions, {"push": push}) for push in ((3.0, 1.0), (-1.0, 1.0), (1.0,), 5.0)),
-    *((ContactLimitOptions, {"push": (0.0, value)}) for value in (math.nan, math.inf)),
-    *((ContactLimitOptions, {"end_step": value}) for value in NUMBERS[1:]),
 ]
 
 

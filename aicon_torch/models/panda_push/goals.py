@@ -5,8 +5,11 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.errors import OptionError
+from aicon_torch.models.panda_push.robot import Robot
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.planar import norm, pose_error
+from aicon_torch.parts.rigid_object import RigidObject
 
 
 def dead_zone(cost: Tensor, tolerance: float) -> Tensor:
@@ -19,7 +22,7 @@ class Ring:
     """g = w Σ max(0, 1 − m/m₀)², where m are the distances to the edges of a ring about the base.
 
     Where the centre of an object is within the ring, the tip gets behind it from all sides; what is
-    pushed beyond cannot be pushed back.
+    pushed beyond cannot be pushed back. Build one with :meth:`within_reach`.
 
     Attributes:
         edges: Least and largest distance of the centre from the axis of the base, m.
@@ -28,6 +31,26 @@ class Ring:
 
     edges: tuple[float, float]
     cost: SquaredHinge
+
+    @classmethod
+    def within_reach(cls, robot: Robot, body: RigidObject, cost: SquaredHinge) -> "Ring":
+        """The ring of an object around which the stick of a robot gets.
+
+        Its edges are where the tip gets to, less the farthest corner of the object and the radius
+        of the stick.
+
+        Raises:
+            OptionError: If the object is too large for any.
+        """
+        around = body.radius + robot.stick_radius
+        nearest, farthest = robot.nearest + around, robot.reach - around
+        if not nearest < farthest:
+            raise OptionError(
+                f"The stick reaches from {robot.nearest} to {robot.reach} m, and gets nowhere "
+                f"around an object whose corners are {body.radius:.3f} m from its centre: expected "
+                "a smaller object, a robot with more reach, or ring=None."
+            )
+        return cls((nearest, farthest), cost)
 
     def __call__(self, x_obj: Tensor) -> Tensor:
         """The cost ``(*B,)``, m, of a pose ``(*B, 3)``, m and rad."""

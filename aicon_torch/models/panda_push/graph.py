@@ -30,7 +30,6 @@ from aicon_torch.models.panda_push.pushed_object import object_top, pushed_objec
 from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
-from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.pose import PoseDistance
@@ -46,10 +45,6 @@ SEEN = (-100.0, 100.0)
 
 MAX_GAP = 5.0
 """Steps without a reading after which the arm slows down."""
-
-RING = SquaredHinge(margin=0.03, weight=0.045)
-"""Margin and weight (m) of the ring that keeps the object within reach: at its edge it pulls back
-three times as strongly as a target far away pulls."""
 
 JUMP = 3.0
 """How fast a joint's reading may change, in speed limits: it has noise."""
@@ -116,12 +111,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 def _actuator(scene: Scene) -> Actuator:
     """The velocities of the joints, within their limits and those of the tip."""
     options, robot = scene.options, scene.options.robot
-    contact = None
-    if options.contact_limits is not None:
-        size, radius = options.contact.size, robot.stick_radius
-        contact = options.contact_limits.limits(scene.dynamics, radius, size)
-
-    limits = ArmLimits(scene.end_effector, robot.speed, options.limits, contact)
+    limits = ArmLimits(scene.end_effector, robot.speed, options.limits)
     speed = options.limits.joint_speed
     return Actuator(len(robot.frames), "rad/s", limit=speed, constraints=[limits], key="executed")
 
@@ -168,8 +158,14 @@ def _goals(scene: Scene) -> list[Goal]:
 def _push(scene: Scene) -> Callable[..., Tensor]:
     """g₁, with the uncertainty of an object that is seen."""
     length, camera = scene.dynamics.rotation_length, scene.options.camera
-    ring = None if scene.options.ring is None else Ring(scene.options.ring, RING)
+    ring = _ring(scene)
 
     if scene.options.sensing == "camera" and camera.trace_weight > 0:
         return CertainPush(length, camera.trace_weight, camera.trace_tolerance, ring)
     return PoseDistance(length) if ring is None else PushWithinReach(length, ring)
+
+
+def _ring(scene: Scene) -> Ring | None:
+    """What keeps the object within reach, if anything."""
+    cost = scene.options.ring
+    return None if cost is None else Ring.within_reach(scene.options.robot, scene.body, cost)

@@ -1,8 +1,6 @@
-"""Limits of the arm's motion. They are ours: the text has none.
+"""Limits of the arm's motion, which are the robot's own: speeds of its tip and of its joints.
 
-The tip keeps the limits of a pusher near contact. Like them these are bounds on the next
-displacement that follow from where things are now, and they act on the joints by the least motion
-that takes away what goes beyond.
+They act on the joints by the least motion that takes away what goes beyond. The text has none.
 """
 
 from collections.abc import Sequence
@@ -12,7 +10,6 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.models.panda_push.options import MotionLimitOptions
-from aicon_torch.parts.contact_limits import ContactLimits
 from aicon_torch.parts.end_effector import EndEffector
 
 
@@ -21,15 +18,13 @@ class ArmLimits(nn.Module):
 
     1. In the plane the tip moves at most at its speed, up and down and in tilt at most at a quarter
        of it, in heading at half of it (in m/s: :class:`aicon_torch.parts.end_effector.ToolPose`).
-    2. In the plane the tip keeps the limits near contact over the next `horizon`, if there are any.
-    3. The tip moves toward its height no faster than it would arrive within `settling_time`.
-    4. No joint is faster than its limit, the direction kept.
+    2. The tip moves toward its height no faster than it would arrive within `settling_time`.
+    3. No joint is faster than its limit, the direction kept.
 
     Args:
         end_effector: Of the arm.
         joint_speeds: Largest speed of each joint, rad/s.
-        options: The speed of the tip, and the times.
-        contact: The limits near contact; None for none.
+        options: The speed of the tip, and the time of its arrival.
     """
 
     def __init__(
@@ -37,35 +32,18 @@ class ArmLimits(nn.Module):
         end_effector: EndEffector,
         joint_speeds: Sequence[float],
         options: MotionLimitOptions,
-        contact: ContactLimits | None,
     ) -> None:
         super().__init__()
-        self.end_effector, self.contact = end_effector, contact
-        self.horizon, self.settling_time = options.horizon, options.settling_time
-        self.tip_speed = options.tip_speed
+        self.end_effector = end_effector
+        self.tip_speed, self.settling_time = options.tip_speed, options.settling_time
         self.register_buffer("joint_speeds", torch.tensor(joint_speeds, dtype=torch.float64))
 
-    def forward(
-        self,
-        a: Tensor,
-        x_joints: Tensor,
-        x_pusher: Tensor,
-        x_contact: Tensor,
-        x_side: Tensor,
-        x_obj: Tensor,
-        x_target: Tensor,
-        x_heights: Tensor,
-    ) -> Tensor:
+    def forward(self, a: Tensor, x_joints: Tensor, x_heights: Tensor) -> Tensor:
         """The velocity of the joints within the limits.
 
         Args:
             a: The velocity that is wished for, ``(*B, n)``, rad/s.
             x_joints: Joint angles, ``(*B, n)``, rad.
-            x_pusher: The tip in the plane, ``(*B, 2)``, m.
-            x_contact: The closest point of each side of the object, ``(*B, N, 2)``, m.
-            x_side: The sides, ``(*B, N, 4)``, m.
-            x_obj: The object's pose, ``(*B, 3)``, m and rad.
-            x_target: Its target, likewise.
             x_heights: Height of the tip above where it should be, ``(*B, 1)``, m.
 
         Returns:
@@ -80,10 +58,6 @@ class ArmLimits(nn.Module):
         rise = shorten(rise, self.tip_speed / 4)
         tilt = shorten(tilt, self.tip_speed / 4)
         turn = shorten(turn, self.tip_speed / 2)
-
-        if self.contact is not None:
-            scene = (x_pusher, x_contact, x_side, x_obj, x_target)
-            planar = self.contact(planar, *scene, self.horizon)
         rise = self._settle(rise, x_heights)
 
         # The least motion of the joints that takes away the rest.

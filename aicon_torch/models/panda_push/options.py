@@ -6,11 +6,11 @@ from typing import Literal, get_args
 
 import torch
 
-from aicon_torch.control import ActionLaw, DirectDescent
+from aicon_torch.control import ActionLaw, Foresight
 from aicon_torch.errors import OptionError
 from aicon_torch.models.panda_push.robot import PANDA, Robot
 from aicon_torch.parts.camera import Steering
-from aicon_torch.parts.contact_options import ContactLimitOptions, ContactOptions
+from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import Pullback
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.servo import PARTS
@@ -36,11 +36,19 @@ T_CORNERS: tuple[tuple[float, float], ...] = (
 SIDE_FORCE = ForceThreshold(force=1.2, width=0.1)
 TOP_FORCE = ForceThreshold(force=2.0, width=0.15)
 
-CONTACT = ContactOptions(size=0.2)
-"""The contact model, as in pushT; only the T is larger, 0.2 m wide."""
+REACTION = 0.1
+"""Time constant with which the joints' velocities follow their commands, s."""
 
-CONTACT_LIMITS = ContactLimitOptions()
-"""How far the tip pushes within the horizon."""
+LAW = Foresight(horizon=REACTION, dither=0.0)
+"""What the action brings is foreseen until the joints have followed it."""
+
+CONTACT = ContactOptions(size=0.2, inset=1.0)
+"""The contact model, as in pushT; only the T is larger, 0.2 m wide, and its sides are sought away
+from their ends."""
+
+RING = SquaredHinge(margin=0.03, weight=0.045)
+"""Margin and weight (m) of the ring that keeps the object within reach: at its edge it pulls back
+three times as strongly as a target far away pulls."""
 
 JOINT_LIMITS = SquaredHinge(margin=0.1, weight=0.5)
 SELF_COLLISION = SquaredHinge(margin=0.05, weight=0.05)
@@ -119,13 +127,11 @@ class MotionLimitOptions:
     Attributes:
         tip_speed: Largest speed of the tip in the plane, m/s.
         joint_speed: Largest norm of the joints' velocities, rad/s.
-        horizon: Time over which the limits near contact hold, s.
         settling_time: Least time in which the tip arrives at its height, s.
     """
 
-    tip_speed: float = 0.2
-    joint_speed: float = 1.6
-    horizon: float = 0.1
+    tip_speed: float = 0.3
+    joint_speed: float = 2.4
     settling_time: float = 0.2
 
     def __post_init__(self) -> None:
@@ -134,7 +140,7 @@ class MotionLimitOptions:
         Raises:
             OptionError: If one is not positive.
         """
-        check_positive(self, ("tip_speed", "joint_speed", "horizon", "settling_time"))
+        check_positive(self, ("tip_speed", "joint_speed", "settling_time"))
 
 
 @dataclass(frozen=True)
@@ -152,7 +158,6 @@ class Options:
         camera: How it is seen, if it is.
         touch: What the wrist feels of it, if it is seen; None if nothing.
         contact: The contact model, which is pushT's.
-        contact_limits: Limits of the tip near contact; None for none.
         limits: How fast the arm moves.
         joint_noise: Standard deviation of an encoder, rad.
         pose_noise: Standard deviation of a pose that is observed, m.
@@ -166,8 +171,9 @@ class Options:
             the goal out, as the text does.
         workspace: The goal that keeps the tip from the edge of the workspace, margin in m; None
             leaves it out, as the text does.
-        ring: Least and largest distance of the object from the axis of the base, m: see
-            :class:`aicon_torch.models.panda_push.goals.Ring`; None for none.
+        ring: What pushing costs besides where the object leaves the ring around which the stick
+            gets, margin in m: see :class:`aicon_torch.models.panda_push.goals.Ring`; None leaves it
+            out, as the text does.
         joint_limits: The goal g₃, margin in rad; None leaves it out.
         self_collision: The goal g₄, margin in m; None leaves it out.
         lever: A rotation of the end effector by one rad counts as much as a motion by this, m.
@@ -180,7 +186,7 @@ class Options:
     """
 
     resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = field(default_factory=DirectDescent)
+    law: ActionLaw = LAW
     dtype: torch.dtype = torch.float64
     dt: float = 0.01
 
@@ -193,18 +199,17 @@ class Options:
     joint_noise: float = 1e-4
     pose_noise: float = 1 / 6000
     drift: float = 1 / 120
-    stick_friction: float = 0.0
+    stick_friction: float = 0.2
     expected_place: tuple[float, float] = (0.54, 0.0)
 
     contact: ContactOptions = CONTACT
-    contact_limits: ContactLimitOptions | None = CONTACT_LIMITS
     limits: MotionLimitOptions = MotionLimitOptions()
 
     height: float = 0.02
     height_tolerance: float = 0.001
     upright_tolerance: float | None = 0.02
     workspace: SquaredHinge | None = WORKSPACE
-    ring: tuple[float, float] | None = None
+    ring: SquaredHinge | None = RING
     joint_limits: SquaredHinge | None = JOINT_LIMITS
     self_collision: SquaredHinge | None = SELF_COLLISION
 
@@ -233,10 +238,6 @@ class Options:
         check_not_negative(self, ("height_tolerance", "stick_friction"))
 
         # What takes a sentence of its own.
-        if self.ring is not None and not 0 <= self.ring[0] < self.ring[1]:
-            raise OptionError(
-                f"ring={self.ring!r}: expected (least, largest) distance, m, or None."
-            )
         if not isinstance(self.robot, Robot):
             raise OptionError(
                 f"robot={self.robot!r}: expected a Robot, such as "

@@ -35,6 +35,7 @@ class Robot:
         tool_mass: Mass of stick, camera and mount, kg.
         reach: Distance of the tip from the axis of the base where the arm is straight and the stick
             upright, m.
+        nearest: Least distance of the tip from that axis where the stick is upright, m.
         axes: What each link turns about, unit vectors in its frame; None for z throughout.
         pairs: Numbers of the capsules that can meet; None for all whose links are far apart in the
             chain, as :class:`aicon_torch.parts.self_collision.SelfCollision` has it.
@@ -55,6 +56,7 @@ class Robot:
     stick_radius: float
     tool_mass: float
     reach: float
+    nearest: float
     axes: tuple[Point, ...] | None = None
     pairs: tuple[tuple[int, int], ...] | None = None
 
@@ -188,5 +190,6 @@ PANDA = Robot(
     stick_radius=0.015,
     tool_mass=0.25,
     reach=0.801,
+    nearest=0.266,
 )
 """A Franka Emika Panda."""

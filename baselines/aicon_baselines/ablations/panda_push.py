@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from aicon_torch.control import Foresight
+from aicon_torch.control import DirectDescent, Foresight
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
@@ -12,9 +12,12 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "transpose": {"pullback": "transpose"},
         "without_exploration": {"resolution.exploration": None},
         "without_projection": {"resolution.projector": "none"},
-        # What keeps the tip from pushing too far: limits near contact, or pushT's foresight.
-        "without_contact_limits": {"contact_limits": None},
-        "foresight_of_a_step": {"law": Foresight(), "contact_limits": None},
+        # What keeps the tip from pushing too far, and the object within reach.
+        "without_foresight": {"law": DirectDescent()},
+        "foresight_of_a_step": {"law": Foresight(dither=0.0)},
+        "without_friction": {"stick_friction": 0.0},
+        "without_inset": {"contact.inset": 0.0},
+        "without_ring": {"ring": None},
         # What seeing the object well is worth, and what the wrist feels of it.
         "without_trace": {"camera.trace_weight": 0.0},
         "tenfold_trace_weight": {"camera.trace_weight": 600.0},

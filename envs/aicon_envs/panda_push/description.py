@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from aicon_envs.panda_push import robot
 from aicon_envs.panda_push.arms import Arm
 from aicon_envs.panda_push.capsules import robot_capsules, tool_capsules
-from aicon_envs.panda_push.inverse_kinematics import farthest, find_home
+from aicon_envs.panda_push.inverse_kinematics import find_home, range_of_tip
 from aicon_envs.panda_push.reset import CONTACT_HEIGHT
 from aicon_envs.reach.robots import find_file
 
@@ -34,9 +34,9 @@ def describe(model: mujoco.MjModel, arm: Arm, width: int, height: int) -> dict[s
         right and y down; ``intrinsics``: f, cₓ, c_y, width and height, px; ``low``, ``high``: joint
         limits, rad; ``speed``: rad/s; ``capsules``: see
         :data:`aicon_envs.panda_push.capsules.Capsule`; ``stick_length``, ``stick_radius``: m;
-        ``tool_mass``: kg; ``reach``: how far from the axis of the base the upright stick reaches,
-        m; ``collisions``: None, or ``urdf``, ``srdf`` (files, the second may be None) and ``tip``
-        of the arm where ``capsules`` are those of the tool only.
+        ``tool_mass``: kg; ``reach``, ``nearest``: how far from the axis of the base and how near to
+        it the upright stick gets, m; ``collisions``: None, or ``urdf``, ``srdf`` (files, the second
+        may be None) and ``tip`` of the arm where ``capsules`` are those of the tool only.
     """
     count = model.nu
     bodies = [0, *model.jnt_bodyid[:count].tolist(), model.body("tool").id]
@@ -49,6 +49,7 @@ def describe(model: mujoco.MjModel, arm: Arm, width: int, height: int) -> dict[s
     srdf = None if arm.srdf is None else str(find_file(arm.srdf))
     shapes = {"urdf": str(find_file(arm.urdf)), "srdf": srdf, "tip": arm.tip}
 
+    nearest, farthest = range_of_tip(model, find_home(model, arm), CONTACT_HEIGHT)
     return {
         "frames": tuple(_to_rows(frame) for frame in frames[:-1]),
         "axes": _to_rows(model.jnt_axis[:count]),
@@ -62,7 +63,8 @@ def describe(model: mujoco.MjModel, arm: Arm, width: int, height: int) -> dict[s
         "stick_length": robot.STICK_LENGTH,
         "stick_radius": robot.STICK_RADIUS,
         "tool_mass": robot.TOOL_MASS,
-        "reach": farthest(model, find_home(model, arm), CONTACT_HEIGHT),
+        "reach": farthest,
+        "nearest": nearest,
         "collisions": None if capsules else shapes,
     }
 

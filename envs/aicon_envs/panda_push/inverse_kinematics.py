@@ -1,6 +1,7 @@
 """Joint angles at which the stick stands upright at a place."""
 
 import math
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
@@ -98,8 +99,8 @@ def reach(
     return angles
 
 
-def farthest(model: mujoco.MjModel, home: FloatArray, height: float) -> float:
-    """Return how far from the axis of the base the upright stick reaches, in whole mm, m.
+def range_of_tip(model: mujoco.MjModel, home: FloatArray, height: float) -> tuple[float, float]:
+    """Return from where to where the upright stick gets, in whole mm from the base's axis, m.
 
     Args:
         model: The compiled scene.
@@ -112,17 +113,29 @@ def farthest(model: mujoco.MjModel, home: FloatArray, height: float) -> float:
     x, y, _ = data.site("tip").xpos
     direction = np.array([x, y]) / math.hypot(x, y)
 
-    # Bisection, in mm: home is near enough, and nothing reaches so far as the other.
-    near, far = math.floor(1000.0 * math.hypot(x, y)), _TOO_FAR
-    while far - near > 1:
-        middle = (near + far) // 2
-        tip = np.array([*(middle / 1000.0 * direction), height])
+    def is_within(distance: int) -> bool:
+        tip = np.array([*(distance / 1000.0 * direction), height])
         try:
             reach(model, home, tip, 0.0, tolerance=1e-5)
-            near = middle
         except ValueError:
-            far = middle
-    return near / 1000.0
+            return False
+        return True
+
+    # Home is within; the axis is not, and nothing reaches so far as the other.
+    at_home = math.floor(1000.0 * math.hypot(x, y))
+    nearest = _last_within(is_within, at_home, 0)
+    return nearest / 1000.0, _last_within(is_within, at_home, _TOO_FAR) / 1000.0
+
+
+def _last_within(is_within: Callable[[int], bool], inside: int, outside: int) -> int:
+    """Return the last number on the way from inside to outside that is within, by bisection."""
+    while abs(outside - inside) > 1:
+        middle = (inside + outside) // 2
+        if is_within(middle):
+            inside = middle
+        else:
+            outside = middle
+    return inside
 
 
 def _upright(yaw: float) -> FloatArray:

@@ -14,14 +14,12 @@ SIDEWAYS: dict[str, Any] = {"object_pose": (0.52, 0.0, 1.57), "target_pose": (0.
 """By 4 cm; a Panda needs about 3 s."""
 
 
-def push(name: str, steps: int, distance: float, preset: str = "aicon") -> dict[str, Any]:
+def push(name: str, steps: int, distance: float) -> dict[str, Any]:
     """What an arm has done when the object is so near its target, or after so many steps."""
     env = ArmPushEnv(name, obs_type="pose")
     observation, info = env.reset(seed=1000, options=SIDEWAYS)
     robot = Robot.from_description(env.description())
-    policy, memory = make_policy("arm_push", preset=preset, robot=robot, sensing="pose"), None
-    if preset == "foresight":  # many gradients a step
-        policy = policy.compile()
+    policy, memory = make_policy("arm_push", robot=robot, sensing="pose").compile(), None
 
     for _ in range(steps):
         action, memory = policy.predict(observation, memory)
@@ -34,10 +32,6 @@ def push(name: str, steps: int, distance: float, preset: str = "aicon") -> dict[
 
 def test_it_pushes_the_object_to_its_target() -> None:
     assert push("panda", steps=1000, distance=0.0)["is_success"]
-
-
-def test_without_limits_near_contact_it_foresees_its_joints_reaction() -> None:
-    assert push("panda", steps=1000, distance=0.0, preset="foresight")["is_success"]
 
 
 def test_another_arm_pushes_the_object_half_the_way() -> None:

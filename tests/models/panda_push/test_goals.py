@@ -3,11 +3,19 @@
 import pytest
 import torch
 
+from aicon_torch.models.panda_push import PANDA
 from aicon_torch.models.panda_push.goals import PushWithinReach, Ring
-from aicon_torch.parts import PoseDistance, SquaredHinge
+from aicon_torch.parts import PoseDistance, RigidObject, SquaredHinge
 
 RING = Ring((0.45, 0.65), SquaredHinge(margin=0.03, weight=0.045))
 TARGET = torch.tensor([0.5, 0.0, 0.0])
+
+
+def test_the_ring_of_an_object_is_as_wide_as_the_stick_gets_around_it() -> None:
+    square = RigidObject.of([(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)])
+    around = 0.1 * 2**0.5 + PANDA.stick_radius
+    edges = Ring.within_reach(PANDA, square, RING.cost).edges
+    assert edges == pytest.approx((PANDA.nearest + around, PANDA.reach - around))
 
 
 @pytest.mark.parametrize(("x", "slope"), [(0.46, -1.0), (0.55, 0.0), (0.64, 1.0)])
