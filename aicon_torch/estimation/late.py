@@ -73,15 +73,15 @@ class LateEKF(EKF):
     def update(self, values: Values) -> dict[str, Tensor]:
         """Move the belief to when the reading was taken, correct it, and move it on to now."""
         moves = self._remembered_moves(values)
-        steps, new_lag = list(self._steps(moves)), self._new_lag(values, moves)
+        new_lag = self._new_lag(values, moves)
 
         # To when the reading was taken, ...
-        mean, covariance = self._predicted(values)
+        mean, covariance = self._at_reading(values, moves, new_lag)
         mean, covariance, _ = self._corrections(values, mean, covariance)
         then = {self.then[0]: mean, self.then[1]: covariance}
 
         # ... and on to now.
-        for back, step in steps[1:]:
+        for back, step in list(self._steps(moves))[1:]:
             is_due = back <= new_lag
             mean, covariance = self._moved(values, step, mean, covariance, is_due)
         now = {self.mean: mean, self.covariance: covariance}
@@ -96,7 +96,17 @@ class LateEKF(EKF):
     def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
         """The belief of when the reading was taken, before it is corrected."""
         moves = self._remembered_moves(values)
-        lag, new_lag = cast(Tensor, values[self.lag]) + 1, self._new_lag(values, moves)
+        return self._at_reading(values, moves, self._new_lag(values, moves))
+
+    def _at_reading(self, values: Values, moves: Tensor, new_lag: Tensor) -> tuple[Tensor, Tensor]:
+        """The belief of when the last reading was taken, moved from that of the one before it.
+
+        Args:
+            values: As for :meth:`update`.
+            moves: What moved it, as :meth:`_remembered_moves`.
+            new_lag: How many steps ago that was, ``(*B, 1)``.
+        """
+        lag = cast(Tensor, values[self.lag]) + 1
         mean, covariance = (cast(Tensor, values[name]) for name in self.then)
         for back, step in self._steps(moves):
             is_due = (back <= lag) & (back > new_lag)

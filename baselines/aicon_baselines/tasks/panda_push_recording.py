@@ -64,7 +64,9 @@ def watch(
     arm = end_effector(Options(robot=TASK.policy_options(condition)["robot"]))
     env = TASK.make_env(len(episodes), condition, horizon)
     try:
-        observation, _ = env.reset(**TASK.reset_arguments(episodes))
+        observation, info = env.reset(**TASK.reset_arguments(episodes))
+        for row, history in enumerate(histories):
+            history.add_margins({name: values[row] for name, values in info.items()})
         memory, ended = None, np.zeros(len(episodes), np.bool_)
         starts = ~ended
 
@@ -197,14 +199,17 @@ class _History:
         self.pose_errors.append(_MILLIMETRES * float(error))
         self.heights.append(_MILLIMETRES * float(info["tip"][2]))
 
-        # What the robot came near to.
-        self.limit_margin = min(self.limit_margin, float(info["limit_margin"]))
-        self.self_distance = min(self.self_distance, float(info["self_distance"]))
+        self.add_margins(info)
         self.collisions += int(info["collision"])
 
         if facts.camera is not None:
             self.in_view.append(_is_in_view(true_pose, facts.camera[row]))
         self._add_conflicts(facts, row)
+
+    def add_margins(self, info: dict[str, Any]) -> None:
+        """Note what the robot came near to, with its start."""
+        self.limit_margin = min(self.limit_margin, float(info["limit_margin"]))
+        self.self_distance = min(self.self_distance, float(info["self_distance"]))
 
     def _add_conflicts(self, facts: StepFacts, row: int) -> None:
         """Note what explores, and between which goals that began."""

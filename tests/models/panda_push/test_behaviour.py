@@ -13,7 +13,7 @@ OUT_OF_REACH = {
 
 def run(policy, q, steps, **changes):
     """The joint angles after each step, where the arm does what it is told."""
-    memory, angles, q = None, [], q.clone()
+    policy, memory, angles, q = policy.compile(), None, [], q.clone()
     for _ in range(steps):
         action, memory = policy.predict(pose_observation(q=q, **changes), memory)
         q = q + 0.01 * action

@@ -25,6 +25,7 @@ PLAIN = {
     "stick_radius": 0.01,
     "tool_mass": 0.2,
     "reach": 0.8,
+    "nearest": 0.3,
 }
 """A robot of two joints as an environment describes it."""
 
