@@ -48,7 +48,7 @@ def test_a_gradient_never_changes_what_those_before_it_decided(stack: Tensor) ->
     are.
     """
     vectors, order = selected(unweighted(), stack)
-    original = stack.take_along_dim(order.unsqueeze(-1), dim=-2)
+    original = stack.take_along_dim(order.clamp(min=0).unsqueeze(-1), dim=-2)  # −1: none, zero
     scale = lengths(stack).amax(-1)
 
     for rank in range(1, vectors.shape[-2]):

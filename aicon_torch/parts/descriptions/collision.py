@@ -71,7 +71,7 @@ def read_collision_geometry(source: str | Path) -> dict[str, CollisionGeometry]:
 def _add_shape(geometry: CollisionGeometry, collision: ElementTree.Element, folder: Path) -> None:
     """Add one `<collision>`."""
     pose = origin_of(collision)
-    shape = next(iter(collision.find("geometry") or ()), None)
+    shape = collision.find("geometry/*")
     if shape is None:
         return
 

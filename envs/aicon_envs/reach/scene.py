@@ -156,19 +156,25 @@ def _survey(
     data = mujoco.MjData(model)
     addresses = [model.joint(name).qposadr[0] for name in joints]
     degrees = [model.joint(name).dofadr[0] for name in joints]
-    full = np.zeros((model.nv, model.nv))
     span = _Span(np.zeros(len(joints)), np.full(3, np.inf), np.full(3, -np.inf))
 
     for posture in draw_postures(low, high, SAMPLES, np.random.default_rng(1)):
         data.qpos[addresses] = posture
         mujoco.mj_forward(model, data)
-        mujoco.mj_fullM(model, data, full)
         span = _Span(
-            np.maximum(span.inertias, np.diag(full)[degrees]),
+            np.maximum(span.inertias, _inertias(model, data)[degrees]),
             np.minimum(span.low, data.xpos.min(axis=0)),
             np.maximum(span.high, data.xpos.max(axis=0)),
         )
     return span
+
+
+def _inertias(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
+    """The diagonal of the mass matrix, ``(nv,)``, by products: `mj_fullM` differs by version."""
+    columns = np.zeros((model.nv, model.nv))
+    for column, unit in zip(columns, np.eye(model.nv), strict=True):
+        mujoco.mj_mulM(model, data, column, unit)
+    return np.diag(columns)
 
 
 def _set_physics(spec: mujoco.MjSpec) -> None:

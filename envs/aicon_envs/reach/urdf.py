@@ -45,6 +45,8 @@ def read_description(robot: Robot) -> Description:
     for joint in root.findall("joint"):
         if joint not in moving:
             joint.set("type", "fixed")  # grippers and wheels rest
+        elif joint.get("type") == "continuous":
+            _drop_ends(joint)
 
     assets = _take_meshes(root, file)
     for link in root.findall("link"):
@@ -86,6 +88,14 @@ def _name(joint: Element, tag: str) -> str:
     """Return the name of the link above ("parent") or below ("child") a joint."""
     element = joint.find(tag)
     return "" if element is None else str(element.get("link"))
+
+
+def _drop_ends(joint: Element) -> None:
+    """Take out the ends of a joint without ends, which MuJoCo before 4 would hold it within."""
+    limit = joint.find("limit")
+    if limit is not None:
+        limit.attrib.pop("lower", None)
+        limit.attrib.pop("upper", None)
 
 
 def _speed(joint: Element) -> float:

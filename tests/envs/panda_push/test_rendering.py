@@ -48,7 +48,7 @@ def test_where_nothing_can_render_an_error_names_the_packages(backend: str) -> N
     if backend == "osmesa" and ctypes.util.find_library("OSMesa"):
         pytest.skip("OSMesa is there")
 
-    unset = ("MUJOCO_GL", "DISPLAY")
+    unset = ("MUJOCO_GL", "PYOPENGL_PLATFORM", "DISPLAY")  # MuJoCo sets the second, too
     environment = {key: value for key, value in os.environ.items() if key not in unset}
     code = "import aicon_envs.panda_push as panda; panda.PandaPushEnv().reset(seed=0)"
     if backend == "none is there":
