@@ -30,6 +30,7 @@ from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
+from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.quantities import Actuator, Sensor
 
@@ -126,6 +127,7 @@ def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actu
         keeps_direction=True,
         constraints=[arrive],
         dampers=options.dampers,
+        metric=TipMetric(end_effector),
     )
 
 
