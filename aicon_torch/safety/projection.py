@@ -46,6 +46,7 @@ def nearest_safe(
 
     After a fixed number of sweeps the action is drawn back by one factor toward a retreat, the one
     nearest to rest that came out likewise, until it keeps every row as well as the retreat does.
+    Where no action keeps all rows, the last ones are kept best, since a sweep ends with them.
     Where rest keeps all rows (b ≤ 0) it is the retreat, so that the action is safe where the sweeps
     have not converged; where something comes nearer, the retreat gets out of its way.
 

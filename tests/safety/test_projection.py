@@ -87,3 +87,12 @@ def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
         single = SafetyBounds(*(value[row] for value in flat))
         found, _ = nearest_safe(wish.reshape(-1, 4)[row], single, sweeps=4)
         torch.testing.assert_close(found, expected)
+
+
+def test_where_not_all_rows_can_be_kept_the_last_is() -> None:
+    slopes, limits = torch.tensor([[1.0, 0.1], [-1.0, 0.1]]), torch.ones(2)
+    within = SafetyBounds(slopes, torch.tensor([0.5, 0.5]), -limits, limits)
+    action, _ = nearest_safe(torch.zeros(2), within, sweeps=12)
+    first, last = closing(action, within).tolist()
+    assert last > -0.05
+    assert first < -0.5
