@@ -58,7 +58,7 @@ class Options:
     self_collision: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.01, 1.0))
     balls: int = 0
     ball_radius: float = 0.08
-    ball_distance: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.045, 1.0))
+    ball_distance: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.03, 1.0))
     ball_noise: float = 0.002
     dtype: torch.dtype = torch.float64
     dt: float = 0.02
