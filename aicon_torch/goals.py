@@ -1,7 +1,7 @@
 """Goals: scalar costs on quantities, in any unit; the gradient of each is followed downhill."""
 
 from collections.abc import Callable
-from typing import cast
+from typing import Any, cast
 
 from torch import Tensor
 
@@ -16,7 +16,10 @@ class Goal(Node):
     gaps, what is left until it costs something, bounds the actions that act on it (see
     :class:`aicon_torch.safety.VelocityDampers`). Its gradient meets no other and is never projected
     away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the parameters
-    of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is ε − g.
+    of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is ε − g. One
+    that bounds each component of the actuator by itself may have a method ``room``, likewise, that
+    says how far they may go down and up, ``(*B, n)`` both: see
+    :class:`aicon_torch.safety.ConstraintEscape`.
 
     Args:
         name: Name of the goal, by which it is switched and explained.
@@ -60,3 +63,13 @@ class Goal(Node):
         if own is not None:
             return cast(Tensor, own(*[values[name] for name in self.inputs]))
         return self.tolerance - cast(Tensor, self.cost(values)).unsqueeze(-1)
+
+    @property
+    def has_room(self) -> bool:
+        """Whether it says how far each component of the actuator may go."""
+        return hasattr(self.cost.function, "room")
+
+    def room(self, values: Values) -> tuple[Tensor, Tensor]:
+        """How far each component may go down and up, ``(*B, n)`` both."""
+        own = cast(Any, self.cost.function).room
+        return cast(tuple[Tensor, Tensor], own(*[values[name] for name in self.inputs]))

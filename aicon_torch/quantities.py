@@ -140,6 +140,9 @@ class Actuator:
             instead of component by component.
         dampers: How it keeps the safety goals, where there are any: see
             :class:`aicon_torch.Goal`.
+        metric: What a departure from the wish counts where safety goals ask for one: a function
+            wired likewise, that returns a symmetric positive definite M ``(*B, size, size)``, for
+            which δᵀMδ is the square of the departure δ. All components count alike by default.
     """
 
     size: int
@@ -150,6 +153,7 @@ class Actuator:
     key: str | None = None
     keeps_direction: bool = False
     dampers: VelocityDampers = field(default_factory=VelocityDampers)
+    metric: Callable[..., Tensor] | None = None
 
     def __post_init__(self) -> None:
         """Check limit and constraints."""

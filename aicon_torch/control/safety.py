@@ -51,9 +51,10 @@ class ActuatorSafety:
         self._boxed: list[str] = []
         self._boxed.extend([goal.name for goal in goals if self._is_box(goal)])
 
+        self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
+
         escape = self.options.escape
-        step = model.dt / self.time
-        self.stalemate = None if escape is None else Stalemate(escape, limits, step)
+        self.stalemate = None if escape is None else Stalemate(escape, limits, model.dt, self.time)
 
     def __call__(
         self,
@@ -74,20 +75,43 @@ class ActuatorSafety:
             The action ``(*B, n)``, and what is remembered of it.
         """
         within, sweeps = self.bounds(values, goal_factors), self.options.sweeps
+        inverse = self._inverse_metric(values)
         if self.stalemate is None:
-            return nearest_safe(wish, within, sweeps).action, {}
+            return nearest_safe(wish, within, sweeps, inverse).action, {}
 
-        # While escaping, the direction of the escape stands for the wish.
+        # While escaping, the direction of the escape stands for the wish, and serves no goal: all
+        # components count alike.
         start = f"{self.actuator}/escape/"
         own = {key[len(start) :]: value for key, value in memory.items() if key.startswith(start)}
-        safe = nearest_safe(self.stalemate.aim(wish, own), within, sweeps)
+        if inverse is not None:
+            escaping = own["escaping"][..., None, None]
+            inverse = torch.where(escaping, torch.eye(wish.shape[-1]).to(inverse), inverse)
+        safe = nearest_safe(self.stalemate.aim(wish, own), within, sweeps, inverse)
         action = self.model.actuators[self.actuator].clip(
             safe.action
         )  # its norm, if that is limited
 
         cost = FollowedCost(self.model, self.actuator, values, goal_factors)
-        remembered = self.stalemate.judge(cost, wish, safe, own)
+        remembered = self.stalemate.judge(cost, wish, safe, self._room(values), own)
         return action, {start + key: value for key, value in remembered.items()}
+
+    def _inverse_metric(self, values: Mapping[str, Tensor]) -> Tensor | None:
+        """M⁻¹ of the actuator's metric, ``(*B, n, n)``; None where all components count alike."""
+        metric = self.model.metric(self.actuator, values)
+        if metric is None:
+            return None
+        identity = torch.eye(metric.shape[-1], dtype=metric.dtype, device=metric.device)
+        inverse: Tensor = torch.linalg.solve_ex(metric, identity.expand_as(metric)).result
+        return inverse
+
+    def _room(self, values: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
+        """How far each component may go down and up, ``(*B, n)`` both; ∞ where nothing says it."""
+        down = torch.full_like(values[self.actuator], torch.inf)
+        up = down
+        for goal in self._ranged:
+            to_low, to_high = goal.room(self._with_dt(values))
+            down, up = torch.minimum(down, to_low), torch.minimum(up, to_high)
+        return down, up
 
     def bounds(self, values: Mapping[str, Tensor], goal_factors: Tensor) -> SafetyBounds:
         """What all goals ask of the action, and its limits.

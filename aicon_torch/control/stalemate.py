@@ -27,6 +27,7 @@ def initial_escape(size: int) -> Memory:
         "highest": torch.tensor(0.0),
         "best": torch.tensor(torch.inf),
         "tries": torch.tensor(0),
+        "escapes": torch.tensor(0),
         "before": torch.tensor(torch.inf),
     }
 
@@ -39,11 +40,13 @@ class Stalemate:
     Args:
         options: When an escape begins and ends.
         limits: Of the actuator, ``(n,)``.
-        step: The time step, as a share of the dampers' time constant.
+        dt: The time step, s.
+        time: The dampers' time constant, s.
     """
 
-    def __init__(self, options: ConstraintEscape, limits: Tensor, step: float) -> None:
-        self.options, self.limits, self.step = options, limits, step
+    def __init__(self, options: ConstraintEscape, limits: Tensor, dt: float, time: float) -> None:
+        self.options, self.limits, self.time = options, limits, time
+        self.step = dt / time
 
     def aim(self, wish: Tensor, memory: Memory) -> Tensor:
         """What the actuator tries, ``(*B, n)``: the wish, or at full speed what leads out.
@@ -57,13 +60,21 @@ class Stalemate:
         fastest = direction / excess.clamp(min=torch.finfo(wish.dtype).tiny ** 0.5)
         return torch.where(memory["escaping"].unsqueeze(-1), fastest, wish)
 
-    def judge(self, cost: FollowedCost, wish: Tensor, safe: SafeAction, memory: Memory) -> Memory:
+    def judge(
+        self,
+        cost: FollowedCost,
+        wish: Tensor,
+        safe: SafeAction,
+        room: tuple[Tensor, Tensor],
+        memory: Memory,
+    ) -> Memory:
         """Whether to escape from the next step on, and where to.
 
         Args:
             cost: What the goals cost, here and after a step.
             wish: What they wish for, ``(*B, n)``.
             safe: What the constraints made of what was tried.
+            room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
         now, share = cost.at_rest, 1.0 - self.options.progress
@@ -76,7 +87,7 @@ class Stalemate:
         # What comes and goes while nothing opposes it is noise: the actuator is where it can be.
         highest = torch.maximum(now, memory["highest"])
         is_steady = highest < (1.0 + self.options.progress) * memory["lowest"]
-        is_opposed = self._is_opposed(wish, safe.force)
+        is_opposed = self._is_opposed(wish, safe.action)
         begins = ~was_escaping & is_stuck & (is_steady | is_opposed)
         is_out = self._is_out(cost, safe.action, clock, highest, memory)
 
@@ -93,7 +104,8 @@ class Stalemate:
         force = unit(safe.force)
         leads_on = ~self._points_back(force, memory)
         by_force = is_opposed & leads_on & (tries < self.options.forced)
-        detour = spread(tries, wish) + torch.where(is_opposed.unsqueeze(-1), force, 0.0)
+        escapes = torch.where(is_other, 0, memory["escapes"])
+        detour = self._way_to_a_place(escapes, room)
         way_out = torch.where(by_force.unsqueeze(-1), force, detour)
 
         # The clock begins anew with every escape, attempt and progress.
@@ -107,6 +119,7 @@ class Stalemate:
             "highest": torch.where(restarts, now, highest),
             "best": torch.where(is_best, now, memory["best"]),
             "tries": tries + begins,
+            "escapes": escapes + begins,
             "before": now,
         }
 
@@ -122,16 +135,33 @@ class Stalemate:
 
         may_end = (clock >= options.shortest) & (is_undone | rises_again | is_blocked)
         by_force = may_end | (clock >= options.longest)
-        return torch.where(memory["by_force"], by_force, clock >= options.detour)
+
+        # A detour is over at its place, or where the motion is blocked.
+        way = (memory["direction"].abs() / self.limits.to(action)).amax(-1)  # s, at full speed
+        is_there = clock >= way / self.time
+        is_stopped = (clock >= options.shortest) & is_blocked
+        return torch.where(memory["by_force"], by_force, is_there | is_stopped)
+
+    def _way_to_a_place(self, number: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
+        """The way to a place in the middle of the ranges, ``(*B, n)``.
+
+        Args:
+            number: Which of the sequence of places, ``(*B,)``.
+            room: How far each component may go down and up, ``(*B, n)`` both.
+        """
+        share, farthest = self.options.middle, self.options.detour * self.time * self.limits
+        down, up = (torch.where(side.isfinite(), side, farthest.to(side) / share) for side in room)
+        middle, half = (up - down) / 2.0, (up + down) / 2.0
+        return middle + share * half * spread(number, middle)
 
     def _points_back(self, force: Tensor, memory: Memory) -> Tensor:
         """Whether a force of length one leads back along the last escape by a force, ``(*B,)``."""
         along = (force * memory["direction"]).sum(-1)
         return memory["by_force"] & (along < -self.options.back)
 
-    def _is_opposed(self, wish: Tensor, force: Tensor) -> Tensor:
+    def _is_opposed(self, wish: Tensor, action: Tensor) -> Tensor:
         """Whether the constraints take away a good share of the wish, ``(*B,)``."""
-        opposition = -(force * wish).sum(-1)
+        opposition = ((wish - action) * wish).sum(-1)
         return opposition > self.options.opposition * (wish * wish).sum(-1)
 
 

@@ -24,6 +24,7 @@ class Declaration:
         goals: The goals.
         constraints: What limits each actuator, one after the other.
         commands: For an actuator that takes another command than its action: what it is sent.
+        metrics: For an actuator that has one: what a departure from a wish counts.
         dt: Time step, s.
         clock: The sensor that tells how long the last step took, if one does.
     """
@@ -34,6 +35,7 @@ class Declaration:
     goals: dict[str, Goal]
     constraints: dict[str, tuple[Interconnection, ...]]
     commands: dict[str, Interconnection]
+    metrics: dict[str, Interconnection]
     dt: float
     clock: str | None
 
@@ -59,11 +61,14 @@ class Declaration:
 
         constraints: dict[str, tuple[Interconnection, ...]] = {}
         commands: dict[str, Interconnection] = {}
+        metrics: dict[str, Interconnection] = {}
         for name, actuator in actuators.items():
             wired = [_wired(name, function, known) for function in actuator.constraints]
             constraints[name] = tuple(wired)
             if actuator.command is not None:
                 commands[name] = _wired(name, actuator.command, known)
+            if actuator.metric is not None:
+                metrics[name] = _wired(name, actuator.metric, known)
 
         return cls(
             sensors=dict(sensors),
@@ -72,23 +77,26 @@ class Declaration:
             goals={goal.name: goal for goal in goals},
             constraints=constraints,
             commands=commands,
+            metrics=metrics,
             dt=dt,
             clock=clock,
         )
 
     def functions_of(self, actuator: str) -> tuple[Interconnection, ...]:
-        """The constraints of an actuator, and its command if it has one."""
-        if actuator in self.commands:
-            return (*self.constraints[actuator], self.commands[actuator])
-        return self.constraints[actuator]
+        """The constraints of an actuator, and its command and metric if it has them."""
+        functions = [*self.constraints[actuator]]
+        for single in (self.commands, self.metrics):
+            if actuator in single:
+                functions.append(single[actuator])
+        return tuple(functions)
 
 
 def _wired(actuator: str, function: Callable[..., Tensor], known: Sequence[str]) -> Interconnection:
-    """A constraint or command as an interconnection whose inputs are in the graph."""
+    """A function of an actuator as an interconnection whose inputs are in the graph."""
     if not callable(function):
         raise GraphError(
-            f"Actuator {actuator!r}: constraints are a sequence of functions, and command is a "
-            "function."
+            f"Actuator {actuator!r}: constraints are a sequence of functions, and command and "
+            "metric are functions."
         )
 
     relation = Interconnection.of(function)

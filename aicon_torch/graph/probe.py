@@ -89,18 +89,19 @@ def _check_goals(declaration: Declaration, values: Mapping[str, Tensor]) -> None
 
 
 def _check_actuators(declaration: Declaration, values: Mapping[str, Tensor]) -> None:
-    """Constraints return an action, commands something with the batch in front."""
+    """Constraints return an action, metrics a matrix, commands what has the batch in front."""
     inputs = with_dt(values, declaration.dt)
     for name in declaration.actuators:
         shape = tuple(values[name].shape)
         for function in declaration.functions_of(name):
             result = _result_shape(name, function, inputs)
-            is_constraint = function in declaration.constraints[name]
-            expected = shape if is_constraint else BATCH
-            if result[: len(expected)] != expected or (is_constraint and result != shape):
+            is_command = function is declaration.commands.get(name)
+            is_metric = function is declaration.metrics.get(name)
+            expected = (*shape, shape[-1]) if is_metric else BATCH if is_command else shape
+            if result[: len(expected)] != expected or not (is_command or result == expected):
                 raise GraphError(
                     f"{function.function!r} of actuator {name!r} returns shape {result}; expected "
-                    f"{shape}."
+                    f"{expected if is_metric else shape}."
                 )
 
 

@@ -270,6 +270,12 @@ class WorldModel(nn.Module):
         return cast(Tensor, inputs[actuator])
 
     @torch.no_grad()
+    def metric(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor | None:
+        """What a departure from its wish counts, ``(*B, size, size)``; None for all alike."""
+        metric = self.declaration.metrics.get(actuator)
+        return None if metric is None else metric(with_dt(values, self.dt))
+
+    @torch.no_grad()
     def commands(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """What to send for each actuator: its action, or the command that brings it about."""
         inputs = with_dt(values, self.dt)

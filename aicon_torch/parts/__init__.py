@@ -70,6 +70,7 @@ from aicon_torch.parts.self_collision import (
 )
 from aicon_torch.parts.servo import PositionTarget, PusherMotion, Servo
 from aicon_torch.parts.speed_limit import SpeedLimit
+from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
 from aicon_torch.parts.workspace import Workspace
@@ -122,6 +123,7 @@ __all__ = [
     "SpeedLimit",
     "Sphere",
     "SquaredHinge",
+    "TipMetric",
     "TipPose",
     "ToolPose",
     "TopFace",

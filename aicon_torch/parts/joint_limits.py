@@ -42,7 +42,15 @@ class JointLimits(nn.Module):
         """How far each joint is from where it costs something, mᵢ − m₀, ``(*B, n)``, rad."""
         return self.distances(x_joints) - self.cost.margin
 
+    def room(self, x_joints: Tensor) -> tuple[Tensor, Tensor]:
+        """How far each joint may turn down and up until that costs something, ``(*B, n)``, rad."""
+        to_low, to_high = self._to_limits(x_joints)
+        return to_low - self.cost.margin, to_high - self.cost.margin
+
     def distances(self, x_joints: Tensor) -> Tensor:
         """mᵢ: the distance of each joint to its nearer limit, ``(*B, n)``, rad."""
-        to_low, to_high = x_joints - self.low.to(x_joints), self.high.to(x_joints) - x_joints
-        return torch.minimum(to_low, to_high)
+        return torch.minimum(*self._to_limits(x_joints))
+
+    def _to_limits(self, x_joints: Tensor) -> tuple[Tensor, Tensor]:
+        """The distances to the lower and to the upper limit, ``(*B, n)``, rad."""
+        return x_joints - self.low.to(x_joints), self.high.to(x_joints) - x_joints

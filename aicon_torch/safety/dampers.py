@@ -15,16 +15,19 @@ class ConstraintEscape:
     ``progress``, although the constraints oppose the wish or it has not risen by that share either.
     (A cost that comes and goes while nothing is in the way is the noise of the readings.)
 
-    Then the actuator moves along the constraints' force f = a − w, what they add to the wish w to
-    make it the action a, in the direction that f had at the stalemate, and within the same
-    constraints. The cost climbs on the way. It ends well over the crest, or else it would slide
-    back: once the share ``descent`` of the climb is undone, where the cost, fallen by ``progress``
-    from the crest, rises again, or where the motion is blocked as well.
+    Then the actuator moves along the constraints' force f = Σ μᵢcᵢ, what they add to the wish to
+    make it the action where all components count alike, in the direction that f had at the
+    stalemate, and within the same constraints. The cost climbs on the way. It ends well over the
+    crest, or else it would slide back: once the share ``descent`` of the climb is undone, where the
+    cost, fallen by ``progress`` from the crest, rises again, or where the motion is blocked as
+    well.
 
     It makes a detour instead where the constraints do not oppose the wish, as at a singularity,
     where ``forced`` escapes have led to no better cost, and where the force points back against the
-    last escape, as between two stops of one joint. A detour moves for a while in a direction of a
-    sequence that fills the space of directions evenly, turned toward f where there is one.
+    last escape, as between two stops of one joint. A detour goes straight to a place, from
+    where the goals are tried anew: the next of a sequence that fills the middle of the components'
+    ranges evenly. Where a safety goal tells no range (see :class:`aicon_torch.Goal`), it is what
+    lies around.
 
     Attributes:
         progress: Share by which the cost must fall, or rise.
@@ -37,22 +40,24 @@ class ConstraintEscape:
         descent: Share of the climb that must be undone.
         back: Cosine of the angle to the last escape reversed, within which a force points back.
         blocked: Share of the actuator's limit below which a motion counts as blocked.
-        detour: Duration of a detour.
+        middle: Share of each component's range, about its middle, that places are in.
+        detour: Where a component has no range, it goes as far as it comes in this time, at most.
 
     Raises:
         OptionError: If a number is not positive.
     """
 
     progress: float = 0.1
-    patience: float = 2.5
-    near: float = 0.01
+    patience: float = 2.0
+    near: float = 0.005
     forced: int = 2
     opposition: float = 0.1
     shortest: float = 1.5
-    longest: float = 30.0
+    longest: float = 15.0
     descent: float = 0.5
     back: float = 0.7
     blocked: float = 0.05
+    middle: float = 0.5
     detour: float = 6.0
 
     def __post_init__(self) -> None:

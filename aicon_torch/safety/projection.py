@@ -31,18 +31,22 @@ class SafeAction(NamedTuple):
 
     Attributes:
         action: a, ``(*B, n)``.
-        force: f = Σ μᵢcᵢ, what the bounds' multipliers add to the wish, ``(*B, n)``.
+        force: f = Σ μᵢcᵢ, of the bounds' multipliers, ``(*B, n)``. What the bounds add to the wish
+            is f, or M⁻¹f in a metric M.
     """
 
     action: Tensor
     force: Tensor
 
 
-def nearest_safe(wish: Tensor, within: SafetyBounds, sweeps: int) -> SafeAction:
-    """The action a = argmin ‖a − w‖² with c·a ≥ b for every row, and low ≤ a ≤ high.
+def nearest_safe(
+    wish: Tensor, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
+) -> SafeAction:
+    """The action a = argmin (a − w)ᵀM(a − w) with c·a ≥ b for every row, and low ≤ a ≤ high.
 
     After a fixed number of sweeps the action is drawn back by one factor toward a retreat, the one
     nearest to rest that came out likewise, until it keeps every row as well as the retreat does.
+    Where no action keeps all rows, the last ones are kept best, since a sweep ends with them.
     Where rest keeps all rows (b ≤ 0) it is the retreat, so that the action is safe where the sweeps
     have not converged; where something comes nearer, the retreat gets out of its way.
 
@@ -50,12 +54,16 @@ def nearest_safe(wish: Tensor, within: SafetyBounds, sweeps: int) -> SafeAction:
         wish: w, ``(*B, n)``.
         within: The bounds.
         sweeps: How many.
+        inverse: M⁻¹, ``(*B, n, n)``, symmetric and positive definite; None for M = I.
 
     Returns:
         The action and the force of the bounds.
     """
     normals, bounds = _normalised(within)
-    action, force = _projected(wish, normals, bounds, within, sweeps)
+    if inverse is None:
+        action, force = _projected(wish, normals, bounds, within, sweeps)
+    else:
+        action, force = _projected_in(inverse, wish, normals, bounds, within, sweeps)
     retreat, _ = _projected(torch.zeros_like(wish), normals, bounds, within, sweeps)
     return SafeAction(_drawn_back(action, retreat, normals, bounds, within), force)
 
@@ -91,6 +99,53 @@ def _projected(
     for normal, multiplier in zip(normal_of, multipliers, strict=True):
         force = force + multiplier.unsqueeze(-1) * normal
     return SafeAction(action, force)
+
+
+def _projected_in(
+    inverse: Tensor,
+    wish: Tensor,
+    normals: Tensor,
+    bounds: Tensor,
+    within: SafetyBounds,
+    sweeps: int,
+) -> SafeAction:
+    """The nearest action in a metric M, likewise: the least change for a row c is along M⁻¹c.
+
+    In a metric a bound on one component moves the others as well, so that each side of the box is
+    a row of its own.
+    """
+    changes = normals @ inverse  # the rows (M⁻¹c)ᵀ, since M is symmetric
+    effects = (changes * normals).sum(-1)  # cᵀM⁻¹c, by how much each changes its own row
+    effects = torch.where(effects > 0.0, effects, 1.0)
+    rows = [values.unbind(-2) for values in (normals, changes)]
+    numbers = [values.unbind(-1) for values in (bounds, effects)]
+
+    sides = [values.unbind(-1) for values in (within.low, within.high, inverse.diagonal(0, -2, -1))]
+    columns = inverse.unbind(-1)
+    multipliers = [torch.zeros_like(bound) for bound in numbers[0]]
+    pushes = [torch.zeros_like(side) for side in sides[0]]
+
+    action = wish
+    for _ in range(sweeps):
+        # Each row: the least multiplier ≥ 0 that satisfies it.
+        for index, (normal, along, bound, effect) in enumerate(zip(*rows, *numbers, strict=True)):
+            missing = bound - (normal * action).sum(-1)
+            multiplier = (multipliers[index] + missing / effect).clamp(min=0.0)
+            change = multiplier - multipliers[index]
+            action = action + change.unsqueeze(-1) * along
+            multipliers[index] = multiplier
+
+        # Each component: the least push that brings it within the box.
+        for index, (low, high, effect) in enumerate(zip(*sides, strict=True)):
+            free = action[..., index] - pushes[index] * effect
+            push = (torch.minimum(torch.maximum(free, low), high) - free) / effect
+            action = action + (push - pushes[index]).unsqueeze(-1) * columns[index]
+            pushes[index] = push
+
+    force = torch.stack(pushes, dim=-1)
+    for normal, multiplier in zip(rows[0], multipliers, strict=True):
+        force = force + multiplier.unsqueeze(-1) * normal
+    return SafeAction(torch.minimum(torch.maximum(action, within.low), within.high), force)
 
 
 def _normalised(within: SafetyBounds) -> tuple[Tensor, Tensor]:

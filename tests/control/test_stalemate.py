@@ -127,7 +127,7 @@ def test_it_is_half_way_down_from_the_crest_before_it_turns_to_the_target_again(
 
 def test_where_the_cost_rises_again_it_ends_as_well() -> None:
     """Twice the climb is more than there is to come down, so it ends at the target."""
-    far_down = dataclasses.replace(ConstraintEscape(), descent=2.0)
+    far_down = dataclasses.replace(ConstraintEscape(), descent=2.0, longest=30.0)
     way, escaping = turn(hand(far_down), start=2.5, target=-2.0, steps=200)
     left = int(escaping.nonzero()[-1])
     assert way[left] == pytest.approx(-2.0, abs=0.1)
@@ -144,6 +144,20 @@ def test_a_force_that_points_back_makes_a_detour() -> None:
         if bool(memory["a/escape/escaping"]) and not was:
             begun.append(bool(memory["a/escape/by_force"]))
     assert begun[:2] == [True, False]
+
+
+def test_a_detour_goes_to_a_place_in_the_middle_of_the_range() -> None:
+    policy, memory, q = hand(ConstraintEscape()), None, place(2.5)
+    places: list[float] = []
+    for _ in range(400):
+        action, memory = policy.predict({"z": q, "z_target": place(math.pi)}, memory)
+        q = q + DT * action
+        if bool(memory["a/escape/escaping"]) and not bool(memory["a/escape/by_force"]):
+            places.append(float(q + memory["a/escape/direction"]))
+            break
+
+    assert places
+    assert abs(places[0]) < STOP / 2 + 0.1
 
 
 @pytest.mark.parametrize("factor", [2, 4])

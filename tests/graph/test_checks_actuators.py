@@ -14,6 +14,10 @@ def constrained(*constraints: Any) -> WorldModel:
     return tracking_model(actuators={"a": Actuator(2, "m/s", constraints=constraints)})
 
 
+def measured(metric: Any) -> WorldModel:
+    return tracking_model(actuators={"a": Actuator(2, "m/s", metric=metric)})
+
+
 def commanded(command: Any) -> WorldModel:
     return tracking_model(actuators={"a": Actuator(2, "m/s", command=command)})
 
@@ -55,6 +59,22 @@ CONSTRAINTS: dict[str, tuple[Callable[[], Any], str]] = {
 }
 
 
+METRICS: dict[str, tuple[Callable[[], Any], str]] = {
+    "a metric that is no function": (
+        lambda: measured(2.0),
+        "Actuator 'a': constraints",
+    ),
+    "a metric that is no matrix": (
+        lambda: measured(lambda a: a),
+        r"returns shape \(7, 5, 2\); expected \(7, 5, 2, 2\)",
+    ),
+    "a misspelt metric": (
+        lambda: measured(lambda aa: aa),
+        "of actuator 'a' reads 'aa', which is not in the graph",
+    ),
+}
+
+
 COMMANDS: dict[str, tuple[Callable[[], Any], str]] = {
     "a command that is no function": (
         lambda: commanded(0.5),
@@ -80,5 +100,11 @@ def test_constraints_that_do_not_fit_are_refused(make: Callable[[], Any], culpri
 
 @pytest.mark.parametrize(("make", "culprit"), COMMANDS.values(), ids=COMMANDS.keys())
 def test_commands_that_do_not_fit_are_refused(make: Callable[[], Any], culprit: str) -> None:
+    with pytest.raises(GraphError, match=culprit):
+        make()
+
+
+@pytest.mark.parametrize(("make", "culprit"), METRICS.values(), ids=METRICS.keys())
+def test_metrics_that_do_not_fit_are_refused(make: Callable[[], Any], culprit: str) -> None:
     with pytest.raises(GraphError, match=culprit):
         make()

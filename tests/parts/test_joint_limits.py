@@ -24,3 +24,9 @@ def test_the_cost_of_several_joints_adds_up():
     torch.testing.assert_close(
         GOAL(joints(1.0, 2.95)), torch.tensor(0.5 + 0.125, dtype=torch.float64)
     )
+
+
+def test_the_room_is_how_far_a_joint_may_turn_either_way():
+    down, up = GOAL.room(joints(0.5, -1.0).detach())
+    torch.testing.assert_close(down, torch.tensor([1.4, 0.9], dtype=torch.float64))
+    torch.testing.assert_close(up, torch.tensor([0.4, 3.9], dtype=torch.float64))

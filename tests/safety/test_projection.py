@@ -2,25 +2,9 @@ import pytest
 import torch
 from _inputs import normal
 from _inputs.random_numbers import BATCHES
-from torch import Tensor
+from _inputs.safety_bounds import closing, random_bounds
 
 from aicon_torch.safety import SafetyBounds, nearest_safe
-
-
-def random_bounds(*batch: int, rows: int = 5, size: int = 4, seed: int = 0) -> SafetyBounds:
-    """Rows that rest keeps, and a box about rest."""
-    low = -normal(*batch, size, seed=seed + 2).abs() - 0.1
-    return SafetyBounds(
-        slopes=normal(*batch, rows, size, seed=seed),
-        bounds=-0.5 * normal(*batch, rows, seed=seed + 1).abs(),
-        low=low,
-        high=-low,
-    )
-
-
-def closing(action: Tensor, within: SafetyBounds) -> Tensor:
-    """c·a − b of each row, at least 0 where it holds."""
-    return (within.slopes * action.unsqueeze(-2)).sum(-1) - within.bounds
 
 
 def test_a_safe_wish_stays_as_it_is() -> None:
@@ -103,3 +87,12 @@ def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
         single = SafetyBounds(*(value[row] for value in flat))
         found, _ = nearest_safe(wish.reshape(-1, 4)[row], single, sweeps=4)
         torch.testing.assert_close(found, expected)
+
+
+def test_where_not_all_rows_can_be_kept_the_last_is() -> None:
+    slopes, limits = torch.tensor([[1.0, 0.1], [-1.0, 0.1]]), torch.ones(2)
+    within = SafetyBounds(slopes, torch.tensor([0.5, 0.5]), -limits, limits)
+    action, _ = nearest_safe(torch.zeros(2), within, sweeps=12)
+    first, last = closing(action, within).tolist()
+    assert last > -0.05
+    assert first < -0.5

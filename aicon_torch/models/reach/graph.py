@@ -30,6 +30,7 @@ from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
+from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.quantities import Actuator, Sensor
 
@@ -126,6 +127,7 @@ def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actu
         keeps_direction=True,
         constraints=[arrive],
         dampers=options.dampers,
+        metric=TipMetric(end_effector),
     )
 
 
@@ -199,13 +201,14 @@ def _goals(options: Options, robot: Robot, pose: TipPose) -> list[Goal]:
     if robot.shape is None:
         return goals
 
-    # The body keeps off itself and off the balls.
+    # The body keeps off the balls and off itself. Itself comes last: where a ball leaves no room
+    # for both, it is the wider margin of the ball that gives way.
     capsules, pairs = robot.shape.capsules, robot.shape.pairs
-    if pairs:
-        collision = SelfCollision(capsules, options.self_collision, pairs)
-        goals.append(Goal("self_collision", collision, safety=options.safety))
     for ball in _balls(options):
         obstacle = Obstacle(Sphere(options.ball_radius), capsules, options.ball_distance)
         distance = Interconnection(obstacle, inputs=["x_body", f"x_{ball}"])
         goals.append(Goal(ball, distance, safety=options.safety))
+    if pairs:
+        collision = SelfCollision(capsules, options.self_collision, pairs)
+        goals.append(Goal("self_collision", collision, safety=options.safety))
     return goals

@@ -65,8 +65,8 @@ def watch(
     env = TASK.make_env(len(episodes), condition, horizon)
     try:
         observation, info = env.reset(**TASK.reset_arguments(episodes))
-        for row, history in enumerate(histories):
-            history.add_margins({name: values[row] for name, values in info.items()})
+        for number, history in enumerate(histories):
+            history.add_margins({name: values[number] for name, values in info.items()})
         memory, ended = None, np.zeros(len(episodes), np.bool_)
         starts = ~ended
 

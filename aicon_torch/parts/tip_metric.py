@@ -1,0 +1,33 @@
+"""What the motion of joints counts: how far it takes the tip."""
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.parts.end_effector import EndEffector
+
+
+class TipMetric(nn.Module):
+    """M = JᵀJ + λ²I: δᵀMδ = ‖Jδ‖² + λ²‖δ‖², for a departure δ of the joints' velocities.
+
+    With it the action nearest to a wish is the one that takes the tip where the wish does, as far
+    as the bounds let it: what a joint at its stop cannot do, the others do. J and the damping λ are
+    those of the end effector, so that a wish J⁺h minimises ‖Ja − h‖² + λ²‖a‖², and the nearest
+    action within the bounds does so, too: it solves the damped least squares with the bounds in it.
+
+    Args:
+        end_effector: Of the arm.
+
+    Example:
+        >>> metric = TipMetric(end_effector)
+        >>> Actuator(6, "rad/s", limit=speeds, metric=metric)
+    """
+
+    def __init__(self, end_effector: EndEffector) -> None:
+        super().__init__()
+        self.end_effector = end_effector
+
+    def forward(self, x_joints: Tensor) -> Tensor:
+        """M at the joint angles ``(*B, n)``, rad; ``(*B, n, n)``, (m/rad)²."""
+        jacobian = self.end_effector.jacobian(x_joints)
+        identity = torch.eye(x_joints.shape[-1], dtype=jacobian.dtype, device=jacobian.device)
+        return jacobian.mT @ jacobian + self.end_effector.damping**2 * identity
