@@ -74,7 +74,7 @@ def run(adds_goal: bool) -> tuple[float, float]:
 
     memory: Memory = {}
     least_gap = math.inf
-    for step in range(round(8.0 / DT)):
+    for step in range(round(10.0 / DT)):
         time = step * DT
         ball = target + torch.tensor([1.2 - 0.4 * time, 0.02, 0.0], dtype=torch.float64)
         observation = {"q": q, "target_position": target, "ball": ball}
