@@ -6,10 +6,12 @@ EPISODES ?= 100
 PANDA_PUSH_EPISODES ?= 50
 OUT ?= runs
 LEROBOT_VENV ?= .venv-lerobot
+OLDEST_VENV ?= .venv-oldest
 STUDENT ?= baselines/checkpoints/diffusion_pusht_keypoints
 
 INSTALLED := $(VENV)/.installed
 LEROBOT_INSTALLED := $(LEROBOT_VENV)/.installed
+OLDEST_INSTALLED := $(OLDEST_VENV)/.installed
 # The policies are small: more threads than one only wait for each other.
 RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
 LEROBOT_RUN := OMP_NUM_THREADS=1 $(LEROBOT_VENV)/bin/python
@@ -18,7 +20,7 @@ LEROBOT_AICON := $(LEROBOT_VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install lerobot-env test test-all test-lerobot compare panda_push reach figures benchmark lint docs format clean
+.PHONY: help install lerobot-env test test-all test-oldest test-lerobot compare panda_push reach figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -53,6 +55,15 @@ test: $(INSTALLED) ## Run the tests, but for the slow ones
 
 test-all: $(INSTALLED) ## Run all tests
 	$(RUN) -m pytest -n $(JOBS) -m ""
+
+$(OLDEST_INSTALLED): pyproject.toml
+	$(PYTHON) -m venv --clear $(OLDEST_VENV)
+	$(OLDEST_VENV)/bin/python -m pip install --disable-pip-version-check uv
+	$(OLDEST_VENV)/bin/uv pip install --python $(OLDEST_VENV)/bin/python --resolution lowest-direct -e ".[all]"
+	@touch $@
+
+test-oldest: $(OLDEST_INSTALLED) ## Run the tests with the oldest versions that pyproject.toml allows
+	OMP_NUM_THREADS=1 $(OLDEST_VENV)/bin/python -m pytest -n $(JOBS)
 
 # Warnings are no errors here: most are those of LeRobot about its own dependencies.
 test-lerobot: $(LEROBOT_INSTALLED) ## Run the tests that need LeRobot
@@ -107,5 +118,5 @@ format: $(INSTALLED) ## Put the code into the project's format
 	$(RUN) -m ruff format
 
 clean: ## Remove the virtual environments and what tools left behind, but no results
-	rm -rf .venv .venv-lerobot build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .venv-lerobot .venv-oldest build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find aicon_torch envs baselines scripts tests -name __pycache__ -type d -prune -exec rm -rf {} +
