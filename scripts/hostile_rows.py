@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_torch import Policy, make_policy
+from aicon_torch.models import nav2d, panda_push
 from aicon_torch.models.pusht import PIXEL
 
 HOSTILE_STEPS, GOOD_STEPS = 7, 3
@@ -29,6 +30,12 @@ SPECIAL = np.array(
 
 REACH_SPEED = 1.5
 """Largest speed of a joint in the task "reach", rad/s."""
+
+FASTEST = {
+    "nav2d": nav2d.Options().max_speed,
+    "panda_push": panda_push.Options().limits.joint_speed,
+}
+"""Largest norm of a command, m/s and rad/s."""
 
 Readings = dict[str, NDArray[Any]]
 
@@ -122,7 +129,7 @@ def is_legal(task: str, action: NDArray[Any]) -> NDArray[np.bool_]:
         within: NDArray[np.bool_] = finite & (np.abs(action) <= REACH_SPEED * (1 + 1e-6)).all(-1)
         return within
 
-    limit = {"nav2d": 0.5, "panda_push": 1.6}[task]
+    limit = FASTEST[task]
     speed = np.linalg.norm(action.astype(np.float64), axis=-1)
     legal: NDArray[np.bool_] = finite & (speed <= limit * (1 + 1e-6))
     return legal
