@@ -143,6 +143,10 @@ class Actuator:
         metric: What a departure from the wish counts where safety goals ask for one: a function
             wired likewise, that returns a symmetric positive definite M ``(*B, size, size)``, for
             which δᵀMδ is the square of the departure δ. All components count alike by default.
+        dither: Where a dither of the action law goes: a function wired likewise, that returns the
+            motions D ``(*B, size, k)`` of which it is a mixture, each as long as the limit lets it
+            be. Every component has its own by default, which a redundant arm would feel as a motion
+            of its joints that nothing undoes.
     """
 
     size: int
@@ -154,6 +158,7 @@ class Actuator:
     keeps_direction: bool = False
     dampers: VelocityDampers = field(default_factory=VelocityDampers)
     metric: Callable[..., Tensor] | None = None
+    dither: Callable[..., Tensor] | None = None
 
     def __post_init__(self) -> None:
         """Check limit and constraints."""

@@ -45,13 +45,17 @@ class ActionLaw(Protocol):
         """
         ...
 
-    def start(self, last: Tensor, steps: Tensor, actuator: Actuator) -> Tensor:
+    def start(
+        self, last: Tensor, steps: Tensor, actuator: Actuator, motions: Tensor | None = None
+    ) -> Tensor:
         """Where the descent begins, ``(*B, size)``.
 
         Args:
             last: The last action, ``(*B, size)``.
             steps: How many steps ago the episode began, ``(*B,)``.
             actuator: Whose limit holds.
+            motions: Of which a dither is a mixture, ``(*B, size, k)``; None for one of each
+                component.
         """
         ...
 

@@ -45,7 +45,9 @@ class DirectDescent:
     def check(self, name: str, actuator: Actuator) -> None:
         """It drives any."""
 
-    def start(self, last: Tensor, steps: Tensor, actuator: Actuator) -> Tensor:
+    def start(
+        self, last: Tensor, steps: Tensor, actuator: Actuator, motions: Tensor | None = None
+    ) -> Tensor:
         """The last action, which Eq. 2 changes."""
         return last
 

@@ -21,7 +21,7 @@ class Foresight:
     The action takes K steps down the gradient, each at the state that the model foresees after the
     action so far:
 
-        a ← δ a_max u,   a ← clip(a − (ρ a_max / k) ∇/‖∇‖),   k = 1 … K,
+        a ← δ D u,   a ← clip(a − (ρ a_max / k) ∇/‖∇‖),   k = 1 … K,
 
     so that it sees what it is about to do, and takes back what goes too far. Then it is low-passed
     (Sect. "Stabilizing the Control Signal"). The text takes one gradient at each reading:
@@ -29,8 +29,10 @@ class Foresight:
 
     The descent begins with a dither u in [−1, 1], another one at every step and the same at every
     run. Without noise, a descent that always begins at rest can repeat itself for ever: to and fro
-    along a line, or around a corner. A component that nothing pulls goes back to rest; in a
-    nullspace across several components, as a redundant arm has, the dither is left.
+    along a line, or around a corner. D is a_max for each component, or the actuator's own
+    (``dither``). A component that nothing pulls goes back to rest; in a nullspace across several
+    components, as a redundant arm has, the dither is left, so that there D had better be motions of
+    the tip.
 
     Attributes:
         iterations: K.
@@ -41,6 +43,8 @@ class Foresight:
         horizon: H, how far ahead the model foresees what the action brings, s: the time in which
             the actuator and what it moves react, where that is longer than a control step; None
             for one step.
+        dither_steps: For how many steps a dither stays the same, so that an actuator that reacts in
+            more than one follows it.
     """
 
     iterations: int = 20
@@ -48,6 +52,7 @@ class Foresight:
     smoothing: float = 0.02
     dither: float = 1 / 3
     horizon: float | None = None
+    dither_steps: int = 1
 
     foresees = True
 
@@ -62,6 +67,8 @@ class Foresight:
             raise OptionError(f"horizon={self.horizon!r}: expected a time > 0 (s), or None.")
         if not 0 <= self.dither <= 1:
             raise OptionError(f"dither={self.dither!r}: expected a share of the limit, 0 to 1.")
+        if not (type(self.dither_steps) is int and self.dither_steps >= 1):
+            raise OptionError(f"dither_steps={self.dither_steps!r}: expected a number >= 1.")
 
     def check(self, name: str, actuator: Actuator) -> None:
         """Its steps are shares of the actuator's limit, so there must be one."""
@@ -72,10 +79,16 @@ class Foresight:
                 "Give the actuator a limit, or the policy law=DirectDescent(gain=...)."
             )
 
-    def start(self, last: Tensor, steps: Tensor, actuator: Actuator) -> Tensor:
-        """δ a_max u, elsewhere at every step, ``(*B, size)``."""
+    def start(
+        self, last: Tensor, steps: Tensor, actuator: Actuator, motions: Tensor | None = None
+    ) -> Tensor:
+        """δ D u, elsewhere at every step, ``(*B, size)``."""
         if self.dither == 0:
             return torch.zeros_like(last)
+        steps = torch.floor(steps / self.dither_steps)
+        if motions is not None:
+            mixture = scattered(steps, motions.shape[-1]).unsqueeze(-1)
+            return actuator.clip(self.dither * (motions @ mixture).squeeze(-1))
         farthest = self.dither * torch.as_tensor(actuator.limit).to(last)
         return actuator.clip(farthest * scattered(steps, actuator.size))
 

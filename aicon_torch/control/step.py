@@ -70,7 +70,8 @@ class ControlStep:
         """Where the descent of each actuator begins, ``steps`` ``(*B,)`` after the episode did."""
         starts: Actions = {}
         for name, actuator in self.model.actuators.items():
-            starts[name] = self.law.start(values[name], steps, actuator)
+            motions = self.model.dither(name, values)
+            starts[name] = self.law.start(values[name], steps, actuator, motions)
         return starts
 
     @torch.enable_grad()

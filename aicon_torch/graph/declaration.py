@@ -25,6 +25,7 @@ class Declaration:
         constraints: What limits each actuator, one after the other.
         commands: For an actuator that takes another command than its action: what it is sent.
         metrics: For an actuator that has one: what a departure from a wish counts.
+        dithers: For an actuator that has them: the motions of which a dither is a mixture.
         dt: Time step, s.
         clock: The sensor that tells how long the last step took, if one does.
     """
@@ -36,6 +37,7 @@ class Declaration:
     constraints: dict[str, tuple[Interconnection, ...]]
     commands: dict[str, Interconnection]
     metrics: dict[str, Interconnection]
+    dithers: dict[str, Interconnection]
     dt: float
     clock: str | None
 
@@ -62,6 +64,7 @@ class Declaration:
         constraints: dict[str, tuple[Interconnection, ...]] = {}
         commands: dict[str, Interconnection] = {}
         metrics: dict[str, Interconnection] = {}
+        dithers: dict[str, Interconnection] = {}
         for name, actuator in actuators.items():
             wired = [_wired(name, function, known) for function in actuator.constraints]
             constraints[name] = tuple(wired)
@@ -69,6 +72,8 @@ class Declaration:
                 commands[name] = _wired(name, actuator.command, known)
             if actuator.metric is not None:
                 metrics[name] = _wired(name, actuator.metric, known)
+            if actuator.dither is not None:
+                dithers[name] = _wired(name, actuator.dither, known)
 
         return cls(
             sensors=dict(sensors),
@@ -78,14 +83,15 @@ class Declaration:
             constraints=constraints,
             commands=commands,
             metrics=metrics,
+            dithers=dithers,
             dt=dt,
             clock=clock,
         )
 
     def functions_of(self, actuator: str) -> tuple[Interconnection, ...]:
-        """The constraints of an actuator, and its command and metric if it has them."""
+        """The constraints of an actuator, and its command, metric and dither if it has them."""
         functions = [*self.constraints[actuator]]
-        for single in (self.commands, self.metrics):
+        for single in (self.commands, self.metrics, self.dithers):
             if actuator in single:
                 functions.append(single[actuator])
         return tuple(functions)
@@ -95,8 +101,8 @@ def _wired(actuator: str, function: Callable[..., Tensor], known: Sequence[str])
     """A function of an actuator as an interconnection whose inputs are in the graph."""
     if not callable(function):
         raise GraphError(
-            f"Actuator {actuator!r}: constraints are a sequence of functions, and command and "
-            "metric are functions."
+            f"Actuator {actuator!r}: constraints are a sequence of functions, and command, metric "
+            "and dither are functions."
         )
 
     relation = Interconnection.of(function)

@@ -89,19 +89,24 @@ def _check_goals(declaration: Declaration, values: Mapping[str, Tensor]) -> None
 
 
 def _check_actuators(declaration: Declaration, values: Mapping[str, Tensor]) -> None:
-    """Constraints return an action, metrics a matrix, commands what has the batch in front."""
+    """Constraints return an action, metrics and dithers matrices, commands what has the batch."""
     inputs = with_dt(values, declaration.dt)
     for name in declaration.actuators:
         shape = tuple(values[name].shape)
         for function in declaration.functions_of(name):
             result = _result_shape(name, function, inputs)
-            is_command = function is declaration.commands.get(name)
-            is_metric = function is declaration.metrics.get(name)
-            expected = (*shape, shape[-1]) if is_metric else BATCH if is_command else shape
-            if result[: len(expected)] != expected or not (is_command or result == expected):
+            expected = shape
+            if function is declaration.commands.get(name):
+                expected = (*BATCH, *result[len(BATCH) :])
+            elif function is declaration.metrics.get(name):
+                expected = (*shape, shape[-1])
+            elif function is declaration.dithers.get(name):
+                expected = (*shape, result[-1] if len(result) > len(shape) else 1)
+
+            if result != expected:
                 raise GraphError(
                     f"{function.function!r} of actuator {name!r} returns shape {result}; expected "
-                    f"{expected if is_metric else shape}."
+                    f"{expected}."
                 )
 
 

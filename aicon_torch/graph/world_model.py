@@ -276,6 +276,12 @@ class WorldModel(nn.Module):
         return None if metric is None else metric(with_dt(values, self.dt))
 
     @torch.no_grad()
+    def dither(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor | None:
+        """The motions that a dither mixes, ``(*B, size, k)``; None for one of each component."""
+        dither = self.declaration.dithers.get(actuator)
+        return None if dither is None else dither(with_dt(values, self.dt))
+
+    @torch.no_grad()
     def commands(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """What to send for each actuator: its action, or the command that brings it about."""
         inputs = with_dt(values, self.dt)

@@ -52,6 +52,7 @@ from aicon_torch.parts.landmark import (
 )
 from aicon_torch.parts.obstacle import Box, MotionPrior, Obstacle, Rod, Sphere, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate, wrap_angle
+from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import (
     FixedTarget,
     KeypointRegistration,
@@ -108,6 +109,7 @@ __all__ = [
     "Landmark",
     "MotionPrior",
     "Obstacle",
+    "PlanarDither",
     "PoseDistance",
     "PoseMotion",
     "PoseReach",

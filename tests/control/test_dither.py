@@ -41,6 +41,23 @@ def test_every_descent_begins_elsewhere_within_its_share_of_the_limit() -> None:
     assert not Foresight(dither=0).start(last, steps, Actuator(2, "m", 0.5)).any()
 
 
+def test_a_dither_is_a_mixture_of_the_actuators_own_motions() -> None:
+    last, steps = torch.zeros(500, 3, dtype=torch.float64), torch.arange(500).double()
+    motion = torch.tensor([[0.3], [0.0], [-0.4]], dtype=torch.float64)
+    starts = Foresight(dither=0.5).start(last, steps, Actuator(3, "rad/s", 2.0), motion)
+
+    shares = starts @ motion / 0.25
+    assert abs(float(shares.abs().max()) - 0.5) < 0.01
+    torch.testing.assert_close(starts, shares @ motion.mT)
+
+
+def test_a_dither_stays_for_its_steps() -> None:
+    last, steps = torch.zeros(60, 2, dtype=torch.float64), torch.arange(60).double()
+    starts = Foresight(dither_steps=5).start(last, steps, Actuator(2, "m", 1.0)).reshape(12, 5, 2)
+    assert torch.equal(starts, starts[:, :1].expand_as(starts))
+    assert starts[:, 0].unique(dim=0).shape == (12, 2)
+
+
 def test_a_component_that_nothing_pulls_goes_back_to_rest() -> None:
     law, actuator = Foresight(step=0.4), Actuator(2, "m/s", (0.5, 0.5))
     action = torch.tensor([0.3, 0.1], dtype=torch.float64)

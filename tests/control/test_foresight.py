@@ -194,6 +194,7 @@ def test_a_policy_checks_its_law() -> None:
         *(({"step": value}, f"step={value}") for value in (0.0, -1.0, math.nan, math.inf)),
         *(({"smoothing": value}, f"smoothing={value}") for value in (-0.1, math.nan)),
         *(({"dither": value}, f"dither={value}") for value in (-0.1, 1.1, math.nan)),
+        *(({"dither_steps": value}, f"dither_steps={value}") for value in (0, -1, 2.0, True)),
     ],
 )
 def test_bad_constants_are_named(options: dict[str, Any], culprit: str) -> None:

@@ -18,6 +18,10 @@ def measured(metric: Any) -> WorldModel:
     return tracking_model(actuators={"a": Actuator(2, "m/s", metric=metric)})
 
 
+def dithered(dither: Any) -> WorldModel:
+    return tracking_model(actuators={"a": Actuator(2, "m/s", dither=dither)})
+
+
 def commanded(command: Any) -> WorldModel:
     return tracking_model(actuators={"a": Actuator(2, "m/s", command=command)})
 
@@ -75,6 +79,22 @@ METRICS: dict[str, tuple[Callable[[], Any], str]] = {
 }
 
 
+DITHERS: dict[str, tuple[Callable[[], Any], str]] = {
+    "a dither that is no function": (
+        lambda: dithered(0.5),
+        "Actuator 'a': constraints",
+    ),
+    "a dither that is no matrix": (
+        lambda: dithered(lambda a: a),
+        r"returns shape \(7, 5, 2\); expected \(7, 5, 2, 1\)",
+    ),
+    "a dither of another size": (
+        lambda: dithered(lambda a: a[..., :1, None]),
+        r"returns shape \(7, 5, 1, 1\); expected \(7, 5, 2, 1\)",
+    ),
+}
+
+
 COMMANDS: dict[str, tuple[Callable[[], Any], str]] = {
     "a command that is no function": (
         lambda: commanded(0.5),
@@ -106,5 +126,11 @@ def test_commands_that_do_not_fit_are_refused(make: Callable[[], Any], culprit: 
 
 @pytest.mark.parametrize(("make", "culprit"), METRICS.values(), ids=METRICS.keys())
 def test_metrics_that_do_not_fit_are_refused(make: Callable[[], Any], culprit: str) -> None:
+    with pytest.raises(GraphError, match=culprit):
+        make()
+
+
+@pytest.mark.parametrize(("make", "culprit"), DITHERS.values(), ids=DITHERS.keys())
+def test_dithers_that_do_not_fit_are_refused(make: Callable[[], Any], culprit: str) -> None:
     with pytest.raises(GraphError, match=culprit):
         make()

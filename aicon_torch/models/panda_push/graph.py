@@ -32,6 +32,7 @@ from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.joint_limits import JointLimits
+from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import PoseDistance
 from aicon_torch.parts.self_collision import SelfCollision
 from aicon_torch.parts.workspace import Workspace
@@ -113,7 +114,15 @@ def _actuator(scene: Scene) -> Actuator:
     options, robot = scene.options, scene.options.robot
     limits = ArmLimits(scene.end_effector, robot.speed, options.limits)
     speed = options.limits.joint_speed
-    return Actuator(len(robot.frames), "rad/s", limit=speed, constraints=[limits], key="executed")
+    dither = PlanarDither(scene.end_effector, options.limits.tip_speed)
+    return Actuator(
+        len(robot.frames),
+        "rad/s",
+        limit=speed,
+        constraints=[limits],
+        key="executed",
+        dither=dither,
+    )
 
 
 def _heights(scene: Scene) -> list[Estimator]:

@@ -1,7 +1,7 @@
 """Options of the arm's policy."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import torch
@@ -16,7 +16,7 @@ from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.servo import PARTS
 from aicon_torch.parts.touch import ForceThreshold
 from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
-from aicon_torch.resolution import NullspaceProjection, Resolution
+from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution
 
 Sensing = Literal["camera", "pose"]
 """Whether the object is seen by the camera in the hand, or its true pose is observed."""
@@ -39,8 +39,12 @@ TOP_FORCE = ForceThreshold(force=2.0, width=0.15)
 REACTION = 0.1
 """Time constant with which the joints' velocities follow their commands, s."""
 
-LAW = Foresight(horizon=REACTION, dither=0.0)
-"""What the action brings is foreseen until the joints have followed it."""
+LAW = Foresight(horizon=REACTION, smoothing=0.0, dither=0.5, dither_steps=5)
+"""What the action brings is foreseen until the joints have followed it. Their lag smooths it, and a
+dither must last half of that time to be felt."""
+
+RESOLUTION = NullspaceProjection(exploration=Exploration(average_time=0.8))
+"""In widths of the object the tip moves at half the speed of pushT's pusher, or less."""
 
 CONTACT = ContactOptions(size=0.2, inset=1.0)
 """The contact model, as in pushT; only the T is larger, 0.2 m wide, and its sides are sought away
@@ -130,8 +134,8 @@ class MotionLimitOptions:
         settling_time: Least time in which the tip arrives at its height, s.
     """
 
-    tip_speed: float = 0.3
-    joint_speed: float = 2.4
+    tip_speed: float = 0.4
+    joint_speed: float = 4.8
     settling_time: float = 0.2
 
     def __post_init__(self) -> None:
@@ -185,7 +189,7 @@ class Options:
         watchdog: Whether the arm stops on readings that are too old or frozen.
     """
 
-    resolution: Resolution = field(default_factory=NullspaceProjection)
+    resolution: Resolution = RESOLUTION
     law: ActionLaw = LAW
     dtype: torch.dtype = torch.float64
     dt: float = 0.01
@@ -198,7 +202,7 @@ class Options:
     touch: TouchOptions | None = TouchOptions()
     joint_noise: float = 1e-4
     pose_noise: float = 1 / 6000
-    drift: float = 1 / 120
+    drift: float = 1 / 40
     stick_friction: float = 0.2
     expected_place: tuple[float, float] = (0.54, 0.0)
 

@@ -37,7 +37,7 @@ def test_no_joint_is_faster_than_its_limit_and_the_direction_is_kept():
     torch.testing.assert_close(cosine, torch.ones_like(cosine))
 
 
-@pytest.mark.parametrize(("height", "fastest"), [(0.004, 0.02), (0.2, 0.075)])
+@pytest.mark.parametrize(("height", "fastest"), [(0.004, 0.02), (0.2, OPTIONS.tip_speed / 4)])
 def test_the_tip_sinks_no_faster_than_it_would_arrive(height, fastest):
     q = postures(3)
     down = torch.tensor([0.0, 0.0, -0.3, 0.0, 0.0, 0.0], dtype=torch.float64).expand(3, 6)
