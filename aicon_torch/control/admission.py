@@ -15,7 +15,7 @@ BEGINS = "begins"
 NEVER = 1e9
 """Age of a reading that never came, s."""
 
-DRIVEN = 0.02
+DRIVEN = 0.005
 """Share of an actuator's limit from which on it counts as acting."""
 
 SEEN, SEEN_AGE = ".seen", ".seen_age"

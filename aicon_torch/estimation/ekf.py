@@ -138,7 +138,11 @@ class EKF(Estimator):
         Raises:
             GraphError: If one differs.
         """
-        for measurement in self._measurements:
+        self._check_measurements(self._measurements, values)
+        self.predict.verify(values, self.size)
+
+    def _check_measurements(self, measurements: Sequence[Measurement], values: Values) -> None:
+        for measurement in measurements:
             components = measurement.residual(values).shape[-1]
             if components != measurement.size:
                 raise GraphError(
@@ -146,7 +150,6 @@ class EKF(Estimator):
                     f"a residual of {components} components; expected size={measurement.size}."
                 )
             measurement.residual.verify(values, measurement.size)
-        self.predict.verify(values, self.size)
 
     @property
     def _measurements(self) -> Sequence[Measurement]:
@@ -206,15 +209,18 @@ class EKF(Estimator):
     def _corrections(
         self, values: Values, mean: Tensor, covariance: Tensor
     ) -> tuple[Tensor, Tensor, list[Innovation]]:
-        """The belief after the measurements, and what they were corrected by.
-
-        Those absent or beyond the gate change nothing.
-        """
+        """The belief after the measurements, and what they were corrected by."""
         mean, covariance = self._begun_anew(values, mean, covariance)
+        return self._corrected(self._measurements, values, mean, covariance)
+
+    def _corrected(
+        self, measurements: Sequence[Measurement], values: Values, mean: Tensor, covariance: Tensor
+    ) -> tuple[Tensor, Tensor, list[Innovation]]:
+        """The belief after some measurements; those absent or beyond the gate change nothing."""
         innovations: list[Innovation] = []
 
         # One after the other, each from the belief that the last one left.
-        for measurement in self._measurements:
+        for measurement in measurements:
             belief = {**values, self.mean: mean, self.covariance: covariance}
             residual, jacobian, noise = measurement.innovation(belief, self.mean)
             correction = Correction.by(covariance, jacobian, noise)

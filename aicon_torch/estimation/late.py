@@ -1,13 +1,14 @@
 """The extended Kalman filter for readings that come late."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, cast
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.ekf import EKF
+from aicon_torch.estimation.measurement import Measurement
 from aicon_torch.interconnections import Values
 from aicon_torch.quantities import AGE, PRESENT
 
@@ -24,10 +25,13 @@ class LateEKF(EKF):
     Args:
         mean: As for :class:`EKF`.
         covariance: As for :class:`EKF`.
-        sensor: The sensor whose age tells when the readings were taken.
+        sensor: The sensor whose age tells when the readings were taken, or several that come one at
+            a time.
         steps: L, the largest age of a reading that is made up for; an older one counts as so old.
-        moved_by: What ``predict`` reads besides the mean, with the number of its components; with
-            ``"dt": 1`` each step counts as long as the clock told.
+        moved_by: What ``predict`` and ``prompt`` read besides the mean, with the number of its
+            components; with ``"dt": 1`` each step counts as long as the clock told.
+        prompt: Measurements that are on time, such as of a force that is felt. Each corrects the
+            belief of its own step, and again whenever that step is gone through.
         **options: As for :class:`EKF`.
 
     Example:
@@ -40,25 +44,34 @@ class LateEKF(EKF):
         mean: str,
         covariance: str,
         *,
-        sensor: str,
+        sensor: str | Sequence[str],
         steps: int,
         moved_by: Mapping[str, int],
+        prompt: Sequence[Measurement] = (),
         **options: Any,
     ) -> None:
         super().__init__(mean, covariance, **options)
-        self.sensor, self.steps, self.moved_by = sensor, steps, dict(moved_by)
+        self.sensors = (sensor,) if isinstance(sensor, str) else tuple(sensor)
+        self.steps, self.moved_by = steps, dict(moved_by)
+        self.prompt = nn.ModuleList(prompt)
+
+        # What is to be remembered of a step.
+        read = list(self.predict.inputs)
+        for measurement in prompt:
+            read.extend(measurement.inputs)
         for name in self.moved_by:
-            if name not in (*self.predict.inputs, "dt"):
+            if name not in (*read, "dt"):
                 raise GraphError(
-                    f"moved_by of {mean!r}: predict reads {choices(self.predict.inputs)}, not "
-                    f"{name!r}."
+                    f"moved_by of {mean!r}: predict and prompt read "
+                    f"{choices(dict.fromkeys(read))}, not {name!r}."
                 )
 
         self.then = (f"{mean}_then", f"{covariance}_then")
         self.lag, self.moves = f"{mean}_lag", f"{mean}_moves"
         self.outputs = (mean, covariance, *self.then, self.lag, self.moves)
         self.covariances = (covariance, self.then[1])
-        self.inputs = (*self.inputs, sensor, *self.then, self.lag, self.moves)
+        inputs = (*self.inputs, *read, *self.sensors, *self.then, self.lag, self.moves)
+        self.inputs = tuple(dict.fromkeys(inputs))
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """The prior belief, of now; nothing has moved."""
@@ -88,10 +101,22 @@ class LateEKF(EKF):
         return {**now, **then, self.lag: new_lag, self.moves: moves}
 
     def forward(self, values: Values, output: str) -> Tensor:
-        """The belief one step ahead, as if readings were on time; what is past stays."""
+        """The belief one step ahead, as if readings were on time; what is past stays.
+
+        What ``prompt`` will measure counts as noise.
+        """
         if output in (self.mean, self.covariance):
             return super().forward(values, output)
         return cast(Tensor, values[output])
+
+    def check(self, values: Values) -> None:
+        """Check the measurements that are on time as well: see :meth:`EKF.check`."""
+        super().check(values)
+        self._check_measurements(self._prompt, values)
+
+    @property
+    def _prompt(self) -> Sequence[Measurement]:
+        return cast(Sequence[Measurement], self.prompt)
 
     def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
         """The belief of when the reading was taken, before it is corrected."""
@@ -116,8 +141,11 @@ class LateEKF(EKF):
     def _new_lag(self, values: Values, moves: Tensor) -> Tensor:
         """How many steps ago the last reading was taken, ``(*B, 1)``."""
         lag = cast(Tensor, values[self.lag]) + 1
-        age = cast(Tensor, values[self.sensor + AGE]).unsqueeze(-1)
-        is_present = cast(Tensor, values[self.sensor + PRESENT]).unsqueeze(-1)
+        age, is_present = self._read(values, self.sensors[0])
+        for sensor in self.sensors[1:]:
+            other_age, other_is_present = self._read(values, sensor)
+            age = torch.where(other_is_present, other_age, age)
+            is_present = is_present | other_is_present
 
         # As many steps were more than half over when it was taken.
         since, began = torch.zeros_like(lag), torch.zeros_like(lag)
@@ -128,6 +156,12 @@ class LateEKF(EKF):
 
         new_lag = torch.where(is_present, since, lag.clamp(max=self.steps))
         return torch.minimum(new_lag, lag)
+
+    @staticmethod
+    def _read(values: Values, sensor: str) -> tuple[Tensor, Tensor]:
+        """How old a sensor's reading is, s, and whether there is one, ``(*B, 1)``."""
+        age, is_present = cast(Tensor, values[sensor + AGE]), cast(Tensor, values[sensor + PRESENT])
+        return age.unsqueeze(-1), is_present.unsqueeze(-1)
 
     def _remembered_moves(self, values: Values) -> Tensor:
         """What moved it in the last L + 1 steps, oldest first, ``(*B, (L + 1) m)``."""
@@ -169,6 +203,7 @@ class LateEKF(EKF):
         belief = {**values, **step, self.mean: mean, self.covariance: covariance}
         moved, transition = self._predicted_mean(belief)
         spread = self._predicted_covariance(belief, transition)
+        moved, spread, _ = self._corrected(self._prompt, belief, moved, spread)
         return (
             torch.where(is_due, moved, mean),
             torch.where(is_due.unsqueeze(-1), spread, covariance),
@@ -180,8 +215,10 @@ def ekf_with_delay(
     covariance: str,
     *,
     delay: int,
-    sensor: str,
+    sensor: str | Sequence[str],
     moved_by: Mapping[str, int],
+    correct: Sequence[Measurement],
+    prompt: Sequence[Measurement] = (),
     **options: Any,
 ) -> EKF:
     """An :class:`EKF` for readings that are prompt, or a :class:`LateEKF`.
@@ -192,8 +229,11 @@ def ekf_with_delay(
         delay: Largest age of a reading, steps; 0 where all are prompt.
         sensor: As for :class:`LateEKF`.
         moved_by: As for :class:`LateEKF`.
+        correct: The measurements that may be late.
+        prompt: Those that never are.
         **options: As for :class:`EKF`.
     """
     if not delay:
-        return EKF(mean, covariance, **options)
-    return LateEKF(mean, covariance, sensor=sensor, steps=delay, moved_by=moved_by, **options)
+        return EKF(mean, covariance, correct=[*correct, *prompt], **options)
+    late: dict[str, Any] = {"sensor": sensor, "steps": delay, "moved_by": moved_by}
+    return LateEKF(mean, covariance, **late, correct=correct, prompt=prompt, **options)

@@ -62,6 +62,7 @@ from aicon_torch.parts.pose import (
     resting_pose,
 )
 from aicon_torch.parts.pose_reach import PoseReach
+from aicon_torch.parts.recent import Recent
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.self_collision import (
     Capsule,
@@ -74,6 +75,7 @@ from aicon_torch.parts.speed_limit import SpeedLimit
 from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
+from aicon_torch.parts.velocity_lag import VelocityLag
 from aicon_torch.parts.workspace import Workspace
 
 __all__ = [
@@ -117,6 +119,7 @@ __all__ = [
     "PositionTarget",
     "PusherMotion",
     "RGBDImage",
+    "Recent",
     "RigidObject",
     "RigidShape",
     "Rod",
@@ -132,6 +135,7 @@ __all__ = [
     "TopFaceSegmentation",
     "TouchedSide",
     "TouchedTop",
+    "VelocityLag",
     "Visibility",
     "Workspace",
     "approach",

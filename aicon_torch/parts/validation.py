@@ -52,6 +52,17 @@ def check_not_negative(options: object, names: Sequence[str]) -> None:
             raise OptionError(f"{name}={value!r}: expected a number >= 0.")
 
 
+def check_steps(options: object, name: str) -> None:
+    """Check that a field of some options is a number of steps, or 0.
+
+    Raises:
+        OptionError: If it is not.
+    """
+    value = getattr(options, name)
+    if not (type(value) is int and value >= 0):
+        raise OptionError(f"{name}={value!r}: expected a number of steps >= 0.")
+
+
 def check_choice(options: object, name: str, valid: Sequence[str]) -> None:
     """Check that a field of some options is one of the words that it takes.
 

@@ -109,6 +109,59 @@ def test_ages_are_times_however_long_the_steps_were() -> None:
     assert belief["x_lag"].flatten().tolist() == [3, 2]
 
 
+def test_what_is_on_time_corrects_the_belief_of_its_own_step() -> None:
+    """As much as an EKF that gets both on time, once the late one has come too."""
+
+    def felt(x: Tensor, f: Tensor) -> Tensor:
+        return x[..., :1] - f
+
+    seen, touched = Measurement(residual, 0.04, size=2), Measurement(felt, 0.01)
+    prompt = EKF("x", "P", correct=[touched, seen], **OPTIONS).double()
+    moved_by = {"u": 2, "f": 1}
+    own: dict[str, Any] = {"sensor": ("z", "y"), "steps": 3, "moved_by": moved_by}
+    filtered = LateEKF("x", "P", **own, correct=[seen], prompt=[touched], **OPTIONS).double()
+
+    # It moves; a force is felt now, and from the third step on it is seen as it was two steps ago.
+    moves, readings, forces = (normal(6, 3, k, seed=k) for k in (2, 3, 1))
+    expected, belief = prompt.initial({}), filtered.initial({})
+    expected, belief = (
+        {name: value.expand(3, *value.shape) for name, value in one.items()}
+        for one in (expected, belief)
+    )
+    absent = {"y" + PRESENT: torch.zeros(3, dtype=torch.bool), "y" + AGE: torch.zeros(3)}
+    for step in range(6):
+        sees = torch.full((3,), step >= 2)
+        now = {"u": moves[step], "f": forces[step], "dt": DT, **absent}
+        late_reading = {"z": readings[max(step - 2, 0), :, :2], "z" + PRESENT: sees}
+        age = {"z" + AGE: torch.full((3,), 2 * DT, dtype=torch.float64)}
+        belief = filtered.update({**belief, **now, **late_reading, **age})
+
+        at_once = {"z": readings[step, :, :2], "z" + PRESENT: torch.full((3,), step < 4)}
+        expected = prompt.update({**expected, **now, **at_once})
+
+    torch.testing.assert_close(belief["x"], expected["x"])
+    torch.testing.assert_close(belief["P"], expected["P"])
+
+
+def test_whichever_sensor_has_read_tells_when() -> None:
+    seen = Measurement(residual, 0.04, size=2)
+    own: dict[str, Any] = {"sensor": ("z", "y"), "steps": 3, "moved_by": {"u": 2}}
+    filtered = LateEKF("x", "P", **own, correct=[seen], **OPTIONS).double()
+    belief = {key: value.expand(2, *value.shape) for key, value in filtered.initial({}).items()}
+    values = {
+        "u": normal(2, 2),
+        "z": normal(2, 2),
+        "z" + PRESENT: torch.tensor([True, False]),
+        "z" + AGE: torch.tensor([DT, 0.0]),
+        "y" + PRESENT: torch.tensor([False, True]),
+        "y" + AGE: torch.tensor([0.0, 0.0]),
+        "dt": DT,
+    }
+    for _ in range(2):
+        belief = filtered.update({**belief, **values})
+    assert belief["x_lag"].flatten().tolist() == [1, 0]
+
+
 def test_what_moves_it_must_be_read() -> None:
     with pytest.raises(GraphError, match=r"moved_by of 'x'.*'x', 'u', not 'v'"):
         LateEKF("x", "P", sensor="z", steps=1, moved_by={"v": 2}, **OPTIONS)

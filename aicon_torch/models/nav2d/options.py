@@ -6,8 +6,7 @@ from typing import Literal
 import torch
 
 from aicon_torch.control import ActionLaw, Foresight
-from aicon_torch.errors import OptionError
-from aicon_torch.parts.validation import check_choice, check_positive
+from aicon_torch.parts.validation import check_choice, check_positive, check_steps
 from aicon_torch.resolution import Escape, Exploration, NullspaceProjection, Resolution
 
 ESCAPE = Escape(progress="reach", hold="avoid", along="avoid")
@@ -65,8 +64,7 @@ class Options:
         """
         check_positive(self, ("dt", "max_speed", "prior_range", "collision_length"))
         check_positive(self, ("max_range",))
-        if not (type(self.delay) is int and self.delay >= 0):
-            raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
+        check_steps(self, "delay")
         check_positive(self, ("bearing_noise", "range_noise"))
         check_positive(self, ("actuation_noise", "prior_range_noise"))
         check_choice(self, "sensing", ("range", "range_bearing"))

@@ -13,14 +13,16 @@ from aicon_torch.estimation import (
     LateEKF,
     Measurement,
 )
-from aicon_torch.interconnections import Affine
-from aicon_torch.models.panda_push.options import Options
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.panda_push.options import REACTION, Options
 from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.camera import CameraFrame
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
+from aicon_torch.parts.recent import Recent
 from aicon_torch.parts.self_collision import CapsuleSegments
 from aicon_torch.parts.servo import even_motion
 from aicon_torch.parts.touch import ContactForce
+from aicon_torch.parts.velocity_lag import VelocityLag
 
 JOINT_DRIFT = 1e-6
 """Variance of what turns a joint in a step besides its command, rad²."""
@@ -31,14 +33,18 @@ UNKNOWN_JOINT = 10.0
 
 def arm(scene: Scene) -> list[Estimator]:
     """Joints and end effector, the stick as pushT's pusher, and the shape of the arm."""
+    options = scene.options
+    tip_motion = TipMotion(scene.end_effector, options.parts)
+    motion = Interconnection(tip_motion, inputs=["x_joints", moved_by(options), "dt"])
     estimators: list[Estimator] = [
-        joints(scene.options),
+        *lag(options),
+        joints(options),
         Deterministic("x_ee", scene.end_effector),
         Deterministic("x_pusher", planar_position),
-        Deterministic("d_pusher", TipMotion(scene.end_effector, scene.options.parts)),
+        Deterministic("d_pusher", motion),
     ]
-    if scene.options.self_collision is not None:
-        segments = CapsuleSegments(scene.end_effector.chain, scene.options.robot.capsules)
+    if options.self_collision is not None:
+        segments = CapsuleSegments(scene.end_effector.chain, options.robot.capsules)
         estimators.append(Deterministic("x_body", segments))
     return estimators
 
@@ -49,16 +55,36 @@ def hand(scene: Scene) -> list[Estimator]:
     pose = ToolPose(robot.stick_length, scene.options.lever)
     camera = CameraFrame(pose, robot.camera, scene.options.camera.steering)
     force = ContactForce(pose, robot.tool_mass)
-    return [Deterministic("x_cam", camera), Deterministic("x_force", force)]
+    estimators: list[Estimator] = [
+        Deterministic("x_cam", camera),
+        Deterministic("x_force", force),
+    ]
+
+    # Where the camera was when a late image was taken.
+    delay = scene.options.camera.delay
+    if delay:
+        estimators.append(Recent("z_joints", delay))
+    return estimators
+
+
+def lag(options: Options) -> list[Estimator]:
+    """v_joints, where readings are late: prompt ones correct at every step what a lag did."""
+    return [VelocityLag(len(options.robot.frames), REACTION)] if options.is_late else []
+
+
+def moved_by(options: Options) -> str:
+    """What has moved the joints: their command, or where readings are late what they made of it."""
+    return "v_joints" if options.is_late else "a"
 
 
 def joints(options: Options) -> EKF:
     """x_joints: the encoders, filtered."""
+    velocity = moved_by(options)
     low, high = options.robot.low, options.robot.high
     middle = [(lower + upper) / 2 for lower, upper in zip(low, high, strict=True)]
     agreement = Affine(x_joints=1.0, z_joints=-1.0)
     belief: dict[str, Any] = {
-        "predict": Affine(x_joints=1.0, a="dt"),
+        "predict": Affine(x_joints=1.0, **{velocity: "dt"}),
         "noise": JOINT_DRIFT,
         "initial": (middle, UNKNOWN_JOINT),
         "correct": [Measurement(agreement, options.joint_noise**2, size=len(middle))],
@@ -66,8 +92,8 @@ def joints(options: Options) -> EKF:
 
     if not options.delay:
         return KalmanFilter("x_joints", "P_joints", **belief)
-    moved_by = {"a": len(middle), "dt": 1}
-    late: dict[str, Any] = {"sensor": "z_joints", "steps": options.delay, "moved_by": moved_by}
+    moved = {velocity: len(middle), "dt": 1}
+    late: dict[str, Any] = {"sensor": "z_joints", "steps": options.delay, "moved_by": moved}
     return LateEKF("x_joints", "P_joints", **late, **belief)
 
 
@@ -77,7 +103,7 @@ def planar_position(x_ee: Tensor) -> Tensor:
 
 
 class TipMotion(nn.Module):
-    """d_pusher: the way of the tip in the plane by the last action, ``(*B, 2n)``, m.
+    """d_pusher: the way of the tip in the plane through the last step, ``(*B, 2n)``, m.
 
     They are its displacements after each of n equal parts of an even motion.
 
@@ -90,12 +116,12 @@ class TipMotion(nn.Module):
         super().__init__()
         self.end_effector, self.parts = end_effector, parts
 
-    def forward(self, x_joints: Tensor, a: Tensor, dt: float) -> Tensor:
-        """The motion at the joint angles ``(*B, n)``, rad, by the action ``(*B, n)``, rad/s."""
+    def forward(self, x_joints: Tensor, velocity: Tensor, dt: float) -> Tensor:
+        """The motion at the joint angles ``(*B, n)``, rad, by their velocity ``(*B, n)``, rad/s."""
         # What moved the object is past, so no gradient leads to the next action.
         jacobian = self.end_effector.jacobian(x_joints.detach())
-        velocity: Tensor = (jacobian @ a.detach().unsqueeze(-1)).squeeze(-1)
-        return even_motion(velocity[..., :2] * dt, self.parts)
+        tip: Tensor = (jacobian @ velocity.detach().unsqueeze(-1)).squeeze(-1)
+        return even_motion(tip[..., :2] * dt, self.parts)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from aicon_torch.models.panda_push.goals import (
 )
 from aicon_torch.models.panda_push.limits import ArmLimits
 from aicon_torch.models.panda_push.options import Options
-from aicon_torch.models.panda_push.perception import BLOB, KEYPOINTS, CameraPerception
+from aicon_torch.models.panda_push.perception import BLOB, KEYPOINTS, SEEN_AGE, CameraPerception
 from aicon_torch.models.panda_push.pushed_object import object_top, pushed_object
 from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.clock import clock
@@ -65,7 +65,8 @@ def camera_perception(options: Options) -> CameraPerception:
     robot = options.robot
     corners = np.array(options.corners, dtype=np.float64)
     registration = ImageRegistration(corners, robot.intrinsics)
-    return CameraPerception(registration, robot.chain(), robot.camera, options.camera.trust)
+    trust, dt = options.camera.trust, options.dt
+    return CameraPerception(registration, robot.chain(), robot.camera, trust, dt)
 
 
 def world_model(options: Options) -> WorldModel:
@@ -103,8 +104,11 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         return sensors
 
     sensors["z_ft"] = Sensor(6, "N, Nm", key="ft", range=(-1e3, 1e3))
-    sensors[KEYPOINTS] = Sensor(3 * len(options.corners), "m", optional=True, range=SEEN)
-    sensors[BLOB] = Sensor(3, "m", optional=True, range=SEEN)
+    seen: dict[str, Any] = {"optional": True, "range": SEEN}
+    if options.camera.delay:
+        seen["age_key"] = SEEN_AGE
+    sensors[KEYPOINTS] = Sensor(3 * len(options.corners), "m", **seen)
+    sensors[BLOB] = Sensor(3, "m", **seen)
     sensors["z_age"] = Sensor(1, "s", key="image_age", range=(-1.0, 1e6))
     return sensors
 

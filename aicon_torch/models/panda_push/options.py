@@ -15,7 +15,12 @@ from aicon_torch.parts.end_effector import Pullback
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.servo import PARTS
 from aicon_torch.parts.touch import ForceThreshold
-from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
+from aicon_torch.parts.validation import (
+    check_choice,
+    check_not_negative,
+    check_positive,
+    check_steps,
+)
 from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution
 
 Sensing = Literal["camera", "pose"]
@@ -77,6 +82,8 @@ class CameraOptions:
         trace_tolerance: tr Σ that this goal leaves alone, m²; 0 in the text.
         background: Whether images are read in a thread of their own, and no step waits for them:
             see :class:`aicon_torch.control.BackgroundPerception`.
+        delay: Largest age of an image that is made up for, steps; ages come as ``image_age``, s.
+            With 0 an image is taken to show what is.
     """
 
     noise: float = 1 / 1200
@@ -87,6 +94,7 @@ class CameraOptions:
     trace_weight: float = 60.0
     trace_tolerance: float = (1 / 300) ** 2
     background: bool = False
+    delay: int = 0
 
     def __post_init__(self) -> None:
         """Check the numbers.
@@ -94,6 +102,7 @@ class CameraOptions:
         Raises:
             OptionError: If one is not what it may be.
         """
+        check_steps(self, "delay")
         check_positive(self, ("noise", "blob_noise"))
         check_not_negative(self, ("edge_growth", "trust", "trace_weight", "trace_tolerance"))
         check_choice(self, "steering", get_args(Steering))
@@ -228,6 +237,11 @@ class Options:
         """In how many parts a motion of the tip is followed: those of a step are short."""
         return 1 if self.law.horizon is None else PARTS
 
+    @property
+    def is_late(self) -> bool:
+        """Whether readings that are late are made up for."""
+        return bool(self.delay or self.camera.delay)
+
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves.
 
@@ -247,5 +261,4 @@ class Options:
                 f"robot={self.robot!r}: expected a Robot, such as "
                 "Robot.from_description(env.unwrapped.description())."
             )
-        if not (type(self.delay) is int and self.delay >= 0):
-            raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
+        check_steps(self, "delay")

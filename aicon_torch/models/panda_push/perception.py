@@ -18,6 +18,12 @@ from aicon_torch.parts.polygon import Array, Mask
 KEYPOINTS, BLOB = "z_keypoints", "z_blob"
 """The readings: keypoints, and the middle of what is seen where these are not found."""
 
+SEEN_AGE = "seen_age"
+"""The observation's key of their age, s."""
+
+RECENT_JOINTS = "z_joints_recent"
+"""The joint angles of the last steps, where they are remembered."""
+
 IMAGES = ("rgb", "depth")
 
 Row = tuple[int, ...]
@@ -26,27 +32,34 @@ Row = tuple[int, ...]
 Shown = tuple[Array | None, Array | None]
 """The corners of the object's top face ``(K, 3)``, or the middle of what is seen ``(3,)``, m."""
 
-Seen = dict[Row, Shown]
-"""What new images have shown, by row."""
+Seen = dict[Row, tuple[Shown, float]]
+"""What new images have shown, by row, and how old they were, s."""
 
 
 class CameraPerception:
     """Turns the images of a camera in the hand into keypoints in the camera's frame.
 
-    A new image is registered from the pose that the last step believes in. Without a registration
-    that fits, the middle of what is seen of the object is the reading. NaN says that there is none.
+    A new image is registered from the pose that is believed. Without a registration that fits, the
+    middle of what is seen of the object is the reading. NaN says that there is none.
 
     Args:
         registration: Finds the object in an image.
         chain: From the joints to the tool.
         mount: The camera in the tool.
         trust: Score below which a registration is no reading.
+        dt: Control step, s.
     """
 
     def __init__(
-        self, registration: ImageRegistration, chain: Chain, mount: Transform, trust: float
+        self,
+        registration: ImageRegistration,
+        chain: Chain,
+        mount: Transform,
+        trust: float,
+        dt: float,
     ) -> None:
-        self.registration, self.chain, self.trust = registration, chain, trust
+        self.registration, self.chain = registration, chain
+        self.trust, self.dt = trust, dt
         self.mount = np.vstack((np.array(mount), [0.0, 0.0, 0.0, 1.0]))
 
     def __call__(
@@ -81,7 +94,7 @@ class CameraPerception:
     ) -> Callable[[], Seen] | None:
         """The reading of the new images, which takes milliseconds; None if there are none."""
         _check_present(observation)
-        joints, velocities = np.asarray(observation["q"]), np.asarray(observation["dq"])
+        joints = np.asarray(observation["q"])
         age = np.asarray(observation["image_age"])[..., 0]
 
         # Which images are to be read, and where nothing is known yet.
@@ -93,20 +106,44 @@ class CameraPerception:
             return None
 
         # Each is read on its own, from where the camera was then.
-        views: list[tuple[Row, RGBDImage, Array | None]] = []
+        views: list[tuple[Row, RGBDImage, Array | None, float]] = []
         for row in map(tuple, np.argwhere(new)):
             rgb, depth = (np.array(observation[key][row]) for key in IMAGES)  # to keep
-            at_exposure = self.camera(joints[row] - velocities[row] * age[row])
+            known = None if values is None or forgotten[row] else values
+            since = float(age[row])
+            at_exposure = self.camera(self._joints_then(observation, known, row, since))
             image = RGBDImage(rgb, depth, at_exposure[:3, :3], at_exposure[:3, 3])
             prior = None
-            if values is not None and not forgotten[row]:
-                prior = values["x_pose"][row].numpy(force=True).copy()
-            views.append((row, image, prior))
+            if known is not None:
+                believed = known.get("x_pose_then", known["x_pose"])
+                prior = believed[row].numpy(force=True).copy()
+            views.append((row, image, prior, since))
 
         def see() -> Seen:
-            return {row: self.look(image, prior) for row, image, prior in views}
+            return {row: (self.look(image, prior), since) for row, image, prior, since in views}
 
         return see
+
+    def _joints_then(
+        self,
+        observation: Mapping[str, Any],
+        values: Mapping[str, Tensor] | None,
+        row: Row,
+        age: float,
+    ) -> Array:
+        """The joint angles ``(n,)`` when an image of this age was taken, rad."""
+        joints: Array = np.asarray(observation["q"])[row]
+        if values is None or RECENT_JOINTS not in values:
+            velocities: Array = np.asarray(observation["dq"])[row]
+            return joints - velocities * age
+
+        # As they were read then, or as long ago as is remembered.
+        back = round(age / self.dt)
+        if back == 0:
+            return joints
+        recent = values[RECENT_JOINTS][row].numpy(force=True).reshape(-1, len(joints))
+        then: Array = recent[-min(back, len(recent))]
+        return then
 
     def readings(
         self, seen: Seen | None, observation: Mapping[str, Any], late: int = 0
@@ -116,14 +153,16 @@ class CameraPerception:
         Args:
             seen: What new images have shown in the frame of the base, by row; None for none.
             observation: That of this step.
-            late: Since how many steps. The object hardly moves in that time; the camera does.
+            late: Since how many steps.
         """
         joints = np.asarray(observation["q"])
         batch = joints.shape[:-1]
         keypoints = np.full((*batch, 3 * len(self.registration.corners)), np.nan)
         blob = np.full((*batch, 3), np.nan)
+        age = np.zeros((*batch, 1))
 
-        for row, (corners, middle) in (seen or {}).items():
+        for row, ((corners, middle), then) in (seen or {}).items():
+            age[row] = then + late * self.dt
             camera = self.camera(joints[row])
             if corners is not None:
                 keypoints[row] = _in_frame(camera, corners).ravel()
@@ -131,7 +170,7 @@ class CameraPerception:
                 blob[row] = _in_frame(camera, middle)
 
         rest = {key: value for key, value in observation.items() if key not in IMAGES}
-        return rest | {KEYPOINTS: keypoints, BLOB: blob}
+        return rest | {KEYPOINTS: keypoints, BLOB: blob, SEEN_AGE: age}
 
     def look(self, image: RGBDImage, prior: Array | None) -> Shown:
         """What an image shows in the frame of the base.

@@ -1,5 +1,6 @@
 """The object's estimators: its pose and the height of its top, seen and felt, or observed."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
@@ -13,6 +14,7 @@ from aicon_torch.models.panda_push.measurements import (
     top_jacobian,
 )
 from aicon_torch.models.panda_push.options import Options
+from aicon_torch.models.panda_push.perception import BLOB, KEYPOINTS
 from aicon_torch.models.panda_push.scene import Scene
 from aicon_torch.parts.camera import Visibility
 from aicon_torch.parts.pose import PoseMotion, pose_jacobian
@@ -47,7 +49,14 @@ def observed_pose(scene: Scene) -> EKF:
     observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION)
     residual = Interconnection(observed, x_pose=pose_jacobian)
     reading = Measurement(residual, pose_variances(scene, scene.options.pose_noise), size=3)
-    return _pushed_pose(scene, initial=observed.prior, size=3, correct=[reading])
+    return _pushed_pose(
+        scene,
+        delay=scene.options.delay,
+        sensor="z_object",
+        initial=observed.prior,
+        size=3,
+        correct=[reading],
+    )
 
 
 def seen_pose(scene: Scene) -> EKF:
@@ -62,33 +71,37 @@ def seen_pose(scene: Scene) -> EKF:
 
     seen = Interconnection(SeenKeypoints(scene.body), x_pose=pose_jacobian)
     middle = Interconnection(seen_middle, x_pose=position_jacobian)
-    correct = [
+    shown = [
         Measurement(seen, visibility, size=3),
         Measurement(middle, options.camera.blob_noise**2, size=2),
     ]
+    felt: list[Measurement] = []
     if options.touch is not None:
         radius, deviation = options.robot.stick_radius, options.touch.side_deviation
         touched = TouchedSide(scene.body, radius, deviation, options.touch.side)
-        correct.append(Measurement(touched, touched.variance, size=1))
+        felt.append(Measurement(touched, touched.variance, size=1))
 
     mean = (*options.expected_place, 0.0)
     variances = [deviation**2 for deviation in UNSEEN_DEVIATION]
-    return _pushed_pose(scene, initial=(mean, variances), correct=correct)
+    late: dict[str, Any] = {"delay": options.camera.delay, "sensor": (KEYPOINTS, BLOB)}
+    return _pushed_pose(scene, felt, **late, initial=(mean, variances), correct=shown)
 
 
-def _pushed_pose(scene: Scene, **belief: Any) -> EKF:
+def _pushed_pose(scene: Scene, felt: Sequence[Measurement] = (), **belief: Any) -> EKF:
     """x_pose, predicted from what the tip has pushed; how it begins and is corrected is given."""
     options = scene.options
     motion = PoseMotion(scene.dynamics, options.robot.stick_radius, options.stick_friction)
     inputs = ["x_pose", "x_pusher", "d_pusher"]
     deviation = options.drift * options.dt**0.5
+    moved_by = {"x_pusher": 2, "d_pusher": 2 * options.parts, "dt": 1}
+    if felt:
+        moved_by["x_force"] = 3
 
     return ekf_with_delay(
         "x_pose",
         "P_pose",
-        delay=0 if options.sensing == "camera" else options.delay,
-        sensor="z_object",
-        moved_by={"x_pusher": 2, "d_pusher": 2 * options.parts, "dt": 1},
+        moved_by=moved_by,
+        prompt=felt,
         predict=Interconnection(motion, inputs, x_pose=pose_jacobian),
         noise=pose_variances(scene, deviation),
         **belief,

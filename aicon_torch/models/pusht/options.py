@@ -10,7 +10,13 @@ from aicon_torch.control import ActionLaw, Foresight
 from aicon_torch.errors import OptionError
 from aicon_torch.models.pusht.benchmark import GOAL_POSE, PIXEL, SUBSTEP, T_WIDTH
 from aicon_torch.parts.contact_options import ContactOptions
-from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive, numbers
+from aicon_torch.parts.validation import (
+    check_choice,
+    check_not_negative,
+    check_positive,
+    check_steps,
+    numbers,
+)
 from aicon_torch.resolution import NullspaceProjection, Resolution
 
 CONTACT = ContactOptions(size=T_WIDTH)
@@ -86,8 +92,7 @@ class Options:
         check_not_negative(self, ("keypoint_offset",))
         check_choice(self, "command", ("position", "velocity"))
         numbers("goal_pose", self.goal_pose, 3)
-        if not (type(self.delay) is int and self.delay >= 0):
-            raise OptionError(f"delay={self.delay!r}: expected a number of steps >= 0.")
+        check_steps(self, "delay")
         if self.dt < SUBSTEP or abs(self.dt / SUBSTEP - self.substeps) > 1e-6:
             raise OptionError(
                 f"dt={self.dt!r}: expected a multiple of {SUBSTEP} s, the PD controller's sub-step."

@@ -31,8 +31,8 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "more_friction": {"friction": 0.525},
     "object_L": {"object": "L"},
     "image_delay": {"image_delay": 0.1},
-    "kick": {"kick_time": 10.0},
-    "hard_kick": {"kick_time": 10.0, "kick_force": 6.0},
+    "kick": {"kick_time": 3.0},
+    "hard_kick": {"kick_time": 3.0, "kick_force": 6.0},
     "near_true_pose": {"area": ((0.36, 0.44), (-0.1, 0.1)), "obs_type": "pose"},
     "far_true_pose": {"area": ((0.62, 0.70), (-0.1, 0.1)), "obs_type": "pose"},
     "ur5_true_pose": {"robot": "ur5", "obs_type": "pose"},
@@ -71,6 +71,8 @@ def _policy_options(condition: str) -> dict[str, Any]:
 
     env = ArmPushEnv(**_ARGUMENTS[condition])
     late = _FAULTS.policy_options(condition) if condition in FAULTS else {}
+    if condition == "image_delay":
+        late = {"camera.delay": round(_ARGUMENTS[condition]["image_delay"] / _FAULTS.dt)}
     return {
         **late,
         "robot": Robot.from_description(env.description()),

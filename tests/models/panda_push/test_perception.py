@@ -11,6 +11,9 @@ from aicon_torch.parts.image_segmentation import RGBDImage
 PERCEPTION = camera_perception(Options())
 
 
+SEEN = Detection(np.array([0.55, 0.2, 0.3]), 0.04, 1.0, np.array([0.55, 0.2]))
+
+
 class Found:
     """A registration that finds the object at a pose, and remembers what it was asked."""
 
@@ -86,6 +89,40 @@ def test_an_old_image_was_taken_where_the_camera_was_then(monkeypatch):
     perception(camera_observation(image_age=np.array([0.1]), dq=velocity), None, None)
     expected = perception.camera(HOME.numpy() - 0.1 * velocity)
     np.testing.assert_allclose(found.images[0].position, expected[:3, 3])
+
+
+def test_where_the_joints_are_remembered_it_was_taken_where_they_were_then(monkeypatch):
+    """In the last two steps; what is older was as it was two steps ago."""
+    recent = torch.cat([HOME + 0.02, HOME + 0.01])
+    for age, moved in ((0.0, 0.0), (0.01, 0.01), (0.02, 0.02), (0.3, 0.02)):
+        found = Found()
+        perception = with_registration(found, monkeypatch)
+        values = last_step(age + 0.04) | {"z_joints_recent": recent}
+        readings = perception(camera_observation(image_age=np.array([age])), values, None)
+        expected = perception.camera(HOME.numpy() + moved)
+        np.testing.assert_allclose(found.images[0].position, expected[:3, 3], atol=1e-12)
+        assert readings["seen_age"] == [age]
+
+
+def test_what_was_seen_some_steps_ago_is_older(monkeypatch):
+    perception = with_registration(Found(), monkeypatch)
+    observation = camera_observation(image_age=np.array([0.1]))
+    see = perception.begin(observation, None, None)
+    observation["image_age"][:] = 0.0
+    readings = perception.readings(see(), observation, late=3)
+    np.testing.assert_allclose(readings["seen_age"], [0.13])
+
+
+def test_a_late_image_says_where_the_object_was(monkeypatch):
+    """It is seen 0.1 s late where it lies, while the tip, which does not touch it, goes on."""
+    monkeypatch.setattr(ImageRegistration, "__call__", lambda *_: SEEN)
+    policy = make_policy("panda_push", **{"camera.delay": 10})
+    memory = None
+    for step in range(15):
+        age = np.array([0.1 if step % 5 == 0 else 0.1 + 0.01 * (step % 5)])
+        action, memory = policy.predict(camera_observation(image_age=age), memory)
+    assert np.isfinite(action).all() and memory["x_pose_lag"] == 10
+    np.testing.assert_allclose(memory["x_pose"], SEEN.pose, atol=5e-3)
 
 
 def test_each_row_of_a_batch_has_an_image_of_its_own(monkeypatch):

@@ -1,0 +1,43 @@
+"""What a sensor has read lately."""
+
+from typing import cast
+
+import torch
+from torch import Tensor
+
+from aicon_torch.estimation import Estimator
+from aicon_torch.interconnections import Values
+
+
+class Recent(Estimator):
+    """The readings of a sensor in the last n steps, oldest first, ``(*B, n k)``.
+
+    They are named after the sensor, with ``_recent``. Before the first step it read what it read
+    then. No gradient goes through them.
+
+    Args:
+        sensor: Name of the sensor.
+        steps: n.
+    """
+
+    def __init__(self, sensor: str, steps: int) -> None:
+        super().__init__()
+        self.sensor, self.steps = sensor, steps
+        self.outputs = (f"{sensor}_recent",)
+        self.inputs = (*self.outputs, sensor)
+        self.prior_inputs = (sensor,)
+
+    def initial(self, values: Values) -> dict[str, Tensor]:
+        """The first reading, n times."""
+        first = cast(Tensor, values[self.sensor])
+        return {self.outputs[0]: torch.cat([first] * self.steps, dim=-1)}
+
+    @torch.no_grad()
+    def update(self, values: Values) -> dict[str, Tensor]:
+        """The last one comes, and the oldest goes."""
+        kept, last = cast(Tensor, values[self.outputs[0]]), cast(Tensor, values[self.sensor])
+        return {self.outputs[0]: torch.cat((kept[..., last.shape[-1] :], last), dim=-1)}
+
+    def forward(self, values: Values, output: str) -> Tensor:
+        """What has been read stays."""
+        return cast(Tensor, values[output]).detach()

@@ -1,0 +1,18 @@
+import torch
+from _inputs import normal
+
+from aicon_torch.parts.recent import Recent
+
+
+def test_it_holds_what_was_read_in_the_last_steps_oldest_first() -> None:
+    recent, readings = Recent("z", steps=3), normal(6, 4, 2)
+    kept = recent.initial({"z": readings[0]})
+    assert torch.equal(kept["z_recent"], readings[[0, 0, 0]].transpose(0, 1).reshape(4, 6))
+    for reading in readings[1:]:
+        kept = recent.update({**kept, "z": reading})
+    assert torch.equal(kept["z_recent"], readings[3:].transpose(0, 1).reshape(4, 6))
+
+
+def test_no_gradient_goes_through_it() -> None:
+    recent, kept = Recent("z", steps=2), normal(4).requires_grad_()
+    assert not recent({"z_recent": kept}, "z_recent").requires_grad
