@@ -26,6 +26,7 @@ class VelocityLag(Estimator):
 
     outputs = ("v_joints",)
     inputs = ("v_joints", "a", "dt")
+    is_motion = True
 
     def __init__(self, joints: int, time_constant: float) -> None:
         super().__init__()

@@ -1,10 +1,14 @@
+from dataclasses import replace
+
 import pytest
 
 from aicon_torch import make_policy
-from aicon_torch.models.panda_push import PANDA, Options, world_model
+from aicon_torch.models.panda_push import PANDA, CameraOptions, Options, world_model
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts.contact import ContactLikelihood, closest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
+
+CAMERA = CameraOptions()
 
 
 def relation_of(model, name):
@@ -46,6 +50,17 @@ def test_the_uncertainty_reaches_the_joints_through_the_camera():
     assert "height → x_heights → x_ee → x_joints → a" in paths
     assert "joint_limits → x_joints → a" in paths
     assert "self_collision → x_body → x_joints → a" in paths
+
+
+@pytest.mark.parametrize(
+    "options", [Options(sensing="pose", delay=3), Options(camera=CameraOptions(delay=3))]
+)
+def test_where_readings_are_late_the_joints_follow_with_a_lag(options):
+    late, prompt = world_model(options), world_model(replace(options, delay=0, camera=CAMERA))
+    assert "joint_limits → x_joints → v_joints → a" in paths_of(late)
+    assert "x_pose_lag" in late.quantities and "z_joints_recent" not in prompt.quantities
+    assert "joint_limits → x_joints → a" in paths_of(prompt)
+    assert "v_joints" not in prompt.quantities and "x_pose_lag" not in prompt.quantities
 
 
 def test_an_object_whose_pose_is_observed_needs_no_camera():
