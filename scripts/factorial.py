@@ -11,7 +11,7 @@ was.
 
 import argparse
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -94,7 +94,7 @@ SETTINGS = {
         speed="limits.tip_speed",
         unit=1e-3,
         unit_name="mm/s",
-        horizons={50: 18000, 300: 6000},
+        horizons={50: 18000, 400: 6000},
         soon=3000,
         seed=0,
         episodes=20,
@@ -116,9 +116,10 @@ class Cell(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the task, the speeds and the episodes."""
+    """Declare the task, what is combined and the episodes."""
     parser.add_argument("--task", choices=SETTINGS, required=True)
     parser.add_argument("--rules", nargs="+", choices=RULES, default=[*RULES])
+    parser.add_argument("--laws", nargs="+", help="default: all of the task")
     parser.add_argument("--speeds", nargs="+", type=int, help="default: all of the task")
     parser.add_argument("--episodes", type=int, help="seeds (default: the task's)")
     parser.add_argument("--seed", type=int, help="first seed (default: the task's)")
@@ -135,10 +136,14 @@ def run(arguments: argparse.Namespace) -> None:
         raise ComparisonError(
             f"--speeds {min(unknown)}: expected some of {valid} ({setting.unit_name})"
         )
+    laws = arguments.laws or [*setting.laws]
+    if unknown_laws := set(laws) - set(setting.laws):
+        valid = ", ".join(map(repr, setting.laws))
+        raise ComparisonError(f"--laws {min(unknown_laws)!r}: expected some of {valid}")
 
     cells: list[Cell] = []
     for speed in speeds:
-        cells += run_speed(speed, setting, arguments)
+        cells += run_speed(speed, laws, setting, arguments)
         write_cells(arguments.out / "factorial.csv", cells)
         draw(arguments.out / "factorial.png", cells, setting)
 
@@ -148,11 +153,13 @@ def run(arguments: argparse.Namespace) -> None:
     print(table)
 
 
-def run_speed(speed: int, setting: Setting, arguments: argparse.Namespace) -> list[Cell]:
+def run_speed(
+    speed: int, laws: Sequence[str], setting: Setting, arguments: argparse.Namespace
+) -> list[Cell]:
     """Run every combination at one speed."""
     task = load(arguments.task)
     combinations = {
-        ", ".join(names): names for names in product(arguments.rules, EXPLORATION, setting.laws)
+        ", ".join(names): names for names in product(arguments.rules, EXPLORATION, laws)
     }
     policies = {
         name: compiled(factory(task.name, "aicon", **options_of(names, speed, setting)))
@@ -227,13 +234,15 @@ def to_table(cells: list[Cell], setting: Setting) -> str:
 
 def draw(path: Path, cells: list[Cell], setting: Setting) -> None:
     """Save a picture: success at the long horizon, a panel for each law."""
-    laws = list(setting.laws)
+    laws = list(dict.fromkeys(cell.law for cell in cells))
     figure = Figure(figsize=(1.0 + 4.0 * len(laws), 3.6), layout="constrained")
     FigureCanvasAgg(figure)
     rows = list(dict.fromkeys((cell.rule, cell.exploration) for cell in cells))
     speeds = list(dict.fromkeys(cell.speed for cell in cells))
 
-    for axes, law in zip(figure.subplots(1, len(laws), sharey=True), laws, strict=True):
+    for axes, law in zip(
+        figure.subplots(1, len(laws), sharey=True, squeeze=False)[0], laws, strict=True
+    ):
         share = {
             (cell.rule, cell.exploration, cell.speed): cell.within_horizon
             for cell in cells
