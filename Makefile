@@ -62,8 +62,9 @@ $(OLDEST_INSTALLED): pyproject.toml
 	$(OLDEST_VENV)/bin/uv pip install --python $(OLDEST_VENV)/bin/python --resolution lowest-direct -e ".[all]"
 	@touch $@
 
+# Warnings are no errors here: most are those of old packages about new ones.
 test-oldest: $(OLDEST_INSTALLED) ## Run the tests with the oldest versions that pyproject.toml allows
-	OMP_NUM_THREADS=1 $(OLDEST_VENV)/bin/python -m pytest -n $(JOBS)
+	OMP_NUM_THREADS=1 $(OLDEST_VENV)/bin/python -m pytest -W default -n $(JOBS)
 
 # Warnings are no errors here: most are those of LeRobot about its own dependencies.
 test-lerobot: $(LEROBOT_INSTALLED) ## Run the tests that need LeRobot

@@ -2,7 +2,9 @@
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
+import torch
 from torch import Tensor
 from torch._decomp import core_aten_decompositions
 from torch.fx.experimental.proxy_tensor import make_fx
@@ -11,6 +13,8 @@ from aicon_torch.codegen.arrays import Writer, as_array
 from aicon_torch.codegen.c_source import function
 from aicon_torch.codegen.scalars import Program
 from aicon_torch.codegen.translation import translate
+
+ATEN = torch.ops.aten
 
 FlatFunction = Callable[..., tuple[Tensor, ...]]
 """A function of flat tensors that returns others."""
@@ -39,7 +43,7 @@ def in_c(
     given = [examples[input].clone() for input in inputs]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # torch on its own future
-        graph = make_fx(of_inputs, dict(core_aten_decompositions()))(*given)
+        graph = make_fx(of_inputs, _decompositions())(*given)
     graph.graph.eliminate_dead_code()
 
     # Every input element is a number, and so is everything that comes of it.
@@ -53,3 +57,34 @@ def in_c(
     results = translate(graph, writer, numbers)
     real = [writer.cast(result, "real") for result in results]
     return function(name, program, inputs, dict(zip(outputs, real, strict=True)))
+
+
+def _decompositions() -> dict[Any, Callable[..., Any]]:
+    """What operators are taken apart into, before they are translated."""
+    found: dict[Any, Callable[..., Any]] = dict(core_aten_decompositions())
+    if _keeps_factors_of_transpose():
+        found[ATEN._linalg_solve_ex.default] = _solve_with_factors
+    return found
+
+
+def _keeps_factors_of_transpose() -> bool:
+    """Whether torch solves A X = B by factors of Aᵀ, as older ones do where A is contiguous.
+
+    The derivative of the solution goes by the same factors, and says whose they are.
+    """
+    matrix = torch.tensor([[1.0, 2.0], [3.0, 5.0]])
+    factors = ATEN._linalg_solve_ex(matrix, matrix[0])[1]
+    return not torch.equal(factors, torch.linalg.lu_factor_ex(matrix).LU)
+
+
+def _solve_with_factors(
+    matrix: Tensor, right: Tensor, *, left: bool = True, check_errors: bool = False
+) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """X of A X = B, the factors by which older torch takes its derivative, and 0 for success."""
+    is_turned = matrix.is_contiguous()
+    factors, rows, success = ATEN.linalg_lu_factor_ex(matrix.mT if is_turned else matrix)
+
+    is_vector = right.ndim == 1 or right.shape == matrix.shape[:-1]
+    columns = right.unsqueeze(-1) if is_vector else right
+    found = ATEN.linalg_lu_solve(factors, rows, columns, left=left, adjoint=is_turned)
+    return found.squeeze(-1) if is_vector else found, factors, rows, success

@@ -31,12 +31,12 @@ def written(x: Tensor) -> Tensor:
     return y
 
 
-def descended(x: Tensor) -> Tensor:
+def descended(x: Tensor, is_turned: bool = False) -> Tensor:
     """A gradient through a solution, which the step has in its filters."""
     with torch.enable_grad():
         leaf = x[:9].detach().clone().requires_grad_()
         matrix = leaf.reshape(3, 3) + 3.0 * torch.eye(3, dtype=x.dtype)
-        solution = torch.linalg.solve_ex(matrix, x[9:]).result
+        solution = torch.linalg.solve_ex(matrix.mT if is_turned else matrix, x[9:]).result
         (gradient,) = torch.autograd.grad(solution.square().sum(), leaf)
     return gradient
 
@@ -74,6 +74,7 @@ FUNCTIONS: dict[str, Function] = {
     # Linear systems.
     "solution": lambda x: torch.linalg.solve_ex(x[:9].view(3, 3), x[9:]).result,
     "descended": descended,
+    "descended through a transpose": lambda x: descended(x, is_turned=True),
 }
 
 

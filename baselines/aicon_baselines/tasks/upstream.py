@@ -28,12 +28,12 @@ class UpstreamPushT(VectorEnv[Any, Any, Any]):
         **options: Any,
     ) -> None:
         """Create the environments; `horizon` in steps, `obs_type` and others are gym-pusht's."""
+        self.num_envs = num_envs
+        self._envs: list[gymnasium.Env[Any, Any]] = []
         if find_spec("gym_pusht") is None:
             needed = pip_command("upstream")
             raise ComparisonError(f"the condition 'upstream' needs gym-pusht: {needed}")
 
-        self.num_envs = num_envs
-        self._envs = []
         for _ in range(num_envs):
             env = gymnasium.make(
                 "gym_pusht:gym_pusht/PushT-v0",
