@@ -148,6 +148,8 @@ def test_whichever_sensor_has_read_tells_when() -> None:
     own: dict[str, Any] = {"sensor": ("z", "y"), "steps": 3, "moved_by": {"u": 2}}
     filtered = LateEKF("x", "P", **own, correct=[seen], **OPTIONS).double()
     belief = {key: value.expand(2, *value.shape) for key, value in filtered.initial({}).items()}
+
+    # One row is seen by the first sensor, a step late, the other by the second, on time.
     values = {
         "u": normal(2, 2),
         "z": normal(2, 2),
@@ -157,6 +159,7 @@ def test_whichever_sensor_has_read_tells_when() -> None:
         "y" + AGE: torch.tensor([0.0, 0.0]),
         "dt": DT,
     }
+
     for _ in range(2):
         belief = filtered.update({**belief, **values})
     assert belief["x_lag"].flatten().tolist() == [1, 0]

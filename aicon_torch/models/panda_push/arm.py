@@ -34,8 +34,11 @@ UNKNOWN_JOINT = 10.0
 def arm(scene: Scene) -> list[Estimator]:
     """Joints and end effector, the stick as pushT's pusher, and the shape of the arm."""
     options = scene.options
+
+    # The way of the tip, from how the joints have moved.
     tip_motion = TipMotion(scene.end_effector, options.parts)
     motion = Interconnection(tip_motion, inputs=["x_joints", moved_by(options), "dt"])
+
     estimators: list[Estimator] = [
         *lag(options),
         joints(options),

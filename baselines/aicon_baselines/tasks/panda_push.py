@@ -71,10 +71,9 @@ def _policy_options(condition: str) -> dict[str, Any]:
 
     env = ArmPushEnv(**_ARGUMENTS[condition])
     late = _FAULTS.policy_options(condition) if condition in FAULTS else {}
-    if condition == "image_delay":
-        late = {"camera.delay": round(_ARGUMENTS[condition]["image_delay"] / _FAULTS.dt)}
     return {
         **late,
+        "camera.delay": round(_ARGUMENTS[condition].get("image_delay", 0.0) / _FAULTS.dt),
         "robot": Robot.from_description(env.description()),
         "corners": tuple((float(x), float(y)) for x, y in env.object.corners),
         "sensing": "pose" if env.obs_type == "pose" else "camera",

@@ -15,8 +15,7 @@ def test_a_cycle_has_its_period(period: float, noise: float) -> None:
     found = find_behaviour(history(circling(period, noise)))
 
     assert found.kind == "cycle"
-    # To the nearest step; among noise a long period is found to two in a hundred.
-    assert found.period == pytest.approx(period, abs=max(0.7 * DT, 0.02 * period))
+    assert found.period == pytest.approx(period, abs=0.7 * DT)
 
 
 def test_a_cycle_begins_where_the_robot_began_to_circle() -> None:

@@ -162,9 +162,11 @@ def test_a_rendered_object_is_found_within_2_mm():
             reading, info = env.reset(seed=seed)
         except RuntimeError:
             pytest.skip("no OpenGL without a display")
+
         camera = PERCEPTION.camera(reading["q"])
         image = RGBDImage(reading["rgb"], reading["depth"], camera[:3, :3], camera[:3, 3])
         found = find(image, info["object_pose"] + [0.005, -0.005, 0.05])
+
         assert np.linalg.norm(found.pose[:2] - info["object_pose"][:2]) < 0.002
         assert abs(found.pose[2] - info["object_pose"][2]) < 0.02
         assert found.height == pytest.approx(0.04, abs=2e-3)
