@@ -64,17 +64,25 @@ def find_period(curve: FloatArray) -> int | None:
         return None
     alike = similarity(curve)
 
-    # The first peak after it has been unlike itself.
+    # The first lobe after it has been unlike itself.
     unlike = np.flatnonzero(alike < 0.5 * ALIKE)
     if len(unlike) == 0:
         return None
-    for lag in range(int(unlike[0]) + 1, len(alike)):
-        is_peak = alike[lag] >= alike[lag - 1] and (
-            lag + 1 == len(alike) or alike[lag] > alike[lag + 1]
-        )
-        if alike[lag] >= ALIKE and is_peak:
-            return lag
-    return None
+    again = np.flatnonzero(alike[unlike[0] :] >= ALIKE) + unlike[0]
+    if len(again) == 0:
+        return None
+    lobe = np.split(again, np.flatnonzero(np.diff(again) > 1) + 1)[0]
+    return round(summit(lobe, alike[lobe]))
+
+
+def summit(lags: IntArray, alike: FloatArray) -> float:
+    """Where the parabola through a lobe, (k,), is highest: with noise the largest value is not."""
+    if len(lags) < 3:
+        return float(lags[alike.argmax()])
+    curvature, slope, _ = np.polyfit(lags - lags.mean(), alike, 2)
+    if curvature >= 0.0:
+        return float(lags[alike.argmax()])
+    return float(np.clip(lags.mean() - 0.5 * slope / curvature, lags[0], lags[-1]))
 
 
 def repeats_since(curve: FloatArray, period: int) -> int:
