@@ -58,6 +58,7 @@ class LateEKF(EKF):
         # What is to be remembered of a step.
         read = list(self.predict.inputs)
         for measurement in prompt:
+            self._must_read_mean(f"A prompt measurement of {mean!r}", measurement.residual)
             read.extend(measurement.inputs)
         for name in self.moved_by:
             if name not in (*read, "dt"):

@@ -168,3 +168,10 @@ def test_whichever_sensor_has_read_tells_when() -> None:
 def test_what_moves_it_must_be_read() -> None:
     with pytest.raises(GraphError, match=r"moved_by of 'x'.*'x', 'u', not 'v'"):
         LateEKF("x", "P", sensor="z", steps=1, moved_by={"v": 2}, **OPTIONS)
+
+
+def test_what_is_on_time_must_measure_the_mean() -> None:
+    own: dict[str, Any] = {"sensor": "z", "steps": 1, "moved_by": {"u": 2}}
+    felt = Measurement(lambda f: f, 0.01)
+    with pytest.raises(GraphError, match=r"A prompt measurement of 'x' reads 'f'.*read 'x'"):
+        LateEKF("x", "P", **own, prompt=[felt], **OPTIONS)
