@@ -7,6 +7,9 @@ from typing import Any
 import torch
 from torch import Tensor
 from torch._decomp import core_aten_decompositions
+from torch._guards import TracingContext
+from torch._guards import tracing as tracing_in
+from torch._subclasses.fake_tensor import FakeTensorMode
 from torch.fx.experimental.proxy_tensor import make_fx
 
 from aicon_torch.codegen.arrays import Writer, as_array
@@ -41,7 +44,9 @@ def in_c(
         return traced(*values)  # a function, where make_fx would take a method for one of a module
 
     given = [examples[input].clone() for input in inputs]
-    with warnings.catch_warnings():
+    # Shapes are noted in one mode for all; torch would make another one for each operation.
+    shapes = TracingContext(FakeTensorMode(allow_fallback_kernels=True))
+    with warnings.catch_warnings(), tracing_in(shapes):
         warnings.simplefilter("ignore")  # torch on its own future
         graph = make_fx(of_inputs, _decompositions())(*given)
     graph.graph.eliminate_dead_code()

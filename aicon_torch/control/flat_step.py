@@ -71,7 +71,7 @@ class FlatStep:
         return {name: self.model.like.new_ones(size) for name, size in sizes.items()}
 
     def __call__(self, memory: Tensor, readings: Tensor) -> tuple[Tensor, Tensor]:
-        """A step, without being traced."""
+        """A step of any batch, without being traced."""
         known = self.memory.unpack(memory)
         return self._packed(*self.step(self._in_units(readings), known))
 
@@ -79,13 +79,14 @@ class FlatStep:
         """The memory begun anew, but for the factors of the goals."""
         (fresh,) = self.start(readings)
         goals = self.memory.entries[GOAL_FACTORS]
-        fresh[goals.start : goals.stop] = memory[goals.start : goals.stop]
+        fresh[..., goals.start : goals.stop] = memory[..., goals.start : goals.stop]
         return fresh
 
     def start(self, readings: Tensor) -> tuple[Tensor, ...]:
         """The memory before an episode's first step."""
         first = self.step.admit.first(self._in_units(readings))
-        fresh = initial_memory(self.step.backward, self.step.admit, first, ())
+        batch = tuple(readings.shape[:-1])
+        fresh = initial_memory(self.step.backward, self.step.admit, first, batch)
         return (self.memory.pack(fresh, self.model.like),)
 
     def begin(self, memory: Tensor, readings: Tensor) -> tuple[Tensor, ...]:
