@@ -1,3 +1,5 @@
+from functools import cache
+
 import pytest
 import torch
 from _inputs.arm import HOME, panda, pose_observation, postures
@@ -11,9 +13,14 @@ OUT_OF_REACH = {
 }
 
 
+@cache
+def compiled(**options):
+    return make_policy("panda_push", sensing="pose", **options).compile()
+
+
 def run(policy, q, steps, **changes):
     """The joint angles after each step, where the arm does what it is told."""
-    policy, memory, angles, q = policy.compile(), None, [], q.clone()
+    memory, angles, q = None, [], q.clone()
     for _ in range(steps):
         action, memory = policy.predict(pose_observation(q=q, **changes), memory)
         q = q + 0.01 * action
@@ -40,20 +47,19 @@ def test_a_batch_is_its_rows():
 
 
 def test_height_is_a_goal_of_its_own():
-    heights = panda()(run(make_policy("panda_push", sensing="pose"), HOME, 100))[:, 2]
+    heights = panda()(run(compiled(), HOME, 100))[:, 2]
     assert abs(heights[-1] - 0.02) < abs(heights[0] - 0.02)
 
 
 def test_near_a_limit_the_joint_turns_back():
     q = HOME.clone()
     q[6] = PANDA.high[6] - 0.02
-    last_joint = run(make_policy("panda_push", sensing="pose"), q, 100)[:, 6]
+    last_joint = run(compiled(), q, 100)[:, 6]
     assert (last_joint < PANDA.high[6]).all()
     assert last_joint[-1] < PANDA.high[6] - 0.04
 
 
 @pytest.mark.parametrize(("options", "crosses"), [({}, False), ({"workspace": None}, True)])
 def test_the_elbow_does_not_bend_the_other_way_where_the_object_is_out_of_reach(options, crosses):
-    policy = make_policy("panda_push", sensing="pose", **options)
-    elbow = run(policy, HOME, 400, **OUT_OF_REACH)[:, 3]
+    elbow = run(compiled(**options), HOME, 400, **OUT_OF_REACH)[:, 3]
     assert (elbow.max() > -0.467) == crosses
