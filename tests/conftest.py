@@ -1,10 +1,15 @@
-"""Settings of all tests: one thread, and the same random examples in every run."""
+"""Settings of all tests: one thread, the same random examples in every run, and no display."""
 
 import os
+from contextlib import suppress
 
 import pytest
 import torch
+from gymnasium.error import DependencyNotInstalled
 from hypothesis import HealthCheck, settings
+
+with suppress(DependencyNotInstalled):
+    import aicon_envs.panda_push  # noqa: F401  # chooses how to render before MuJoCo is imported
 
 pytest.register_assert_rewrite("_asserts")  # what failed is shown there, too
 torch.set_num_threads(1)

@@ -30,7 +30,12 @@ def test_evaluate_policy_runs_pusht(count: int) -> None:
             successes.append(local["info"]["is_success"])
 
     rewards, lengths = evaluate_policy(
-        make_policy("pusht"), env, 2, callback=record, return_episode_rewards=True, warn=False
+        make_policy("pusht").compile(),
+        env,
+        2,
+        callback=record,
+        return_episode_rewards=True,
+        warn=False,
     )
 
     assert successes == [True, True]
