@@ -81,8 +81,10 @@ class ExportedPolicy:
         self._shapes = {name: entry.shape for name, entry in self._layout.entries.items()}
 
         # Readings are taken quickly where their ages and the executed actions are not told.
-        self._keys = [sensor.key or name for name, sensor in self._sensors.items()]
-        self._sizes = [(sensor.size,) for sensor in self._sensors.values()]
+        self._plain: list[tuple[str, tuple[int], Array | None]] = []
+        for name, sensor in self._sensors.items():
+            absent = np.full(sensor.size, math.nan, library.dtype) if sensor.optional else None
+            self._plain.append((sensor.key or name, (sensor.size,), absent))
         ages = [sensor.age for sensor in self._sensors.values() if sensor.is_aged]
         told = [actuator for actuator in self._actuators.values() if actuator.key is not None]
         untold = sum(actuator.size for actuator in told) * [math.nan]
@@ -115,7 +117,7 @@ class ExportedPolicy:
         if self.perception is not None:
             observation = self._perceive(self.perception, observation, state, episode_start)
 
-        # The usual case, quickly: the next step of one robot, with whole readings in arrays.
+        # The usual case, quickly: the next step of one robot, with its readings in arrays.
         readings = self._plain_readings(observation)
         if readings is not None and type(state) is ExportedMemory:
             continues = episode_start is None or not np.any(episode_start)
@@ -182,10 +184,12 @@ class ExportedPolicy:
         """The readings of one robot if all are arrays of real numbers."""
         if type(observation) is not dict or not self._tellable.isdisjoint(observation):
             return None
-        parts: list[Any] = [observation.get(key) for key in self._keys]
-        for part, shape in zip(parts, self._sizes, strict=True):
+        parts: list[Array] = []
+        for key, shape, absent in self._plain:
+            part = observation.get(key, absent)
             if type(part) is not np.ndarray or part.shape != shape or part.dtype.kind != "f":
                 return None
+            parts.append(part)
 
         parts.append(self._untold)
         readings: Array = np.concatenate(parts, dtype=self._library.dtype, casting="same_kind")

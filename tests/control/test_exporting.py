@@ -119,6 +119,19 @@ def test_arrays_give_the_same_as_tensors_quickly_or_not(pair: Pair) -> None:
         np.testing.assert_allclose(action, readable, rtol=1e-6, atol=1e-6)
 
 
+def test_a_step_is_quick_without_what_is_optional(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody says how long the last step took, and the readings are not gone through in torch."""
+    _, found = pair
+    observation = observation_with(range=np.array([1.0]))
+    _, memory = found.predict(observation)
+    expected, _ = found.predict(observation, memory)
+
+    monkeypatch.setattr(found, "_checked", None)
+    np.testing.assert_array_equal(found.predict(observation, memory)[0], expected)
+
+
 def test_no_step_changes_a_memory(pair: Pair) -> None:
     _, found = pair
     _, memory = found.predict(observation_with())
