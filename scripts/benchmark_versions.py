@@ -77,8 +77,6 @@ def versions(task: str, folder: Path, other: Path | None) -> dict[str, tuple[Pat
     """What is measured: from which source, and what is to be built, written or loaded there."""
     options = OPTIONS.get(task, {})
     laws = {"as shipped": options, "one gradient": {**options, **ONE_GRADIENT}}
-    if task == "panda_push":  # it takes one as it is
-        del laws["one gradient"]
     files = {law: str(folder / f"{law}.so") for law in laws}
 
     found: dict[str, tuple[Path, dict[str, Any]]] = {}

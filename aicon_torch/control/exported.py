@@ -118,12 +118,14 @@ class ExportedPolicy:
             observation = self._perceive(self.perception, observation, state, episode_start)
 
         # The usual case, quickly: the next step of one robot, with its readings in arrays.
-        readings = self._plain_readings(observation)
-        if readings is not None and type(state) is ExportedMemory:
-            continues = episode_start is None or not np.any(episode_start)
-            if continues and state.layout is self._layout and state.flat.ndim == 1:
-                after, commands = self._library.run(readings, state.flat, None)
-                return self._action(commands, False), ExportedMemory(after, self._layout)
+        readings, before = self._plain_readings(observation), self._own(state)
+        if (
+            readings is not None
+            and (before is not None and before.ndim == 1)
+            and (episode_start is None or not np.any(episode_start))
+        ):
+            after, commands = self._library.run(readings, before, None)
+            return self._action(commands, False), ExportedMemory(after, self._layout)
 
         readings, before, starts = self._checked(observation, state, episode_start)
         after, commands = self._library.run(readings, before, starts)
@@ -171,7 +173,7 @@ class ExportedPolicy:
             ObservationError: As for :meth:`predict`.
         """
         readings = read(observation, self._sensors, self._actuators, self._like)
-        if self.metadata["perceives"] and self.perception is None:
+        if self.perception is None:
             self._check_perceived(observation)
 
         parts: list[Tensor] = []
@@ -210,9 +212,12 @@ class ExportedPolicy:
             blank = np.broadcast_to(self._library.blank(), (*batch, self._library.memory))
             return flat, np.ascontiguousarray(blank), np.ones(batch, dtype=np.uint8)
 
-        # Some go on, and some begin.
-        check_memory(state, self._shapes, batch)
-        before = np.ascontiguousarray(self._flat(state))
+        # Some go on, and some begin. What this policy has returned needs no look at every entry.
+        before = self._own(state)
+        if before is None or before.shape[:-1] != batch:
+            check_memory(state, self._shapes, batch)
+            before = self._flat(state)
+        before = np.ascontiguousarray(before)
         starts = starting_rows(episode_start, batch, torch.device("cpu"))
         if starts is None:
             return flat, before, None
@@ -220,8 +225,8 @@ class ExportedPolicy:
 
     def _check_perceived(self, observation: Mapping[str, Any]) -> None:
         """Readings that a perception makes are there, since there is none here to make them."""
-        for name, sensor in self._sensors.items():
-            key = sensor.key or name
+        for name in self.metadata["perceived"]:
+            key = self._sensors[name].key or name
             if key not in observation:
                 raise ObservationError(
                     f"Sensor {name!r}: the observation has no {key!r}, and the perception that may "
@@ -245,9 +250,16 @@ class ExportedPolicy:
 
     def _flat(self, memory: Mapping[str, Tensor]) -> Array:
         """The numbers of a memory, which may be that of another policy of this graph."""
+        own = self._own(memory)
+        if own is None:
+            return ExportedMemory.of(memory, self._layout, self._library.dtype).flat
+        return own
+
+    def _own(self, memory: Mapping[str, Tensor] | None) -> Array | None:
+        """The numbers of a memory that this policy has returned; None for any other."""
         if isinstance(memory, ExportedMemory) and memory.layout is self._layout:
             return memory.flat
-        return ExportedMemory.of(memory, self._layout, self._library.dtype).flat
+        return None
 
     def _action(self, commands: Array, takes_tensors: bool) -> Any:
         """The commands of the observation's kind, and alone where there is one actuator."""

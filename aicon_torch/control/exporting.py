@@ -93,6 +93,8 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
         told = {"size": actuator.size, "unit": actuator.unit, "key": actuator.key}
         actuators.append({"name": name, **told})
 
+    # A perception makes readings of images and the like, never of the time.
+    perceived = [name for name in model.sensors if perceives and name != model.clock]
     return {
         "format": FORMAT,
         "aicon_torch": _own_version(),
@@ -102,7 +104,7 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
         "iterations": flat.step.law.iterations,
         "sensors": sensors,
         "readings": flat.readings.to_json(),
-        "perceives": perceives,
+        "perceived": perceived,
         "actuators": actuators,
         "goals": list(model.goals),
         "memory": flat.memory.to_json(),

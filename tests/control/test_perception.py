@@ -1,17 +1,21 @@
 """Perception: what makes readings of raw observations before a step."""
 
+import os
+import shutil
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_memory
-from _inputs import as_arrays, drifting, navigation, observation_with
+from _inputs import as_arrays, drifting, navigation, observation_with, tracking_model
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch import ObservationError, Policy
+from aicon_torch import DirectDescent, ObservationError, Policy, Sensor, load_exported
+from aicon_torch.parts import clock
 
 
 class Camera:
@@ -101,3 +105,17 @@ def test_what_it_returns_is_checked_like_an_observation() -> None:
 
     _, memory = policy.predict(image_of(observation_with(range=np.array([np.nan]))))
     assert not memory["z_obs.present"]
+
+
+@pytest.mark.skipif(not shutil.which(os.environ.get("CC", "cc")), reason="there is no C compiler")
+def test_a_loaded_policy_asks_for_what_was_perceived_and_not_for_the_time(tmp_path: Path) -> None:
+    """Without its perception it would be blind, and would not know."""
+    sensors = {"z": Sensor(2, "m", optional=True), "z_elapsed": clock(0.1)}
+    model = tracking_model(sensors=sensors, clock="z_elapsed")
+    policy = Policy(model, law=DirectDescent(gain=1.0), perception=Camera())
+    policy.export(tmp_path / "policy.so")
+    loaded = load_exported(tmp_path / "policy.so")
+
+    loaded.predict({"z": np.ones(2)})
+    with pytest.raises(ObservationError, match="'z', and the perception"):
+        loaded.predict({"elapsed": np.array([0.1])})

@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> None:
 def time_steps(task: str, rounds: int, steps: int) -> dict[str, list[float]]:
     """Return the seconds per step in each round, "uncompiled" and "compiled"."""
     condition = _CONDITIONS.get(task, load(task).conditions[0])
-    observations = record_observations(task, condition, _RECORDED_STEPS)
+    observations = observations_of_one(task, condition, _RECORDED_STEPS)
 
     policy: Any = make(task, "aicon", condition)
     to_compile: Any = make(task, "aicon", condition)
