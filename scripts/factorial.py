@@ -253,7 +253,7 @@ def draw(path: Path, cells: list[Cell], setting: Setting) -> None:
 
         for (line, column), value in np.ndenumerate(values):
             color = "white" if value > 60 else "black"
-            axes.text(column, line, f"{value:.0f}", ha="center", va="center", color=color)
+            axes.text(column, line, f"{value:.3g}", ha="center", va="center", color=color)
         axes.set_xticks(range(len(speeds)), [f"{speed}" for speed in speeds])
         axes.set_yticks(range(len(rows)), [f"{rule}, {how}" for rule, how in rows])
         axes.set_xlabel(f"speed of the pusher, {setting.unit_name}")
