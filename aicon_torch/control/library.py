@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from aicon_torch.control.elf import read_header
 from aicon_torch.errors import OptionError, choices
 
-FORMAT = 2
+FORMAT = 1
 """Number of the format of an exported policy: its functions and its metadata."""
 
 _SYMBOLS = ("aicon_sizes", "aicon_metadata", "aicon_blank", "aicon_step", "aicon_test")
