@@ -5,79 +5,66 @@ JOBS ?= 2
 EPISODES ?= 100
 PANDA_PUSH_EPISODES ?= 50
 OUT ?= runs
-LEROBOT_VENV ?= .venv-lerobot
-OLDEST_VENV ?= .venv-oldest
-STUDENT ?= baselines/checkpoints/diffusion_pusht_keypoints
 
 INSTALLED := $(VENV)/.installed
-LEROBOT_INSTALLED := $(LEROBOT_VENV)/.installed
-OLDEST_INSTALLED := $(OLDEST_VENV)/.installed
+UV := .venv-uv/bin/uv
 # The policies are small: more threads than one only wait for each other.
 RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
-LEROBOT_RUN := OMP_NUM_THREADS=1 $(LEROBOT_VENV)/bin/python
 AICON := $(VENV)/bin/aicon
-LEROBOT_AICON := $(LEROBOT_VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install lerobot-env test test-all test-oldest test-lerobot compare panda_push reach figures benchmark lint docs format clean
+.PHONY: help install constraints test test-all test-oldest test-newest compare panda_push reach figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
-	@sed -nE 's/^([a-z_-]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-12s %s\n", $$1, $$2 }'
-	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) LEROBOT_VENV=$(LEROBOT_VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) PANDA_PUSH_EPISODES=$(PANDA_PUSH_EPISODES) OUT=$(OUT)"
+	@sed -nE 's/^([a-z_ -]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-25s %s\n", $$1, $$2 }'
+	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) PANDA_PUSH_EPISODES=$(PANDA_PUSH_EPISODES) OUT=$(OUT)"
 
 install: $(INSTALLED) ## Create the virtual environment (the other targets do it if need be)
 
-$(INSTALLED): pyproject.toml constraints.txt
+# constraints.txt lists every package, so nothing is resolved here: what is installed is what was tested.
+$(INSTALLED): pyproject.toml constraints.txt baselines/lerobot_policy_aicon/pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
 	  echo "aicon-torch needs Python 3.11 or newer, and $(PYTHON) is older or missing."; \
 	  echo "Name another one: make PYTHON=/path/to/python3.11 $(MAKECMDGOALS)"; exit 1; } >&2
 	$(PYTHON) -m venv --clear $(VENV)
-	$(VENV)/bin/python -m pip install --disable-pip-version-check -c constraints.txt -e ".[all]"
+	$(VENV)/bin/python -m pip install --disable-pip-version-check --no-deps -r constraints.txt
+	$(VENV)/bin/python -m pip install --disable-pip-version-check --no-deps -e . -e baselines/lerobot_policy_aicon
 	@touch $@
 
-lerobot-env: $(LEROBOT_INSTALLED) ## Create the virtual environment with LeRobot (8 GB, needs a C compiler)
+$(UV):
+	$(PYTHON) -m venv --clear .venv-uv
+	.venv-uv/bin/python -m pip install --disable-pip-version-check uv
 
-$(LEROBOT_INSTALLED): pyproject.toml constraints-lerobot.txt baselines/lerobot_policy_aicon/pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 12))' 2>/dev/null || { \
-	  echo "constraints-lerobot.txt is for Python 3.11, and $(PYTHON) is another one or missing."; \
-	  echo "Name one: make PYTHON=/path/to/python3.11 $(MAKECMDGOALS); or install without it: pip install -e '.[lerobot]'"; \
-	  exit 1; } >&2
-	$(PYTHON) -m venv --clear $(LEROBOT_VENV)
-	$(LEROBOT_VENV)/bin/python -m pip install --disable-pip-version-check -c constraints-lerobot.txt \
-	  -e ".[lerobot,compare,pusht,upstream]" -e baselines/lerobot_policy_aicon hypothesis pytest pytest-xdist
-	@touch $@
+# What constraints.txt has already stays; "make constraints UPGRADE=--upgrade" takes the newest of everything.
+constraints: $(UV) ## Write constraints.txt after a change of the dependencies in pyproject.toml
+	@sed '/^[^#]/d' constraints.txt > constraints.head
+	$(UV) pip compile pyproject.toml --extra all --extra lerobot --group replacements --no-emit-package aicon-torch \
+	  --universal --python-version 3.11 --no-annotate --no-header $(UPGRADE) --quiet --output-file constraints.txt
+	@sed '/^#/d' constraints.txt >> constraints.head
+	@mv constraints.head constraints.txt
 
-# Without OpenGL the tests of the arm that render are skipped.
 test: $(INSTALLED) ## Run the tests, but for the slow ones
 	$(RUN) -m pytest -n $(JOBS)
 
 test-all: $(INSTALLED) ## Run all tests
 	$(RUN) -m pytest -n $(JOBS) -m ""
 
-$(OLDEST_INSTALLED): pyproject.toml
-	$(PYTHON) -m venv --clear $(OLDEST_VENV)
-	$(OLDEST_VENV)/bin/python -m pip install --disable-pip-version-check uv
-	$(OLDEST_VENV)/bin/uv pip install --python $(OLDEST_VENV)/bin/python --resolution lowest-direct -e ".[all]"
-	@touch $@
-
-# Warnings are no errors here: most are those of old packages about new ones.
-test-oldest: $(OLDEST_INSTALLED) ## Run the tests with the oldest versions that pyproject.toml allows
-	OMP_NUM_THREADS=1 $(OLDEST_VENV)/bin/python -m pytest -W default -n $(JOBS)
-
-# Warnings are no errors here: most are those of LeRobot about its own dependencies.
-test-lerobot: $(LEROBOT_INSTALLED) ## Run the tests that need LeRobot
-	$(LEROBOT_RUN) -m pytest -W default -n $(JOBS) tests/baselines/agents/diffusion tests/baselines/agents/lerobot
+# The ends of what pyproject.toml allows, without LeRobot, which holds torch back. Warnings are no errors there: most are
+# those of one package about another.
+test-oldest: RESOLUTION := lowest-direct
+test-newest: RESOLUTION := highest
+test-oldest test-newest: test-%: $(UV) ## Run the tests with the oldest or the newest versions that pyproject.toml allows
+	$(UV) venv --clear --python $(PYTHON) .venv-$*
+	$(UV) pip install --python .venv-$*/bin/python --resolution $(RESOLUTION) --group replacements -e ".[all]"
+	OMP_NUM_THREADS=1 .venv-$*/bin/python -m pytest -W default -n $(JOBS)
 
 compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and pushT: tables, curves and pictures
 	$(AICON) compare --task nav2d --policies aicon paper_literal steepest potential_field \
 	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/nav2d
 	$(AICON) compare --task pusht --policies aicon paper_literal steepest potential_field \
 	  --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
-	@if [ -e $(LEROBOT_INSTALLED) ]; then $(LEROBOT_AICON) compare --task pusht --policies diffusion \
-	  --diffusion-path $(STUDENT) --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) \
-	  --out $(OUT)/pusht; else echo "Without the diffusion policy, which needs LeRobot: make lerobot-env"; fi
 	@$(MAKE) --no-print-directory figures
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
@@ -119,5 +106,5 @@ format: $(INSTALLED) ## Put the code into the project's format
 	$(RUN) -m ruff format
 
 clean: ## Remove the virtual environments and what tools left behind, but no results
-	rm -rf .venv .venv-lerobot .venv-oldest build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .venv-uv .venv-oldest .venv-newest build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find aicon_torch envs baselines scripts tests -name __pycache__ -type d -prune -exec rm -rf {} +
