@@ -77,4 +77,4 @@ __all__ = [
     "straight_through",
     "straight_through_clamp",
 ]
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -69,7 +69,7 @@ def rest(policy: Policy, task: Task, fault: str, seeds: list[int], horizon: int)
     observation, info = env.reset(**task.reset_arguments(episodes))
     running, collided = np.ones(len(episodes), bool), np.zeros(len(episodes), bool)
     starts, memory = running, None
-    last = np.full(len(episodes), -1)
+    last: NDArray[np.intp] = np.full(len(episodes), -1)
 
     for step in range(min(horizon, int(env.onset.max()) + env.pause)):
         action, memory = policy.predict(observation, memory, starts)

@@ -16,5 +16,7 @@ def can_render() -> bool:
 
 
 RENDERS = can_render()
-needs_rendering = pytest.mark.skipif(not RENDERS, reason="no OpenGL without a display")
+needs_rendering = pytest.mark.skipif(
+    not RENDERS, reason="no OpenGL (apt install libegl1 libegl-mesa0 libgl1-mesa-dri)"
+)
 OBS_TYPES = ["pose", pytest.param("rgbd", marks=needs_rendering)]

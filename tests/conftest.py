@@ -1,6 +1,7 @@
 """Settings of all tests: one thread, the same random examples in every run, and no display."""
 
 import os
+from collections import Counter
 from contextlib import suppress
 
 import pytest
@@ -25,3 +26,12 @@ settings.register_profile(
     "thorough", settings.get_profile("default"), derandomize=False, max_examples=500
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """One line for all that this machine lacks."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    if skipped:
+        reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
+        counts = "; ".join(f"{reason}: {count}" for reason, count in reasons.most_common())
+        terminalreporter.write_line(f"{len(skipped)} skipped: {counts}")

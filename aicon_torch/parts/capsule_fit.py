@@ -1,9 +1,10 @@
 """Capsules around a shape: one about some points, or a few that cover a surface."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aicon_torch.extras import import_extra
 
@@ -38,8 +39,8 @@ class Segment(NamedTuple):
         radius: m.
     """
 
-    start: np.ndarray
-    end: np.ndarray
+    start: NDArray[Any]
+    end: NDArray[Any]
     radius: float
 
     @property
@@ -48,7 +49,7 @@ class Segment(NamedTuple):
         length = float(np.linalg.norm(self.end - self.start))
         return float(_volume(np.array(self.radius), np.array(length)))
 
-    def moved(self, transform: np.ndarray) -> "Segment":
+    def moved(self, transform: NDArray[Any]) -> "Segment":
         """The same capsule after a rigid motion ``(4, 4)``."""
         rotation, position = transform[:3, :3], transform[:3, 3]
         return Segment(
@@ -71,7 +72,7 @@ def around_cylinder(length: float, radius: float) -> Segment:
     return Segment(-end, end, float(radii[best]))
 
 
-def around_points(points: np.ndarray, directions: int = 64, rounds: int = 12) -> Segment:
+def around_points(points: NDArray[Any], directions: int = 64, rounds: int = 12) -> Segment:
     """A small capsule about all points.
 
     Directions all around are tried, and those near the best in ever smaller steps, each with the
@@ -101,7 +102,7 @@ def around_points(points: np.ndarray, directions: int = 64, rounds: int = 12) ->
     return _smallest(points, axis[None], center[None])[2]
 
 
-def around_surfaces(surfaces: Sequence[np.ndarray], count: int) -> list[Segment]:
+def around_surfaces(surfaces: Sequence[NDArray[Any]], count: int) -> list[Segment]:
     """A few capsules that cover some surfaces.
 
     Again and again the capsule that stands out most, by more than :data:`STANDS_OUT`, is replaced
@@ -142,9 +143,9 @@ class _Hulls:
         surfaces: ``(T, 3, 3)`` each, triangles, m.
     """
 
-    def __init__(self, surfaces: Sequence[np.ndarray]) -> None:
+    def __init__(self, surfaces: Sequence[NDArray[Any]]) -> None:
         spatial = import_extra("scipy.spatial", "robots")
-        self._planes: list[np.ndarray] = []
+        self._planes: list[NDArray[Any]] = []
         for surface in surfaces:
             corners = _extreme_points(surface.reshape(-1, 3))
             # Shaken a little (QJ), since what lies in a plane has no hull.
@@ -157,7 +158,7 @@ class _Hulls:
         return max(0.0, float(np.min(outside, axis=0).max()))
 
 
-def _surface_of(segment: Segment) -> np.ndarray:
+def _surface_of(segment: Segment) -> NDArray[Any]:
     """Points all over the surface of a capsule: its round ends, and rings between them."""
     axis = segment.end - segment.start
     half = _hemisphere(48)
@@ -173,7 +174,7 @@ def _surface_of(segment: Segment) -> np.ndarray:
     return np.concatenate((ends, (along[:, None] + ring).reshape(-1, 3)))
 
 
-def _best_cut(triangles: np.ndarray, hulls: _Hulls) -> list[np.ndarray]:
+def _best_cut(triangles: NDArray[Any], hulls: _Hulls) -> list[NDArray[Any]]:
     """The two halves of a surface whose capsules stand out least."""
     sample = triangles[:: 1 + len(triangles) // SAMPLE]
     best, least = np.ones(len(triangles), dtype=bool), np.inf
@@ -198,8 +199,8 @@ def _best_cut(triangles: np.ndarray, hulls: _Hulls) -> list[np.ndarray]:
 
 
 def _smallest(
-    points: np.ndarray, axes: np.ndarray, centers: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, Segment]:
+    points: NDArray[Any], axes: NDArray[Any], centers: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[Any], Segment]:
     """The smallest of the capsules along D axes ``(D, 3)`` through D centers, with both.
 
     A point at (s, ρ) along and across the axis is within R of the segment [t₀, t₁] if
@@ -225,7 +226,7 @@ def _smallest(
     return axis, center, Segment(*ends, float(radii[row, column]) + rounding)
 
 
-def _circle_centers(points: np.ndarray, axes: np.ndarray, rounds: int = 60) -> np.ndarray:
+def _circle_centers(points: NDArray[Any], axes: NDArray[Any], rounds: int = 60) -> NDArray[Any]:
     """For each axis the middle of the circle about the points seen along it, ``(D, 3)``.
 
     The middle goes toward the furthest point, by 1/2, 1/3, … of the way (Badoiu and Clarkson 2003).
@@ -241,7 +242,7 @@ def _circle_centers(points: np.ndarray, axes: np.ndarray, rounds: int = 60) -> n
     return centers
 
 
-def _extreme_points(points: np.ndarray) -> np.ndarray:
+def _extreme_points(points: NDArray[Any]) -> NDArray[Any]:
     """The points that are furthest in some direction, at most :data:`CORNERS`."""
     directions = _hemisphere(CORNERS // 2)
     directions = np.concatenate((directions, -directions))
@@ -253,12 +254,13 @@ def _extreme_points(points: np.ndarray) -> np.ndarray:
     return np.asarray(points[_furthest(points, directions)])
 
 
-def _furthest(points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def _furthest(points: NDArray[Any], directions: NDArray[Any]) -> NDArray[Any]:
     """Which points are furthest in the directions ``(D, 3)``, each once."""
-    return np.unique((directions @ points.T).argmax(axis=1))
+    furthest: NDArray[np.intp] = np.unique((directions @ points.T).argmax(axis=1))
+    return furthest
 
 
-def _small_triangles(triangles: np.ndarray) -> np.ndarray:
+def _small_triangles(triangles: NDArray[Any]) -> NDArray[Any]:
     """The same surface in triangles that are small against it, so that it can be cut."""
     trimesh = import_extra("trimesh", "robots")
     vertices = triangles.reshape(-1, 3)
@@ -269,13 +271,13 @@ def _small_triangles(triangles: np.ndarray) -> np.ndarray:
     return np.asarray(vertices[faces])
 
 
-def _principal_axes(points: np.ndarray) -> np.ndarray:
+def _principal_axes(points: NDArray[Any]) -> NDArray[Any]:
     """The axes of the points' covariance, ``(3, 3)``, one a row."""
     _, axes = np.linalg.eigh(np.cov(points.T))
     return np.asarray(axes.T)
 
 
-def _hemisphere(count: int) -> np.ndarray:
+def _hemisphere(count: int) -> NDArray[Any]:
     """Directions all around, of which no two are opposite, ``(count, 3)``: a Fibonacci spiral."""
     number = np.arange(count)
     height = (number + 0.5) / count
@@ -285,6 +287,6 @@ def _hemisphere(count: int) -> np.ndarray:
     return np.stack((radius * np.cos(angle), radius * np.sin(angle), height), axis=1)
 
 
-def _volume(radius: np.ndarray, length: np.ndarray) -> np.ndarray:
+def _volume(radius: NDArray[Any], length: NDArray[Any]) -> NDArray[Any]:
     """V = πr²ℓ + 4/3 πr³."""
     return np.pi * radius**2 * (length + 4.0 / 3.0 * radius)

@@ -3,9 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_surfaces
@@ -108,7 +110,7 @@ def _disabled_pairs(srdf: str | Path) -> set[frozenset[str]]:
 
 def _places(
     tree: LinkTree, path: Sequence[JointDescription]
-) -> Mapping[str, tuple[int, np.ndarray]]:
+) -> Mapping[str, tuple[int, NDArray[Any]]]:
     """For each link the number of the chain's link that it goes with, and its place there."""
     numbers: dict[str, int] = {}
     frames = {0: path[0].parent}
@@ -117,7 +119,7 @@ def _places(
             numbers[joint.child] = len(frames)
             frames[len(frames)] = joint.child
 
-    places: dict[str, tuple[int, np.ndarray]] = {}
+    places: dict[str, tuple[int, NDArray[Any]]] = {}
     for link in tree.links:
         above = link
         while above not in numbers and above in tree.above:
@@ -129,7 +131,7 @@ def _places(
     return places
 
 
-def _at_rest(tree: LinkTree, link: str) -> np.ndarray:
+def _at_rest(tree: LinkTree, link: str) -> NDArray[Any]:
     """The transform of a link from the root, all joints at 0 or at the limit next to it."""
     transform = np.eye(4)
     while link in tree.above:
@@ -155,7 +157,7 @@ def _fit(geometry: CollisionGeometry, per_link: int) -> list[Segment]:
     return segments
 
 
-def _placed(segment: Segment, number: int, transform: np.ndarray) -> Capsule:
+def _placed(segment: Segment, number: int, transform: NDArray[Any]) -> Capsule:
     """A segment in the frame of a link as a capsule on the chain."""
     moved = segment.moved(transform)
     (x, y, z), (u, v, w) = moved.start.tolist(), moved.end.tolist()

@@ -12,7 +12,7 @@ from _inputs.exported_files import REFUSED, write_wrong_file
 
 from aicon_torch import Foresight, load_exported, make_policy
 
-pytestmark = pytest.mark.skipif(not shutil.which("g++"), reason="there is no C++ compiler")
+pytestmark = pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler (apt install g++)")
 
 HEADERS = Path(__file__).parents[2] / "examples/cpp"
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aicon_torch.errors import OptionError
 from aicon_torch.extras import import_extra
@@ -22,7 +23,7 @@ class Cylinder(NamedTuple):
         is_round: Whether it is a capsule; of length zero, a sphere.
     """
 
-    pose: np.ndarray
+    pose: NDArray[Any]
     length: float
     radius: float
     is_round: bool
@@ -38,7 +39,7 @@ class CollisionGeometry:
     """
 
     cylinders: list[Cylinder] = field(default_factory=list)
-    triangles: list[np.ndarray] = field(default_factory=list)
+    triangles: list[NDArray[Any]] = field(default_factory=list)
 
 
 def read_collision_geometry(source: str | Path) -> dict[str, CollisionGeometry]:
@@ -127,6 +128,6 @@ def _load_mesh(trimesh: Any, path: Path) -> Any:
     return mesh
 
 
-def _vector(shape: ElementTree.Element, attribute: str) -> np.ndarray:
+def _vector(shape: ElementTree.Element, attribute: str) -> NDArray[Any]:
     """Three numbers; ones where the file has none."""
     return np.array([float(number) for number in shape.get(attribute, "1 1 1").split()])

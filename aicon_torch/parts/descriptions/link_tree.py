@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aicon_torch.errors import OptionError, choices
 
@@ -34,8 +35,8 @@ class JointDescription(NamedTuple):
     kind: str
     parent: str
     child: str
-    fixed: np.ndarray
-    axis: np.ndarray
+    fixed: NDArray[Any]
+    axis: NDArray[Any]
     low: float = -np.inf
     high: float = np.inf
     speed: float = np.inf
@@ -46,7 +47,7 @@ class JointDescription(NamedTuple):
         """Whether it has one degree of freedom."""
         return self.kind in MOVING
 
-    def motion(self, q: float) -> np.ndarray:
+    def motion(self, q: float) -> NDArray[Any]:
         """M(q), ``(4, 4)``, for q in rad or m: a turn by Rodrigues' formula, or a shift."""
         motion = np.eye(4)
         if self.kind == "prismatic":

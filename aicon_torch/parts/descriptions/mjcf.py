@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aicon_torch.extras import import_extra
 from aicon_torch.parts.descriptions.link_tree import JointDescription, LinkTree
@@ -78,7 +79,7 @@ class _Reader:
 
         self._add_fixed(parent, name, fixed)
 
-    def _add_joint(self, index: int, parent: str, child: str, fixed: np.ndarray) -> None:
+    def _add_joint(self, index: int, parent: str, child: str, fixed: NDArray[Any]) -> None:
         """Add a joint, which stands at ``qpos0`` where the model is drawn."""
         model = self.model
         kind = self._kind(index)
@@ -103,7 +104,7 @@ class _Reader:
         self.joints.append(joint._replace(fixed=fixed @ from_zero))
         self.links.append(child)
 
-    def _add_fixed(self, parent: str, child: str, fixed: np.ndarray) -> None:
+    def _add_fixed(self, parent: str, child: str, fixed: NDArray[Any]) -> None:
         """Add a link that does not move in the frame of its parent."""
         name, x_axis = f"to {child}", np.array([1.0, 0.0, 0.0])
         self.joints.append(JointDescription(name, "fixed", parent, child, fixed, x_axis))
@@ -135,7 +136,7 @@ class _Reader:
         """The name of a body; its number where it has none."""
         return self.model.body(index).name or f"body {index}"
 
-    def _transform(self, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    def _transform(self, position: NDArray[Any], quaternion: NDArray[Any]) -> NDArray[Any]:
         """The transform ``(4, 4)`` of a position (m) and a quaternion (w, x, y, z)."""
         rotation = np.zeros(9)
         self.mujoco.mju_quat2Mat(rotation, quaternion)

@@ -1,9 +1,11 @@
 """Reads links and joints from URDF (https://wiki.ros.org/urdf/XML), in float64."""
 
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.descriptions.link_tree import JointDescription, LinkTree
@@ -46,7 +48,7 @@ def parse_xml(source: str | Path, root_tag: str) -> ElementTree.Element:
     return root
 
 
-def origin_of(element: ElementTree.Element) -> np.ndarray:
+def origin_of(element: ElementTree.Element) -> NDArray[Any]:
     """The transform ``(4, 4)`` in the child ``<origin>``, m; the identity if there is none.
 
     Angles are roll, pitch and yaw: R = R_z(yaw) R_y(pitch) R_x(roll).
@@ -106,7 +108,7 @@ def _link_of(element: ElementTree.Element, end: str) -> str:
     return str(found.get("link"))
 
 
-def _axis(element: ElementTree.Element, name: str) -> np.ndarray:
+def _axis(element: ElementTree.Element, name: str) -> NDArray[Any]:
     """The axis as a unit vector; x where the file names none, as URDF has it."""
     axis = element.find("axis")
     x_axis = (1.0, 0.0, 0.0)

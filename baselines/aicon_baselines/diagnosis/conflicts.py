@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aicon_baselines.diagnosis.finding import Finding
 from aicon_baselines.diagnosis.history import History, MeetingCurve
@@ -96,7 +97,7 @@ def _not_explored(
 
 
 def _most_frequent(
-    meeting: MeetingCurve, steps: np.ndarray[tuple[int], np.dtype[np.bool_]], since: int
+    meeting: MeetingCurve, steps: NDArray[np.bool_], since: int
 ) -> tuple[int, int, float, float] | None:
     """The leader and opponent of most of these steps, their share of them, and their cosine."""
     if not steps.any():
@@ -114,7 +115,7 @@ def _goals(meeting: MeetingCurve, leader: int, opponent: int) -> tuple[str, ...]
     return tuple(dict.fromkeys((meeting.goals[leader], meeting.goals[opponent])))
 
 
-def _beginnings(flags: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int:
+def _beginnings(flags: NDArray[np.bool_]) -> int:
     """How often a flag rose."""
     return int(flags[0]) + int((flags[1:] & ~flags[:-1]).sum())
 

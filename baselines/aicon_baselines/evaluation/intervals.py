@@ -16,7 +16,16 @@ def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tu
     (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n), where p = successes / n and z is the normal
     quantile (E. B. Wilson, Journal of the American Statistical Association 22, 1927). It treats
     trials as independent, which several repeats of one map are not quite.
+
+    Raises:
+        ValueError: If there are no trials, or more successes than trials or fewer than none.
     """
+    if not 0 <= successes <= trials or trials == 0:
+        raise ValueError(
+            f"{successes} successes in {trials} trials are no success rate: it needs at least one "
+            "trial, and from 0 to as many successes"
+        )
+
     test = stats.binomtest(successes, trials)
     interval = test.proportion_ci(confidence, method="wilson")
     return float(interval.low), float(interval.high)

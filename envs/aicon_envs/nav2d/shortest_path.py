@@ -90,7 +90,7 @@ class _Corners(NamedTuple):
 
 def _convex_corners(geometry: BaseGeometry) -> _Corners:
     """Return the convex corners of a (multi-)polygon."""
-    found = [np.zeros((3, 0, 2))]
+    found: list[NDArray[np.float64]] = [np.zeros((3, 0, 2))]
 
     for polygon in shapely.get_parts(geometry):
         for ring in shapely.get_rings(shapely.orient_polygons(polygon)):

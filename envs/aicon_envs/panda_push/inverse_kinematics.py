@@ -72,7 +72,7 @@ def reach(
     count = len(home)
     data.qpos[:count] = home
     goal = _upright(yaw)
-    error = np.full(6, np.inf)
+    error: NDArray[np.float64] = np.full(6, np.inf)
 
     for _ in range(_ITERATIONS):
         mujoco.mj_kinematics(model, data)

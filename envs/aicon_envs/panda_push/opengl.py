@@ -2,6 +2,8 @@
 
 import ctypes.util
 import os
+import sys
+import warnings
 
 from gymnasium.error import DependencyNotInstalled
 
@@ -50,6 +52,25 @@ def import_mujoco() -> None:
         raise RuntimeError(
             f"MuJoCo cannot be loaded with MUJOCO_GL={backend}: {error}. {HELP}"
         ) from error
+
+
+def check_display() -> None:
+    """Check that a window can be opened, if MuJoCo is about to open one.
+
+    It does where `MUJOCO_GL` names no other backend, and without a display it may end the process.
+
+    Raises:
+        RuntimeError: If there is no display; it names the packages that need none.
+    """
+    if sys.platform != "linux" or os.environ.get("MUJOCO_GL", "") not in ("", "glfw"):
+        return
+
+    import glfw  # with which MuJoCo opens windows
+
+    with warnings.catch_warnings(action="ignore"):  # its way to say why not
+        has_display = glfw.init()
+    if not has_display:
+        raise RuntimeError(f"MuJoCo cannot render: there is no display. {HELP}")
 
 
 import_mujoco()

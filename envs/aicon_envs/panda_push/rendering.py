@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.panda_push.opengl import HELP
+from aicon_envs.panda_push.opengl import HELP, check_display
 
 ColorImage = NDArray[np.uint8]
 DepthImage = NDArray[np.float32]
@@ -90,6 +90,7 @@ class Camera:
 
     def _open_context(self, width: int, height: int) -> None:
         """Open an OpenGL context, and see to it that it is given back."""
+        check_display()
         try:
             self._gl = mujoco.GLContext(width, height)
             self._gl.make_current()

@@ -23,7 +23,7 @@ def browser() -> Iterator[Any]:
     """Chromium, driven by playwright."""
     api = pytest.importorskip("playwright.sync_api", reason="the browser is driven by playwright")
     if _CHROMIUM is None and not _REQUIRED:
-        pytest.skip("there is no chromium here")
+        pytest.skip("no Chromium (apt install chromium)")
 
     with api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=_CHROMIUM, args=_ARGUMENTS)

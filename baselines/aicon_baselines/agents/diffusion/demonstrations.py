@@ -39,7 +39,7 @@ def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
 
     # 2. Note what the teacher sees and does, until all have ended.
     memory: Any = None
-    ended = np.zeros(CHUNK_SIZE, np.bool_)
+    ended: NDArray[np.bool_] = np.zeros(CHUNK_SIZE, np.bool_)
     while not ended.all():
         action, memory = teacher.predict(observation, memory, ended)
         action = np.asarray(action, np.float32)

@@ -67,7 +67,7 @@ def shuffled_batches(count: int, batch_size: int, seed: int) -> Iterator[NDArray
         seed: Seed of the permutations.
     """
     rng = np.random.default_rng(seed)
-    remaining = np.empty(0, np.int64)
+    remaining: NDArray[np.int64] = np.empty(0, np.int64)
 
     while True:
         while len(remaining) < batch_size:

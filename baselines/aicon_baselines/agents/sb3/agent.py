@@ -116,7 +116,7 @@ class Agent:
 
     def _initial_state(self, count: int) -> tuple[Observation, torch.Tensor]:
         """Return empty stacks (B, k n), and the state of random numbers that all runs share."""
-        stacks = {}
+        stacks: Observation = {}
         for name, shape in self._shapes.items():
             size = int(np.prod(shape)) * self.config.stack
             stacks[name] = np.zeros((count, size))

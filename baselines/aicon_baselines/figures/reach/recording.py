@@ -44,7 +44,7 @@ class ReachRecording:
     @property
     def times(self) -> FloatArray:
         """When each step ended, (n,), s."""
-        return CONTROL_STEP * np.arange(1.0, len(self.distance) + 1.0)
+        return CONTROL_STEP * np.arange(1.0, len(self.distance) + 1.0, dtype=np.float64)
 
 
 def record(
