@@ -7,9 +7,12 @@ import platform
 import shlex
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 from aicon_torch.errors import OptionError
@@ -21,6 +24,78 @@ FLAGS = (
     *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
 )
 """Numbers as torch computes them: nothing contracted, nothing reordered."""
+
+
+ZIG = (sys.executable, "-m", "ziglang", "cc")
+"""The C compiler that comes as a package, ``pip install 'aicon-torch[compiler]'``."""
+
+NO_COMPILER = "no C compiler (pip install 'aicon-torch[compiler]' or apt install gcc)"
+"""What is said where none is found."""
+
+
+def has_compiler() -> bool:
+    """Whether there is a C compiler, so that a policy can be compiled and exported.
+
+    It is the one that the variable CC names; where CC is not set, ``cc``, ``gcc`` or ``clang``;
+    where there is none of them, that of the package ``ziglang``, which the extra ``compiler``
+    brings.
+
+    Raises:
+        OptionError: If CC is set and is no command, as where it is empty.
+    """
+    return _found() is not None
+
+
+def compiler_command() -> tuple[str, ...]:
+    """The words that call the C compiler: see :func:`has_compiler` for which it is.
+
+    Raises:
+        OptionError: If there is none, or the variable CC is no command.
+    """
+    command = _found()
+    if command is not None:
+        return command
+
+    named = os.environ.get("CC")
+    if named is not None:
+        raise OptionError(
+            f"There is no C compiler {named!r}, which the variable CC names: expected a command "
+            "such as CC=gcc, or no CC."
+        )
+    raise OptionError(f"There is {NO_COMPILER}.")
+
+
+def _found() -> tuple[str, ...] | None:
+    """The words that call the C compiler; None where there is none."""
+    named = os.environ.get("CC")
+    if named is not None:
+        words = _words(named)
+        return words if shutil.which(words[0]) else None
+
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name):
+            return (name,)
+    return ZIG if _has_zig() else None
+
+
+def _words(named: str) -> tuple[str, ...]:
+    """The words of the variable CC, such as ``ccache gcc``."""
+    try:
+        words = tuple(shlex.split(named))
+    except ValueError as error:  # a quotation that does not end
+        raise OptionError(f"The variable CC is no command: {named!r} ({error}).") from error
+    if not words:
+        raise OptionError(
+            "The variable CC is empty: expected a C compiler, such as CC=gcc, or no variable CC, "
+            "where cc, gcc, clang and ziglang are looked for."
+        )
+    return words
+
+
+@cache
+def _has_zig() -> bool:
+    """Whether the package ``ziglang`` is installed."""
+    return find_spec("ziglang") is not None
 
 
 @contextmanager
@@ -67,8 +142,8 @@ def _kept(source: str, name: str) -> Path | None:
 def compile_library(source: str, path: Path) -> None:
     """Compile a source in C to a shared library.
 
-    The compiler is that of the variable CC, by default ``cc``. The library runs on every machine of
-    the same architecture.
+    The library runs on every machine of the same architecture. :func:`has_compiler` tells which
+    compiler it is.
 
     Args:
         source: The source.
@@ -77,12 +152,7 @@ def compile_library(source: str, path: Path) -> None:
     Raises:
         OptionError: If there is no compiler, or it fails.
     """
-    compiler = shlex.split(os.environ.get("CC", "cc"))
-    if shutil.which(compiler[0]) is None:
-        raise OptionError(
-            f"There is no C compiler {compiler[0]!r} (Debian: apt install gcc; the variable CC "
-            "names another). Export the source instead, to a file that ends in .c."
-        )
+    compiler = compiler_command()
 
     # Beside its place, and moved there when it is whole: a library in use must not change.
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
