@@ -13,7 +13,7 @@ from threading import Timer
 import torch
 
 from aicon_baselines.cli.command_line import Command, run_command
-from aicon_baselines.view import LiveEpisode, LiveView, open_episode
+from aicon_baselines.view import LiveEpisode, LiveView, open_episode, serve
 
 CONDITIONS = {"panda_push": "true_pose"}
 """Where the usual condition renders images, which would be all that is measured."""
@@ -57,7 +57,7 @@ def processor_time_alone(episode: LiveEpisode, seed: int, steps: int = 200) -> f
 def with_view(episode: LiveEpisode, seconds: float, seed: int) -> tuple[float, float]:
     """The share of the control rate that is kept with the view, and a step's processor time, s."""
     episode.start(seed)
-    view = LiveView(episode, port=0, compiles=False, loops=True)
+    view = LiveView(episode, serve("127.0.0.1", 0), compiles=False, loops=True)
     print(f"http://localhost:{view.port}", flush=True)
 
     timer = Timer(seconds, view.stop)

@@ -21,7 +21,7 @@ from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name
-from aicon_baselines.view import LiveEpisode, LiveView, open_episode, record_html
+from aicon_baselines.view import LiveEpisode, LiveView, open_episode, record_html, serve
 from aicon_baselines.view.scenes import check_watchable
 
 _LONGEST = 60.0  # s that are recorded
@@ -43,6 +43,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--port", type=int, default=8080, help="port of the page (default: 8080)")
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen at (default: this machine only)"
+    )
+    parser.add_argument(
+        "--allow-host",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a name by which other machines may call the page, such as robot.local",
+    )
+    parser.add_argument(
+        "--share",
+        action="store_true",
+        help="make the page public through share.viser.studio: who knows the address, steers",
     )
 
     parser.add_argument("--paused", action="store_true", help="wait for the button to begin")
@@ -66,12 +78,13 @@ def run(arguments: argparse.Namespace) -> None:
         _record(episode, arguments.record)
         return
 
-    view = LiveView(
-        episode, arguments.port, arguments.host, paused=arguments.paused, loops=arguments.loop
-    )
+    server = serve(arguments.host, arguments.port, arguments.allow_host)
+    view = LiveView(episode, server, paused=arguments.paused, loops=arguments.loop)
     try:
         name = "localhost" if arguments.host in _EVERYWHERE else arguments.host
         print(f"watch it at http://{name}:{view.port} (Ctrl-C ends it)", flush=True)
+        if arguments.share:
+            print(f"public for a day, to whoever knows the address: {server.share()}", flush=True)
         view.run()
     except KeyboardInterrupt:
         view.close()

@@ -8,16 +8,19 @@ from aicon_baselines.view.plane import PlaneScene
 from aicon_baselines.view.recording import record_html
 from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_baselines.view.scenes import make_scene
+from aicon_baselines.view.server import PageServer, serve
 
 __all__ = [
     "GradientArrow",
     "Handle",
     "LiveEpisode",
     "LiveView",
+    "PageServer",
     "PlaneScene",
     "make_scene",
     "open_episode",
     "open_own",
     "record_html",
+    "serve",
     "watch",
 ]

@@ -8,7 +8,7 @@ from queue import Empty, SimpleQueue
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.panel import Actions, Panel
 from aicon_baselines.view.scenes import MakeScene, make_scene
-from aicon_baselines.view.server import serve
+from aicon_baselines.view.server import PageServer
 from aicon_torch import AiconError
 
 _PICTURES_PER_SECOND = 15.0
@@ -28,8 +28,7 @@ class LiveView:
 
     Args:
         episode: The episode, started.
-        port: Port of the page; where it is taken, the next free one.
-        host: Address to listen at; "0.0.0.0" is visible to the whole network.
+        server: The server of the page, as :func:`serve` starts one; closed with the view.
         paused: Whether it waits for its reader to begin.
         scene: What draws the world; by default the scene of the task.
         compiles: Whether the policy is compiled.
@@ -44,8 +43,7 @@ class LiveView:
     def __init__(
         self,
         episode: LiveEpisode,
-        port: int = 8080,
-        host: str = "127.0.0.1",
+        server: PageServer,
         *,
         paused: bool = False,
         scene: MakeScene = make_scene,
@@ -58,9 +56,9 @@ class LiveView:
         self._stopped = threading.Event()
         self._note = ""
 
-        self._server = serve(host, port)
-        self.scene = scene(self._server, episode)
-        self._panel = Panel(self._server, self.scene, self._actions())
+        self._server = server
+        self.scene = scene(server, episode)
+        self._panel = Panel(server, self.scene, self._actions())
         self.scene.start()
         self.scene.add_grips(self._ask)
         self._show_all()

@@ -1,5 +1,6 @@
 """Watching a policy in an environment of one's own."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -10,6 +11,7 @@ from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.live import LiveView
 from aicon_baselines.view.scenes import MakeScene
+from aicon_baselines.view.server import serve
 from aicon_torch import Policy
 
 
@@ -38,6 +40,7 @@ def watch(
     seed: int = 0,
     port: int = 8080,
     host: str = "127.0.0.1",
+    names: Sequence[str] = (),
 ) -> None:
     """Show a policy in an environment of one's own in the browser, until Ctrl-C.
 
@@ -48,12 +51,14 @@ def watch(
             has MuJoCo's `model` and `data` needs none.
         seed: Seed of the episode.
         port: Port of the page; where it is taken, the next free one.
-        host: Address to listen at.
+        host: Address to listen at; "0.0.0.0" is visible to the whole network.
+        names: Names by which the page may be called, besides `localhost` and numeric addresses.
 
     Raises:
         ComparisonError: If there is no scene, and the environment is none of MuJoCo.
     """
-    view = LiveView(open_own(policy, env, seed), port, host, scene=scene or _scene_of(env))
+    scene = scene or _scene_of(env)
+    view = LiveView(open_own(policy, env, seed), serve(host, port, names), scene=scene)
     try:
         view.run()
     except KeyboardInterrupt:

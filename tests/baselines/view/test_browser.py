@@ -13,7 +13,7 @@ pytest.importorskip("playwright", reason="the browser is driven by playwright")
 from _browser import colors_of, wait_until, watched, weigh
 from playwright.sync_api import Browser, Page
 
-from aicon_baselines.view import LiveEpisode, LiveView, open_episode
+from aicon_baselines.view import LiveEpisode, LiveView, open_episode, serve
 
 WORLDS = {
     "nav2d": ("range", 1006, "reach"),
@@ -29,7 +29,7 @@ def view(request: pytest.FixtureRequest) -> LiveView:
         pytest.importorskip("mujoco", reason="the arms need MuJoCo")
     condition, seed, _ = WORLDS[request.param]
     episode = open_episode(request.param, condition=condition, seed=seed)
-    return LiveView(episode, port=0, paused=True, compiles=False)
+    return LiveView(episode, serve("127.0.0.1", 0), paused=True, compiles=False)
 
 
 @pytest.fixture(scope="module")

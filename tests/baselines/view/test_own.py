@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.view import PlaneScene, open_own, watch
+from aicon_baselines.view import PlaneScene, open_own, serve, watch
 from aicon_baselines.view.live import LiveView
 from aicon_torch import Actuator, Affine, Deterministic, Goal, Policy, Sensor, WorldModel
 
@@ -66,7 +66,8 @@ def make_policy() -> Policy:
 
 
 def test_a_scene_of_ones_own_is_two_methods() -> None:
-    view = LiveView(open_own(make_policy(), Corridor()), 0, scene=CorridorScene, compiles=False)
+    episode = open_own(make_policy(), Corridor())
+    view = LiveView(episode, serve("127.0.0.1", 0), scene=CorridorScene, compiles=False)
     try:
         for _ in range(60):
             view.episode.step()
