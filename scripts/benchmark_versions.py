@@ -136,7 +136,10 @@ class Worker:
 
     def _answer(self) -> Any:
         assert self.process.stdout is not None
-        return json.loads(self.process.stdout.readline())
+        answer = self.process.stdout.readline()
+        if not answer:
+            raise RuntimeError(f"a worker ended, with exit status {self.process.wait()}")
+        return json.loads(answer)
 
 
 @contextmanager

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 from aicon_baselines.evaluation.parent import end_with
 
@@ -55,9 +56,9 @@ def ends_with_its_parent(program: str) -> None:
 
 
 def is_running(process: int) -> bool:
-    """Whether there is such a process."""
+    """Whether there is such a process that has not ended; what nobody has waited for has."""
     try:
-        os.kill(process, 0)
-    except ProcessLookupError:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
         return False
-    return True
+    return state != "Z"
