@@ -30,16 +30,19 @@ def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
         text=True,
         preexec_fn=obey_interrupts,
     ) as process:
-        assert process.stdout is not None
-        line = process.stdout.readline()
-        assert line.startswith("watch it at http://localhost:")
-        assert line.endswith("(Ctrl-C ends it)\n")
+        try:
+            assert process.stdout is not None
+            line = process.stdout.readline()
+            assert line.startswith("watch it at http://localhost:")
+            assert line.endswith("(Ctrl-C ends it)\n")
 
-        address = line.split()[3].replace("localhost", "127.0.0.1")
-        assert b"<html" in urlopen(address).read()[:1000].lower()
+            address = line.split()[3].replace("localhost", "127.0.0.1")
+            assert b"<html" in urlopen(address, timeout=60).read()[:1000].lower()
 
-        process.send_signal(signal.SIGINT)
-        printed, errors = process.communicate()
+            process.send_signal(signal.SIGINT)
+            printed, errors = process.communicate(timeout=60)
+        finally:
+            process.kill()  # whatever was wrong with it, nobody waits for it
     assert (process.returncode, printed, errors) == (130, "", "\nstopped\n")
 
 

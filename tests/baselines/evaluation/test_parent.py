@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 from aicon_baselines.evaluation.parent import end_with
@@ -44,15 +43,16 @@ def ends_with_its_parent(program: str) -> None:
     """Run a program that prints the numbers of its children, kill it, and see that they end."""
     command = [sys.executable, "-c", program]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
-        assert parent.stdout is not None
-        children = [int(number) for number in parent.stdout.readline().split()]
-        assert children and all(map(is_running, children))
+        try:
+            assert parent.stdout is not None
+            children = [int(number) for number in parent.stdout.readline().split()]
+            assert children and all(map(is_running, children))
+        finally:
+            parent.kill()
 
-        # Their ends of the pipe close when they end.
-        parent.kill()
-        assert parent.stdout.read() == ""
-    while any(map(is_running, children)):
-        time.sleep(0.01)
+        # The pipe ends when the last child has: each of them holds an end of it.
+        printed, _ = parent.communicate(timeout=60)
+        assert printed == ""
 
 
 def is_running(process: int) -> bool:

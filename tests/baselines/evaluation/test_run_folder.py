@@ -3,13 +3,13 @@
 import multiprocessing
 import os
 import resource
-import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from _inputs.comparison import POINTS, handmade_rows
+from _inputs.writer import hold
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.config import configure
@@ -39,18 +39,14 @@ def test_a_second_writer_is_refused_until_the_first_has_ended(tmp_path: Path) ->
         assert folder.rows() == ROWS
 
 
-def _hold(path: Path, held: "multiprocessing.synchronize.Event") -> None:
-    with RunFolder.open(path, CONFIG):
-        held.set()
-        signal.pause()
-
-
 def test_a_killed_writer_keeps_nobody_out(tmp_path: Path) -> None:
     context = multiprocessing.get_context("spawn")
-    held = context.Event()
-    writer = context.Process(target=_hold, args=(tmp_path, held))
+    opened, sender = context.Pipe(duplex=False)
+    writer = context.Process(target=hold, args=(tmp_path, CONFIG, sender), daemon=True)
     writer.start()
-    held.wait()
+    # With this end closed, a writer that has died ends the wait with an EOFError.
+    sender.close()
+    assert opened.recv()
 
     with pytest.raises(ComparisonError, match="another process"), a_folder(tmp_path):
         pass
