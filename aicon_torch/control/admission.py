@@ -15,6 +15,9 @@ BEGINS = "begins"
 NEVER = 1e9
 """Age of a reading that never came, s."""
 
+LONGEST = 10.0
+"""The longest step in which a robot is taken to have moved as it was told, in time steps."""
+
 DRIVEN = 0.005
 """Share of an actuator's limit from which on it counts as acting."""
 
@@ -87,7 +90,7 @@ class Admission(NamedTuple):
         for name, sensor in self.sensors.items():
             admitted |= self._admit(name, sensor, readings, memory, elapsed)
         if self.clock is not None:
-            admitted[self.clock] = elapsed.unsqueeze(-1)
+            admitted[self.clock] = self._moving(elapsed).unsqueeze(-1)
 
         # What was executed, where that is told; no action is beyond its limit.
         for name, actuator in self.actuators.items():
@@ -109,7 +112,14 @@ class Admission(NamedTuple):
         if self.clock is None:
             return usual
         told = readings[self.clock].squeeze(-1)
-        return torch.where(told.isfinite(), told, usual)
+        return torch.where(told.isfinite() & (told >= 0), told, usual)
+
+    def _moving(self, elapsed: Tensor) -> Tensor:
+        """For how much of that the robot is taken to have moved, ``(*B,)``, s.
+
+        What a robot does while its control loop stalls is not known: the belief stays.
+        """
+        return torch.where(elapsed > LONGEST * self.dt, 0.0, elapsed)
 
     def _admit(
         self,

@@ -2,15 +2,15 @@
 
 from aicon_torch.quantities import Sensor
 
-LONGEST = 10.0
-"""The longest step that is believed, in time steps."""
-
 
 def clock(dt: float) -> Sensor:
     """How long the last step took, ``elapsed`` ``(*B, 1)``, s, for ``WorldModel(clock=)``.
 
     An observation need not tell it: then the step took as long as it should, as it does where the
-    clock says that it took longer than ten times that.
+    clock says what cannot be (NaN, infinity, a negative number). Where it took more than ten times
+    as long, the loop has stalled. What the robot did meanwhile is not known, so nothing is
+    predicted; but readings are older by all of that time, and where they are too old the robot
+    stands.
 
     Args:
         dt: How long a step should take, s.
@@ -21,4 +21,4 @@ def clock(dt: float) -> Sensor:
         ...     ...
         ... )
     """
-    return Sensor(1, "s", key="elapsed", optional=True, range=(0.0, LONGEST * dt))
+    return Sensor(1, "s", key="elapsed", optional=True)
