@@ -8,6 +8,8 @@ OUT ?= runs
 
 INSTALLED := $(VENV)/.installed
 UV := .venv-uv/bin/uv
+# Ours, the paper's text, the sum with exploration, the steepest path, and the sum.
+POLICIES := aicon paper_literal without_projection steepest potential_field
 # The policies are small: more threads than one only wait for each other.
 RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
 AICON := $(VENV)/bin/aicon
@@ -60,10 +62,11 @@ test-oldest test-newest: test-%: $(UV) ## Run the tests with the oldest or the n
 	$(UV) pip install --python .venv-$*/bin/python --resolution $(RESOLUTION) --group replacements -e ".[all]"
 	OMP_NUM_THREADS=1 .venv-$*/bin/python -m pytest -W default -n $(JOBS)
 
+# Diffusion policies see pushT, and none was trained for navigation. PPO draws its actions, as in training: it does better.
 compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and pushT: tables, curves and pictures
-	$(AICON) compare --task nav2d --policies aicon paper_literal steepest potential_field \
+	$(AICON) compare --task nav2d --policies $(POLICIES) sb3 --sampled \
 	  --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/nav2d
-	$(AICON) compare --task pusht --policies aicon paper_literal steepest potential_field \
+	$(AICON) compare --task pusht --policies $(POLICIES) diffusion sb3 --sampled \
 	  --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
 	@$(MAKE) --no-print-directory figures
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"

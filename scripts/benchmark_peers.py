@@ -1,7 +1,7 @@
 """The tools of others beside ours, for `benchmark.py --peers`: the same work on the same input.
 
-What is not installed is left out, and said. LeRobot has an environment of its own
-(`make lerobot-env`); the others install anywhere: pip install "aicon-torch[peers]".
+What is not installed is left out, and said. `make install` brings all of them; LeRobot alone comes
+with pip install "aicon-torch[lerobot]", the others with "aicon-torch[peers]".
 """
 
 import json

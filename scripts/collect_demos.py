@@ -3,7 +3,7 @@
 Example: python scripts/collect_demos.py --episodes 200 --out runs/demos
          python scripts/train_diffusion.py --data runs/demos --out runs/diffusion
 
-The same command goes on where a stopped run was. It needs LeRobot: make lerobot-env.
+The same command goes on where a stopped run was. It needs LeRobot: make install.
 """
 
 import argparse

@@ -17,7 +17,9 @@ from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 
 import torch
 
-from aicon_baselines.agents.registry import compiled, factory, names
+from aicon_baselines.agents.registry import factory, names
+from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
+from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.files import only_writer
 from aicon_baselines.tasks.panda_push import TASK
 from aicon_baselines.tasks.panda_push_numbers import EpisodeNumbers, in_words, load, save
@@ -43,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=", ".join(TASK.conditions),
     )
-    parser.add_argument("--compile", action="store_true", help="compile their steps")
+    add_compile_option(parser)
     parser.add_argument("--episodes", type=int, default=10, help="seeds (default: 10)")
     parser.add_argument("--seed", type=int, default=0, help="first seed (default: 0)")
     parser.add_argument(
@@ -56,15 +58,18 @@ def run(arguments: argparse.Namespace) -> None:
     """Run the episodes that are missing, save and print the numbers of all."""
     torch.set_num_threads(1)
 
+    builds = {name: factory("panda_push", name) for name in arguments.policies}
+    builds = compiled_as_asked(builds, arguments.compile)
+
     with only_writer(arguments.out):
         for condition, policy in product(arguments.conditions, arguments.policies):
             path = arguments.out / f"{condition}_{policy}.csv"
-            numbers = take_numbers(policy, condition, path, arguments)
+            numbers = take_numbers(builds[policy], condition, path, arguments)
             print(f"{condition}, {policy}: {in_words(numbers)}", flush=True)
 
 
 def take_numbers(
-    name: str, condition: str, path: Path, arguments: argparse.Namespace
+    build: Factory, condition: str, path: Path, arguments: argparse.Namespace
 ) -> list[EpisodeNumbers]:
     """Return the numbers of all episodes; those not in the table yet are run, chunk by chunk."""
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
@@ -73,9 +78,6 @@ def take_numbers(
     def keep(numbers: EpisodeNumbers) -> None:
         rows[numbers.seed] = numbers
         save(rows.values(), path)
-
-    build = factory("panda_push", name)
-    build = compiled(build) if arguments.compile else build
 
     policy: Any = None
     for index in range(seeds[0] // TASK.chunk_size, seeds[-1] // TASK.chunk_size + 1):

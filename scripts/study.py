@@ -11,9 +11,9 @@ with other variants adds them to the same folder.
 import argparse
 from pathlib import Path
 
-from aicon_baselines.agents.registry import compiled
 from aicon_baselines.agents.variants import make_variants
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.run_folder import RunFolder
@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="STEPS",
         help="limit of an episode (default: the task's)",
     )
-    parser.add_argument("--compile", action="store_true", help="compile the policies")
+    add_compile_option(parser)
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
 
@@ -59,8 +59,7 @@ def run(arguments: argparse.Namespace) -> None:
         horizon=arguments.horizon,
     )
     policies = make_variants(task, condition, arguments.variants)
-    if arguments.compile:
-        policies = {name: compiled(build) for name, build in policies.items()}
+    policies = compiled_as_asked(policies, arguments.compile)
 
     with RunFolder.open(arguments.out, config) as folder:
         compare(task, policies, folder, arguments.jobs)

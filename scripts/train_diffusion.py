@@ -5,7 +5,7 @@ Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out
            --diffusion-path runs/diffusion/policy --out runs/pusht
 
 The same command goes on where a stopped run was saved last, and one with other --steps to that
-number of them. It needs LeRobot: make lerobot-env.
+number of them. It needs LeRobot: make install.
 """
 
 import argparse

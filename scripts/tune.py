@@ -11,8 +11,9 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
-from aicon_baselines.agents.registry import compiled, factory
+from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
@@ -77,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="action laws (default: foresight)",
     )
     parser.add_argument("--condition", metavar="NAME", help="of the task (default: its first)")
-    parser.add_argument("--compile", action="store_true", help="compile the steps")
+    add_compile_option(parser)
     parser.add_argument("--seed", type=int, help=f"first seed, {FIRST_SEED} or more")
     parser.add_argument("--episodes", type=int, help="seeds")
     parser.add_argument(
@@ -92,8 +93,7 @@ def run(arguments: argparse.Namespace) -> None:
     search = choose_search(arguments)
     task = load(arguments.task)
     candidates = list_candidates(task.name, arguments.policies, arguments.laws, search)
-    if arguments.compile:
-        candidates = {name: compiled(build) for name, build in candidates.items()}
+    candidates = compiled_as_asked(candidates, arguments.compile)
 
     config = configure(
         task,

@@ -116,6 +116,18 @@ def compiled(build: Factory) -> Factory:
     return CompiledPolicy(build)
 
 
+def can_be_compiled(build: Factory) -> bool:
+    """Whether it builds a policy of the library whose step can be compiled.
+
+    A rule of others for gradients in conflict decides robot by robot, which cannot.
+    """
+    from aicon_baselines.resolutions import Aggregation
+
+    if not isinstance(build, ModelPolicy):
+        return False
+    return not isinstance(build.options.get("resolution"), Aggregation)
+
+
 def make(task: str, name: str, condition: str | None = None) -> Predictor:
     """Build a policy, for example `make("nav2d", "aicon")`.
 

@@ -11,20 +11,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from aicon_baselines.agents.registry import (
-    compiled,
     diffusion_policy,
     factory,
     own_policy,
     saved_agent,
 )
+from aicon_baselines.agents.shipped import PUBLISHED_DIFFUSION, shipped_folder
 from aicon_baselines.cli.command_line import RESUMABLE, Command
+from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.backends import BACKENDS
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.report import write_report
-from aicon_baselines.evaluation.row import COMPILED
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.tables import list_failures
 from aicon_baselines.evaluation.task import Task
@@ -66,48 +66,50 @@ def run(arguments: argparse.Namespace) -> None:
 
 def choose_policies(task: Task, arguments: argparse.Namespace) -> dict[str, Factory]:
     """Return what builds each policy, by the name it gets in the rows."""
+    _check_paths("sb3", arguments.sb3_path, arguments.policies)
+    _check_paths("diffusion", arguments.diffusion_path, arguments.policies)
+
     policies: dict[str, Factory] = {}
+    of_task: dict[str, Factory] = {}
     for name in arguments.policies:
         if name == "sb3":
-            for folder in arguments.sb3_path:
-                label, build = saved_agent(task.name, folder, arguments.sampled, arguments.trust)
-                policies[label] = build
-
+            policies |= _saved_agents(task, arguments)
         elif name == "diffusion":
-            for source in arguments.diffusion_path:
-                label, build = diffusion_policy(
-                    task.name, source, arguments.sampler, arguments.inference_steps
-                )
-                policies[label] = build
-
+            policies |= _diffusion_policies(task, arguments)
         elif ":" in name:
             policies[name] = own_policy(name)
-
-        elif task.compiles:
-            policies[name] = compiled(factory(task.name, name))
-        elif arguments.compile:
-            policies[name + COMPILED] = compiled(factory(task.name, name))
         else:
-            policies[name] = factory(task.name, name)
+            of_task[name] = factory(task.name, name)
 
-    _check_paths("sb3", arguments.sb3_path, arguments, f"train_sb3.py --task {task.name}")
-    _check_paths(
-        "diffusion",
-        arguments.diffusion_path,
-        arguments,
-        "train_diffusion.py --data DEMONSTRATIONS",
-    )
-    return policies
+    return compiled_as_asked(of_task, arguments.compile) | policies
 
 
-def _check_paths(
-    name: str, paths: Sequence[object], arguments: argparse.Namespace, script: str
-) -> None:
-    """Refuse the name of a trained policy without its folder, and the folder without the name."""
-    if (name in arguments.policies) != bool(paths):
+def _saved_agents(task: Task, arguments: argparse.Namespace) -> dict[str, Factory]:
+    """Return what loads each agent of stable-baselines3; without a folder, the one that we ship."""
+    ways = (arguments.sampled, arguments.trust)
+    if not arguments.sb3_path:
+        _, build = saved_agent(task.name, shipped_folder("sb3", task.name), *ways)
+        return {"ppo_sampled" if arguments.sampled else "ppo": build}
+
+    return dict(saved_agent(task.name, folder, *ways) for folder in arguments.sb3_path)
+
+
+def _diffusion_policies(task: Task, arguments: argparse.Namespace) -> dict[str, Factory]:
+    """Return what loads each diffusion policy; without a folder, the one that we ship."""
+    ways = (arguments.sampler, arguments.inference_steps)
+    if not arguments.diffusion_path:
+        source = str(shipped_folder("diffusion", task.name))
+        label, build = diffusion_policy(task.name, source, *ways)
+        return {"diffusion" if ways == (None, None) else label: build}
+
+    return dict(diffusion_policy(task.name, source, *ways) for source in arguments.diffusion_path)
+
+
+def _check_paths(name: str, paths: Sequence[object], policies: Sequence[str]) -> None:
+    """Refuse the folder of a trained policy without its name."""
+    if paths and name not in policies:
         raise ComparisonError(
-            f"the policy {name!r} and --{name}-path FOLDER belong together; train one: "
-            f"python scripts/{script} --out FOLDER"
+            f"--{name}-path says which policy {name!r} means: add {name} to --policies"
         )
 
 
@@ -121,11 +123,7 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         "own: MODULE:FUNCTION, a function of the condition that returns something with predict",
     )
 
-    group.add_argument(
-        "--compile",
-        action="store_true",
-        help="compile them: the rows of NAME are NAME_compiled (panda_push: always, as NAME)",
-    )
+    add_compile_option(group)
 
     group.add_argument(
         "--sb3-path",
@@ -133,7 +131,8 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         type=Path,
         default=[],
         metavar="FOLDER",
-        help="what 'sb3' in --policies means: folders of trained agents",
+        help="what 'sb3' in --policies means: folders of trained agents (default: the PPO that is "
+        "shipped)",
     )
     group.add_argument(
         "--sampled", action="store_true", help="draw the actions of these agents, as in training"
@@ -151,7 +150,7 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
         default=[],
         metavar="FOLDER",
         help="what 'diffusion' in --policies means: folders, or OWNER/REPOSITORY@COMMIT of the "
-        "hub, with a repository such as lerobot/diffusion_pusht",
+        f"hub, such as {PUBLISHED_DIFFUSION} (default: the student that is shipped)",
     )
     group.add_argument(
         "--sampler",

@@ -19,9 +19,10 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from numpy.typing import NDArray
 from PIL import Image
 
-from aicon_baselines.agents.registry import compiled, factory
+from aicon_baselines.agents.registry import factory
 from aicon_baselines.agents.variants import REFERENCE, parse_variant
 from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
@@ -47,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--horizon", type=int, metavar="STEPS", help="limit of the episode (default: the task's)"
     )
-    parser.add_argument("--compile", action="store_true", help="compile the policy's step")
+    add_compile_option(parser)
     parser.add_argument("--render", type=Path, metavar="FILE", help="save the last view, as png")
     parser.add_argument("--video", type=Path, metavar="FILE", help="save a film, as mp4 or gif")
 
@@ -66,8 +67,9 @@ def run(arguments: argparse.Namespace) -> None:
     task, condition = config.apply(load(arguments.task)), config.conditions[0]
 
     name, options = parse_variant(arguments.policy)
-    build = factory(task.name, name, **options)
-    policy = _Remembering((compiled(build) if arguments.compile else build)(condition))
+    builds = {name: factory(task.name, name, **options)}
+    build = compiled_as_asked(builds, arguments.compile)[name]
+    policy = _Remembering(build(condition))
 
     with _filmed(task, arguments.render, arguments.video) as filmed_task:
         episodes = [filmed_task.episode(arguments.seed)]

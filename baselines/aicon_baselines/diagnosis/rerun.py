@@ -12,7 +12,7 @@ from aicon_baselines.diagnosis.history import FloatArray, History
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
-from aicon_baselines.evaluation.row import COMPILED, Row
+from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
@@ -94,7 +94,7 @@ def _factory(task: Task, name: str) -> Factory:
     """What builds the policy of a row."""
     if ":" in name:
         return own_policy(name)
-    return factory(task.name, name.removesuffix(COMPILED))
+    return factory(task.name, name)
 
 
 def _record(task: Task, row: Row, policy: Policy) -> Rerun:

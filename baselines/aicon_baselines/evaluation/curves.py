@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.intervals import wilson_interval
-from aicon_baselines.evaluation.row import COMPILED, Row
+from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.statistics import group_rows, median_of
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.extras import missing_extra
@@ -34,7 +34,10 @@ _TOL_MUTED = (
 )
 _COLOURS = (*_OKABE_ITO, *_TOL_MUTED)
 _LINE_STYLES = ("-", "--", ":", "-.")
-_EVERYWHERE = ("aicon", "paper_literal", "potential_field", "steepest")
+_EVERYWHERE = (
+    *("aicon", "paper_literal", "potential_field", "steepest"),
+    *("diffusion", "without_projection", "ppo_sampled"),
+)
 
 
 @dataclass(frozen=True)
@@ -114,8 +117,6 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
         task: The task; episodes end without success at its horizon, its last milestone is marked.
         path: Where to save the picture.
     """
-    rows = _plainly_named(rows)
-
     # A policy looks the same in all panels, and those of every task in all pictures.
     conditions = group_rows(rows, _condition)
     policies = (*_EVERYWHERE, *sorted({row.policy for row in rows}.difference(_EVERYWHERE)))
@@ -140,14 +141,6 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
         axes.set_axis_off()
     with replacing(path) as place:
         figure.savefig(place, dpi=160)
-
-
-def _plainly_named(rows: Sequence[Row]) -> list[Row]:
-    """The rows with the names of compiled policies cut, but where the same runs uncompiled too."""
-    names = {row.policy for row in rows}
-    plain = {name: name.removesuffix(COMPILED) for name in names}
-    kept = {name: name if plain[name] in names else plain[name] for name in names}
-    return [row._replace(policy=kept[row.policy]) for row in rows]
 
 
 def _condition(row: Row) -> str:

@@ -4,9 +4,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-COMPILED = "_compiled"
-"""What the name of a policy ends in that runs compiled where others do not."""
-
 
 class Row(NamedTuple):
     """The outcome of one episode; the first four fields name it and are the order of the file."""

@@ -71,8 +71,6 @@ class Task:
         length_unit: Unit of the lengths in the rows.
         time_unit: Unit in which durations are told.
         milestones: Numbers of steps within which success is reported as well; curves mark the last.
-        compiles: Whether the policies of the task are compiled in comparisons, being too slow
-            otherwise.
         measures: What else the rows hold; the environment must report it in `info`.
         shortest_path_length: Length of the shortest collision-free path of an episode, in
             `length_unit`; None where a path has no such bound and nothing to collide with.
@@ -91,7 +89,6 @@ class Task:
     length_unit: Literal["m", "px"] = "m"
     time_unit: Literal["s", "steps"] = "s"
     milestones: tuple[int, ...] = ()
-    compiles: bool = False
     measures: tuple[Measure, ...] = ()
     shortest_path_length: Callable[[Episode], float] | None = None
 

@@ -91,7 +91,6 @@ ARM_PUSH = Task(
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,
     milestones=(6_000, 12_000),
-    compiles=True,
     measures=(
         Measure("angle", "median angle at the end", "{:.1f}°", math.degrees(1.0)),
         Measure("limit_margin", "least distance to a joint's limit", "{:.3f} rad", least=True),

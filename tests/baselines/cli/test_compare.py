@@ -1,8 +1,5 @@
 """The command `aicon compare`, as users start it."""
 
-import argparse
-import os
-import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -11,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from aicon_baselines import tasks
-from aicon_baselines.agents import compiled, factory
-from aicon_baselines.cli.compare import add_arguments, choose_policies
+from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation.rows_file import read_rows
+from aicon_torch.codegen import has_compiler
 
 TASKS = [
     "nav2d",
@@ -31,7 +28,16 @@ def aicon_compare(*words: str, task: str = "nav2d") -> subprocess.CompletedProce
 
 @pytest.mark.parametrize("task", TASKS)
 def test_it_saves_and_prints_the_results(tmp_path: Path, task: str) -> None:
-    words = ["--policies", "aicon", "steepest", "--episodes", "2", "--horizon", "10"]
+    words = [
+        "--policies",
+        "aicon",
+        "steepest",
+        "--episodes",
+        "2",
+        "--horizon",
+        "10",
+        "--no-compile",
+    ]
     result = aicon_compare(*words, "--out", str(tmp_path), task=task)
     assert result.returncode == 0, result.stderr
 
@@ -56,7 +62,17 @@ def test_it_gives_the_same_rows_on_every_backend(backend: str, tmp_path: Path) -
     """The real task, with workers that import everything themselves."""
     if backend == "dask":
         pytest.importorskip("distributed")
-    words = ["--policies", "aicon", "--episodes", "2", "--seed", "1024", "--horizon", "30"]
+    words = [
+        "--policies",
+        "aicon",
+        "--episodes",
+        "2",
+        "--seed",
+        "1024",
+        "--horizon",
+        "30",
+        "--no-compile",
+    ]
     one, other = tmp_path / "one", tmp_path / "other"
 
     for folder, ways in ((one, ["--jobs", "1"]), (other, ["--jobs", "2", "--backend", backend])):
@@ -65,27 +81,12 @@ def test_it_gives_the_same_rows_on_every_backend(backend: str, tmp_path: Path) -
     assert (one / "episodes.csv").read_bytes() == (other / "episodes.csv").read_bytes()
 
 
-def test_a_policy_can_be_compared_compiled(tmp_path: Path) -> None:
-    """The robot must not notice; in a millionth of a metre after ten steps neither does the row."""
-    if not shutil.which(os.environ.get("CXX", "g++")):
-        pytest.skip("there is no C++ compiler")
-    words = ["--policies", "aicon", "--episodes", "1", "--horizon", "10", "--out", str(tmp_path)]
+def test_compiled_or_not_the_rows_are_the_same(tmp_path: Path) -> None:
+    if not has_compiler():
+        pytest.skip("there is no C compiler")
+    words = ["compare", "--task", "nav2d", "--policies", "aicon", "--episodes", "1"]
+    compiled, readable = tmp_path / "compiled", tmp_path / "readable"
+    main([*words, "--horizon", "10", "--out", str(compiled)])
+    main([*words, "--horizon", "10", "--out", str(readable), "--no-compile"])
 
-    for options in ([], ["--compile"]):
-        result = aicon_compare(*words, *options)
-        assert result.returncode == 0, result.stderr
-
-    rows = sorted(read_rows(tmp_path / "episodes.csv"), key=lambda row: row.policy)
-    uncompiled, after_compiling = rows
-    assert (uncompiled.policy, after_compiling.policy) == ("aicon", "aicon_compiled")
-    assert after_compiling.distance == pytest.approx(uncompiled.distance, abs=1e-6)
-
-
-def test_policies_of_the_arm_are_always_compiled() -> None:
-    pytest.importorskip("aicon_envs.panda_push")
-    parser = argparse.ArgumentParser()
-    add_arguments(parser)
-    words = ["--task", "panda_push", "--policies", "steepest", "--out", "runs"]
-
-    policies = choose_policies(tasks.load("panda_push"), parser.parse_args(words))
-    assert policies == {"steepest": compiled(factory("panda_push", "steepest"))}
+    assert read_rows(compiled / "episodes.csv") == read_rows(readable / "episodes.csv")

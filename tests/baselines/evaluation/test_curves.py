@@ -64,18 +64,6 @@ def test_the_legend_has_the_order_in_which_the_curves_end(
     assert names == ["c is early", "b is late", "d does half", "a fails"]
 
 
-def test_compiled_policies_are_named_plainly_but_beside_themselves(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rows = [
-        *rows_by_steps("aicon_compiled", [100, 100]),
-        *rows_by_steps("aicon", [200, 200]),
-        *rows_by_steps("steepest_compiled", [300, None]),
-    ]
-    names = legend_of(rows, tmp_path, monkeypatch)
-    assert names == ["aicon_compiled", "aicon", "steepest"]
-
-
 def test_no_two_policies_look_the_same() -> None:
     styles = [line_style(index) for index in range(60)]
     assert len({colour for colour, _ in styles[:16]}) == 16

@@ -95,7 +95,7 @@ def build_config(file: Path, content: dict[str, Any], statistics: Statistics) ->
     if unknown:
         raise ComparisonError(
             f"{file} has options that the installed LeRobot does not know: {', '.join(unknown)}; "
-            "save the policy with the version that make lerobot-env installs"
+            "save the policy with the version that make install brings"
         )
 
     # 2. Translate the rest.

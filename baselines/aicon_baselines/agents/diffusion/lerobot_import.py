@@ -1,10 +1,11 @@
-"""LeRobot, which lives in a virtual environment of its own, imported on demand."""
+"""LeRobot, which is large and not always installed, imported on demand."""
 
 import os
 from importlib import import_module
 from types import ModuleType
 
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.extras import pip_command
 
 
 def import_lerobot(module: str) -> ModuleType:
@@ -15,7 +16,6 @@ def import_lerobot(module: str) -> ModuleType:
         return import_module(f"lerobot.{module}")
     except ModuleNotFoundError as error:
         raise ComparisonError(
-            f"{error}; diffusion policies need LeRobot, in a virtual environment of its own: "
-            "make lerobot-env, then . .venv-lerobot/bin/activate "
-            "(or: pip install 'aicon-torch[lerobot]')"
+            f"{error}; diffusion policies need LeRobot, several gigabytes: "
+            f"{pip_command('lerobot')}, or all that was tested with it: make install"
         ) from error

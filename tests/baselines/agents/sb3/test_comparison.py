@@ -24,7 +24,7 @@ def compare(folder: Path, *arguments: object) -> list[Any]:
 def test_rows_are_appended_to_the_same_run(
     agent_folders: dict[tuple[str, str], Path], tmp_path: Path
 ) -> None:
-    short = ("--task", "pusht", "--episodes", 2, "--horizon", 20)
+    short = ("--task", "pusht", "--no-compile", "--episodes", 2, "--horizon", 20)
     paths = agent_folders["pusht", "ppo"], agent_folders["pusht", "sac"]
 
     before = compare(tmp_path, *short, "--policies", "steepest")
@@ -49,15 +49,22 @@ def test_the_comparison_takes_what_the_script_trained(
     run_command(train_sb3.COMMAND, arguments)
 
     printed = capsys.readouterr().out.split("aicon compare ")[1].split("--out")[0].split()
-    rows = compare(tmp_path / "run", *printed, "--episodes", 2, "--horizon", 5)
+    rows = compare(tmp_path / "run", *printed, "--no-compile", "--episodes", 2, "--horizon", 5)
     assert len(rows) == 4
 
 
-@pytest.mark.parametrize("arguments", [("sb3",), ("aicon", "--sb3-path", "agent")])
-def test_sb3_and_its_path_belong_together(
-    arguments: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_path_without_sb3_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
-        compare(tmp_path, "--task", "nav2d", "--policies", *arguments)
-    assert "python scripts/train_sb3.py --task nav2d" in capsys.readouterr().err
+        compare(tmp_path, "--task", "nav2d", "--policies", "aicon", "--sb3-path", "agent")
+    assert "add sb3 to --policies" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("task", ["nav2d", "pusht"])
+@pytest.mark.parametrize(("options", "name"), [((), "ppo"), (("--sampled",), "ppo_sampled")])
+def test_without_a_path_it_is_the_agent_that_we_ship(
+    task: str, options: tuple[str, ...], name: str, tmp_path: Path
+) -> None:
+    short = ("--task", task, "--episodes", 1, "--horizon", 2)
+    (row,) = compare(tmp_path, *short, "--policies", "sb3", *options)
+    assert row.policy == name
