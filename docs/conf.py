@@ -50,6 +50,8 @@ PAGES = {
     "../aicon_torch": "api/index.md",
     "../aicon_torch/codegen": "api/codegen.md",
     "../baselines/checkpoints/diffusion_pusht_keypoints/README.md": "student.md",
+    "../baselines/checkpoints/ppo_nav2d/README.md": "ppo_nav2d.md",
+    "../baselines/checkpoints/ppo_pusht/README.md": "ppo_pusht.md",
 }
 
 

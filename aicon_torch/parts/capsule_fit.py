@@ -23,6 +23,9 @@ CUTS = (0.25, 0.375, 0.5, 0.625, 0.75)
 FACETS = 16
 """Triangles are made smaller than the extent of the surface through this number."""
 
+MOST_PARTS = 300_000
+"""They are left larger where there would be more of them than this."""
+
 CORNERS = 256
 """So many points stand for all of them while a capsule is looked for."""
 
@@ -147,7 +150,7 @@ class _Hulls:
         spatial = import_extra("scipy.spatial", "robots")
         self._planes: list[NDArray[Any]] = []
         for surface in surfaces:
-            corners = _extreme_points(surface.reshape(-1, 3))
+            corners = _with_volume(_extreme_points(surface.reshape(-1, 3)))
             # Shaken a little (QJ), since what lies in a plane has no hull.
             self._planes.append(spatial.ConvexHull(corners, qhull_options="QJ").equations)
 
@@ -156,6 +159,17 @@ class _Hulls:
         points = _surface_of(segment)
         outside = [(points @ planes[:, :3].T + planes[:, 3]).max(axis=1) for planes in self._planes]
         return max(0.0, float(np.min(outside, axis=0).max()))
+
+
+def _with_volume(corners: NDArray[Any]) -> NDArray[Any]:
+    """The corners; where they are those of one triangle, a prism that is as good as flat."""
+    if len(corners) != 3:
+        return corners
+
+    first, second, third = corners
+    normal = np.cross(second - first, third - first)
+    thickness = 1e-6 * np.ptp(corners, axis=0).max()
+    return np.concatenate((corners, corners + thickness * normal / np.linalg.norm(normal)))
 
 
 def _surface_of(segment: Segment) -> NDArray[Any]:
@@ -267,8 +281,18 @@ def _small_triangles(triangles: NDArray[Any]) -> NDArray[Any]:
     faces = np.arange(len(vertices)).reshape(-1, 3)
 
     largest = float(np.ptp(vertices, axis=0).max()) / FACETS
+    while _count_of_parts(triangles, largest) > max(MOST_PARTS, len(triangles)):
+        largest *= 1.25
+
     vertices, faces = trimesh.remesh.subdivide_to_size(vertices, faces, largest, max_iter=20)
     return np.asarray(vertices[faces])
+
+
+def _count_of_parts(triangles: NDArray[Any], largest: float) -> float:
+    """How many there are once all are cut in four until no edge is longer than ``largest``."""
+    edges = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
+    cuts = np.ceil(np.log2(np.maximum(edges / largest, 1.0)))
+    return float((4.0**cuts).sum())
 
 
 def _principal_axes(points: NDArray[Any]) -> NDArray[Any]:

@@ -10,6 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_surfaces
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml, read_urdf
@@ -25,6 +26,8 @@ SAMPLES = 4096
 REACH = 0.05
 """Capsules that were never nearer than this in any of them, m, are taken never to meet."""
 
+MOST_PAIRS = 20_000
+"""So many are compared; a robot of 60 capsules has some 1,500."""
 
 APART = 0.01
 """Links that were never further apart than this in any of them, m, are taken for neighbours."""
@@ -78,7 +81,7 @@ class Capsules:
         Raises:
             FileNotFoundError: If a file or mesh is missing.
             ModuleNotFoundError: If an extra package is missing.
-            OptionError: See :meth:`Chain.from_urdf`.
+            OptionError: See :meth:`Chain.from_urdf`; also if a shape or mesh is not what it may be.
         """
         tree = read_urdf(source)
         path = tree.path(tip, base)
@@ -95,6 +98,11 @@ class Capsules:
 
         chain = Chain.from_path(path)
         candidates = _candidates(capsules, links, disabled)
+        if len(candidates) > MOST_PAIRS:
+            raise OptionError(
+                f"The robot's {len(capsules)} capsules make {len(candidates)} pairs that may meet: "
+                f"expected at most {MOST_PAIRS}. Disable some with srdf=, or take per_link=1."
+            )
         pairs = _that_can_meet(chain, capsules, links, candidates)
         return cls(tuple(capsules), tuple(links), tuple(pairs))
 

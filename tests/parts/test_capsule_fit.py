@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from aicon_torch.parts import capsule_fit
 from aicon_torch.parts.capsule_fit import Segment, around_cylinder, around_points, around_surfaces
 
 GENERATOR = np.random.default_rng(0)
@@ -79,3 +80,18 @@ def test_capsules_cover_the_whole_surface(count: int) -> None:
     points = (shares @ np.concatenate(bars())).reshape(-1, 3)
     gaps = np.stack([gap(part, points) for part in around_surfaces(bars(), count)])
     assert gaps.min(axis=0).max() <= 1e-9
+
+
+def test_a_single_triangle_is_covered() -> None:
+    triangle = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+    segments = around_surfaces([triangle], count=2)
+    for corner in triangle[0]:
+        assert min(gap(segment, corner[None]).max() for segment in segments) < 1e-6
+
+
+def test_long_triangles_are_not_cut_into_more_parts_than_the_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(capsule_fit, "MOST_PARTS", 5000)
+    triangles = GENERATOR.normal(size=(1000, 3, 3))
+    assert len(triangles) < len(capsule_fit._small_triangles(triangles)) <= 5000

@@ -2,6 +2,7 @@ import pytest
 import torch
 from _inputs.robots import ROBOTS, Physics, mujoco_model, random_postures, robot_file
 
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.capsules import Capsules
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
@@ -89,6 +90,12 @@ def test_a_folded_arm_touches_itself_and_a_stretched_one_does_not() -> None:
     q = torch.tensor([[0.0, 0.0, 0.0], [0.0, 2.9, 0.0]], dtype=torch.float64)
     stretched, folded = goal(segments(q)).tolist()
     assert stretched == 0.0 < folded
+
+
+def test_more_pairs_than_can_be_compared_are_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("aicon_torch.parts.capsules.MOST_PAIRS", 3)
+    with pytest.raises(OptionError, match="6 capsules make . pairs that may meet: expected at mo"):
+        Capsules.from_urdf(ARM, tip="hand")
 
 
 @pytest.mark.parametrize("name", ["panda", "ur5", "xarm7"])

@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from aicon_torch.errors import OptionError
 from aicon_torch.extras import import_extra
+from aicon_torch.parts.descriptions.attributes import numbers_of, positive_of, text_of
+from aicon_torch.parts.descriptions.files import is_text
+from aicon_torch.parts.descriptions.meshes import read_triangles
 from aicon_torch.parts.descriptions.urdf import origin_of, parse_xml
+
+MOST_SHAPES = 1000
+"""Of one robot; the most in example-robot-data is 112."""
 
 
 class Cylinder(NamedTuple):
@@ -51,49 +57,80 @@ def read_collision_geometry(source: str | Path) -> dict[str, CollisionGeometry]:
     Raises:
         FileNotFoundError: If there is no such file, or one of its meshes is not found.
         ModuleNotFoundError: If trimesh is missing.
-        OptionError: If it is no URDF, or has a shape that URDF does not know.
+        OptionError: If it is no URDF, has a shape that URDF does not know, or a shape or mesh is
+            not what it may be; it names the link and its element.
     """
     root = parse_xml(source, root_tag="robot")
-    is_text = isinstance(source, str) and source.lstrip().startswith("<")
-    folder = Path() if is_text else Path(source).resolve().parent
+    folder = Path() if is_text(source) else Path(source).resolve().parent
+
+    count = len(root.findall("link/collision"))
+    if count > MOST_SHAPES:
+        raise OptionError(
+            f"The robot has {count} shapes that collide: expected at most {MOST_SHAPES}."
+        )
 
     found: dict[str, CollisionGeometry] = {}
     for link in root.findall("link"):
+        name = text_of(link, "name", "A link")
         geometry = CollisionGeometry()
         for collision in link.findall("collision"):
-            _add_shape(geometry, collision, folder)
+            _add_shape(geometry, collision, folder, f"Link {name!r}")
 
         if geometry.cylinders or geometry.triangles:
-            found[str(link.get("name"))] = geometry
+            found[name] = geometry
 
     return found
 
 
-def _add_shape(geometry: CollisionGeometry, collision: ElementTree.Element, folder: Path) -> None:
-    """Add one `<collision>`."""
-    pose = origin_of(collision)
+def _add_shape(
+    geometry: CollisionGeometry, collision: ElementTree.Element, folder: Path, owner: str
+) -> None:
+    """Add one `<collision>` of a link."""
+    pose = origin_of(collision, owner)
     shape = collision.find("geometry/*")
     if shape is None:
         return
 
-    if shape.tag in ("cylinder", "capsule", "sphere"):
-        length, radius = float(shape.get("length", 0.0)), float(shape.get("radius", 0.0))
-        geometry.cylinders.append(Cylinder(pose, length, radius, shape.tag != "cylinder"))
-        return
-
-    trimesh = import_extra("trimesh", "robots")
-    if shape.tag == "box":
-        mesh = trimesh.creation.box(extents=_vector(shape, "size"))
+    if shape.tag == "sphere":
+        radius = positive_of(shape, "radius", owner)
+        geometry.cylinders.append(Cylinder(pose, 0.0, radius, is_round=True))
+    elif shape.tag in ("cylinder", "capsule"):
+        length, radius = (positive_of(shape, name, owner) for name in ("length", "radius"))
+        geometry.cylinders.append(Cylinder(pose, length, radius, shape.tag == "capsule"))
+    elif shape.tag == "box":
+        geometry.triangles.append(_moved(_box(shape, owner), pose))
     elif shape.tag == "mesh":
-        mesh = _load_mesh(trimesh, find_mesh(str(shape.get("filename")), folder))
-        mesh.apply_scale(_vector(shape, "scale"))
+        geometry.triangles.append(_moved(_mesh(shape, folder, owner), pose))
     else:
         raise OptionError(
-            f"<{shape.tag}> is no shape: expected box, capsule, cylinder, mesh or sphere."
+            f"{owner}: <{shape.tag}> is no shape; expected box, capsule, cylinder, mesh or sphere."
         )
 
-    mesh.apply_transform(pose)
-    geometry.triangles.append(np.array(mesh.triangles))
+
+def _box(shape: ElementTree.Element, owner: str) -> NDArray[Any]:
+    """The surface of a box about the origin, ``(12, 3, 3)``, m."""
+    size = numbers_of(shape, "size", owner)
+    if (size <= 0.0).any():
+        raise OptionError(f"{owner}: <box size={shape.get('size')!r}>: expected 3 numbers above 0.")
+
+    trimesh = import_extra("trimesh", "robots")
+    return np.array(trimesh.creation.box(extents=size).triangles)
+
+
+def _mesh(shape: ElementTree.Element, folder: Path, owner: str) -> NDArray[Any]:
+    """The surface of a mesh in its size, ``(triangles, 3, 3)``, m."""
+    file = find_mesh(text_of(shape, "filename", owner), folder)
+    scale = numbers_of(shape, "scale", owner, (1.0, 1.0, 1.0))
+    if (scale == 0.0).any():
+        raise OptionError(
+            f"{owner}: <mesh scale={shape.get('scale')!r}>: expected 3 numbers other than 0."
+        )
+    return scale * read_triangles(file, owner)
+
+
+def _moved(triangles: NDArray[Any], pose: NDArray[Any]) -> NDArray[Any]:
+    """Triangles ``(T, 3, 3)`` after a rigid motion ``(4, 4)``."""
+    return np.asarray(triangles @ pose[:3, :3].T + pose[:3, 3])
 
 
 def find_mesh(filename: str, folder: Path) -> Path:
@@ -118,16 +155,3 @@ def find_mesh(filename: str, folder: Path) -> Path:
         if candidate.is_file():
             return candidate
     raise FileNotFoundError(f"The mesh {filename} is neither in {folder} nor in a folder above it.")
-
-
-def _load_mesh(trimesh: Any, path: Path) -> Any:
-    """The mesh of a file, in m where the file names its unit."""
-    mesh = trimesh.load_mesh(path)
-    if mesh.units is not None:
-        mesh.convert_units("meters")
-    return mesh
-
-
-def _vector(shape: ElementTree.Element, attribute: str) -> NDArray[Any]:
-    """Three numbers; ones where the file has none."""
-    return np.array([float(number) for number in shape.get(attribute, "1 1 1").split()])

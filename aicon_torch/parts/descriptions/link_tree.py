@@ -1,5 +1,6 @@
 """What a description of a robot says of its links and joints, whatever its format."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -58,6 +59,13 @@ class JointDescription(NamedTuple):
         return motion
 
 
+SHOWN = 100
+"""An error lists at most so many names."""
+
+MOST_JOINTS = 100
+"""In a chain. pytorch-kinematics is recursive, and beyond some 150 joints Python refuses."""
+
+
 @dataclass(frozen=True)
 class LinkTree:
     """The links of a robot and the joints between them.
@@ -67,7 +75,7 @@ class LinkTree:
         joints: Each link has at most one joint above it.
 
     Raises:
-        OptionError: If the joints are no tree over these links.
+        OptionError: If the joints are no tree over these links, or a name is there twice.
     """
 
     links: Sequence[str]
@@ -76,18 +84,44 @@ class LinkTree:
     """The joint whose child a link is; the root has none."""
 
     def __post_init__(self) -> None:
+        _check_unique("links", self.links)
+        _check_unique("joints", [joint.name for joint in self.joints])
+
+        links = frozenset(self.links)
         for joint in self.joints:
             for link in (joint.parent, joint.child):
-                if link not in self.links:
+                if link not in links:
                     raise OptionError(f"Joint {joint.name!r} names {link!r}, which is no link.")
             if joint.child in self.above:
                 other = self.above[joint.child].name
                 raise OptionError(f"Link {joint.child!r} has two joints: {other}, {joint.name}.")
             self.above[joint.child] = joint
 
+        self._check_no_loop()
         roots = [link for link in self.links if link not in self.above]
         if len(roots) != 1:
-            raise OptionError(f"A robot has one root; this one has {choices(roots)}.")
+            raise OptionError(f"A robot has one root; this one has {_shown(roots)}.")
+
+    def _check_no_loop(self) -> None:
+        """Check that going up from any link ends.
+
+        Raises:
+            OptionError: If it does not; it names the joints of the loop.
+        """
+        known: set[str] = set()  # from here it ends
+        for link in self.links:
+            climbed: dict[str, JointDescription] = {}
+            while link in self.above and link not in known:
+                if link in climbed:
+                    names = [joint.name for joint in climbed.values()]
+                    loop = names[list(climbed).index(link) :]
+                    raise OptionError(
+                        f"The joints {_shown(loop)} form a loop: expected a tree, in "
+                        "which every link hangs on the root."
+                    )
+                climbed[link] = self.above[link]
+                link = self.above[link].parent
+            known.update(climbed)
 
     @property
     def root(self) -> str:
@@ -103,7 +137,7 @@ class LinkTree:
         parents = {joint.parent for joint in self.joints}
         leaves = [link for link in self.links if link not in parents]
         if len(leaves) != 1:
-            raise OptionError(f"The robot branches: choose tip= among its ends {choices(leaves)}.")
+            raise OptionError(f"The robot branches: choose tip= among its ends {_shown(leaves)}.")
         return leaves[0]
 
     def path(self, tip: str | None = None, base: str | None = None) -> list[JointDescription]:
@@ -124,7 +158,7 @@ class LinkTree:
         base = self.root if base is None else base
         for name, link in (("tip", tip), ("base", base)):
             if link not in self.links:
-                raise OptionError(f"{name}={link!r}: expected one of {choices(self.links)}.")
+                raise OptionError(f"{name}={link!r}: expected one of {_shown(self.links)}.")
 
         # Up from the tip, then turned round.
         path: list[JointDescription] = []
@@ -133,7 +167,7 @@ class LinkTree:
             if link not in self.above:
                 above_tip = [joint.parent for joint in path]
                 raise OptionError(
-                    f"base={base!r} is not above tip={tip!r}: expected one of {choices(above_tip)}."
+                    f"base={base!r} is not above tip={tip!r}: expected one of {_shown(above_tip)}."
                 )
             path.append(self.above[link])
             link = self.above[link].parent
@@ -143,8 +177,30 @@ class LinkTree:
         return path
 
 
+def _shown(names: Sequence[str]) -> str:
+    """The names in an error, the first :data:`SHOWN` of them."""
+    more = f" and {len(names) - SHOWN} more" * (len(names) > SHOWN)
+    return choices(names[:SHOWN]) + more
+
+
+def _check_unique(kind: str, names: Sequence[str]) -> None:
+    """Check that no name is there twice."""
+    counts = Counter(names)
+    repeated = [name for name, count in counts.items() if count > 1]
+    if repeated:
+        raise OptionError(
+            f"Several {kind} are called {_shown(repeated)}: expected a name for each."
+        )
+
+
 def _check_joints(path: Sequence[JointDescription], base: str, tip: str) -> None:
-    """Check that each joint is fixed, or has a degree of freedom of its own."""
+    """Check that each joint is fixed, or has a degree of freedom of its own and room to move."""
+    if len(path) > MOST_JOINTS:
+        raise OptionError(
+            f"There are {len(path)} joints between base={base!r} and tip={tip!r}: expected at "
+            f"most {MOST_JOINTS}."
+        )
+
     for joint in path:
         if joint.kind not in (*MOVING, "fixed"):
             expected = choices((*MOVING, "fixed"))
@@ -153,6 +209,12 @@ def _check_joints(path: Sequence[JointDescription], base: str, tip: str) -> None
             raise OptionError(
                 f"Joint {joint.name!r} mimics {joint.mimics!r}: a chain has only joints of their "
                 "own. End the chain before it, or make it fixed in the description."
+            )
+        if joint.moves and not joint.low < joint.high:
+            raise OptionError(
+                f"Joint {joint.name!r} is {joint.kind} and has no room to move: its limits are "
+                f"{joint.low:g} and {joint.high:g} (0 where the description names none). Expected "
+                "a lower limit below the upper one, or a joint that is continuous or fixed."
             )
 
     if not any(joint.moves for joint in path):

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_torch.errors import OptionError
+from aicon_torch.parts.descriptions.attributes import limit_of, numbers_of, text_of
+from aicon_torch.parts.descriptions.files import read_source
 from aicon_torch.parts.descriptions.link_tree import JointDescription, LinkTree
 
 
@@ -19,10 +21,11 @@ def read_urdf(source: str | Path) -> LinkTree:
 
     Raises:
         FileNotFoundError: If there is no such file.
-        OptionError: If it is no URDF, or its joints are no tree.
+        OptionError: If it is no URDF, its joints are no tree, or a number is none; it names the
+            joint and its element.
     """
     root = parse_xml(source, root_tag="robot")
-    links = [str(link.get("name")) for link in root.findall("link")]
+    links = [text_of(link, "name", "A link") for link in root.findall("link")]
     joints = [_joint(element) for element in root.findall("joint")]
     return LinkTree(links, joints)
 
@@ -32,15 +35,12 @@ def parse_xml(source: str | Path, root_tag: str) -> ElementTree.Element:
 
     Raises:
         FileNotFoundError: If there is no such file.
-        OptionError: If it is no XML, or its root has another tag.
+        OptionError: If it is no XML, too large, or its root has another tag.
     """
-    is_text = isinstance(source, str) and source.lstrip().startswith("<")
-    name = "The text" if is_text else str(source)
-    text = str(source).encode() if is_text else Path(source).read_bytes()
-
+    name, text = read_source(source)
     try:
         root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # or an unknown encoding
         raise OptionError(f"{name} is no XML: {error}.") from error
 
     if root.tag != root_tag:
@@ -48,17 +48,24 @@ def parse_xml(source: str | Path, root_tag: str) -> ElementTree.Element:
     return root
 
 
-def origin_of(element: ElementTree.Element) -> NDArray[Any]:
+def origin_of(element: ElementTree.Element, owner: str) -> NDArray[Any]:
     """The transform ``(4, 4)`` in the child ``<origin>``, m; the identity if there is none.
 
     Angles are roll, pitch and yaw: R = R_z(yaw) R_y(pitch) R_x(roll).
+
+    Args:
+        element: The joint, or the collision geometry.
+        owner: What an error calls it.
+
+    Raises:
+        OptionError: If a number is missing, or is not finite.
     """
     origin = element.find("origin")
     transform = np.eye(4)
     if origin is None:
         return transform
 
-    roll, pitch, yaw = _numbers(origin, "rpy", (0.0, 0.0, 0.0))
+    roll, pitch, yaw = numbers_of(origin, "rpy", owner, (0.0, 0.0, 0.0))
     turn_x = [
         [1.0, 0.0, 0.0],
         [0.0, np.cos(roll), -np.sin(roll)],
@@ -76,71 +83,71 @@ def origin_of(element: ElementTree.Element) -> NDArray[Any]:
     ]
 
     transform[:3, :3] = np.array(turn_z) @ np.array(turn_y) @ np.array(turn_x)
-    transform[:3, 3] = _numbers(origin, "xyz", (0.0, 0.0, 0.0))
+    transform[:3, 3] = numbers_of(origin, "xyz", owner, (0.0, 0.0, 0.0))
     return transform
 
 
 def _joint(element: ElementTree.Element) -> JointDescription:
     """One joint of the file."""
-    name, kind = str(element.get("name")), str(element.get("type"))
-    low, high, speed = _limits(element, kind)
+    name = text_of(element, "name", "A joint")
+    owner = f"Joint {name!r}"
+    kind = text_of(element, "type", owner)
+    low, high, speed = _limits(element, kind, owner)
 
     mimic = element.find("mimic")
     return JointDescription(
         name=name,
         kind=kind,
-        parent=_link_of(element, "parent"),
-        child=_link_of(element, "child"),
-        fixed=origin_of(element),
-        axis=_axis(element, name),
+        parent=_link_of(element, "parent", owner),
+        child=_link_of(element, "child", owner),
+        fixed=origin_of(element, owner),
+        axis=_axis(element, owner),
         low=low,
         high=high,
         speed=speed,
-        mimics=None if mimic is None else str(mimic.get("joint")),
+        mimics=None if mimic is None else text_of(mimic, "joint", owner),
     )
 
 
-def _link_of(element: ElementTree.Element, end: str) -> str:
+def _link_of(element: ElementTree.Element, end: str, owner: str) -> str:
     """The link at one end of a joint."""
     found = element.find(end)
     if found is None:
-        raise OptionError(f"Joint {element.get('name')!r} has no <{end}>.")
-    return str(found.get("link"))
+        raise OptionError(f"{owner} has no <{end}>.")
+    return text_of(found, "link", owner)
 
 
-def _axis(element: ElementTree.Element, name: str) -> NDArray[Any]:
+def _axis(element: ElementTree.Element, owner: str) -> NDArray[Any]:
     """The axis as a unit vector; x where the file names none, as URDF has it."""
     axis = element.find("axis")
     x_axis = (1.0, 0.0, 0.0)
-    direction = np.array(x_axis if axis is None else _numbers(axis, "xyz", x_axis))
+    direction = np.array(x_axis) if axis is None else numbers_of(axis, "xyz", owner, x_axis)
 
     length = float(np.linalg.norm(direction))
     if length == 0.0 and element.get("type") != "fixed":
-        raise OptionError(f"Joint {name!r} has the axis (0, 0, 0): expected a direction.")
+        raise OptionError(f"{owner} has the axis (0, 0, 0): expected a direction.")
     return direction / length if length > 0.0 else np.array(x_axis)
 
 
-def _limits(element: ElementTree.Element, kind: str) -> tuple[float, float, float]:
-    """The lowest q, the highest q, and the largest speed."""
+def _limits(element: ElementTree.Element, kind: str, owner: str) -> tuple[float, float, float]:
+    """The lowest q, the highest q, and the largest speed.
+
+    URDF asks for limits of what turns or slides, and takes 0 for an end that is not named.
+    """
     limit = element.find("limit")
+    has_ends = kind in ("revolute", "prismatic")
     if limit is None:
-        return -np.inf, np.inf, np.inf
+        return (0.0, 0.0, np.inf) if has_ends else (-np.inf, np.inf, np.inf)
 
-    speed = float(limit.get("velocity", np.inf))
-    if kind == "continuous":  # it has no ends, whatever the file says
+    speed = limit_of(limit, "velocity", owner, np.inf)
+    if speed < 0.0:
+        raise OptionError(f"{owner}: <limit velocity='{speed:g}'>: expected a number from 0 up.")
+    if not has_ends:  # a continuous joint has none, whatever the file says
         return -np.inf, np.inf, speed
-    return float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0)), speed
 
-
-def _numbers(
-    element: ElementTree.Element, attribute: str, default: tuple[float, ...]
-) -> tuple[float, ...]:
-    """The numbers of an attribute, as many as the default has."""
-    text = element.get(attribute)
-    if text is None:
-        return default
-
-    numbers = tuple(float(number) for number in text.split())
-    if len(numbers) != len(default):
-        raise OptionError(f"{attribute}={text!r}: expected {len(default)} numbers.")
-    return numbers
+    low, high = limit_of(limit, "lower", owner, 0.0), limit_of(limit, "upper", owner, 0.0)
+    if low > high:
+        raise OptionError(
+            f"{owner}: <limit lower='{low:g}' upper='{high:g}'>: expected lower below upper."
+        )
+    return low, high, speed

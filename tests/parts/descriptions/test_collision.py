@@ -55,5 +55,29 @@ def test_a_mesh_that_is_not_there_is_an_error(tmp_path: Path) -> None:
 
 
 def test_an_unknown_shape_is_an_error() -> None:
-    with pytest.raises(OptionError, match="<cone> is no shape: expected box, capsule"):
+    with pytest.raises(OptionError, match="<cone> is no shape; expected box, capsule"):
         read_collision_geometry(robot("<cone/>"))
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        ('<sphere radius="nan"/>', "Link 'a': <sphere radius='nan'>: expected a number above 0"),
+        ('<sphere radius="-1"/>', "Link 'a': <sphere radius='-1'>: expected a number above 0"),
+        ("<sphere/>", "Link 'a': <sphere> has no radius=; expected a number above 0"),
+        ('<cylinder radius="1"/>', "Link 'a': <cylinder> has no length="),
+        ('<capsule radius="0" length="1"/>', "Link 'a': <capsule radius='0'>"),
+        ('<box size="1 1"/>', "Link 'a': <box size='1 1'>: expected 3 numbers"),
+        ('<box size="1 1 -1"/>', "Link 'a': <box size='1 1 -1'>: expected 3 numbers above 0"),
+        ("<mesh/>", "Link 'a': <mesh> has no filename="),
+    ],
+)
+def test_a_shape_of_no_size_is_an_error_that_names_the_link(shape: str, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        read_collision_geometry(robot(shape))
+
+
+def test_more_shapes_than_a_robot_has_are_an_error() -> None:
+    shape = '<sphere radius="1"/></geometry></collision><collision><geometry>' * 1500
+    with pytest.raises(OptionError, match="1501 shapes that collide: expected at most 1000"):
+        read_collision_geometry(robot(shape))

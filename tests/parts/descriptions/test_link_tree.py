@@ -64,3 +64,31 @@ def test_links_with_two_roots_or_two_joints_above_them_are_no_robot() -> None:
         tree(joint("a", "b"), joint("c", "d"))
     with pytest.raises(OptionError, match="'c' has two joints: a_c, b_c"):
         tree(joint("a", "b"), joint("a", "c"), joint("b", "c"))
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        [joint("c", "d"), joint("d", "c")],
+        [joint("c", "c")],
+        [joint("c", "d"), joint("d", "e"), joint("e", "c"), joint("e", "f")],
+    ],
+)
+def test_joints_in_a_loop_are_an_error_that_names_them(loop: list[JointDescription]) -> None:
+    names = ", ".join(f"'{each.name}'" for each in loop if each.child != "f")
+    with pytest.raises(OptionError, match="form a loop: expected a tree") as raised:
+        tree(joint("a", "b"), *loop)
+    assert set(names.split(", ")) == {f"'{n}'" for n in str(raised.value).split("'")[1::2]}
+
+
+def test_a_chain_of_very_many_joints_is_an_error() -> None:
+    long = tree(*(joint(str(number), str(number + 1)) for number in range(1000)))
+    with pytest.raises(OptionError, match="There are 1000 joints between .*: expected at most 100"):
+        long.path()
+    assert len(long.path(tip="100")) == 100
+
+
+def test_an_error_does_not_list_very_many_names() -> None:
+    wide = tree(*(joint("a", f"b{number}") for number in range(1000)))
+    with pytest.raises(OptionError, match="'b99' and 900 more"):
+        wide.path()

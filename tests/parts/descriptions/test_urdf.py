@@ -1,11 +1,12 @@
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.descriptions import read_urdf
+from aicon_torch.parts.descriptions import files, read_urdf
 
 ARM = """<?xml version="1.0" encoding="utf-8"?>
 <robot name="arm">
@@ -57,14 +58,74 @@ def test_a_file_is_read_as_its_text_is(tmp_path: Path) -> None:
         ("<robot>", "The text is no XML"),
         ("<mujoco/>", "begins with <mujoco>: expected <robot>"),
         (ARM.replace('xyz="0 0 2"', 'xyz="0 0 0"'), "'lift' has the axis \\(0, 0, 0\\)"),
-        (ARM.replace('xyz="0 0 2"', 'xyz="0 1"'), "xyz='0 1': expected 3 numbers"),
+        (ARM.replace('xyz="0 0 2"', 'xyz="0 1"'), "xyz='0 1'>: expected 3 numbers"),
         (ARM.replace('<parent link="column"/>', ""), "'turn' has no <parent>"),
         (ARM.replace('<parent link="column"/>', '<parent link="x"/>'), "'turn' names 'x'"),
+        ('<?xml version="1.0" encoding="klingon"?><robot/>', "no XML: unknown encoding"),
+        (ARM.replace('<link name="hand"/>', "<link/>"), "<link> has no name="),
+        (ARM.replace('type="continuous"', ""), "Joint 'turn': <joint> has no type="),
+        (ARM.replace('<link name="hand"/>', '<link name="hand"/>' * 2), "links are called 'hand'"),
+        (ARM.replace('name="turn"', 'name="lift"'), "Several joints are called 'lift'"),
     ],
 )
 def test_what_is_no_description_is_an_error(source: str, message: str) -> None:
     with pytest.raises(OptionError, match=message):
         read_urdf(source)
+
+
+@pytest.mark.parametrize(
+    ("number", "other", "message"),
+    [
+        ('lower="0.1"', 'lower="nan"', "Joint 'lift': <limit lower='nan'>: expected a number"),
+        ('lower="0.1"', 'lower="0,1"', "Joint 'lift': <limit lower='0,1'>: expected a number"),
+        ('lower="0.1"', 'lower="0.9"', "<limit lower='0.9' upper='0.5'>: expected lower below"),
+        ('velocity="0.2"', 'velocity="nan"', "Joint 'lift': <limit velocity='nan'>"),
+        ('velocity="0.2"', 'velocity="-1"', "Joint 'lift': <limit velocity='-1'>"),
+        ('xyz="0 0 2"', 'xyz="nan 0 1"', "Joint 'lift': <axis xyz='nan 0 1'>: expected 3 numbers"),
+        ('xyz="0 0 2"', 'xyz="1e300 0 1"', "Joint 'lift': <axis xyz='1e300 0 1'>"),
+        ('rpy="0.4 -0.5 0.6"', 'rpy="inf 0 0"', "Joint 'turn': <origin rpy='inf 0 0'>"),
+        ('xyz="0.1 0.2 0.3"', 'xyz="a b c"', "Joint 'turn': <origin xyz='a b c'>"),
+    ],
+)
+def test_a_number_that_is_none_is_an_error_that_names_the_element(
+    number: str, other: str, message: str
+) -> None:
+    assert number in ARM
+    with pytest.raises(OptionError, match=message):
+        read_urdf(ARM.replace(number, other))
+
+
+@pytest.mark.parametrize(
+    ("limits", "others"),
+    [
+        ('<limit lower="0.1" upper="0.5" velocity="0.2" effort="1"/>', ""),
+        ('lower="0.1" upper="0.5"', ""),
+        ('lower="0.1" upper="0.5"', 'lower="0.5" upper="0.5"'),
+    ],
+)
+def test_a_joint_of_the_chain_without_room_between_its_limits_is_an_error(
+    limits: str, others: str
+) -> None:
+    tree = read_urdf(ARM.replace(limits, others))  # a gripper may have none
+    with pytest.raises(OptionError, match="Joint 'lift' is prismatic and has no room to move"):
+        tree.path()
+
+
+@pytest.mark.parametrize("source", [None, 3, Path(__file__).parent, ""])
+def test_what_is_neither_a_file_nor_a_text_is_an_error(source: Any) -> None:
+    with pytest.raises(OptionError, match="expected a file"):
+        read_urdf(source)
+
+
+def test_a_file_is_not_read_beyond_its_bound(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(files, "LARGEST_DESCRIPTION", 1_000_000)
+    file = tmp_path / "arm.urdf"
+    with file.open("wb") as opened:
+        opened.truncate(2_000_000)  # a hole: it takes no room
+    with pytest.raises(OptionError, match="arm.urdf has 2 MB: expected at most 1 MB"):
+        read_urdf(file)
 
 
 def test_a_missing_file_is_an_error() -> None:
