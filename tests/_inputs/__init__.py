@@ -44,6 +44,7 @@ from _inputs.rules import (
     unweighted,
     weighted,
 )
+from _inputs.shipped import driven, lean, quick
 from _inputs.steered import (
     off_the_wall,
     point,
@@ -106,6 +107,7 @@ __all__ = [
     "distances",
     "drifting",
     "drive",
+    "driven",
     "exploration_in_paper",
     "explores",
     "exploring_memory",
@@ -115,6 +117,7 @@ __all__ = [
     "gradient_stack",
     "graphs",
     "in_motion",
+    "lean",
     "lengths",
     "literal",
     "match",
@@ -133,6 +136,7 @@ __all__ = [
     "projection_in_paper",
     "pursuit",
     "quantities",
+    "quick",
     "random_covariance",
     "ranks",
     "readings",

@@ -12,13 +12,14 @@ from torch import Tensor
 
 from _inputs.random_numbers import normal
 from _inputs.rules import exploration_in_paper
-from aicon_torch import Goal, Policy, WorldModel, make_policy
+from _inputs.shipped import lean
+from aicon_torch import Goal, Policy, WorldModel
 
 
 @functools.cache
 def navigation(preset: str = "aicon") -> Policy:
-    """One of the navigation's policies; a policy keeps nothing, so one serves all tests."""
-    return make_policy("nav2d", preset=preset)
+    """One of the navigation's policies, with two gradients a step where twenty are shipped."""
+    return lean("nav2d", preset=preset)
 
 
 def with_rule(policy: Policy, **options: Any) -> Policy:
@@ -43,9 +44,9 @@ def navigation_in_text() -> Policy:
     return with_rule(navigation(), relative=False, exploration=exploration)
 
 
-def with_goal(goal: Goal) -> Policy:
-    """The navigation's policy with a goal more, its modules untouched."""
-    policy = make_policy("nav2d")
+def with_goal(goal: Goal, policy: Policy | None = None) -> Policy:
+    """A policy, by default the navigation's, with a goal more, its modules untouched."""
+    policy = navigation() if policy is None else policy
     base = policy.model
 
     model = WorldModel(

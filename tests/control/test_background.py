@@ -118,7 +118,7 @@ def test_an_error_is_raised_by_the_step_that_would_have_taken_the_reading() -> N
 @pytest.mark.parametrize("kind", ["eager", "compiled", "exported"])
 def test_every_policy_takes_it_and_its_estimators_take_the_age(kind: str, tmp_path: Path) -> None:
     """What comes late through the background is as good as a late reading that tells its age."""
-    policy = make_policy("nav2d", delay=8, law=Foresight(iterations=1))
+    policy = make_policy("nav2d", delay=2, law=Foresight(iterations=1))
     background, camera = seeing()
     seen: Any = Policy(policy.model, policy.resolution, policy.law, background)
     if kind == "compiled":

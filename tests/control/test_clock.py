@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_steps
-from _inputs import drifting, navigation
+from _inputs import drifting, lean, navigation
 from torch import Tensor
 
-from aicon_torch import GraphError, Policy, Sensor, WorldModel, make_policy
+from aicon_torch import GraphError, Policy, Sensor, WorldModel
 from aicon_torch.quantities import AGE
 
 DT = 0.05
-LATE = make_policy("nav2d", delay=4)
+LATE = lean("nav2d", delay=4)
 Reading = dict[str, Tensor]
 
 

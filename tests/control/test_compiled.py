@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import torch
 from _asserts import assert_same_steps
-from _inputs import drifting, normal
+from _inputs import drifting, driven, lean, normal
 from torch import Tensor
 
 from aicon_torch import (
@@ -116,9 +116,9 @@ def passing(steps: int, batch: tuple[int, ...] = ()) -> Readings:
     ("policy", "readings", "tolerance"),
     [
         pytest.param(follower(), wandering(12), 1e-12, id="follower"),
-        pytest.param(make_policy("nav2d"), drifting(150, (3,)), 1e-10, id="nav2d"),
+        pytest.param(lean("nav2d"), drifting(150, (3,)), 1e-10, id="nav2d"),
         pytest.param(follower().to(torch.float32), wandering(12), 1e-6, id="in float32"),
-        pytest.param(make_policy("pusht"), passing(30, (2,)), 1e-10, id="pusht"),
+        pytest.param(lean("pusht"), passing(30, (2,)), 1e-10, id="pusht"),
     ],
 )
 def test_it_takes_the_same_steps(policy: Policy, readings: Readings, tolerance: float) -> None:
@@ -126,10 +126,25 @@ def test_it_takes_the_same_steps(policy: Policy, readings: Readings, tolerance: 
 
 
 @with_compiler
+def test_it_takes_the_same_steps_of_twenty_gradients() -> None:
+    """As it is shipped; the others above take two."""
+    assert_same_steps(make_policy("nav2d"), driven("nav2d"), drifting(12), 1e-10)
+
+
+@with_compiler
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "readings"), [("nav2d", drifting(150, (3,))), ("pusht", passing(30, (2,)))]
+)
+def test_it_takes_the_same_steps_as_shipped(name: str, readings: Readings) -> None:
+    assert_same_steps(make_policy(name), driven(name), readings, 1e-10)
+
+
+@with_compiler
 def test_single_precision_is_as_near_to_double_precision_as_without_compiling() -> None:
     """A step of many gradients amplifies what either rounds, so they may not be near each other."""
-    exact = make_policy("nav2d")
-    single = make_policy("nav2d", dtype=torch.float32)
+    exact = lean("nav2d")
+    single = lean("nav2d", dtype=torch.float32)
     compiled, memory = single.compile(), None
 
     for reading in drifting(40):
@@ -147,6 +162,7 @@ def widened(value: Tensor) -> Tensor:
 
 
 @with_compiler
+@pytest.mark.slow
 def test_what_has_no_translation_to_c_is_compiled_otherwise() -> None:
     """By TorchInductor, as on other devices."""
     policy = follower()

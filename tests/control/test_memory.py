@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_rows_stand_alone, assert_same_memory, rollout
-from _inputs import as_arrays, drifting, navigation, observation_with, with_rule
+from _inputs import as_arrays, drifting, lean, navigation, observation_with, with_rule
 from torch import Tensor
 
-from aicon_torch import ObservationError, make_policy
+from aicon_torch import ObservationError
 from aicon_torch.models import presets
 
 
@@ -52,7 +52,7 @@ def test_an_episode_goes_on_after_saving_and_loading(preset: str) -> None:
     saved.seek(0)
     memory = torch.load(saved, weights_only=True)
 
-    other = make_policy("nav2d", preset=preset)
+    other = lean("nav2d", preset=preset)
     for reading, expected in zip(recorded[40:], straight[40:], strict=True):
         _, memory = other.predict(reading, memory)
         assert_same_memory(memory, expected, 0.0)
@@ -78,7 +78,7 @@ def test_predict_does_not_change_what_it_is_given() -> None:
 
 
 def test_act_and_reset_are_predict_with_the_memory_kept() -> None:
-    policy = make_policy("nav2d")
+    policy = lean("nav2d")
 
     for _ in range(2):
         memory = None

@@ -8,6 +8,7 @@ from _inputs import (
     DTYPES,
     direction,
     drifting,
+    lean,
     lengths,
     navigation,
     normal,
@@ -32,7 +33,6 @@ from aicon_torch import (
     Sensor,
     Sum,
     WorldModel,
-    make_policy,
 )
 
 
@@ -119,7 +119,7 @@ def test_actions_are_of_the_kind_of_the_observation() -> None:
 
 @pytest.mark.parametrize("dtype", DTYPES, ids=str)
 def test_every_value_has_the_precision_of_the_model(dtype: torch.dtype) -> None:
-    memory = rollout(make_policy("nav2d", dtype=dtype), drifting(30))[-1]
+    memory = rollout(lean("nav2d", dtype=dtype), drifting(30))[-1]
     assert {value.dtype for value in memory.values() if value.is_floating_point()} == {dtype}
 
 
@@ -130,7 +130,7 @@ def test_float32_follows_float64() -> None:
     rounded = {key: to_float32(value) for key, value in memory.items()}
 
     _, double = navigation().predict(observation, memory)
-    _, single = make_policy("nav2d", dtype=torch.float32).predict(observation, rounded)
+    _, single = lean("nav2d", dtype=torch.float32).predict(observation, rounded)
 
     for key in ("p_tar", "P_tar", "x_obs", "a"):
         torch.testing.assert_close(single[key].double(), double[key], rtol=2e-3, atol=2e-3)

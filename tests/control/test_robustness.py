@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from _inputs import DTYPES
+from _inputs import DTYPES, lean
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch import Policy, make_policy
+from aicon_torch import Policy
 from aicon_torch.models import presets
 
 Readings = list[tuple[float, float]]
@@ -43,7 +43,7 @@ def steps(policy: Policy, recorded: Readings) -> Iterator[tuple[NDArray[Any], di
 def test_no_finite_readings_make_a_bad_action(
     preset: str, dtype: torch.dtype, recorded: Readings
 ) -> None:
-    policy = make_policy("nav2d", preset=preset, dtype=dtype, max_speed=0.3)
+    policy = lean("nav2d", preset=preset, dtype=dtype, max_speed=0.3)
 
     for action, memory in steps(policy, recorded):
         assert np.isfinite(action).all()
@@ -59,7 +59,7 @@ def test_no_finite_readings_make_a_bad_action(
 def test_no_plausible_readings_make_a_bad_action(
     preset: str, dtype: torch.dtype, recorded: Readings
 ) -> None:
-    policy = make_policy("nav2d", preset=preset, dtype=dtype)
+    policy = lean("nav2d", preset=preset, dtype=dtype)
 
     for action, _ in steps(policy, recorded):
         assert np.isfinite(action).all()

@@ -11,11 +11,12 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import torch
+from _inputs import driven
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from numpy.typing import NDArray
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_torch import Policy, make_policy
+from aicon_torch import Policy
 
 sb3 = pytest.importorskip("stable_baselines3")
 
@@ -55,7 +56,7 @@ def test_evaluate_policy_runs_on_a_plain_environment() -> None:
     env = small()
     env.reset(seed=0)
     rewards, lengths = evaluation.evaluate_policy(
-        make_policy("nav2d"), env, n_eval_episodes=2, return_episode_rewards=True, warn=False
+        driven("nav2d"), env, n_eval_episodes=2, return_episode_rewards=True, warn=False
     )
 
     assert len(rewards) == 2
@@ -65,7 +66,7 @@ def test_evaluate_policy_runs_on_a_plain_environment() -> None:
 
 def test_evaluate_policy_runs_on_any_map() -> None:
     env = gym.make(ID, map="clutter", max_episode_steps=30)
-    mean, _ = evaluation.evaluate_policy(make_policy("nav2d"), env, n_eval_episodes=1, warn=False)
+    mean, _ = evaluation.evaluate_policy(driven("nav2d"), env, n_eval_episodes=1, warn=False)
     assert np.isfinite(mean)
 
 
@@ -73,7 +74,7 @@ def test_evaluate_policy_runs_on_a_vector_environment() -> None:
     envs = vec_env.DummyVecEnv([maker(400)] * 3)
     envs.seed(1)
     rewards, _ = evaluation.evaluate_policy(
-        make_policy("nav2d"), envs, n_eval_episodes=5, return_episode_rewards=True, warn=False
+        driven("nav2d"), envs, n_eval_episodes=5, return_episode_rewards=True, warn=False
     )
 
     assert len(rewards) == 5 and all(reward > 2.0 for reward in rewards)
@@ -159,7 +160,7 @@ def assert_starts_afresh(policy: Policy, episode: Episode) -> None:
 )
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal"])
 def test_each_episode_starts_from_a_fresh_memory_once(loop: Any, extra: int, preset: str) -> None:
-    policy = make_policy("nav2d", preset=preset)
+    policy = driven("nav2d", preset=preset)
     record = loop(policy, 40)
 
     for row, limit in enumerate(LIMITS):
@@ -172,7 +173,7 @@ def test_each_episode_starts_from_a_fresh_memory_once(loop: Any, extra: int, pre
 
 def test_the_native_vector_environment_gives_the_same() -> None:
     """The environment's own batch, whose episodes are cut by a time limit of 9 steps."""
-    policy = make_policy("nav2d")
+    policy = driven("nav2d")
     envs = gym.make_vec(ID, num_envs=3, max_episode_steps=9, map="long_wall")
     record = gymnasium_loop(policy, envs, steps=25, seed=3)
 
@@ -195,7 +196,7 @@ def scramble(attributes: dict[str, Any], rng: np.random.Generator) -> None:
 def test_what_the_policy_does_not_sense_does_not_change_what_it_does(preset: str) -> None:
     """Everything in info, and all that the environment hides, is changed before each decision."""
     rng = np.random.default_rng(0)
-    policy, disturbed = make_policy("nav2d", preset=preset), make_policy("nav2d", preset=preset)
+    policy = disturbed = driven("nav2d", preset=preset)
     env = small()
     hidden = env.unwrapped.__dict__
     observation, info = env.reset(seed=0)

@@ -4,11 +4,11 @@ from typing import Any
 
 import pytest
 import torch
-from _inputs import drifting
+from _inputs import drifting, lean
 from _inputs.pushing import wandering
 from torch import Tensor
 
-from aicon_torch import Policy, make_policy
+from aicon_torch import Policy
 
 Reading = dict[str, Tensor]
 
@@ -25,9 +25,9 @@ def arm_readings(count: int) -> list[Reading]:
 
 
 MODELS = {
-    "nav2d": (make_policy("nav2d"), drifting(24, (1,)), 6),
-    "pusht": (make_policy("pusht"), wandering(12, 1), 3),
-    "panda_push": (make_policy("panda_push", sensing="pose"), arm_readings(24), 10),
+    "nav2d": (lean("nav2d"), drifting(24, (1,)), 6),
+    "pusht": (lean("pusht"), wandering(12, 1), 3),
+    "panda_push": (lean("panda_push", sensing="pose"), arm_readings(24), 10),
 }
 """A policy, readings, and the number of steps after which it must stand."""
 
@@ -61,7 +61,7 @@ def test_it_stands_and_goes_on(name: str, fault: Any) -> None:
 @pytest.mark.parametrize("name", ["nav2d", "pusht"])
 def test_the_watchdog_is_an_option(name: str) -> None:
     _, readings, bound = MODELS[name]
-    policy = make_policy(name, watchdog=False)
+    policy = lean(name, watchdog=False)
     memory, _ = run(policy, readings[:3])
     _, speeds = run(policy, [blind(reading, name) for reading in readings[3 : 5 + bound]], memory)
     assert speeds[-1] > 0

@@ -5,7 +5,7 @@ import math
 import pytest
 import torch
 from _asserts import along, rollout
-from _inputs import drifting
+from _inputs import drifting, lean
 from torch import Tensor
 
 from aicon_torch import OptionError, make_policy
@@ -40,7 +40,7 @@ def uncertainty(action: Tensor, start: dict[str, Tensor]) -> Tensor:
 
 def test_the_gradients_have_the_closed_forms_of_the_paper() -> None:
     """p₁ = −μ/‖μ‖, p₃ = ∇exp(−d/ℓ) = −exp(−d/ℓ)/ℓ·∇d, p₂ by finite differences; all times dt."""
-    for memory in rollout(make_policy("nav2d"), drifting(120))[::20]:
+    for memory in rollout(lean("nav2d"), drifting(120))[::20]:
         start = {name: value for name, value in memory.items() if name in MODEL.quantities}
         local = MODEL.record(start)
         slopes = {str(path): along(path, MODEL, local) for path in MODEL.paths()}
@@ -61,7 +61,7 @@ def test_the_gradients_have_the_closed_forms_of_the_paper() -> None:
 
 def test_the_obstacle_s_direction_is_learned_from_motion() -> None:
     """A wall at x = 2: the readings are one number, its direction comes from how it changes."""
-    policy, position, memory = make_policy("nav2d"), torch.zeros(2, dtype=torch.float64), None
+    policy, position, memory = lean("nav2d"), torch.zeros(2, dtype=torch.float64), None
     for step in range(60):
         reading = {"bearing": torch.zeros(1, dtype=torch.float64), "range": 2.0 - position[:1]}
         circle = [0.4 * math.cos(step / 9), 0.4 * math.sin(step / 9)]

@@ -5,9 +5,10 @@ from typing import Any
 import gymnasium as gym
 import pytest
 import torch
+from _inputs import driven
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_torch import Policy, SteepestPath, make_policy
+from aicon_torch import Policy, SteepestPath
 
 BACK = [(1.2, -0.7), (1.4, -0.7), (1.4, 0.7), (1.2, 0.7)]
 TOP = [(0.5, 0.5), (1.4, 0.5), (1.4, 0.7), (0.5, 0.7)]
@@ -31,16 +32,16 @@ def drive(policy: Policy, obstacles: list[Any], steps: int) -> tuple[bool, bool]
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
 def test_in_the_open_every_policy_arrives(preset: str) -> None:
-    assert drive(make_policy("nav2d", preset=preset), [], 400) == (True, False)
+    assert drive(driven("nav2d", preset=preset), [], 400) == (True, False)
 
 
 @pytest.mark.parametrize("dtype", [torch.float64, torch.float32], ids=str)
 def test_aicon_gets_out_of_a_trap(dtype: torch.dtype) -> None:
-    assert drive(make_policy("nav2d", dtype=dtype), TRAP, 1500) == (True, False)
+    assert drive(driven("nav2d", dtype=dtype), TRAP, 1500) == (True, False)
 
 
 def test_a_potential_field_stays_in_the_trap() -> None:
-    assert drive(make_policy("nav2d", preset="potential_field"), TRAP, 700) == (False, False)
+    assert drive(driven("nav2d", preset="potential_field"), TRAP, 700) == (False, False)
 
 
 def set_out(seed: int, **options: Any) -> tuple[float, float]:
@@ -48,7 +49,7 @@ def set_out(seed: int, **options: Any) -> tuple[float, float]:
 
     And how uncertain the target then is, m².
     """
-    env, policy = gym.make("aicon/Nav2D-v0"), make_policy("nav2d", **options)
+    env, policy = gym.make("aicon/Nav2D-v0"), driven("nav2d", **options)
     where = {"obstacles": [], "start": (0.0, 0.0), "target": (6.0, 0.0)}
     observation, info = env.reset(seed=seed, options=where)
 

@@ -1,10 +1,9 @@
-from functools import cache
-
 import pytest
 import torch
+from _inputs import driven, lean
 from _inputs.arm import HOME, panda, pose_observation, postures
 
-from aicon_torch import make_policy, presets
+from aicon_torch import presets
 from aicon_torch.models.panda_push import PANDA
 
 OUT_OF_REACH = {
@@ -13,9 +12,8 @@ OUT_OF_REACH = {
 }
 
 
-@cache
 def compiled(**options):
-    return make_policy("panda_push", sensing="pose", **options).compile()
+    return driven("panda_push", sensing="pose", **options)
 
 
 def run(policy, q, steps, **changes):
@@ -30,7 +28,7 @@ def run(policy, q, steps, **changes):
 
 @pytest.mark.parametrize("preset", presets("panda_push"))
 def test_every_preset_acts_within_the_limits(preset):
-    policy, memory = make_policy("panda_push", preset=preset, sensing="pose"), None
+    policy, memory = lean("panda_push", preset=preset, sensing="pose"), None
     for _ in range(3):
         action, memory = policy.predict(pose_observation(), memory)
     assert action.isfinite().all() and (action.abs() <= torch.tensor(PANDA.speed)).all()
@@ -38,7 +36,7 @@ def test_every_preset_acts_within_the_limits(preset):
 
 
 def test_a_batch_is_its_rows():
-    policy = make_policy("panda_push", sensing="pose")
+    policy = lean("panda_push", sensing="pose")
     rows = pose_observation((3,)) | {"q": postures(3)}
     together, _ = policy.predict(rows)
     for row in range(3):
@@ -59,7 +57,10 @@ def test_near_a_limit_the_joint_turns_back():
     assert last_joint[-1] < PANDA.high[6] - 0.04
 
 
-@pytest.mark.parametrize(("options", "crosses"), [({}, False), ({"workspace": None}, True)])
+@pytest.mark.parametrize(
+    ("options", "crosses"),
+    [({}, False), pytest.param({"workspace": None}, True, marks=pytest.mark.slow)],
+)
 def test_the_elbow_does_not_bend_the_other_way_where_the_object_is_out_of_reach(options, crosses):
     elbow = run(compiled(**options), HOME, 400, **OUT_OF_REACH)[:, 3]
     assert (elbow.max() > -0.467) == crosses

@@ -34,6 +34,7 @@ def test_it_pushes_the_object_to_its_target() -> None:
     assert push("panda", steps=1000, distance=0.0)["is_success"]
 
 
+@pytest.mark.slow
 def test_another_arm_pushes_the_object_half_the_way() -> None:
     pytest.importorskip("trimesh")
     pytest.importorskip("pytorch_kinematics")

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 import torch
+from _inputs import lean
 from _inputs.arm import HOME, camera_observation, panda
 
-from aicon_torch import ObservationError, make_policy
+from aicon_torch import ObservationError
 from aicon_torch.models.panda_push import PANDA, Options, camera_perception
 from aicon_torch.parts.image_registration import Detection, ImageRegistration
 from aicon_torch.parts.image_segmentation import RGBDImage
@@ -116,7 +117,7 @@ def test_what_was_seen_some_steps_ago_is_older(monkeypatch):
 def test_a_late_image_says_where_the_object_was(monkeypatch):
     """It is seen 0.1 s late where it lies, while the tip, which does not touch it, goes on."""
     monkeypatch.setattr(ImageRegistration, "__call__", lambda *_: SEEN)
-    policy = make_policy("panda_push", **{"camera.delay": 10})
+    policy = lean("panda_push", **{"camera.delay": 10})
     memory = None
     for step in range(15):
         age = np.array([0.1 if step % 5 == 0 else 0.1 + 0.01 * (step % 5)])
@@ -145,7 +146,7 @@ def test_what_is_missing_is_named(key):
 
 
 def test_unseen_the_object_becomes_uncertain_and_the_policy_goes_on():
-    policy = make_policy("panda_push")
+    policy = lean("panda_push")
     _, memory = policy.predict(camera_observation())
     first = memory["P_pose"].diagonal().sum()
     for _ in range(5):
@@ -174,7 +175,7 @@ def test_a_rendered_object_is_found_within_2_mm():
 
 
 def test_the_camera_of_the_perception_is_that_of_the_graph():
-    policy = make_policy("panda_push")
+    policy = lean("panda_push")
     _, memory = policy.predict(camera_observation())
     expected = panda().chain.frames(memory["x_joints"])[-1].numpy() @ PERCEPTION.mount
     found = PERCEPTION.camera(memory["x_joints"].numpy())

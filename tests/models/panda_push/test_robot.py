@@ -56,6 +56,7 @@ def test_the_tip_and_the_gap_of_the_body_are_those_of_the_physics():
         np.testing.assert_allclose(gap, simulation.self_distance, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_the_tip_of_another_arm_is_that_of_the_physics_and_its_capsules_enclose_its_shape():
     panda_push = pytest.importorskip("aicon_envs.panda_push")
     pytest.importorskip("trimesh")

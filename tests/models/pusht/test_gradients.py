@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from _inputs import lean
 from _inputs.pushing import NOTCHED, RADIUS, TRIANGLE, in_pixels, outside, poses, wandering
 from numpy.typing import NDArray
 
@@ -156,7 +157,7 @@ def test_gradients_at_the_pusher_are_those_written_by_hand(
 def test_the_cost_is_the_distance_of_the_poses() -> None:
     """√(|Δc|² + (Lθ)²), θ the shorter way round; the target is a pose of the body frame."""
     body, pose = rigid_object(pusht.Options()), poses(50, seed=1)
-    policy = make_policy("pusht")
+    policy = lean("pusht")
     far = torch.full((50, 2), 20 * PIXEL, dtype=torch.float64)
     trace = policy.trace(policy.predict(in_pixels(body, pose, far))[1])
 
@@ -169,7 +170,7 @@ def test_the_cost_is_the_distance_of_the_poses() -> None:
 
 
 def test_a_step_is_explained() -> None:
-    policy, memory = make_policy("pusht"), None
+    policy, memory = lean("pusht"), None
     for reading in wandering(3, 2):
         _, memory = policy.predict(reading, memory)
     assert memory is not None

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_rows_stand_alone, assert_same_memory, rollout
+from _inputs import lean
 from _inputs.pushing import NOTCHED, TRIANGLE, poses, wandering
 from torch import Tensor
 
-from aicon_torch import Policy, make_policy
+from aicon_torch import Policy
 from aicon_torch.models.pusht import PIXEL, benchmark
 from aicon_torch.parts import rotate
 
@@ -46,7 +47,7 @@ each_move = pytest.mark.parametrize(("angle", "shift"), MOVES.values(), ids=MOVE
 def without_dither(**options: Any) -> Policy:
     """The dither is along the axes of the actuator, and so does not turn with the scene."""
     has_none = options.get("preset") == "paper_literal"  # it takes one gradient a step
-    return make_policy("pusht", **({} if has_none else {"law.dither": 0.0}), **options)
+    return lean("pusht", **({} if has_none else {"law.dither": 0.0}), **options)
 
 
 def assert_actions_turn(options: dict[str, Any], angle: float, shift: tuple[float, float]) -> None:
@@ -105,8 +106,8 @@ def test_the_order_of_the_keypoints_does_not_matter(options: dict[str, Any], fir
 @pytest.mark.parametrize("keypoints", [TRIANGLE, NOTCHED], ids=["triangle", "notched"])
 def test_either_sense_of_the_outline_is_the_same(keypoints: Any) -> None:
     backwards = range(len(keypoints))[::-1]
-    forth = make_policy("pusht", keypoints=keypoints)
-    back = make_policy("pusht", keypoints=keypoints, outline_order=backwards)
+    forth = lean("pusht", keypoints=keypoints)
+    back = lean("pusht", keypoints=keypoints, outline_order=backwards)
 
     readings = wandering(6, 6, keypoints)
     for first, second in zip(rollout(forth, readings), rollout(back, readings), strict=True):
@@ -123,7 +124,7 @@ BATCHED: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("options", BATCHED.values(), ids=BATCHED.keys())
 def test_singles_are_rows_of_a_batch(options: dict[str, Any]) -> None:
-    policy, readings = make_policy("pusht", **options), wandering(5, 4)
+    policy, readings = lean("pusht", **options), wandering(5, 4)
     assert_rows_stand_alone(policy, readings, rows=(0, 3))
 
     by_two = [{k: v.unflatten(0, (2, 2)) for k, v in reading.items()} for reading in readings]

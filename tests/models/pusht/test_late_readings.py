@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 import torch
 from _asserts import assert_rows_stand_alone, rollout
+from _inputs import lean
 from _inputs.pushing import body_of, in_pixels, wandering
 
-from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL, benchmark
 
 GOAL = (200 * PIXEL, 310 * PIXEL, -2.0)
@@ -18,7 +18,7 @@ GOAL = (200 * PIXEL, 310 * PIXEL, -2.0)
 @pytest.mark.parametrize("command", ["position", "velocity"])
 def test_late_readings_are_moved_on_by_what_was_done_since(delay: int, command: Any) -> None:
     """In the open, without noise: where the pusher is, though readings say where it was."""
-    policy, body, memory = make_policy("pusht", delay=delay, command=command), body_of(), None
+    policy, body, memory = lean("pusht", delay=delay, command=command), body_of(), None
     pose = torch.tensor([400 * PIXEL, 400 * PIXEL, 0.5], dtype=torch.float64)
     places = [torch.full((2,), 20 * PIXEL, dtype=torch.float64)]
 
@@ -34,7 +34,7 @@ def test_late_readings_are_moved_on_by_what_was_done_since(delay: int, command: 
 
 
 def test_late_readings_lead_over_the_same_paths_and_leave_no_graph() -> None:
-    late, prompt = make_policy("pusht", delay=2), make_policy("pusht")
+    late, prompt = lean("pusht", delay=2), lean("pusht")
     paths, expected = ({str(path) for path in policy.model.paths()} for policy in (late, prompt))
     assert paths == expected
 
@@ -46,8 +46,8 @@ def test_late_readings_lead_over_the_same_paths_and_leave_no_graph() -> None:
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest"])
 def test_an_observed_goal_is_the_fixed_one(preset: str) -> None:
-    fixed = make_policy("pusht", preset=preset, goal_pose=GOAL)
-    observed = make_policy("pusht", preset=preset, observe_goal=True)
+    fixed = lean("pusht", preset=preset, goal_pose=GOAL)
+    observed = lean("pusht", preset=preset, observe_goal=True)
     assert "z_target" in observed.model.sensors and "z_target" not in fixed.model.sensors
     shown = torch.tensor([GOAL[0] / PIXEL, GOAL[1] / PIXEL, GOAL[2]], dtype=torch.float64)
 
@@ -61,7 +61,7 @@ def test_an_observed_goal_is_the_fixed_one(preset: str) -> None:
 def test_a_whole_turn_of_the_goal_is_none() -> None:
     x, y, _ = benchmark.GOAL_POSE
     first, second = (
-        rollout(make_policy("pusht", goal_pose=(x, y, angle)), wandering(3, 4))[-1]
+        rollout(lean("pusht", goal_pose=(x, y, angle)), wandering(3, 4))[-1]
         for angle in (0.8, 0.8 + 2 * math.pi)
     )
     torch.testing.assert_close(first["a"], second["a"], rtol=1e-8, atol=1e-9)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import torch
 from _asserts import rollout
+from _inputs import lean
 from _inputs.pushing import RADIUS, body_of, wandering, without
 
-from aicon_torch import make_policy
 from aicon_torch.models import pusht
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import PoseMotion
 
-POLICY = make_policy("pusht")
+POLICY = lean("pusht")
 BODY = body_of()
 
 

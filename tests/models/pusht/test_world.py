@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_memory
+from _inputs import driven
 from _inputs.pushing import wandering
 from numpy.typing import NDArray
 
 import aicon_envs  # noqa: F401  (registers the environments)
 from aicon_envs.pusht import OBJECTS
-from aicon_torch import Policy, make_policy
+from aicon_torch import Policy
 from aicon_torch.models.pusht import PIXEL
 
 UPSTREAM = {"obs_type": "environment_state_agent_pos"}
@@ -44,13 +45,13 @@ def episode(
 def test_the_cost_falls(name: str, seed: int) -> None:
     """On the benchmark as it is, and on ours."""
     env = gym.make(name, **UPSTREAM)
-    costs, _ = episode(env, make_policy("pusht"), 40, seed)
+    costs, _ = episode(env, driven("pusht"), 40, seed)
     assert costs[-1] < 0.5 * costs[0]
 
 
 def test_equal_observations_are_equal_actions() -> None:
     """Both environments from one state, driven by one's actions: the policy says the same."""
-    policy = make_policy("pusht")
+    policy = driven("pusht")
     upstream, ours = (
         gym.make(name, **UPSTREAM) for name in ("gym_pusht/PushT-v0", "aicon/PushT-v0")
     )
@@ -64,15 +65,15 @@ def test_equal_observations_are_equal_actions() -> None:
         observation, other = upstream.step(action)[0], ours.step(action)[0]
 
 
-@pytest.mark.parametrize("name", ["L", "Z"])
+@pytest.mark.parametrize("name", [pytest.param("L", marks=pytest.mark.slow), "Z"])
 def test_other_objects_are_pushed_too(name: str) -> None:
     there = OBJECTS[name]
     goal = (300.0, 220.0, -1.0)
     env = gym.make("aicon/PushT-v0", object=name, observe_goal=True, goal_pose=goal)
-    policy = make_policy(
+    policy = driven(
         "pusht",
-        keypoints=(PIXEL * there.keypoints).tolist(),
-        outline_order=there.border,
+        keypoints=tuple(map(tuple, (PIXEL * there.keypoints).tolist())),
+        outline_order=tuple(there.border),
         observe_goal=True,
     )
     costs, _ = episode(env, policy, 40, 1000)
@@ -99,12 +100,12 @@ class Lying(gym.Wrapper[Any, Any, Any, Any]):
 @pytest.mark.parametrize("seed", [1002, 1004])
 def test_nothing_but_the_observation_is_used(seed: int) -> None:
     honest, lying = gym.make("aicon/PushT-v0"), Lying(gym.make("aicon/PushT-v0"))
-    actions, same = (episode(env, make_policy("pusht"), 15, seed)[1] for env in (honest, lying))
+    actions, same = (episode(env, driven("pusht"), 15, seed)[1] for env in (honest, lying))
     np.testing.assert_array_equal(actions, same)
 
 
 def test_what_else_is_in_an_observation_is_ignored() -> None:
-    policy, (reading,) = make_policy("pusht"), wandering(1, 2)
+    policy, (reading,) = driven("pusht"), wandering(1, 2)
     more = reading | {
         "block_pose": torch.full((2, 3), torch.nan),
         "goal_pose": torch.zeros(2, 3),

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from _inputs import driven, lean
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.nav2d import NavigationRecording, choose_panels, record, summarize
-from aicon_torch import make_policy
 
 WITHOUT_EXPLORATION = {"resolution.exploration": None}
 
@@ -23,20 +23,20 @@ def test_panels_are_in_order(recording: NavigationRecording) -> None:
 
 
 def test_panels_are_in_order_without_exploration() -> None:
-    recording = record(make_policy("nav2d", **WITHOUT_EXPLORATION), "u_trap_05", 1000, limit=60)
+    recording = record(lean("nav2d", **WITHOUT_EXPLORATION), "u_trap_05", 1000, limit=60)
     steps = [panel.step for panel in choose_panels(recording)]
     assert recording.explorations == []
     assert all(np.diff(steps) > 0)
 
 
 def test_too_short_a_rollout_is_an_error() -> None:
-    recording = record(make_policy("nav2d"), "u_trap_05", 1000, limit=6)
+    recording = record(driven("nav2d"), "u_trap_05", 1000, limit=6)
     with pytest.raises(ComparisonError, match="6 steps"):
         choose_panels(recording)
 
 
 def test_default_rollout_shows_the_story() -> None:
-    recording = record(make_policy("nav2d"), "u_trap_2", 1006)
+    recording = record(driven("nav2d"), "u_trap_2", 1006)
     first, conflict, *exploring, _ = (panel.step for panel in choose_panels(recording))
 
     assert recording.ending == "arrival"

@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("aicon_envs.panda_push")
 
 import imageio.v2 as imageio
+from _inputs import lean
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
@@ -16,7 +17,6 @@ from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.panda_push import ArmRecording, figure, make_figure, record
 from aicon_baselines.figures.panda_push.timeline import add_timelines
 from aicon_baselines.tasks.panda_push import TASK
-from aicon_torch import make_policy
 
 SEED, HORIZON = 1000, 21
 
@@ -24,7 +24,7 @@ SEED, HORIZON = 1000, 21
 @pytest.fixture(scope="module")
 def episode() -> ArmRecording:
     try:
-        policy = make_policy("panda_push", **TASK.policy_options("camera"))
+        policy = lean("panda_push", **TASK.policy_options("camera"))
         return record(policy, SEED, HORIZON)
     except RuntimeError as error:
         pytest.skip(f"no OpenGL without a display: {error}")

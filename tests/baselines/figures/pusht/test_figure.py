@@ -6,6 +6,7 @@ from typing import Any
 
 import imageio.v2 as imageio
 import pytest
+from _inputs import driven
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
@@ -13,7 +14,6 @@ from PIL import Image
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.pusht import PushRecording, draw_film, figure, make_figure, record
 from aicon_baselines.figures.pusht.timeline import add_timelines
-from aicon_torch import make_policy
 
 SEED = 1043
 
@@ -49,7 +49,7 @@ def test_summary_says_what_the_figure_shows(tmp_path: Path) -> None:
 def test_mp4(tmp_path: Path) -> None:
     pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / "rollout.mp4"
-    draw_film(record(make_policy("pusht"), SEED, limit=2), path)
+    draw_film(record(driven("pusht"), SEED, limit=2), path)
 
     reader: Any
     with imageio.get_reader(path) as reader:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from _inputs import driven
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.pusht import (
@@ -13,7 +14,6 @@ from aicon_baselines.figures.pusht import (
     summarize,
 )
 from aicon_envs.pusht.simulation import PUSHER_RADIUS
-from aicon_torch import make_policy
 
 
 def test_default_episode_shows_the_story(episode: PushRecording) -> None:
@@ -43,7 +43,7 @@ def test_exploration_is_across_the_strongest_gradient(episode: PushRecording) ->
 
 @pytest.mark.parametrize("limit", [6, 7, 12, 30])
 def test_panels_are_in_order_in_any_episode(limit: int) -> None:
-    policy = make_policy("pusht", **{"resolution.exploration": None})
+    policy = driven("pusht", **{"resolution.exploration": None})
     recording = record(policy, 1011, limit)
     panels = choose_panels(recording)
 
@@ -55,7 +55,7 @@ def test_panels_are_in_order_in_any_episode(limit: int) -> None:
 
 def test_too_short_an_episode_is_an_error() -> None:
     with pytest.raises(ComparisonError, match="5 steps"):
-        choose_panels(record(make_policy("pusht"), 1050, limit=5))
+        choose_panels(record(driven("pusht"), 1050, limit=5))
 
 
 def test_corners_are_near(episode: PushRecording) -> None:
