@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 import torch
@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.extras import missing_extra
-from aicon_torch import make_policy
-from aicon_torch.codegen import has_compiler
 from aicon_torch.control import Policy, QuantityTrace, StepTrace
 from aicon_torch.resolution import Memory
 
@@ -25,17 +23,6 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 Item = TypeVar("Item")
-
-
-def shipped_policy(task: str, **options: Any) -> Policy:
-    """Return a model's policy as it is shipped, compiled where there is a C compiler.
-
-    Args:
-        task: Name of the model.
-        **options: Options of the policy, by name or dotted path.
-    """
-    policy = make_policy(task, **options)
-    return policy.compile() if has_compiler() else policy
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,7 +26,7 @@ class AiconPolicy(PreTrainedPolicy):
         config.validate_features()
 
         options = {} if config.max_speed is None else {"max_speed": config.max_speed}
-        self._policy: Any = make_policy("pusht", preset=config.preset, **options)
+        self._policy: Any = make_policy("pusht", preset=config.preset, **options).compile()
         self.reset()
 
     def reset(self) -> None:

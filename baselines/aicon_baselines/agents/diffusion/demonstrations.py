@@ -74,7 +74,7 @@ def _make_teacher(config: RecordingConfig) -> Any:
         "max_speed": PIXEL * config.max_speed,
         "law.smoothing": config.smoothing,
     }
-    return make_policy("pusht", **options)
+    return make_policy("pusht", **options).compile()
 
 
 def _make_frame(

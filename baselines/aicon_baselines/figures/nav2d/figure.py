@@ -6,9 +6,9 @@ from aicon_baselines.figures.nav2d.film import draw_film
 from aicon_baselines.figures.nav2d.panels import choose_panels, summarize
 from aicon_baselines.figures.nav2d.recording import record
 from aicon_baselines.figures.nav2d.rollout_picture import draw_rollout
-from aicon_baselines.figures.recording import shipped_policy
 from aicon_baselines.figures.rendering import check_video
 from aicon_baselines.figures.summary import FigureSummary, save_numbers
+from aicon_torch import make_policy
 
 
 def make_figure(
@@ -40,7 +40,7 @@ def make_figure(
     picture, numbers_file = out / "nav2d_rollout.png", out / "nav2d_rollout.json"
 
     # The episode, and what the figure is to show of it.
-    recording = record(shipped_policy("nav2d"), map_name, seed, progress=progress)
+    recording = record(make_policy("nav2d").compile(), map_name, seed, progress=progress)
     panels = choose_panels(recording)
     numbers = summarize(recording, panels)
 

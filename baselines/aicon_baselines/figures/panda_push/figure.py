@@ -4,10 +4,10 @@ from pathlib import Path
 
 from aicon_baselines.figures.panda_push.film import draw_film, draw_still
 from aicon_baselines.figures.panda_push.recording import record
-from aicon_baselines.figures.recording import shipped_policy
 from aicon_baselines.figures.rendering import check_video
 from aicon_baselines.figures.summary import FigureSummary
 from aicon_baselines.tasks.panda_push import TASK
+from aicon_torch import make_policy
 
 
 def make_figure(
@@ -36,7 +36,7 @@ def make_figure(
     picture = out / "panda_push_film.png"
 
     # The episode, and the picture from its middle.
-    policy = shipped_policy("panda_push", **TASK.policy_options("camera"))
+    policy = make_policy("panda_push", **TASK.policy_options("camera")).compile()
     recording = record(policy, seed, horizon, progress=progress)
     draw_still(recording, picture)
     files = [picture]

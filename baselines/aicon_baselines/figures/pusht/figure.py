@@ -6,9 +6,9 @@ from aicon_baselines.figures.pusht.film import draw_film
 from aicon_baselines.figures.pusht.panels import choose_panels, summarize
 from aicon_baselines.figures.pusht.recording import record
 from aicon_baselines.figures.pusht.rollout_picture import draw_rollout
-from aicon_baselines.figures.recording import shipped_policy
 from aicon_baselines.figures.rendering import check_video
 from aicon_baselines.figures.summary import FigureSummary, save_numbers
+from aicon_torch import make_policy
 
 DEFAULT_SEED = 1043
 """Of 1000 to 1059 the shortest episode that shows all six moments of the paper's figure."""
@@ -34,7 +34,7 @@ def make_figure(
     picture, numbers_file = out / "pusht_rollout.png", out / "pusht_rollout.json"
 
     # The episode, and what the figure is to show of it.
-    recording = record(shipped_policy("pusht"), seed)
+    recording = record(make_policy("pusht").compile(), seed)
     panels = choose_panels(recording)
     numbers = summarize(recording, panels)
 

@@ -101,6 +101,7 @@ def test_it_goes_to_the_object_and_pushes_it_towards_the_goal(env: Any) -> None:
     assert info["distance"].mean() < 0.7 * first.mean()
 
 
+@pytest.mark.slow  # torch.compile
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # torch on its own future
 def test_compiled_it_plans_the_same(readings: dict[str, np.ndarray]) -> None:
     options = Options(samples=8, horizon=2)
