@@ -48,10 +48,10 @@ constraints: $(UV) ## Write constraints.txt after a change of the dependencies i
 	@mv constraints.head constraints.txt
 
 test: $(INSTALLED) ## Run the tests, but for the slow ones
-	$(RUN) -m pytest -n $(JOBS)
+	$(RUN) -m pytest -n $(JOBS) --dist worksteal --durations=10
 
 test-all: $(INSTALLED) ## Run all tests
-	$(RUN) -m pytest -n $(JOBS) -m ""
+	$(RUN) -m pytest -n $(JOBS) --dist worksteal --durations=20 -m ""
 
 # The ends of what pyproject.toml allows, without LeRobot, which holds torch back. Warnings are no errors there: most are
 # those of one package about another.

@@ -57,14 +57,14 @@ def test_it_says_what_is_wrong(tmp_path: Path) -> None:
     assert not (tmp_path / "new").exists()
 
 
-@pytest.mark.parametrize("backend", ["loky", "dask"])
+@pytest.mark.parametrize("backend", ["loky", pytest.param("dask", marks=pytest.mark.slow)])
 def test_it_gives_the_same_rows_on_every_backend(backend: str, tmp_path: Path) -> None:
     """The real task, with workers that import everything themselves."""
     if backend == "dask":
         pytest.importorskip("distributed")
     words = [
         "--policies",
-        "aicon",
+        "steepest",
         "--episodes",
         "2",
         "--seed",

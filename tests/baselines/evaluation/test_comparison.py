@@ -39,6 +39,7 @@ def test_two_jobs_give_the_same_file(reference: bytes, tmp_path: Path) -> None:
     assert compare_walkers(tmp_path, jobs=2) == reference
 
 
+@pytest.mark.slow
 def test_dask_gives_the_same_file(reference: bytes, tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     assert compare_walkers(tmp_path, jobs=2, backend="dask") == reference

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("aicon_envs.panda_push")
 
-from aicon_baselines.agents import make
+from aicon_baselines.agents import factory
 from aicon_baselines.evaluation.rollout import rollout
 from aicon_baselines.tasks.panda_push import TASK
 from aicon_baselines.tasks.panda_push_numbers import (
@@ -22,7 +22,7 @@ from aicon_baselines.tasks.panda_push_recording import count_turns, watch
 
 
 def test_the_numbers_of_episodes_are_a_row_each(tmp_path: Path) -> None:
-    policy = make("panda_push", "aicon", "true_pose")
+    policy = factory("panda_push", "aicon", **{"law.iterations": 1})("true_pose")
     seen: list[EpisodeNumbers] = []
     numbers = watch(policy, "true_pose", TASK.chunk(0, 0)[4:7], 30, seen.append, [4, 5])
 
@@ -43,7 +43,7 @@ def test_the_numbers_of_episodes_are_a_row_each(tmp_path: Path) -> None:
 
 def test_episodes_are_those_of_a_comparison() -> None:
     horizon, episodes = 40, TASK.chunk(0, 0)[:2]
-    policy = make("panda_push", "aicon", "true_pose")
+    policy = factory("panda_push", "aicon", **{"law.iterations": 1})("true_pose")
     task = replace(TASK, horizon=horizon)
     outcome = rollout(policy, task, "true_pose", episodes, [0, 1])
     numbers = watch(policy, "true_pose", episodes, horizon)

@@ -7,6 +7,8 @@ import pytest
 
 pytest.importorskip("pymunk")
 
+from _inputs import quick
+
 from aicon_baselines.agents.registry import make
 from aicon_baselines.evaluation.rollout import rollout
 from aicon_baselines.evaluation.task import Episode
@@ -57,7 +59,7 @@ def test_aicon_pushes_the_t_in_place_where_sum_and_steepest_path_do_not() -> Non
 
     success = {}
     for name in ("aicon", "potential_field", "steepest"):
-        outcome = rollout(make("pusht", name), task, "deterministic", episodes, seeds)
+        outcome = rollout(quick(make("pusht", name)), task, "deterministic", episodes, seeds)
         success[name] = outcome.success.tolist()
 
     assert success["aicon"] == [True, True, True]

@@ -8,11 +8,11 @@ import pytest
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("pymunk")
 
+from _inputs import driven
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_torch import make_policy
 
 
 def make_env() -> gym.Env[Any, Any]:
@@ -30,7 +30,7 @@ def test_evaluate_policy_runs_pusht(count: int) -> None:
             successes.append(local["info"]["is_success"])
 
     rewards, lengths = evaluate_policy(
-        make_policy("pusht").compile(),
+        driven("pusht"),
         env,
         2,
         callback=record,

@@ -24,7 +24,7 @@ def compare(folder: Path, *arguments: object) -> list[Any]:
 def test_rows_are_appended_to_the_same_run(
     agent_folders: dict[tuple[str, str], Path], tmp_path: Path
 ) -> None:
-    short = ("--task", "pusht", "--no-compile", "--episodes", 2, "--horizon", 20)
+    short = ("--task", "pusht", "--no-compile", "--episodes", 2, "--horizon", 6)
     paths = agent_folders["pusht", "ppo"], agent_folders["pusht", "sac"]
 
     before = compare(tmp_path, *short, "--policies", "steepest")

@@ -7,10 +7,10 @@ pytest.importorskip("stable_baselines3")
 pytest.importorskip("pymunk")
 
 import gymnasium as gym
+from _inputs import driven
 
 import aicon_envs  # noqa: F401  (registers the environments)
 from aicon_baselines.agents.sb3.shaped_reward import ShapedReward
-from aicon_torch import make_policy
 
 
 def potential(observation: dict[str, Any], info: dict[str, Any], approach: float) -> float:
@@ -21,7 +21,7 @@ def potential(observation: dict[str, Any], info: dict[str, Any], approach: float
 
 def test_a_shaped_episode_is_worth_the_difference_of_its_ends() -> None:
     env = ShapedReward(gym.make("aicon/PushT-v0"), approach=0.5)
-    policy, memory, total, done = make_policy("pusht"), None, 0.0, False
+    policy, memory, total, done = driven("pusht"), None, 0.0, False
     observation, info = env.reset(seed=1000)
     start = potential(observation, info, 0.5)
 
