@@ -43,13 +43,12 @@ def test_the_distribution_registers_the_policy(plugin: Any) -> None:
 @pytest.mark.parametrize(
     "options",
     [
-        {},
-        {"max_speed": 0.4},
-        {"preset": "potential_field"},
-        {"preset": "paper_literal"},
-        {"preset": "paper_literal", "max_speed": 0.4},
+        pytest.param({}, id="default"),
+        pytest.param({"preset": "paper_literal", "max_speed": 0.4}, id="preset and max_speed"),
+        pytest.param({"max_speed": 0.4}, id="max_speed", marks=pytest.mark.slow),
+        pytest.param({"preset": "potential_field"}, id="preset", marks=pytest.mark.slow),
+        pytest.param({"preset": "paper_literal"}, id="its own law", marks=pytest.mark.slow),
     ],
-    ids=["default", "max_speed", "preset", "preset with its own law", "preset and max_speed"],
 )
 def test_it_is_the_policy_of_the_library(options: dict[str, Any]) -> None:
     env = gym.make("gym_pusht:gym_pusht/PushT-v0", obs_type=KEYPOINTS, disable_env_checker=True)
