@@ -200,9 +200,10 @@ def _inductor(
 ) -> Callable[..., Sequence[Tensor]]:
     from torch._inductor import config, standalone_compile  # takes a second to load
 
+    # On the CPU torch 2.10 computes wrong ranks and cosines of batches with vector instructions.
     with (
         torch.no_grad(),
-        config.patch(cpp_wrapper=cpp_wrapper),
+        config.patch({"cpp_wrapper": cpp_wrapper, "cpp.simdlen": 1}),
         _quiet("torch._inductor.ir"),
     ):
         compiled: Callable[..., Sequence[Tensor]] = standalone_compile(

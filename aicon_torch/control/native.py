@@ -38,7 +38,8 @@ class NativeSteps:
 
         plain = ControlStep(step.model, step.backward, step.law)
         try:
-            library = compiled_library(plain, perceives=perception is not None)
+            with torch.inference_mode(False):  # gradients are traced
+                library = compiled_library(plain, perceives=perception is not None)
         except Exception as error:  # noqa: BLE001  # it runs otherwise, or says there why it cannot
             _LOGGER.info("The step is not translated to C: %s", error)
             return None

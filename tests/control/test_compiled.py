@@ -25,6 +25,7 @@ from aicon_torch import (
     WorldModel,
     make_policy,
 )
+from aicon_torch.control.exported_memory import ExportedMemory
 
 Readings = list[dict[str, Tensor]]
 
@@ -163,12 +164,31 @@ def widened(value: Tensor) -> Tensor:
 
 @with_compiler
 @pytest.mark.slow
-def test_what_has_no_translation_to_c_is_compiled_otherwise() -> None:
+@pytest.mark.parametrize(
+    ("policy", "readings", "tolerance"),
+    [
+        pytest.param(follower(), wandering(6, (3,)), 1e-12, id="follower"),
+        pytest.param(lean("nav2d"), drifting(20, (3,)), 1e-10, id="nav2d"),
+        pytest.param(lean("pusht"), passing(6, (3,)), 1e-10, id="pusht"),
+    ],
+)
+def test_what_has_no_translation_to_c_is_compiled_otherwise(
+    policy: Policy, readings: Readings, tolerance: float
+) -> None:
     """By TorchInductor, as on other devices."""
-    policy = follower()
     compiled = policy.compile()
     compiled._native = None
-    assert_same_steps(policy, compiled, wandering(6, (3,)), 1e-12)
+    assert_same_steps(policy, compiled, readings, tolerance)
+
+
+@with_compiler
+def test_a_first_step_in_inference_mode_is_compiled_to_c_as_well() -> None:
+    """As LeRobot takes it."""
+    policy, reading = follower(), wandering(1)[0]
+    with torch.inference_mode():
+        action, memory = policy.compile().predict(reading)
+    assert isinstance(memory, ExportedMemory)
+    torch.testing.assert_close(action, policy.predict(reading)[0])
 
 
 @with_compiler
