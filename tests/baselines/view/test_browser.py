@@ -22,7 +22,14 @@ WORLDS = {
 }
 
 
-@pytest.fixture(scope="module", params=WORLDS)
+@pytest.fixture(
+    scope="module",
+    params=[
+        "nav2d",
+        pytest.param("panda_push", marks=pytest.mark.slow),  # without a GPU a world in space
+        pytest.param("reach", marks=pytest.mark.slow),  # takes a minute to be painted
+    ],
+)
 def view(request: pytest.FixtureRequest) -> LiveView:
     """A world that rests."""
     if request.param != "nav2d":

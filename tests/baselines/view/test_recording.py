@@ -22,6 +22,7 @@ FRAMES_PAINTED = """
 """JavaScript that returns once the page has painted so many frames, however slow it paints."""
 
 
+@pytest.mark.slow
 def test_a_recording_plays_from_its_file(tmp_path: Path, browser: Browser) -> None:
     episode = open_episode("nav2d", seed=1006)
     first = episode.info["position"][0].copy()
