@@ -9,7 +9,7 @@ OUT ?= runs
 INSTALLED := $(VENV)/.installed
 UV := .venv-uv/bin/uv
 # Ours, the paper's text, the sum with exploration, the steepest path, and the sum.
-POLICIES := aicon paper_literal without_projection steepest potential_field
+POLICIES := aicon paper_literal sum_with_exploration steepest potential_field
 # The policies are small: more threads than one only wait for each other.
 RUN := OMP_NUM_THREADS=1 $(VENV)/bin/python
 AICON := $(VENV)/bin/aicon

@@ -12,6 +12,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "without_obstacle_nullspace": {"resolution.exploration.escape.along": None},
         # The resolution of conflicts.
         "without_projection": {"resolution.projector": "none"},
+        "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
         "without_exploration": {"resolution.exploration": None},
         "without_softmax": {"resolution.temperature": None},
         "without_hysteresis": {"resolution.margin": 0.0},

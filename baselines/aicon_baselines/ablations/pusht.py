@@ -28,6 +28,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         # The resolution of conflicts.
         "without_exploration": {"resolution.exploration": None},
         "without_projection": {"resolution.projector": "none"},
+        "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
         "without_softmax": {"resolution.temperature": None},
         "without_hysteresis": {"resolution.margin": 0.0},
         "without_grouping": {"resolution.by_row": False},

@@ -36,7 +36,7 @@ _COLOURS = (*_OKABE_ITO, *_TOL_MUTED)
 _LINE_STYLES = ("-", "--", ":", "-.")
 _EVERYWHERE = (
     *("aicon", "paper_literal", "potential_field", "steepest"),
-    *("diffusion", "without_projection", "ppo_sampled"),
+    *("diffusion", "sum_with_exploration", "ppo_sampled"),
 )
 
 
