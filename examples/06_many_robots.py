@@ -76,7 +76,7 @@ def save_and_load(memory: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     """The same memory, by way of a file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "memory.pt"
-        torch.save(dict(memory), path)  # plain tensors, whatever made them
+        torch.save(memory, path)
         print(f"saved {len(memory)} tensors, {path.stat().st_size / 1024:.0f} KiB")
         return torch.load(path)
 

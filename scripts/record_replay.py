@@ -51,7 +51,7 @@ def replayed(
     path: Path, perception: Any, observations: list[tuple[Any, bool]]
 ) -> tuple[list[Any], list[Any], list[bool]]:
     """Readings as the library takes them, its commands, and where an episode begins, a row each."""
-    library, exported = Library(path), load_exported(path)
+    library, exported = Library.read(path), load_exported(path)
     layout = Layout.from_json(library.metadata["memory"])
     memory = library.blank()
     readings, commands, starts = [], [], []

@@ -1,23 +1,20 @@
 """The C compiler: from a source to a shared library."""
 
 import hashlib
-import logging
 import os
-import platform
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
+from aicon_torch.codegen.files import check_folder, write_whole
+from aicon_torch.codegen.seal import MARK, Seal, sealed
+from aicon_torch.codegen.targets import this_machine
 from aicon_torch.errors import OptionError
-
-_LOGGER = logging.getLogger(__name__)
 
 FLAGS = (
     *("-O2", "-std=gnu11", "-shared", "-fPIC", "-fvisibility=hidden"),
@@ -25,6 +22,10 @@ FLAGS = (
 )
 """Numbers as torch computes them: nothing contracted, nothing reordered."""
 
+_MARKED = f"""
+__attribute__((used, visibility("default"))) const char aicon_mark[] = "{MARK}";
+"""
+"""What every library holds besides."""
 
 ZIG = (sys.executable, "-m", "ziglang", "cc")
 """The C compiler that comes as a package, ``pip install 'aicon-torch[compiler]'``."""
@@ -98,68 +99,37 @@ def _has_zig() -> bool:
     return find_spec("ziglang") is not None
 
 
-@contextmanager
-def cached_library(source: str) -> Iterator[Path]:
-    """The library of a source, compiled if no process of this user has compiled it before.
-
-    Libraries are kept in ``aicon_torch`` within the user's cache, ``~/.cache`` or XDG_CACHE_HOME,
-    under a name that follows from the whole source. Where nothing can be kept, the library is there
-    until it is loaded.
-
-    Args:
-        source: The source.
-
-    Raises:
-        OptionError: As :func:`compile_library`.
-    """
-    identity = "\n".join((source, *FLAGS, platform.machine()))
-    name = hashlib.sha256(identity.encode()).hexdigest()[:32]
-
-    kept = _kept(source, name)
-    if kept is not None:
-        yield kept
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        library = Path(folder, f"{name}.so")
-        compile_library(source, library)
-        yield library
-
-
-def _kept(source: str, name: str) -> Path | None:
-    """The library in the user's cache; None if nothing can be written there."""
-    try:
-        cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "aicon_torch")
-        library = cache / f"{name}.so"
-        if not library.is_file():
-            cache.mkdir(parents=True, exist_ok=True)
-            compile_library(source, library)
-    except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
-        _LOGGER.info("Compiled steps are not kept: %s", error)
-        return None
-    return library
-
-
 def compile_library(source: str, path: Path) -> None:
     """Compile a source in C to a shared library.
 
     The library runs on every machine of the same architecture. :func:`has_compiler` tells which
-    compiler it is.
+    compiler it is. Its last line is a checksum, which is looked at when it is loaded.
 
     Args:
         source: The source.
         path: Where to write the library.
 
     Raises:
-        OptionError: If there is no compiler, or it fails.
+        OptionError: If there is no compiler, or it fails, or the library cannot be written.
     """
-    compiler = compiler_command()
+    check_folder(path)
+    write_whole(path, compiled(source))
 
-    # Beside its place, and moved there when it is whole: a library in use must not change.
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+
+def compiled(source: str) -> bytes:
+    """The library of a source: see :func:`compile_library`."""
+    compiler = compiler_command()
+    with tempfile.TemporaryDirectory() as folder:
         library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
-        text.write_text(source)
+        text.write_text(source + _MARKED)
         command = [*compiler, *FLAGS, "-o", str(library), str(text), "-lm"]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
             raise OptionError(f"{shlex.join(command)} failed: {done.stderr.strip()[:1000]}")
-        library.replace(path)
+        return sealed(library.read_bytes(), Seal(this_machine(), identity(source)))
+
+
+def identity(source: str) -> str:
+    """A hash of a source and how it is compiled, 32 hexadecimal digits."""
+    whole = "\n".join((source, *FLAGS, this_machine()))
+    return hashlib.sha256(whole.encode()).hexdigest()[:32]

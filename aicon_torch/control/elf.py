@@ -4,7 +4,6 @@ Mapping a file that is cut off ends the process, so it is looked at before.
 """
 
 import struct
-from pathlib import Path
 from typing import NamedTuple
 
 _MACHINES = {3: "i386", 40: "arm", 62: "x86_64", 183: "aarch64", 243: "riscv"}
@@ -24,10 +23,9 @@ class Header(NamedTuple):
     size: int
 
 
-def read_header(path: Path) -> Header | None:
+def read_header(content: bytes) -> Header | None:
     """The header of a file; None if it is no library of Linux."""
-    with path.open("rb") as file:
-        first = file.read(_HEADER_SIZE)
+    first = content[:_HEADER_SIZE]
     if len(first) < _HEADER_SIZE or first[:4] != b"\x7fELF":
         return None
 

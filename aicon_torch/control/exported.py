@@ -33,14 +33,14 @@ def load_exported(path: str | Path, perception: Perception | None = None) -> "Ex
             not in the file.
 
     Raises:
-        OptionError: If the file is not an exported policy for this machine and this version, or
-            does not compute what it did when it was exported.
+        OptionError: If the file is damaged, or is not an exported policy for this machine and this
+            version, or does not compute what it did when it was exported.
 
     Example:
         >>> policy = load_exported("pusht.so")
         >>> action, memory = policy.predict(observation)
     """
-    return ExportedPolicy(Library(path), perception)
+    return ExportedPolicy(Library.read(path), perception)
 
 
 class ExportedPolicy:
@@ -48,7 +48,7 @@ class ExportedPolicy:
 
     It takes any number of robots, ``(*B, size)``. What is batched, checked and returned is as in
     :class:`aicon_torch.Policy`, but for the memory, which is read like a dictionary and is one
-    array.
+    array. It can be copied and pickled, with its library, which is code.
 
     Args:
         library: The library.

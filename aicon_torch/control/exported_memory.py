@@ -1,5 +1,6 @@
 """The memory of an exported policy: flat, and by name when somebody looks."""
 
+from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -15,6 +16,7 @@ class ExportedMemory(Mapping[str, Tensor]):
     """What :meth:`aicon_torch.control.Policy.predict` returns as a dictionary, as one array.
 
     It is read like that dictionary, ``memory["x"]`` being ``(*B, *shape)``, and no step changes it.
+    Saved or pickled it is a dictionary of tensors, which ``torch.load`` reads as it is by default.
 
     Args:
         flat: The numbers ``(*B, n)``.
@@ -38,6 +40,16 @@ class ExportedMemory(Mapping[str, Tensor]):
     def __or__(self, changes: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """A dictionary of it, with some entries changed."""
         return {**self, **changes}
+
+    def __copy__(self) -> "ExportedMemory":
+        return ExportedMemory(self.flat, self.layout)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "ExportedMemory":
+        return ExportedMemory(self.flat.copy(), self.layout)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Of dictionaries, torch.load takes this one as an object's description.
+        return OrderedDict, ([(name, value.clone()) for name, value in self.items()],)
 
     @classmethod
     def of(cls, memory: Mapping[str, Tensor], layout: Layout, dtype: Any) -> "ExportedMemory":

@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.codegen import cached_library, compile_library, in_c, prelude
+from aicon_torch.codegen.files import check_folder, write_whole
 from aicon_torch.control.admission import BEGINS
 from aicon_torch.control.flat_step import FlatStep
 from aicon_torch.control.library import FORMAT, Library
@@ -37,7 +38,8 @@ def export(
         perceives: Whether a perception stands before it, which is not exported.
 
     Raises:
-        OptionError: If the file's name ends otherwise, or there is no C compiler.
+        OptionError: If the file's name ends otherwise, it cannot be written there, or there is no C
+            compiler.
         GraphError: If an operation cannot be translated to C.
     """
     path = Path(path)
@@ -47,17 +49,17 @@ def export(
             "or in .c (its source, to be compiled elsewhere)."
         )
 
+    check_folder(path)
     source = library_source(step, description, perceives)
     if path.suffix == ".c":
-        path.write_text(source)
+        write_whole(path, source.encode())
     else:
         compile_library(source, path)
 
 
 def compiled_library(step: ControlStep, perceives: bool) -> Library:
     """The control step of a policy as a library, loaded: see :func:`export` for what may fail."""
-    with cached_library(library_source(step, {}, perceives)) as path:
-        return Library(path)
+    return Library(cached_library(library_source(step, {}, perceives)), "The compiled step")
 
 
 def library_source(step: ControlStep, description: Mapping[str, str], perceives: bool) -> str:

@@ -173,7 +173,8 @@ class Policy(nn.Module):
             **description: What is to be known of it, such as ``task="pusht"``.
 
         Raises:
-            OptionError: If the file's name ends otherwise, or there is no C compiler.
+            OptionError: If the file's name ends otherwise, it cannot be written there, or there is
+                no C compiler.
             GraphError: If an operation has no translation to C.
         """
         from aicon_torch.control.exporting import export  # loads the translation to C

@@ -1,4 +1,4 @@
-// A policy that aicon-torch exported, in C++: load, reset, step.
+// A policy that aicon-torch exported, in C++17: load, reset, step. On Linux, macOS and Windows.
 //
 //   aicon::Policy<double> policy("pusht.so");
 //   const double *commands = policy.step(readings);  // once every dt
@@ -7,11 +7,23 @@
 
 #pragma once
 
+#ifdef _WIN32
+#include <windows.h>
+#else
 #include <dlfcn.h>
+#include <unistd.h>
+#endif
+#ifdef __linux__
 #include <link.h>
+#include <sys/mman.h>
+#endif
 
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -19,14 +31,206 @@
 
 namespace aicon {
 
+// A library out of what is in its file: looked at before anything of it runs, and loaded under a
+// name that is nobody else's. The system takes a library whose name it knows for the one that it
+// has, and maps its file, whose bytes may change below a running program.
+class Library {
+ public:
+  explicit Library(const std::string &path) : path_(path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw std::runtime_error(path + ": cannot be read");
+    const std::string content{std::istreambuf_iterator<char>(file), {}};
+
+    check_end(content);
+    check_seal(content);
+    open(content);
+    if (content.find(static_cast<const char *>(find("aicon_metadata"))) == std::string::npos)
+      throw std::runtime_error(path + ": the system has loaded another library in its place");
+  }
+
+  void *find(const char *name) const {
+#ifdef _WIN32
+    void *symbol = reinterpret_cast<void *>(GetProcAddress(HMODULE(library_.get()), name));
+#else
+    void *symbol = dlsym(library_.get(), name);
+#endif
+    if (symbol) return symbol;
+    throw std::runtime_error(path_ + ": not an exported policy: it has no " + name);
+  }
+
+  // The machine that this program runs on.
+  static std::string this_machine() {
+#if defined(__x86_64__) || defined(_M_X64)
+    const std::string processor = "x86_64";
+#elif defined(__aarch64__) || defined(_M_ARM64)
+    const std::string processor = "aarch64";
+#elif defined(__ARM_ARCH) && __ARM_ARCH >= 7
+    const std::string processor = "armv7";
+#elif defined(__riscv) && __riscv_xlen == 64
+    const std::string processor = "riscv64";
+#else
+    const std::string processor = "unknown";
+#endif
+#if defined(_WIN32)
+    return processor + "-windows";
+#elif defined(__APPLE__)
+    return processor + "-macos";
+#else
+    return processor + "-linux";
+#endif
+  }
+
+ private:
+  // Unloads a library, and forgets the file that it was loaded from.
+  struct Close {
+    int descriptor;
+    std::string copy;
+
+    Close() : descriptor(-1) {}
+    Close(int descriptor, const std::string &copy) : descriptor(descriptor), copy(copy) {}
+
+    void operator()(void *library) const {
+#ifdef _WIN32
+      FreeLibrary(HMODULE(library));
+      DeleteFileA(copy.c_str());
+#else
+      dlclose(library);
+      if (descriptor >= 0) ::close(descriptor);
+#endif
+    }
+  };
+
+  // A file that is cut off would end the process when it is mapped.
+  void check_end(const std::string &content) const {
+#ifdef __linux__
+    ElfW(Ehdr) header{};
+    if (content.size() < sizeof header || content.compare(0, SELFMAG, ELFMAG) != 0)
+      throw std::runtime_error(path_ + ": is no shared library");
+    std::memcpy(&header, content.data(), sizeof header);
+    const std::size_t whole = header.e_shoff + std::size_t(header.e_shnum) * header.e_shentsize;
+    if (header.e_ident[EI_CLASS] == (sizeof(void *) == 8 ? ELFCLASS64 : ELFCLASS32) &&
+        content.size() < whole)
+      throw std::runtime_error(path_ + ": is cut off: " + std::to_string(content.size()) + " of " +
+                               std::to_string(whole) + " bytes");
+#else
+    (void)content;
+#endif
+  }
+
+  // The last line says for which machine it is, and ends in a checksum of all before it. What was
+  // compiled from its source elsewhere has none.
+  void check_seal(const std::string &content) const {
+    const std::string begin = "\naicon-torch library for ", sum = ", checksum ";
+    const std::size_t longest = 200, digits = 9, size = content.size();
+    const std::size_t line = content.rfind(begin);
+    if (line == std::string::npos || size - line > longest ||
+        size - line < begin.size() + sum.size() + digits ||
+        content.compare(size - digits - sum.size(), sum.size(), sum) != 0) {
+      if (content.find("aicon-torch: this file ends in a line with its checksum") ==
+          std::string::npos)
+        return;
+      throw std::runtime_error(path_ + ": is damaged or cut off: its last line is missing");
+    }
+
+    char found[digits + 1];
+    std::snprintf(found, sizeof found, "%08lx\n", checksum(content.data(), size - digits));
+    if (content.compare(size - digits, digits, found) != 0)
+      throw std::runtime_error(path_ + ": is damaged: its checksum is not that of its content");
+
+    const std::size_t start = line + begin.size();
+    const std::string target = content.substr(start, content.find_first_of(" ,", start) - start);
+    if (target != this_machine())
+      throw std::runtime_error(path_ + ": is a library for " + target + ", and this machine is " +
+                               this_machine());
+  }
+
+  // CRC-32, as in zlib.
+  static unsigned long checksum(const char *content, std::size_t size) {
+    std::uint32_t table[256];
+    for (std::uint32_t byte = 0; byte < 256; ++byte) {
+      table[byte] = byte;
+      for (int bit = 0; bit < 8; ++bit)
+        table[byte] = (table[byte] >> 1) ^ (table[byte] & 1 ? 0xEDB88320u : 0u);
+    }
+    std::uint32_t rest = ~std::uint32_t(0);
+    for (std::size_t i = 0; i < size; ++i)
+      rest = (rest >> 8) ^ table[(rest ^ static_cast<unsigned char>(content[i])) & 255];
+    return std::uint32_t(~rest);
+  }
+
+#ifdef _WIN32
+  void open(const std::string &content) {
+    char folder[MAX_PATH + 1], copy[MAX_PATH + 1];
+    if (!GetTempPathA(sizeof folder, folder) || !GetTempFileNameA(folder, "aic", 0, copy))
+      throw std::runtime_error(path_ + ": there is no folder for a private copy");
+    std::ofstream(copy, std::ios::binary) << content;
+
+    HMODULE library = LoadLibraryA(copy);
+    const unsigned long error = GetLastError();
+    if (!library) {
+      DeleteFileA(copy);
+      throw std::runtime_error(path_ + ": cannot be loaded: error " + std::to_string(error));
+    }
+    library_ = {library, Close(-1, copy)};
+  }
+#else
+  void open(const std::string &content) {
+    if (open_in_memory(content)) return;
+
+    // What is in memory may not be allowed to run: a private copy.
+    const char *folder = std::getenv("TMPDIR");
+    std::string copy = std::string(folder && *folder ? folder : "/tmp") + "/aicon_policy_XXXXXX";
+    const int descriptor = mkstemp(&copy[0]);
+    if (descriptor < 0) throw std::runtime_error(path_ + ": no private copy can be made: " + copy);
+    const bool is_written = write_all(descriptor, content);
+    ::close(descriptor);
+
+    void *library = is_written ? dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL) : nullptr;
+    ::unlink(copy.c_str());
+    if (!library)
+      throw std::runtime_error(path_ + ": " + (is_written ? dlerror() : "the disk is full"));
+    library_ = {library, Close()};
+  }
+
+  // The number of its descriptor is its name, and another file's only when it is unloaded.
+  bool open_in_memory(const std::string &content) {
+#ifdef __linux__
+    const int descriptor = memfd_create("aicon_policy", MFD_CLOEXEC);
+    if (descriptor < 0) return false;
+    const std::string name = "/proc/self/fd/" + std::to_string(descriptor);
+    if (write_all(descriptor, content))
+      library_ = {dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL), Close(descriptor, "")};
+    if (library_) return true;
+    ::close(descriptor);
+#else
+    (void)content;
+#endif
+    return false;
+  }
+
+  static bool write_all(int descriptor, const std::string &content) {
+    std::size_t written = 0;
+    while (written < content.size()) {
+      const ssize_t count = ::write(descriptor, &content[written], content.size() - written);
+      if (count <= 0) return false;
+      written += static_cast<std::size_t>(count);
+    }
+    return true;
+  }
+#endif
+
+  std::string path_;
+  std::unique_ptr<void, Close> library_;
+};
+
 // Real is double or float, as the policy was exported.
 template <typename Real>
 class Policy {
  public:
-  // Loads a file and checks that it computes here what it did when it was exported. The file is
-  // native code: load none that you would not execute.
-  explicit Policy(const std::string &path) : library_(open(path)) {
-    const int *sizes = static_cast<const int *>(find("aicon_sizes"));
+  // Loads a file and checks that it is whole and computes here what it did when it was exported.
+  // The file is native code: load none that you would not execute.
+  explicit Policy(const std::string &path) : library_(path) {
+    const int *sizes = static_cast<const int *>(library_.find("aicon_sizes"));
     const int bytes = sizeof(Real);
     if (sizes[0] != kFormat)
       throw std::runtime_error(path + ": has format " + std::to_string(sizes[0]) +
@@ -35,10 +239,10 @@ class Policy {
       throw std::runtime_error(path + ": computes in numbers of " + std::to_string(sizes[1]) +
                                " bytes, and this class in " + std::to_string(bytes));
 
-    step_ = reinterpret_cast<Step>(find("aicon_step"));
-    blank_ = reinterpret_cast<Blank>(find("aicon_blank"));
-    metadata_ = static_cast<const char *>(find("aicon_metadata"));
-    if (!reinterpret_cast<Test>(find("aicon_test"))())
+    step_ = reinterpret_cast<Step>(library_.find("aicon_step"));
+    blank_ = reinterpret_cast<Blank>(library_.find("aicon_blank"));
+    metadata_ = static_cast<const char *>(library_.find("aicon_metadata"));
+    if (!reinterpret_cast<Test>(library_.find("aicon_test"))())
       throw std::runtime_error(path + ": computes something else here; export it again");
 
     readings_ = sizes[2];
@@ -81,42 +285,6 @@ class Policy {
   using Step = void (*)(long, const unsigned char *, const void *, const void *, void *, void *);
   using Blank = void (*)(void *);
   using Test = int (*)();
-
-  struct Close {
-    void operator()(void *library) const { dlclose(library); }
-  };
-  using Library = std::unique_ptr<void, Close>;
-
-  static Library open(const std::string &path) {
-    // A name without a slash would be looked for among the system's libraries.
-    const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
-    check_whole(file);
-    Library library(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL));
-    if (!library) throw std::runtime_error(dlerror());
-    return library;
-  }
-
-  // A file that is cut off would end the process when it is mapped.
-  static void check_whole(const std::string &file) {
-    std::ifstream stream(file, std::ios::binary | std::ios::ate);
-    if (!stream) throw std::runtime_error(file + ": cannot be read");
-    const std::size_t size = static_cast<std::size_t>(stream.tellg());
-
-    ElfW(Ehdr) header{};
-    stream.seekg(0);
-    stream.read(reinterpret_cast<char *>(&header), sizeof header);
-    if (!stream || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
-      throw std::runtime_error(file + ": is no shared library");
-    const std::size_t whole = header.e_shoff + std::size_t(header.e_shnum) * header.e_shentsize;
-    if (size < whole)
-      throw std::runtime_error(file + ": is cut off: " + std::to_string(size) + " of " +
-                               std::to_string(whole) + " bytes");
-  }
-
-  void *find(const char *name) {
-    if (void *symbol = dlsym(library_.get(), name)) return symbol;
-    throw std::runtime_error(std::string("not an exported policy: it has no ") + name);
-  }
 
   Library library_;
   Step step_ = nullptr;

@@ -3,12 +3,16 @@
 from pathlib import Path
 
 from aicon_torch.codegen import compile_library
+from aicon_torch.codegen.seal import MARK, Seal, sealed
 
 REFUSED = {
     "missing": "missing.so",
     "text": "no shared library|no library",
-    "foreign": "no (')?aicon_sizes",
+    "foreign": "it has no '?aicon_",
     "other_machine": "for aarch64|cannot open|e_machine|ELF",
+    "other_target": "for riscv64-linux",
+    "changed": "is damaged: its checksum",
+    "no_checksum": "is damaged or cut off",
     "cut_off": r"is cut off: \d+ of \d+ bytes",
     "other_format": "format 9.* reads format 1",
     "other_numbers": "computes something else here|does not compute here what it did",
@@ -30,7 +34,15 @@ def write_wrong_file(name: str, good: Path, folder: Path) -> Path:
     elif name == "foreign":
         compile_library("int answer(void) { return 42; }", path)
     elif name == "other_machine":
-        path.write_bytes(library[:18] + bytes([183, 0]) + library[20:])
+        unmarked = unsealed(library).replace(MARK.encode(), bytes(len(MARK)))
+        path.write_bytes(unmarked[:18] + bytes([183, 0]) + unmarked[20:])
+    elif name == "other_target":
+        path.write_bytes(sealed(unsealed(library), Seal("riscv64-linux", 32 * "0")))
+    elif name == "changed":
+        middle = len(library) // 2
+        path.write_bytes(library[:middle] + bytes([library[middle] ^ 1]) + library[middle + 1 :])
+    elif name == "no_checksum":
+        path.write_bytes(unsealed(library))
     elif name == "cut_off":
         path.write_bytes(library[: len(library) // 2])
     elif name == "other_format":
@@ -40,3 +52,8 @@ def write_wrong_file(name: str, good: Path, folder: Path) -> Path:
         before = "recorded[MEMORY + COMMANDS] = {"
         compile_library(source.read_text().replace(before, before + "1e3 + "), path)
     return path
+
+
+def unsealed(library: bytes) -> bytes:
+    """A library without its last line."""
+    return library[: library.rindex(b"\naicon-torch library for")]

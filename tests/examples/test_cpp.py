@@ -11,12 +11,14 @@ import pytest
 from _inputs.exported_files import REFUSED, write_wrong_file
 
 from aicon_torch import Foresight, load_exported, make_policy
+from aicon_torch.models.nav2d import Options
 
 pytestmark = pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler (apt install g++)")
 
 HEADERS = Path(__file__).parents[2] / "examples/cpp"
 
 PROGRAM = """
+#include <cmath>
 #include <cstdio>
 #include "aicon_policy.hpp"
 
@@ -27,11 +29,26 @@ static void take_a_step(const char *file, const std::vector<double> &readings) {
   for (int i = 0; i < policy.commands(); ++i) std::printf("%.17g ", double(command[i]));
 }
 
+// Two files are copied to one place, one after the other, and loaded from there.
+static void load_from_one_place(char **files, const std::vector<double> &readings) {
+  std::vector<aicon::Policy<double>> policies;
+  for (int i = 1; i < 3; ++i) {
+    std::ofstream(files[0], std::ios::binary) << std::ifstream(files[i], std::ios::binary).rdbuf();
+    policies.emplace_back(files[0]);
+  }
+  for (auto &policy : policies) {
+    const double *command = policy.step(readings);
+    std::printf("%.17g ", std::hypot(command[0], command[1]));
+  }
+}
+
 int main(int count, char **words) {
+  const bool in_one_place = words[1][0] == 'c';
   std::vector<double> readings;
-  for (int i = 3; i < count; ++i) readings.push_back(std::stod(words[i]));
+  for (int i = in_one_place ? 5 : 3; i < count; ++i) readings.push_back(std::stod(words[i]));
   try {
-    if (words[1][0] == 'f') take_a_step<float>(words[2], readings);
+    if (in_one_place) load_from_one_place(words + 2, readings);
+    else if (words[1][0] == 'f') take_a_step<float>(words[2], readings);
     else take_a_step<double>(words[2], readings);
   } catch (const std::exception &error) {
     std::printf("refused: %s", error.what());
@@ -51,6 +68,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     policy = make_policy("nav2d", law=Foresight(iterations=1))
     policy.export(folder / "good.so")
     policy.export(folder / "good.c")
+    slower = make_policy("nav2d", law=Foresight(iterations=1), max_speed=0.1)
+    slower.export(folder / "slow.so")
     return folder
 
 
@@ -70,6 +89,20 @@ def test_a_step_is_that_of_python(folder: Path) -> None:
     text = said(folder, folder / "good.so", policy.flat_readings(observation))
     command = np.array(text.split(), dtype=np.float64)
     np.testing.assert_array_equal(command.astype(np.float32), action)
+
+
+def test_a_policy_that_replaces_another_one_is_the_one_that_runs(
+    folder: Path, tmp_path: Path
+) -> None:
+    """Both are loaded from one place, the second one while the first is."""
+    observation = {"bearing": np.full(1, 0.5), "range": np.full(1, 0.5)}
+    readings = load_exported(folder / "good.so").flat_readings(observation)
+    files = [str(tmp_path / "policy.so"), "good.so", "slow.so"]
+    command = ["./program", "copies", *files, *map(str, readings)]
+    text = subprocess.run(command, cwd=folder, capture_output=True, check=True, text=True).stdout
+
+    usual, slow = (float(word) for word in text.split())
+    np.testing.assert_allclose(slow / usual, 0.1 / Options().max_speed, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("name", "words"), REFUSED.items())

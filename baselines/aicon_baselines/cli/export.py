@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> None:
     if path.suffix != ".so":
         print(size)
         return
-    library = Library(path)
+    library = Library.read(path)
     print(
         f"{size}; {library.readings} readings, {library.commands} commands, a memory of "
         f"{library.memory} numbers ({library.dtype})"

@@ -1,0 +1,72 @@
+"""The last line of a library that was compiled here: what it is, and a checksum over all of it.
+
+    aicon-torch library for x86_64-linux, source 3f…c2, checksum 0badcafe
+
+The checksum is CRC-32 (ISO-HDLC, as in zlib) of everything before it. It finds what happens to a
+file by accident; whoever can write the file can also write its last line.
+"""
+
+import re
+import zlib
+from typing import NamedTuple
+
+from aicon_torch.errors import OptionError
+
+MARK = "aicon-torch: this file ends in a line with its checksum"
+"""What a library holds that has such a line, so that it is missed where it is gone."""
+
+_LINE = "\naicon-torch library for {target:<16}, source {source:32}, checksum "
+_TAIL = re.compile(
+    rb"\naicon-torch library for (\S+) *, source ([0-9a-f]{32}), checksum .{9}\Z", re.S
+)
+_LONGEST = 200
+
+
+class Seal(NamedTuple):
+    """What the last line says.
+
+    Attributes:
+        target: The machine that the library is for, such as ``"aarch64-linux"``.
+        source: A hash of what it was compiled from, and how: 32 hexadecimal digits.
+    """
+
+    target: str
+    source: str
+
+
+def sealed(library: bytes, seal: Seal) -> bytes:
+    """The library with its last line.
+
+    Args:
+        library: The library.
+        seal: What the line says of it.
+    """
+    content = library + _LINE.format(target=seal.target, source=seal.source).encode()
+    return content + b"%08x\n" % zlib.crc32(content)
+
+
+def read_seal(library: bytes, name: str) -> Seal | None:
+    """What the last line of a library says; None if it was compiled elsewhere, and has none.
+
+    Args:
+        library: The library.
+        name: What errors call it.
+
+    Raises:
+        OptionError: If something of the library or of its last line has changed.
+    """
+    line = _TAIL.search(library, max(len(library) - _LONGEST, 0))
+    if line is None:
+        if MARK.encode() in library:
+            raise OptionError(
+                f"{name} is damaged or cut off: its last line, with the checksum, is missing. Copy "
+                "or export it again."
+            )
+        return None
+
+    seal = Seal(line[1].decode(errors="replace"), line[2].decode())
+    if sealed(library[: line.start()], seal) != library:
+        raise OptionError(
+            f"{name} is damaged: its checksum is not that of its content. Copy or export it again."
+        )
+    return seal

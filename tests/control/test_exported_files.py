@@ -1,0 +1,111 @@
+"""What is loaded is what the file holds now, and only if it is whole and unchanged."""
+
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from _inputs import observation_with
+
+from aicon_torch import Foresight, OptionError, Policy, load_exported, make_policy
+from aicon_torch.codegen import has_compiler
+
+pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
+
+FLIPS = 40
+"""How many bits are flipped: as many anywhere as at the end, where the checksum is."""
+
+
+def navigation(max_speed: float) -> Policy:
+    return make_policy("nav2d", law=Foresight(iterations=1), max_speed=max_speed)
+
+
+def speed(path: Path) -> Any:
+    action, _ = load_exported(path).predict(observation_with(range=np.array([1.0])))
+    return np.linalg.norm(action)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("good") / "policy.so"
+    navigation(0.5).export(path)
+    return path
+
+
+def test_a_policy_exported_to_the_same_name_is_the_one_that_runs(tmp_path: Path) -> None:
+    path = tmp_path / "policy.so"
+    fingerprints, speeds = set(), []
+    for max_speed in (0.5, 0.1, 0.05):
+        navigation(max_speed).export(path)
+        fingerprints.add(load_exported(path).metadata["fingerprint"])
+        speeds.append(speed(path))
+
+    assert len(fingerprints) == 3
+    np.testing.assert_allclose(np.array(speeds) / speeds[0], [1.0, 0.2, 0.1], rtol=1e-6)
+
+
+def test_a_policy_that_is_loaded_stays_what_it_is(tmp_path: Path) -> None:
+    """Another one is copied over its file, in place, while it runs."""
+    path, other = tmp_path / "policy.so", tmp_path / "other.so"
+    navigation(0.5).export(path)
+    navigation(0.1).export(other)
+    policy, observation = load_exported(path), observation_with(range=np.array([1.0]))
+    before, _ = policy.predict(observation)
+
+    path.write_bytes(other.read_bytes())
+    np.testing.assert_array_equal(policy.predict(observation)[0], before)
+    path.write_bytes(b"")
+    np.testing.assert_array_equal(policy.predict(observation)[0], before)
+
+
+def test_many_policies_are_loaded_without_keeping_files_open(good: Path) -> None:
+    program = f"""
+        import resource
+        resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+        from aicon_torch import load_exported
+        for _ in range(200):
+            load_exported({str(good)!r})
+    """
+    subprocess.run([sys.executable, "-c", textwrap.dedent(program)], check=True)
+
+
+def test_a_flipped_bit_is_an_error_before_anything_runs(good: Path, tmp_path: Path) -> None:
+    content, path = good.read_bytes(), tmp_path / "policy.so"
+    bits = 8 * len(content)
+    anywhere = np.random.default_rng(0).integers(bits, size=FLIPS)
+    for place in (*anywhere, *range(bits - FLIPS, bits)):
+        spoilt = bytearray(content)
+        spoilt[place // 8] ^= 1 << (place % 8)
+        path.write_bytes(bytes(spoilt))
+        with pytest.raises(OptionError, match=r"policy\.so is (damaged|cut off)"):
+            load_exported(path)
+
+
+def test_a_file_that_lost_its_end_is_an_error(good: Path, tmp_path: Path) -> None:
+    content, path = good.read_bytes(), tmp_path / "policy.so"
+    for lost in (1, 10, 100, 1000, 10000):
+        path.write_bytes(content[:-lost])
+        with pytest.raises(OptionError, match="damaged|cut off"):
+            load_exported(path)
+        path.write_bytes(content[:-lost] + bytes(lost))
+        with pytest.raises(OptionError, match="damaged|cut off"):
+            load_exported(path)
+
+
+@pytest.mark.parametrize("name", ["policy.so", "policy.c"])
+def test_a_folder_that_is_not_there_is_named(name: str, tmp_path: Path) -> None:
+    folder = tmp_path / "missing"
+    with pytest.raises(OptionError) as raised:
+        navigation(0.5).export(folder / name)
+    assert f"no folder {str(folder)!r}" in str(raised.value)
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "policy.so"
+    path.mkdir()
+    with pytest.raises(OptionError) as raised:
+        navigation(0.5).export(path)
+    assert str(path) in str(raised.value) and "tmp" not in str(raised.value).replace(str(path), "")
