@@ -1,12 +1,12 @@
 """Admission: which readings are believed, and how old the last one is, sensor by sensor."""
 
 from collections.abc import Mapping
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
-from aicon_torch.quantities import AGE, ANEW, FROZEN, MISSED, PRESENT, Actuator, Sensor
+from aicon_torch.quantities import AGE, ANEW, FROZEN, MISSED, PRESENT, SILENCE, Actuator, Sensor
 from aicon_torch.resolution import Memory
 
 BEGINS = "begins"
@@ -56,6 +56,8 @@ class Admission(NamedTuple):
             memory[name + PRESENT] = torch.tensor(False)
             memory[name + AGE] = torch.tensor(NEVER)
             memory[name + MISSED] = torch.tensor(0)
+            if sensor.max_gap is not None:
+                memory[name + SILENCE] = torch.tensor(NEVER)
             if sensor.driven_by is not None:
                 memory[name + FROZEN] = torch.tensor(False)
             if sensor.rate_limit is not None:
@@ -136,24 +138,33 @@ class Admission(NamedTuple):
         age = readings.get(name + AGE, torch.zeros_like(waited))
         admitted: dict[str, Tensor] = {}
 
-        # There is one that can be, it is newer than the last, ...
-        is_present = reading.isfinite().all(-1)
+        # There is one that can be, it does not repeat itself while it should change, ...
+        can_be = reading.isfinite().all(-1)
         if sensor.is_possible is not None:
-            is_present = is_present & sensor.is_possible(reading)
-        if sensor.is_aged:
-            is_new = (age >= 0) & (is_first | (age < waited - 1e-3 * self.dt))
-            is_present = is_present & is_new & (age < NEVER)
-
-        # ... it does not repeat itself while it should change, ...
+            can_be = can_be & sensor.is_possible(reading)
         if sensor.driven_by is not None:
             frozen = self._is_frozen(sensor, reading, last, memory, name) & ~is_first
-            is_present = is_present & ~frozen
+            can_be = can_be & ~frozen
             admitted[name + FROZEN] = frozen
+
+        # ... it is newer than the last, ...
+        is_present = can_be
+        if sensor.is_aged:
+            is_new = is_first | (age < waited - self._tick)
+            is_present = can_be & is_new & (age >= 0) & (age < NEVER)
 
         # ... and it has not jumped farther than it can.
         if sensor.rate_limit is not None:
             admitted |= self._compared(name, sensor, reading, is_present, memory, elapsed)
             is_present = is_present & (admitted[name + REFUSED] == 0)
+
+        # One that is older than the last is none, but it says that there are still some.
+        if sensor.max_gap is not None:
+            earlier = (age - waited).clamp(max=NEVER)
+            is_near = self._is_near(sensor, reading, last, earlier)
+            is_older = can_be & (earlier > self._tick) & is_near
+            silence = (memory[name + SILENCE] + elapsed).clamp(max=NEVER)
+            admitted[name + SILENCE] = torch.where(is_present | is_older, 0.0, silence)
 
         age = torch.where(is_present, age, waited).clamp(max=NEVER)
         admitted[name] = torch.where(is_present.unsqueeze(-1), reading, last)
@@ -161,6 +172,11 @@ class Admission(NamedTuple):
         admitted[name + AGE] = age
         admitted[name + MISSED] = memory[name + MISSED] + ~is_present
         return admitted
+
+    @property
+    def _tick(self) -> float:
+        """By how much two readings of different times differ in age at least, s."""
+        return 1e-3 * self.dt
 
     def _compared(
         self,
@@ -172,13 +188,12 @@ class Admission(NamedTuple):
         elapsed: Tensor,
     ) -> dict[str, Tensor]:
         """Whether a reading is where it can be, and what is remembered in order to tell."""
-        limit = cast(float, sensor.rate_limit)
         waited, seen_waited = memory[name + AGE] + elapsed, memory[name + SEEN_AGE] + elapsed
         refused = memory[name + REFUSED]
 
         # Does it agree with the last one that was believed, or with those just before it?
-        is_near = self._jump(sensor, reading, memory[name]) <= limit * waited
-        agrees = self._jump(sensor, reading, memory[name + SEEN]) <= limit * seen_waited
+        is_near = self._is_near(sensor, reading, memory[name], waited)
+        agrees = self._is_near(sensor, reading, memory[name + SEEN], seen_waited)
         agreed = torch.where(agrees, memory[name + AGREED] + 1, 0)
 
         # Where much was refused, what was believed last may be the outlier.
@@ -196,6 +211,12 @@ class Admission(NamedTuple):
             ),
             name + REFUSED: torch.where(is_present, now, refused),
         }
+
+    def _is_near(self, sensor: Sensor, reading: Tensor, other: Tensor, apart: Tensor) -> Tensor:
+        """Whether two readings may be ``apart`` ``(*B,)`` s of each other, ``(*B,)``."""
+        if sensor.rate_limit is None:
+            return torch.ones_like(apart, dtype=torch.bool)
+        return self._jump(sensor, reading, other) <= sensor.rate_limit * apart
 
     @staticmethod
     def _jump(sensor: Sensor, reading: Tensor, last: Tensor) -> Tensor:

@@ -97,7 +97,8 @@ def _watched(options: Options) -> dict[str, Any]:
     latency = options.delay * options.dt
     told: dict[str, Any] = {"age": latency, "age_key": "age"}
     if options.watchdog:
-        told |= {"max_age": latency + MAX_GAP * options.dt, "driven_by": "a"}
+        gap = MAX_GAP * options.dt
+        told |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
     return told
 
 
