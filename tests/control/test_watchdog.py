@@ -192,3 +192,25 @@ def test_times_must_be_positive(bad: dict[str, Any]) -> None:
 def test_what_drives_a_reading_must_be_an_actuator() -> None:
     with pytest.raises(GraphError, match=r"driven_by='b'.*'a'"):
         policy(driven_by="b")
+
+
+def test_how_far_a_reading_can_be_goes_by_when_it_was_taken() -> None:
+    """Late ones come as fast as prompt ones: in 0.1 s it cannot have gone 0.5 m."""
+    watched, memory = policy(age_key="age", rate_limit=2.0), None
+    present = []
+    for x, age in [(0.0, 0.4), (0.1, 0.4), (0.6, 0.4), (0.6, 0.0)]:
+        reading = {"place": np.array([x, 0.0]), "age": np.array(age)}
+        _, memory = watched.predict(reading, memory)
+        present.append(bool(memory["z.present"]))
+    assert present == [True, True, False, True]
+
+
+def test_a_frozen_reading_stays_none_after_an_outlier() -> None:
+    """One that is no reading either does not say that it changes again."""
+    watched, memory = policy(max_age=0.1, driven_by="a", rate_limit=2.0), None
+    places = [*MOVING[:4], *[MOVING[3]] * 5, [9.0, 0.0], MOVING[3], GONE, MOVING[3], MOVING[3]]
+    present = []
+    for place in places:
+        _, memory = watched.predict({"place": np.array(place)}, memory)
+        present.append(bool(memory["z.present"]))
+    assert present == [True] * 4 + [False] * 10

@@ -103,14 +103,17 @@ def _watched(options: Options) -> dict[str, Any]:
 
 
 def _actuator(options: Options, obstacle: Clearance) -> Actuator:
-    """The velocity, limited where obstacles are near by readings that are late or jump.
+    """The velocity, limited near obstacles where readings or actions are late, or readings wrong.
 
     The nearest point of an obstacle jumps from one wall to another. Where its direction is read,
     the velocity turns with it, and is the wrong one for a few steps.
     """
     jumps = JUMPS if options.sensing == "range_bearing" else 0
-    latency = (options.delay + jumps) * options.dt
-    limits = [obstacle.limits(ClearanceLimits.for_latency(latency))] if latency else []
+    latency = (options.action_delay + jumps) * options.dt
+    offset = options.range_offset
+    limits = []
+    if options.delay or latency or offset:
+        limits = [obstacle.limits(ClearanceLimits.for_latency(latency, offset))]
     return Actuator(2, "m/s", limit=options.max_speed, constraints=limits, key="executed")
 
 

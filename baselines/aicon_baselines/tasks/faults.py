@@ -61,7 +61,8 @@ class Faults:
         pause: For how long they do, steps.
         bias: Offset by key.
         ranges: Range of the outliers by key; others have none.
-        held: What a policy is told where actions are held: how many steps its own may come late.
+        held: How many steps later than usual a policy's action may take effect where it is held; 0
+            where a policy is not told.
         told: What a policy is told where sensors are off, by option.
         tells_action: Whether the action that is held is told, as ``executed``.
     """
@@ -98,10 +99,20 @@ class Faults:
     def policy_options(self, condition: str) -> dict[str, Any]:
         """What a policy is told: how old readings may be, or how far off."""
         faults = at_once(condition)
-        steps = {"late": self.late, "jitter": self.jitter, "held": self.held}
-        delay = sum(steps.get(fault, 0) for fault in faults)
-        options = {"delay": delay} if delay else {}
-        return options | dict(self.told) if "bias" in faults else options
+        options: dict[str, Any] = dict(self.told) if "bias" in faults else {}
+
+        ages = {"late": self.late, "jitter": self.jitter}
+        delay = sum(ages.get(fault, 0) for fault in faults)
+        if delay:
+            options["delay"] = delay
+
+        # An action is held for some steps, of as many of the usual ones as they take on average.
+        steps = self.held if "held" in faults else 0
+        if "uneven" in faults and self.held:
+            steps = (1 + steps) * (1 + UNEVEN) // 2
+        if steps:
+            options["action_delay"] = steps
+        return options
 
 
 def at_once(condition: str) -> tuple[str, ...]:
@@ -210,9 +221,7 @@ class _Held(_Faulty):
         return self._sensed(observation)
 
     def _sensed(self, observation: Observation) -> Observation:
-        """The observation, which is on time unless it is late, and the action that was executed."""
-        if self._faults.held:
-            observation.setdefault("age", np.zeros((self.num_envs, 1)))
+        """The observation, and the action that was executed."""
         if self._faults.tells_action:
             observation["executed"] = self._executed.copy()
         return observation
@@ -255,6 +264,11 @@ class Disturbed(_Faulty):
         self._frozen: Observation = {}
 
     @property
+    def since(self) -> NDArray[np.int64]:
+        """How many of the environment's steps ago it began, ``(B,)``; negative before."""
+        return self._steps - self.onset
+
+    @property
     def pause(self) -> int:
         """For how long readings are wrong, steps."""
         is_for_ever = self.fault in ("gone", "erratic")
@@ -273,13 +287,10 @@ class Disturbed(_Faulty):
         return self._sensed(observation)
 
     def _sensed(self, observation: Observation) -> Observation:
-        since = self._steps - self.onset
-        pauses = (since >= 0) & (since < self.pause)
-        sensed: Observation = {}
-        for key, reading in observation.items():
-            if key == "age":
-                sensed[key] = reading
-                continue
+        pauses = (self.since >= 0) & (self.since < self.pause)
+        sensed = dict(observation)
+        for key in observation.keys() - {"age"}:
+            reading = observation[key]
             sensed[key] = self._reading(key, reading, pauses.reshape(-1, *[1] * (reading.ndim - 1)))
         if self.fault == "stuck":
             self._frozen = sensed

@@ -43,6 +43,7 @@ _FAULTS = Faults(
     bias={"range": 0.05},
     ranges={"range": (0.0, Physics().max_range), "bearing": (-math.pi, math.pi)},
     held=10,
+    told={"range_offset": 0.05},
     tells_action=True,
 )
 
