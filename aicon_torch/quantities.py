@@ -19,6 +19,9 @@ AGE = ".age"
 MISSED = ".missed"
 """Suffix of the number ``(*B,)`` of steps of an episode in which a sensor had no reading."""
 
+SILENCE = ".silence"
+"""Suffix of the time ``(*B,)`` since a sensor's last reading came, new or not, s."""
+
 FROZEN = ".frozen"
 """Suffix of the flag ``(*B,)`` that says whether a sensor repeats itself while it should not."""
 
@@ -73,6 +76,9 @@ class Sensor:
             its time stamp. A reading that is not newer than the last one is none.
         max_age: Age of the last reading beyond which actions decay, to rest at twice this age, s;
             None for a sensor that nobody watches.
+        max_gap: Time in which no reading comes beyond which actions decay, to rest at twice this
+            time, s: for readings that are old when they come, and none the newer for it. One that
+            is older than the last counts where it is plausible; the same one again does not.
         rate_limit: How fast a component can change, in the observation's unit per second: a reading
             that has jumped farther since the last one is none. The longer there is none, the
             farther it may be. Four in a row that agree with each other are believed wherever they
@@ -94,6 +100,7 @@ class Sensor:
     age: float = 0.0
     age_key: str | None = None
     max_age: float | None = None
+    max_gap: float | None = None
     rate_limit: float | None = None
     period: float | None = None
     driven_by: str | None = None
@@ -110,7 +117,7 @@ class Sensor:
                 f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a "
                 "component."
             )
-        for name in ("max_age", "rate_limit", "period"):
+        for name in ("max_age", "max_gap", "rate_limit", "period"):
             value = getattr(self, name)
             if value is not None and not value > 0:
                 raise GraphError(f"Sensor {name}={value!r}: expected a number > 0, or None.")

@@ -1,7 +1,8 @@
 """Feed hostile readings to the policies, and check every command and every memory.
 
 Each row of a batch reads numbers that no instrument should give: NaN, infinity, denormals, 1e308,
-anything of 64 random bits, and now and then what is plausible; then three good readings. Every
+anything of 64 random bits, and now and then what is plausible, of sensors and of what is told of
+them: ages, how long a step took, what was executed. Then come three good readings. Every
 command must be finite and legal, and from the first good reading on every memory finite.
 
 Example: python scripts/hostile_rows.py --task pusht --rows 1000000 --tensors --compile
@@ -135,10 +136,17 @@ def is_legal(task: str, action: NDArray[Any]) -> NDArray[np.bool_]:
     return legal
 
 
+def _told(dt: float, count: int) -> Readings:
+    """Readings that are prompt, in steps that take as long as usual."""
+    return {"age": np.zeros((count, 1)), "elapsed": np.full((count, 1), dt)}
+
+
 def _nav2d(generator: np.random.Generator, count: int) -> Readings:
     return {
         "bearing": generator.uniform(-np.pi, np.pi, (count, 1)),
         "range": generator.uniform(0.0, 20.0, (count, 1)),
+        **_told(nav2d.Options().dt, count),
+        "executed": generator.uniform(-0.3, 0.3, (count, 2)),
     }
 
 
@@ -152,6 +160,7 @@ def _pusht(generator: np.random.Generator, count: int) -> Readings:
     return {
         "agent_pos": generator.uniform(0.0, 512.0, (count, 2)),
         "environment_state": keypoints,
+        "age": np.zeros((count, 1)),
     }
 
 
@@ -163,6 +172,8 @@ def _panda_push(generator: np.random.Generator, count: int) -> Readings:
         "q": generator.uniform(PANDA.low, PANDA.high, (count, 7)),
         "target": generator.uniform(near, far, (count, 3)),
         "object_pose": generator.uniform(near, far, (count, 3)),
+        **_told(panda_push.Options().dt, count),
+        "executed": generator.uniform(-0.1, 0.1, (count, 7)),
     }
 
 
@@ -170,6 +181,7 @@ def _reach(generator: np.random.Generator, count: int) -> Readings:
     return {
         "q": generator.uniform(-1.5, 1.5, (count, 6)),
         "target_position": generator.uniform(-0.6, 0.6, (count, 3)),
+        "elapsed": np.full((count, 1), 0.02),
     }
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple, cast
 import torch
 from torch import Tensor
 
-from aicon_torch.quantities import AGE, ANEW, FROZEN, MISSED, PRESENT, Actuator, Sensor
+from aicon_torch.quantities import AGE, ANEW, FROZEN, MISSED, PRESENT, SILENCE, Actuator, Sensor
 from aicon_torch.resolution import Memory
 
 BEGINS = "begins"
@@ -30,6 +30,22 @@ AGREED, REFUSED = ".agreed", ".refused"
 PATIENCE = 4
 """Readings that are refused until the last one that was believed may be what is wrong, and readings
 in a row that agree, and so are believed."""
+
+
+class _Arrival(NamedTuple):
+    """A reading that came, and can be one.
+
+    Attributes:
+        reading: ``(*B, size)``.
+        age: How old it is, ``(*B,)``, s.
+        is_newer: Whether it was taken after the last one that was believed, ``(*B,)``.
+        is_older: Whether before.
+    """
+
+    reading: Tensor
+    age: Tensor
+    is_newer: Tensor
+    is_older: Tensor
 
 
 class Admission(NamedTuple):
@@ -56,6 +72,8 @@ class Admission(NamedTuple):
             memory[name + PRESENT] = torch.tensor(False)
             memory[name + AGE] = torch.tensor(NEVER)
             memory[name + MISSED] = torch.tensor(0)
+            if sensor.max_gap is not None:
+                memory[name + SILENCE] = torch.tensor(NEVER)
             if sensor.driven_by is not None:
                 memory[name + FROZEN] = torch.tensor(False)
             if sensor.rate_limit is not None:
@@ -136,24 +154,38 @@ class Admission(NamedTuple):
         age = readings.get(name + AGE, torch.zeros_like(waited))
         admitted: dict[str, Tensor] = {}
 
-        # There is one that can be, it is newer than the last, ...
-        is_present = reading.isfinite().all(-1)
+        # There is one that can be, ...
+        is_read = reading.isfinite().all(-1) & (age >= 0) & (age < NEVER)
         if sensor.is_possible is not None:
-            is_present = is_present & sensor.is_possible(reading)
-        if sensor.is_aged:
-            is_new = (age >= 0) & (is_first | (age < waited - 1e-3 * self.dt))
-            is_present = is_present & is_new & (age < NEVER)
+            is_read = is_read & sensor.is_possible(reading)
 
         # ... it does not repeat itself while it should change, ...
+        was_frozen = memory.get(name + FROZEN, torch.zeros_like(is_read))
+        frozen = was_frozen
         if sensor.driven_by is not None:
-            frozen = self._is_frozen(sensor, reading, last, memory, name) & ~is_first
-            is_present = is_present & ~frozen
-            admitted[name + FROZEN] = frozen
+            frozen = self._is_frozen(sensor, reading, last, memory, was_frozen) & ~is_first
+            is_read = is_read & ~frozen
+
+        # ... it is newer than the last, ...
+        is_present, is_older = is_read, torch.zeros_like(is_read)
+        if sensor.is_aged:
+            tick = 1e-3 * self.dt
+            is_present = is_read & (is_first | (age < waited - tick))
+            is_older = is_read & (age > waited + tick)
 
         # ... and it has not jumped farther than it can.
         if sensor.rate_limit is not None:
-            admitted |= self._compared(name, sensor, reading, is_present, memory, elapsed)
-            is_present = is_present & (admitted[name + REFUSED] == 0)
+            came = _Arrival(reading, age, is_present, is_older)
+            compared, is_older = self._compared(name, sensor, came, memory, elapsed)
+            is_present = is_present & (compared[name + REFUSED] == 0)
+            admitted |= compared
+
+        # What is frozen stays so until there is a reading; what is older says that some still come.
+        if sensor.driven_by is not None:
+            admitted[name + FROZEN] = (was_frozen | frozen) & ~is_present
+        if sensor.max_gap is not None:
+            silence = (memory[name + SILENCE] + elapsed).clamp(max=NEVER)
+            admitted[name + SILENCE] = torch.where(is_present | is_older, 0.0, silence)
 
         age = torch.where(is_present, age, waited).clamp(max=NEVER)
         admitted[name] = torch.where(is_present.unsqueeze(-1), reading, last)
@@ -166,36 +198,48 @@ class Admission(NamedTuple):
         self,
         name: str,
         sensor: Sensor,
-        reading: Tensor,
-        is_present: Tensor,
+        came: _Arrival,
         memory: Mapping[str, Tensor],
         elapsed: Tensor,
-    ) -> dict[str, Tensor]:
-        """Whether a reading is where it can be, and what is remembered in order to tell."""
-        limit = cast(float, sensor.rate_limit)
+    ) -> tuple[dict[str, Tensor], Tensor]:
+        """Whether a reading is where it can be, and what is remembered in order to tell.
+
+        Returns:
+            What is remembered, and whether it is an older one that is plausible, ``(*B,)``.
+        """
         waited, seen_waited = memory[name + AGE] + elapsed, memory[name + SEEN_AGE] + elapsed
+        reading, age, is_newer = came.reading, came.age, came.is_newer
         refused = memory[name + REFUSED]
 
         # Does it agree with the last one that was believed, or with those just before it?
-        is_near = self._jump(sensor, reading, memory[name]) <= limit * waited
-        agrees = self._jump(sensor, reading, memory[name + SEEN]) <= limit * seen_waited
+        is_near = self._is_near(sensor, reading, memory[name], waited - age)
+        agrees = self._is_near(sensor, reading, memory[name + SEEN], seen_waited - age)
         agreed = torch.where(agrees, memory[name + AGREED] + 1, 0)
 
         # Where much was refused, what was believed last may be the outlier.
         is_settled = agreed >= PATIENCE - 1
-        is_believed = (is_near & (refused < PATIENCE)) | is_settled
+        is_trusted = is_near & (refused < PATIENCE)
 
-        # What is no reading changes nothing.
-        now = torch.where(is_believed, 0, (refused + 1).clamp(max=PATIENCE))
-        return {
-            name + ANEW: is_present & is_settled & ~is_near,
-            name + SEEN: torch.where(is_present.unsqueeze(-1), reading, memory[name + SEEN]),
-            name + SEEN_AGE: torch.where(is_present, 0.0, seen_waited).clamp(max=NEVER),
-            name + AGREED: torch.where(
-                is_present, agreed.clamp(max=PATIENCE), memory[name + AGREED]
-            ),
-            name + REFUSED: torch.where(is_present, now, refused),
+        # What is no reading changes nothing; an older one may be an outlier as well.
+        more = (refused + 1).clamp(max=PATIENCE)
+        now = torch.where(came.is_older & ~is_near, more, refused)
+        now = torch.where(is_newer, torch.where(is_trusted | is_settled, 0, more), now)
+        remembered = {
+            name + ANEW: is_newer & is_settled & ~is_near,
+            name + SEEN: torch.where(is_newer.unsqueeze(-1), reading, memory[name + SEEN]),
+            name + SEEN_AGE: torch.where(is_newer, age, seen_waited).clamp(max=NEVER),
+            name + AGREED: torch.where(is_newer, agreed.clamp(max=PATIENCE), memory[name + AGREED]),
+            name + REFUSED: now,
         }
+        return remembered, came.is_older & is_trusted
+
+    def _is_near(self, sensor: Sensor, reading: Tensor, other: Tensor, apart: Tensor) -> Tensor:
+        """Whether two readings ``apart`` ``(*B,)`` s can be of one motion, ``(*B,)``.
+
+        Each has noise of its own, however soon one follows the other.
+        """
+        farthest = cast(float, sensor.rate_limit) * apart.abs().clamp(min=self.dt)
+        return self._jump(sensor, reading, other) <= farthest
 
     @staticmethod
     def _jump(sensor: Sensor, reading: Tensor, last: Tensor) -> Tensor:
@@ -212,7 +256,7 @@ class Admission(NamedTuple):
         reading: Tensor,
         last: Tensor,
         memory: Mapping[str, Tensor],
-        name: str,
+        was_frozen: Tensor,
     ) -> Tensor:
         """Whether the reading repeats the last one, and did so while the actuator acted."""
         actuator = str(sensor.driven_by)
@@ -225,4 +269,4 @@ class Admission(NamedTuple):
             low, high = sensor.range
             inside = (reading > low * scale) & (reading < high * scale)
             repeats = repeats & inside.all(-1)
-        return repeats & (acts | memory[name + FROZEN])
+        return repeats & (acts | was_frozen)

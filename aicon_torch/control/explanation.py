@@ -10,7 +10,7 @@ from aicon_torch.control.admission import BEGINS, NEVER
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.trace import UNUSED, QuantityTrace, trace
 from aicon_torch.control.watchdog import confidence
-from aicon_torch.quantities import AGE, FROZEN, PRESENT
+from aicon_torch.quantities import AGE, FROZEN, PRESENT, SILENCE
 from aicon_torch.resolution import Memory
 
 
@@ -124,6 +124,8 @@ def _alerts(backward: BackwardPass, memory: Memory) -> Iterator[str]:
         # What that does.
         if sensor.max_age is not None and age > sensor.max_age:
             yield f"  older than {sensor.max_age:.2f} s: {share:.0%} of the action is executed"
+        elif sensor.max_gap is not None and float(memory[name + SILENCE]) > sensor.max_gap:
+            yield f"  none in {sensor.max_gap:.2f} s: {share:.0%} of the action is executed"
 
     if bool(memory[BEGINS]):
         yield "at rest: the episode begins with the first reading of each sensor"

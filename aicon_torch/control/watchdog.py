@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.control.admission import BEGINS
 from aicon_torch.graph import WorldModel
-from aicon_torch.quantities import AGE, Sensor
+from aicon_torch.quantities import AGE, SILENCE, Sensor
 from aicon_torch.resolution import Memory
 
 SENT = ".sent"
@@ -53,8 +53,9 @@ def stay(
 def confidence(sensors: Mapping[str, Sensor], values: Mapping[str, Tensor]) -> Tensor:
     """The share of its action that a row may execute, ``(*B, 1)``: min over sensors of 2 − t/t_max.
 
-    t is the age of a sensor's last reading, and t_max its ``max_age``: 1 up to that age, 0 from
-    twice that age on, and 0 before an episode's first readings.
+    t is the age of a sensor's last reading, and t_max its ``max_age``, or t is for how long none
+    came, and t_max its ``max_gap``: 1 up to that time, 0 from twice that time on, and 0 before an
+    episode's first readings.
 
     Args:
         sensors: The sensors by name.
@@ -62,9 +63,10 @@ def confidence(sensors: Mapping[str, Sensor], values: Mapping[str, Tensor]) -> T
     """
     share = (~values[BEGINS]).to(next(iter(values.values())).dtype)
     for name, sensor in sensors.items():
-        if sensor.max_age is not None:
-            left = 2.0 - values[name + AGE] / sensor.max_age
-            share = torch.minimum(share, left.clamp(0.0, 1.0))
+        for longest, what in ((sensor.max_age, AGE), (sensor.max_gap, SILENCE)):
+            if longest is not None:
+                left = 2.0 - values[name + what] / longest
+                share = torch.minimum(share, left.clamp(0.0, 1.0))
     return share.unsqueeze(-1)
 
 

@@ -116,46 +116,55 @@ class CollisionLikelihood:
 class ClearanceLimits:
     """Near an obstacle a velocity is limited by what may have happened since it was felt.
 
-    With the clearance d₋ = d − 2σ_d that is certain enough, ‖a‖ ≤ max(v_min, d₋/τ), and the
-    velocity away from the obstacle n·a ≥ (m − d₋)/τ: a damper, which asks for retreat below m.
+    With the clearance d₋ = d − 2σ_d − b that is certain enough and the age t of its reading,
+
+        ‖a‖ ≤ max(v_min, d₋/(τ + t)),   n·a ≥ (m − d₋)/(τ + t),
+
+    the latter a damper of the velocity away from the obstacle, which asks for retreat below m.
 
     Attributes:
         time: τ, s.
         margin: m, m.
         slowest: v_min, m/s: without motion the direction of an obstacle stays unknown.
+        offset: b, by how much all readings may be too long, m.
     """
 
     time: float
     margin: float
     slowest: float
+    offset: float = 0.0
 
     @classmethod
-    def for_latency(cls, latency: float) -> "ClearanceLimits":
-        """Limits for readings that are so late, s; margin and times are from trials."""
-        return cls(time=0.2 + latency, margin=0.04, slowest=0.05)
+    def for_latency(cls, latency: float, offset: float = 0.0) -> "ClearanceLimits":
+        """Limits for actions that are so late, s; margin and times are from trials."""
+        return cls(time=0.2 + latency, margin=0.04, slowest=0.05, offset=offset)
 
-    def __call__(self, a: Tensor, x_obs: Tensor, P_obs: Tensor) -> Tensor:
+    def __call__(
+        self, a: Tensor, x_obs: Tensor, P_obs: Tensor, age: Tensor | float = 0.0
+    ) -> Tensor:
         """The velocity within the limits.
 
         Args:
             a: The velocity that is wished for, ``(*B, 2)``, m/s.
             x_obs: (d, ∇d), ``(*B, 3)``, m and m/m.
             P_obs: Its covariance, ``(*B, 3, 3)``.
+            age: t, ``(*B, 1)``, s.
 
         Returns:
             ``(*B, 2)``, m/s.
         """
         deviation = P_obs[..., 0, 0].clamp(min=0.0).sqrt()
-        certain = (x_obs[..., 0] - 2.0 * deviation).unsqueeze(-1)
+        certain = (x_obs[..., 0] - 2.0 * deviation).unsqueeze(-1) - self.offset
+        time = self.time + age
 
         # No faster than what is left allows.
         speed = torch.linalg.vector_norm(a, dim=-1, keepdim=True)
-        fastest = (certain / self.time).clamp(min=self.slowest)
+        fastest = (certain / time).clamp(min=self.slowest)
         slowed = a * (fastest / torch.maximum(speed, fastest))
 
         # Away from the obstacle where it is too near.
         away = unit(x_obs[..., 1:])
-        retreat = (self.margin - certain) / self.time
+        retreat = (self.margin - certain) / time
         missing = (retreat - (slowed * away).sum(-1, keepdim=True)).clamp(min=0.0)
         return slowed + missing * away
 
@@ -238,7 +247,14 @@ class Clearance:
 
     def limits(self, limits: ClearanceLimits) -> Interconnection:
         """Limits of a velocity ``"a"`` near an obstacle, as a constraint of an actuator."""
-        return Interconnection(limits, ["a", self.name, self.covariance])
+        belief = ["a", self.name, self.covariance]
+        if not self.delay:
+            return Interconnection(limits, belief)
+
+        def limited(a: Tensor, x_obs: Tensor, P_obs: Tensor, lag: Tensor, dt: float) -> Tensor:
+            return limits(a, x_obs, P_obs, age=lag * dt)
+
+        return Interconnection(limited, [*belief, f"{self.name}_lag", "dt"])
 
     def _measurements(self) -> list[Measurement]:
         """What the readings say, and that a clearance grows by one metre a metre."""

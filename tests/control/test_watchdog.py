@@ -132,6 +132,36 @@ def test_an_older_reading_than_the_last_is_none() -> None:
     assert memory is not None and memory["z.age"] == 0.0
 
 
+def test_readings_that_are_late_anyway_may_not_stay_away_for_longer() -> None:
+    """What is heard counts, not how old it is: it stands 0.2 s after the last one came."""
+    watched, memory = policy(age_key="age", max_age=0.9, max_gap=0.1), None
+    found = []
+    for step in range(8):
+        place = np.array(MOVING[step] if step < 4 else GONE)
+        action, memory = watched.predict({"place": place, "age": np.array(0.8)}, memory)
+        found.append(float(np.linalg.norm(action)))
+    assert found == pytest.approx([1, 1, 1, 1, 1, 0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("place", "age", "speed"),
+    [([0.05, 0.0], 0.35, 1.0), ([5.0, 0.0], 0.35, 0.0), ([0.3, 0.0], "same", 0.0)],
+    ids=["overtaken", "nonsense", "the same again"],
+)
+def test_a_reading_that_was_overtaken_says_that_there_are_some(
+    place: list[float], age: Any, speed: float
+) -> None:
+    watched, memory = policy(age_key="age", max_age=0.9, max_gap=0.1, rate_limit=2.0), None
+    for step in range(4):
+        _, memory = watched.predict({"place": np.array(MOVING[step]), "age": np.array(0.0)}, memory)
+    for step in range(1, 3):
+        old = 0.1 * step if age == "same" else age + 0.03 * step
+        reading = {"place": np.array(place), "age": np.array(old)}
+        action, memory = watched.predict(reading, memory)
+    assert memory is not None and not memory["z.present"]
+    assert np.linalg.norm(action) == pytest.approx(speed)
+
+
 def test_the_executed_action_takes_the_place_of_the_one_that_was_sent() -> None:
     watched = policy()
     _, memory = watched.predict({"place": np.zeros(2)})
@@ -151,7 +181,9 @@ def test_it_says_why() -> None:
     assert "0% of the action is executed" in str(explanation)
 
 
-@pytest.mark.parametrize("bad", [{"max_age": 0.0}, {"rate_limit": -1.0}, {"period": np.nan}])
+@pytest.mark.parametrize(
+    "bad", [{"max_age": 0.0}, {"max_gap": 0.0}, {"rate_limit": -1.0}, {"period": np.nan}]
+)
 def test_times_must_be_positive(bad: dict[str, Any]) -> None:
     with pytest.raises(GraphError, match=next(iter(bad))):
         Sensor(1, "m", **bad)
@@ -160,3 +192,25 @@ def test_times_must_be_positive(bad: dict[str, Any]) -> None:
 def test_what_drives_a_reading_must_be_an_actuator() -> None:
     with pytest.raises(GraphError, match=r"driven_by='b'.*'a'"):
         policy(driven_by="b")
+
+
+def test_how_far_a_reading_can_be_goes_by_when_it_was_taken() -> None:
+    """Late ones come as fast as prompt ones: in 0.1 s it cannot have gone 0.5 m."""
+    watched, memory = policy(age_key="age", rate_limit=2.0), None
+    present = []
+    for x, age in [(0.0, 0.4), (0.1, 0.4), (0.6, 0.4), (0.6, 0.0)]:
+        reading = {"place": np.array([x, 0.0]), "age": np.array(age)}
+        _, memory = watched.predict(reading, memory)
+        present.append(bool(memory["z.present"]))
+    assert present == [True, True, False, True]
+
+
+def test_a_frozen_reading_stays_none_after_an_outlier() -> None:
+    """One that is no reading either does not say that it changes again."""
+    watched, memory = policy(max_age=0.1, driven_by="a", rate_limit=2.0), None
+    places = [*MOVING[:4], *[MOVING[3]] * 5, [9.0, 0.0], MOVING[3], GONE, MOVING[3], MOVING[3]]
+    present = []
+    for place in places:
+        _, memory = watched.predict({"place": np.array(place)}, memory)
+        present.append(bool(memory["z.present"]))
+    assert present == [True] * 4 + [False] * 10

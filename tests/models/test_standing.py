@@ -6,6 +6,7 @@ import pytest
 import torch
 from _inputs import drifting, lean
 from _inputs.pushing import wandering
+from _inputs.reaching import planar_arm
 from torch import Tensor
 
 from aicon_torch import Policy
@@ -24,10 +25,24 @@ def arm_readings(count: int) -> list[Reading]:
     return readings
 
 
+def reaching_readings(count: int) -> list[Reading]:
+    """The joints of three links that turn slowly, a target and a ball out of the way."""
+    readings: list[Reading] = []
+    for step in range(count):
+        turned = torch.tensor([[0.5, 1.0, 0.3]]) + 1e-3 * step
+        place, ball = torch.tensor([[-0.3, 0.4, 0.0]]), torch.tensor([[4.0, 4.0, 0.0]])
+        readings.append({"q": turned, "target_position": place, "ball_1": ball})
+    return readings
+
+
 MODELS = {
     "nav2d": (lean("nav2d"), drifting(24, (1,)), 6),
+    "nav2d, late": (lean("nav2d", delay=10), drifting(24, (1,)), 6),
     "pusht": (lean("pusht"), wandering(12, 1), 3),
+    "pusht, late": (lean("pusht", delay=3), wandering(12, 1), 3),
     "panda_push": (lean("panda_push", sensing="pose"), arm_readings(24), 10),
+    "reach": (lean("reach", robot=planar_arm(), balls=1), reaching_readings(24), 6),
+    "panda_push, late": (lean("panda_push", sensing="pose", delay=10), arm_readings(24), 10),
 }
 """A policy, readings, and the number of steps after which it must stand."""
 
@@ -56,6 +71,21 @@ def test_it_stands_and_goes_on(name: str, fault: Any) -> None:
 
     _, speeds = run(policy, readings[5 + bound :], memory)
     assert speeds[-1] > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "key"),
+    [("reach", "target_position"), ("reach", "ball_1"), ("panda_push", "target")],
+)
+def test_it_stands_where_only_this_is_gone(name: str, key: str) -> None:
+    """Within 0.3 s, and with all else as it was."""
+    policy, readings, bound = MODELS[name]
+    memory, speeds = run(policy, readings[:3])
+    assert speeds[-1] > 0
+
+    gone = [reading | {key: torch.full_like(reading[key], torch.nan)} for reading in readings]
+    _, speeds = run(policy, gone[3 : 5 + bound], memory)
+    assert max(speeds[bound - 1 :]) < 1e-9
 
 
 @pytest.mark.parametrize("name", ["nav2d", "pusht"])

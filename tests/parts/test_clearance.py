@@ -103,6 +103,23 @@ def test_limits_near_an_obstacle_are_wired_to_its_names() -> None:
     torch.testing.assert_close(allowed, limits(at(0.5, 0.0), belief["x_wall"], belief["P_wall"]))
 
 
+def test_the_older_the_reading_and_the_larger_an_offset_the_slower() -> None:
+    """‖a‖ ≤ (d − b)/(τ + t) where the belief is certain."""
+    belief = at(0.2, -1.0, 0.0), torch.zeros(3, 3, dtype=torch.float64)
+    limits = ClearanceLimits(time=0.5, margin=0.0, slowest=0.05, offset=0.05)
+    for age in (0.0, 0.1, 0.25):
+        speed = limits(at(0.0, 0.9), *belief, at(age)).norm()
+        assert float(speed) == pytest.approx(0.15 / (0.5 + age))
+
+
+def test_limits_of_late_readings_go_by_how_many_steps_they_are_old() -> None:
+    wall = Clearance("x_wall", "z_wall", noise=0.01, motion_noise=0.0, dt=0.05, delay=4)
+    limits = ClearanceLimits(time=0.5, margin=0.04, slowest=0.05)
+    belief = {"x_wall": at(0.1, -1.0, 0.0), "P_wall": torch.zeros(3, 3, dtype=torch.float64)}
+    allowed = wall.limits(limits)({"a": at(0.5, 0.0), **belief, "x_wall_lag": at(3.0), "dt": 0.05})
+    torch.testing.assert_close(allowed, limits(at(0.5, 0.0), *belief.values(), at(0.15)))
+
+
 @pytest.mark.parametrize("wrong", [{"noise": 0.0}, {"dt": -1.0}, {"motion_noise": -1.0}])
 def test_numbers_that_cannot_be_are_errors(wrong: dict[str, float]) -> None:
     (name,) = wrong

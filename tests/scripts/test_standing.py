@@ -19,16 +19,15 @@ def compiled(task: Task, condition: str) -> Policy:
     return make_policy(task.name, **task.policy_options(condition)).compile()
 
 
-@pytest.mark.parametrize(
-    ("name", "episodes", "horizon", "longest"),
-    [("nav2d", 17, 250, 0.3), ("pusht", 10, 80, 0.3)],
-)
+@pytest.mark.parametrize(("name", "episodes", "horizon"), [("nav2d", 17, 250), ("pusht", 10, 80)])
+@pytest.mark.parametrize("besides", ["", "+late", "+jitter"])
 def test_it_rests_and_nothing_is_hit(
-    name: str, episodes: int, horizon: int, longest: float
+    name: str, episodes: int, horizon: int, besides: str, longest: float = 0.3
 ) -> None:
+    """However late readings are while they come."""
     task = load(name)
-    policy = compiled(task, "gone")
-    for fault in ("gone", "erratic"):
+    policy = compiled(task, f"gone{besides}")
+    for fault in (f"gone{besides}", f"erratic{besides}"):
         met = standing.rest(policy, task, fault, list(range(1000, 1000 + episodes)), horizon)
         assert len(met.times) > 0 and met.collisions == 0
         assert met.times.max() * task.time_step <= longest + 1e-9

@@ -97,19 +97,23 @@ def _watched(options: Options) -> dict[str, Any]:
     latency = options.delay * options.dt
     told: dict[str, Any] = {"age": latency, "age_key": "age"}
     if options.watchdog:
-        told |= {"max_age": latency + MAX_GAP * options.dt, "driven_by": "a"}
+        gap = MAX_GAP * options.dt
+        told |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
     return told
 
 
 def _actuator(options: Options, obstacle: Clearance) -> Actuator:
-    """The velocity, limited where obstacles are near by readings that are late or jump.
+    """The velocity, limited near obstacles where readings or actions are late, or readings wrong.
 
     The nearest point of an obstacle jumps from one wall to another. Where its direction is read,
     the velocity turns with it, and is the wrong one for a few steps.
     """
     jumps = JUMPS if options.sensing == "range_bearing" else 0
-    latency = (options.delay + jumps) * options.dt
-    limits = [obstacle.limits(ClearanceLimits.for_latency(latency))] if latency else []
+    latency = (options.action_delay + jumps) * options.dt
+    offset = options.range_offset
+    limits = []
+    if options.delay or latency or offset:
+        limits = [obstacle.limits(ClearanceLimits.for_latency(latency, offset))]
     return Actuator(2, "m/s", limit=options.max_speed, constraints=limits, key="executed")
 
 

@@ -6,7 +6,12 @@ from typing import Literal
 import torch
 
 from aicon_torch.control import ActionLaw, Foresight
-from aicon_torch.parts.validation import check_choice, check_positive, check_steps
+from aicon_torch.parts.validation import (
+    check_choice,
+    check_not_negative,
+    check_positive,
+    check_steps,
+)
 from aicon_torch.resolution import Escape, Exploration, NullspaceProjection, Resolution
 
 ESCAPE = Escape(progress="reach", hold="avoid", along="avoid")
@@ -36,6 +41,9 @@ class Options:
         max_range: Largest clearance that the sensor reports, m.
         delay: Largest age of a reading that is made up for, steps; ages come as ``age``, s, and
             are this one where they do not.
+        action_delay: How many steps later than usual the next action may take effect; near an
+            obstacle there is room for what the agent does until then.
+        range_offset: By how much all clearances may be too long, m; there is room for that, too.
         watchdog: Whether the agent stops on readings that are too old or frozen.
         collision_length: ℓ of p_collision = exp(−d/ℓ), m.
     """
@@ -53,6 +61,8 @@ class Options:
     prior_range_noise: float = 3.0
     max_range: float = 20.0
     delay: int = 0
+    action_delay: int = 0
+    range_offset: float = 0.0
     watchdog: bool = True
     collision_length: float = 0.04
 
@@ -65,6 +75,8 @@ class Options:
         check_positive(self, ("dt", "max_speed", "prior_range", "collision_length"))
         check_positive(self, ("max_range",))
         check_steps(self, "delay")
+        check_steps(self, "action_delay")
+        check_not_negative(self, ("range_offset",))
         check_positive(self, ("bearing_noise", "range_noise"))
         check_positive(self, ("actuation_noise", "prior_range_noise"))
         check_choice(self, "sensing", ("range", "range_bearing"))

@@ -87,15 +87,18 @@ def _sensors(options: Options) -> dict[str, Sensor]:
     """Encoders and target, and either the pose of the object or the camera and the wrist."""
     latency = options.delay * options.dt
     watched: dict[str, Any] = {"age": latency, "age_key": "age"}
+    prompt: dict[str, Any] = {}
     moving: dict[str, Any] = {}
     if options.watchdog:
-        watched["max_age"] = latency + MAX_GAP * options.dt
+        gap = MAX_GAP * options.dt
+        prompt = {"max_age": gap}
+        watched |= {"max_age": latency + gap, "max_gap": gap}
         moving = {"rate_limit": JUMP * max(options.robot.speed), "driven_by": "a"}
     moving |= watched
     sensors = {
         "z_elapsed": clock(options.dt),
         "z_joints": Sensor(len(options.robot.frames), "rad", key="q", range=TURNS, **moving),
-        "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS),
+        "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS, **prompt),
     }
     if options.sensing == "pose":
         sensors["z_object"] = Sensor(

@@ -43,7 +43,10 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
         found["z_elapsed"] = clock(options.dt)
     if options.observe_goal:
         scale = (PIXEL, PIXEL, 1.0)
-        found["z_target"] = Sensor(3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale)
+        told: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}
+        found["z_target"] = Sensor(
+            3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **told
+        )
     return found
 
 
@@ -52,7 +55,8 @@ def _watched(options: Options) -> dict[str, Any]:
     latency = options.delay * options.dt
     told: dict[str, Any] = {"age": latency, "age_key": "age"}
     if options.watchdog:
-        told["max_age"] = latency + MAX_GAP * options.dt
+        gap = MAX_GAP * options.dt
+        told |= {"max_age": latency + gap, "max_gap": gap}
     return told
 
 

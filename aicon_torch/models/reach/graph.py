@@ -44,7 +44,7 @@ ANYWHERE = (-100.0, 100.0)
 """Range of angles, places and components of a direction, rad and m."""
 
 MAX_GAP = 2.5
-"""Steps without a reading of the joints after which the arm slows down."""
+"""Steps without a reading of the joints, the target or a ball after which the arm slows down."""
 
 
 def build(options: Options) -> Policy:
@@ -89,24 +89,25 @@ def _robot(options: Options) -> Robot:
 
 
 def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
-    """The joints and the target."""
-    watched: dict[str, Any] = {}
+    """The joints, the target and what is in the way."""
+    watched: dict[str, Any] = {"range": ANYWHERE}
     if options.watchdog:
-        watched = {"max_age": MAX_GAP * options.dt, "driven_by": "a"}
+        watched["max_age"] = MAX_GAP * options.dt
+    moving = watched | ({"driven_by": "a"} if options.watchdog else {})
     joints = len(robot.chain.names)
     sensors = {
         "z_elapsed": clock(options.dt),
-        "z_joints": Sensor(joints, "rad or m", key="q", range=ANYWHERE, **watched),
-        "z_position": Sensor(3, "m", key="target_position", range=ANYWHERE),
+        "z_joints": Sensor(joints, "rad or m", key="q", **moving),
+        "z_position": Sensor(3, "m", key="target_position", **watched),
     }
 
-    told: dict[str, Any] = {"key": "target_orientation", "range": ANYWHERE}
+    told: dict[str, Any] = {"key": "target_orientation", **watched}
     if options.orientation == "axis":
         sensors["z_orientation"] = Sensor(3, "a direction", **told)
     if options.orientation == "full":
         sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **told)
     for ball in _balls(options):
-        sensors[f"z_{ball}"] = Sensor(3, "m", key=ball, range=ANYWHERE)
+        sensors[f"z_{ball}"] = Sensor(3, "m", key=ball, **watched)
     return sensors
 
 

@@ -132,7 +132,7 @@ def configure(
         The configuration; an unknown condition or map is an error that lists the valid ones.
     """
     # The repeats of an episode differ in their noise only.
-    conditions = _check_names("condition", conditions or task.conditions[:1], task.conditions)
+    conditions = _check_conditions(conditions or task.conditions[:1], task)
     noiseless = [name for name in conditions if name in task.noiseless]
     if repeats > 1 and noiseless:
         raise ComparisonError(
@@ -149,6 +149,20 @@ def configure(
         horizon=task.horizon if horizon is None else horizon,
         time_step=task.time_step,
     )
+
+
+def _check_conditions(names: Sequence[str], task: Task) -> tuple[str, ...]:
+    """Return the conditions, each once; faults of the task may be joined by a plus."""
+    for name in names:
+        if not task.has_condition(name):
+            choices = ", ".join(task.conditions)
+            at_once = f"; or several at once of {', '.join(task.faults)}, such as "
+            example = "+".join(task.faults[:2])
+            raise ComparisonError(
+                f"unknown condition {name!r}; valid conditions: {choices}"
+                + (f"{at_once}{example}" if task.faults else "")
+            )
+    return tuple(dict.fromkeys(names))
 
 
 def _check_names(kind: str, names: Sequence[str], valid: Sequence[str]) -> tuple[str, ...]:

@@ -67,6 +67,7 @@ class Task:
             `collision` (B,) and what `measures` names in `info`.
         reset_arguments: The arguments of the environment's `reset` that select these episodes.
         policy_options: What a policy is told about a condition: options of its model.
+        faults: Those of them that may happen at once: ``"late+bias"`` is a condition as well.
         noiseless: Conditions without noise, where the repeats of an episode would be copies of it.
         length_unit: Unit of the lengths in the rows.
         time_unit: Unit in which durations are told.
@@ -85,6 +86,7 @@ class Task:
     make_env: Callable[..., VectorEnv[Any, Any, Any]]
     reset_arguments: Callable[[Sequence[Episode]], dict[str, Any]]
     policy_options: Callable[[str], dict[str, Any]]
+    faults: tuple[str, ...] = ()
     noiseless: tuple[str, ...] = ()
     length_unit: Literal["m", "px"] = "m"
     time_unit: Literal["s", "steps"] = "s"
@@ -100,6 +102,12 @@ class Task:
     def duration(self, steps: int) -> str:
         """Tell a number of steps in `time_unit`."""
         return f"{steps * self.time_scale:g} {self.time_unit}"
+
+    def has_condition(self, name: str) -> bool:
+        """Whether it is one of the conditions, or several different faults joined by a plus."""
+        parts = name.split("+")
+        are_faults = len(parts) == len(set(parts)) and set(parts) <= set(self.faults)
+        return name in self.conditions or are_faults
 
     def episode(self, seed: int, repeat: int = 0) -> Episode:
         """Return the episode of a seed."""

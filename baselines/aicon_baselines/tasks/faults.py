@@ -1,7 +1,8 @@
 """Faults of sensors and of the way to the robot, for any task: conditions of a comparison.
 
 A fault changes what the policy reads, or which of its actions the robot executes; the world stays
-as it is. Its randomness comes from the episode's seed alone.
+as it is. Its randomness comes from the episode's seed alone. Faults that happen at once are joined
+by a plus, such as ``late+bias``, and what is told of each stays true.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,6 +41,9 @@ FAULTS = (
 - ``erratic``: from a random time on every reading is any number of its range.
 """
 
+DISTURBANCES = ("stuck", "outliers", "bias", "blackout", "gone", "erratic")
+"""Those in which readings are wrong or missing, in the order in which they come."""
+
 HELD, OUTLIERS, UNEVEN = 0.5, 0.05, 3
 FOR_EVER = 10**9  # steps
 _STREAM = 7919  # sets the faults' random numbers apart from the environment's
@@ -57,7 +61,8 @@ class Faults:
         pause: For how long they do, steps.
         bias: Offset by key.
         ranges: Range of the outliers by key; others have none.
-        held: What a policy is told where actions are held: how many steps its own may come late.
+        held: How many steps later than usual a policy's action may take effect where it is held; 0
+            where a policy is not told.
         told: What a policy is told where sensors are off, by option.
         tells_action: Whether the action that is held is told, as ``executed``.
     """
@@ -73,30 +78,65 @@ class Faults:
     told: Mapping[str, Any] = field(default_factory=dict)
     tells_action: bool = False
 
-    def wrap(self, env: VectorEnv[Any, Any, Any], fault: str) -> VectorEnv[Any, Any, Any]:
-        """The environment with a fault."""
-        if fault in ("late", "jitter"):
-            return _Late(env, self, self.late if fault == "late" else None)
-        if fault == "held":
-            return _Held(env, self)
-        if fault == "uneven":
-            return _Uneven(env, self)
-        return _Disturbed(env, self, fault)
+    def wrap(self, env: VectorEnv[Any, Any, Any], condition: str) -> VectorEnv[Any, Any, Any]:
+        """The environment with the faults of a condition, each around those that come before it.
 
-    def policy_options(self, fault: str) -> dict[str, Any]:
+        Readings come late, counted in the environment's own steps, and are disturbed when they
+        come; a control step takes several of those, and executes one action.
+        """
+        faults = at_once(condition)
+        late = self.late if "late" in faults else 0
+        jitter = self.jitter if "jitter" in faults else 0
+        if late or jitter:
+            env = _Late(env, self, late, jitter)
+        for fault in DISTURBANCES:
+            if fault in faults:
+                env = Disturbed(env, self, fault)
+        if "uneven" in faults:
+            env = _Uneven(env, self)
+        return _Held(env, self) if "held" in faults else env
+
+    def policy_options(self, condition: str) -> dict[str, Any]:
         """What a policy is told: how old readings may be, or how far off."""
-        if fault == "late":
-            return {"delay": self.late}
-        if fault == "jitter":
-            return {"delay": self.jitter}
-        if fault == "held" and self.held:
-            return {"delay": self.held}
-        return dict(self.told) if fault == "bias" else {}
+        faults = at_once(condition)
+        options: dict[str, Any] = dict(self.told) if "bias" in faults else {}
+
+        ages = {"late": self.late, "jitter": self.jitter}
+        delay = sum(ages.get(fault, 0) for fault in faults)
+        if delay:
+            options["delay"] = delay
+
+        # An action is held for some steps, of as many of the usual ones as they take on average.
+        steps = self.held if "held" in faults else 0
+        if "uneven" in faults and self.held:
+            steps = (1 + steps) * (1 + UNEVEN) // 2
+        if steps:
+            options["action_delay"] = steps
+        return options
+
+
+def at_once(condition: str) -> tuple[str, ...]:
+    """The faults of a condition, such as ``("late", "bias")`` of ``late+bias``."""
+    return tuple(condition.split("+"))
+
+
+def are_faults(condition: str) -> bool:
+    """Whether a condition is one of the faults, or several at once."""
+    return set(at_once(condition)) <= set(FAULTS)
 
 
 def longest(condition: str, horizon: int) -> int:
     """How many of the environment's steps an episode of so many control steps may take."""
-    return UNEVEN * horizon if condition == "uneven" else horizon
+    return UNEVEN * horizon if "uneven" in at_once(condition) else horizon
+
+
+def disturbed(env: VectorEnv[Any, Any, Any], fault: str) -> "Disturbed":
+    """The layer of an environment in which a fault disturbs its readings."""
+    while isinstance(env, _Faulty):
+        if isinstance(env, Disturbed) and env.fault == fault:
+            return env
+        env = env.env
+    raise ValueError(f"no readings are {fault!r} in {env}; expected an environment with that fault")
 
 
 class _Faulty(VectorWrapper):
@@ -106,49 +146,48 @@ class _Faulty(VectorWrapper):
         super().__init__(env)
         self._faults = faults
         self._generators: list[np.random.Generator] = []
+        self._layer: int = env._layer + 1 if isinstance(env, _Faulty) else 0
 
     def reset(self, *, seed: Any = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
         """Start all episodes; ``seed`` is one number for each."""
         observation, info = self.env.reset(seed=seed, options=options)
-        self._generators = [np.random.default_rng([_STREAM, one]) for one in seed]
-        return self._begin(dict(observation)), info
+        stream = _STREAM + self._layer
+        self._generators = [np.random.default_rng([stream, one]) for one in seed]
+        return self._begin(dict(observation), info), info
 
     def _draw(self, draw: Callable[[np.random.Generator], Any]) -> NDArray[Any]:
         """A number or an array for each row."""
         return np.array([draw(generator) for generator in self._generators])
 
-    def _begin(self, observation: Observation) -> Observation:
+    def _begin(self, observation: Observation, info: dict[str, Any]) -> Observation:
         """The first observation."""
         return observation
 
 
 class _Late(_Faulty):
-    """Observations are ``steps`` old, or by default any age up to ``jitter``; ``age`` is told."""
+    """Observations are ``late`` steps old, and up to ``jitter`` more; ``age`` is told."""
 
-    def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults, steps: int | None) -> None:
+    def __init__(
+        self, env: VectorEnv[Any, Any, Any], faults: Faults, late: int, jitter: int
+    ) -> None:
         super().__init__(env, faults)
-        self._age = steps
+        self._late, self._jitter = late, jitter
         self._recent: list[Observation] = []
 
     def step(self, actions: Any) -> Any:
         """Move, and observe what was."""
         observation, *rest = self.env.step(actions)
-        self._recent = [dict(observation), *self._recent[: max(self._longest, 1)]]
+        self._recent = [dict(observation), *self._recent[: self._late + self._jitter]]
         return (self._sensed(), *rest)
 
-    @property
-    def _longest(self) -> int:
-        return self._faults.jitter if self._age is None else self._age
-
-    def _begin(self, observation: Observation) -> Observation:
+    def _begin(self, observation: Observation, info: dict[str, Any]) -> Observation:
         self._recent = [observation]
         return self._sensed()
 
     def _sensed(self) -> Observation:
-        if self._age is None:
-            ages = self._draw(lambda generator: generator.integers(self._longest + 1))
-        else:
-            ages = np.full(self.num_envs, self._age)
+        ages = np.full(self.num_envs, self._late)
+        if self._jitter:
+            ages += self._draw(lambda generator: generator.integers(self._jitter + 1))
         ages = np.minimum(ages, len(self._recent) - 1)
 
         rows = range(self.num_envs)
@@ -173,18 +212,16 @@ class _Held(_Faulty):
         observation, *rest = self.env.step(self._executed)
         return (self._sensed(dict(observation)), *rest)
 
-    def _begin(self, observation: Observation) -> Observation:
+    def _begin(self, observation: Observation, info: dict[str, Any]) -> Observation:
         space: Any = self.env.action_space
         if self._faults.tells_action:
             self._executed = np.zeros(space.shape, space.dtype)
         else:  # where zero is not rest, the place where it is
-            self._executed = np.asarray(observation["agent_pos"], space.dtype)
+            self._executed = np.asarray(info["position"], space.dtype)
         return self._sensed(observation)
 
     def _sensed(self, observation: Observation) -> Observation:
-        """The observation, which is on time, and the action that was executed."""
-        if self._faults.held:
-            observation["age"] = np.zeros((self.num_envs, 1))
+        """The observation, and the action that was executed."""
         if self._faults.tells_action:
             observation["executed"] = self._executed.copy()
         return observation
@@ -202,7 +239,7 @@ class _Uneven(_Faulty):
             rewards, terminated, truncated = rewards + more, terminated | ends, truncated | runs_out
         return self._sensed(dict(observation), steps), rewards, terminated, truncated, info
 
-    def _begin(self, observation: Observation) -> Observation:
+    def _begin(self, observation: Observation, info: dict[str, Any]) -> Observation:
         # Rows cannot wait for each other, so the sequence is the same for every episode.
         self._generator = np.random.default_rng(_STREAM)
         return self._sensed(observation, 1)
@@ -212,23 +249,29 @@ class _Uneven(_Faulty):
         return observation
 
 
-class _Disturbed(_Faulty):
-    """Readings are wrong or missing, now and then or from some time on.
+class Disturbed(_Faulty):
+    """Readings are wrong or missing, now and then or from some time on; their age is told as it is.
 
     Attributes:
+        fault: One of :data:`DISTURBANCES`.
         onset: From which step on, ``(B,)``.
     """
 
     def __init__(self, env: VectorEnv[Any, Any, Any], faults: Faults, fault: str) -> None:
         super().__init__(env, faults)
-        self._fault = fault
+        self.fault = fault
         self._steps = 0
         self._frozen: Observation = {}
 
     @property
+    def since(self) -> NDArray[np.int64]:
+        """How many of the environment's steps ago it began, ``(B,)``; negative before."""
+        return self._steps - self.onset
+
+    @property
     def pause(self) -> int:
         """For how long readings are wrong, steps."""
-        is_for_ever = self._fault in ("gone", "erratic")
+        is_for_ever = self.fault in ("gone", "erratic")
         return FOR_EVER if is_for_ever else self._faults.pause
 
     def step(self, actions: Any) -> Any:
@@ -237,28 +280,28 @@ class _Disturbed(_Faulty):
         self._steps += 1
         return (self._sensed(dict(observation)), *rest)
 
-    def _begin(self, observation: Observation) -> Observation:
+    def _begin(self, observation: Observation, info: dict[str, Any]) -> Observation:
         earliest, latest = self._faults.onset
         self.onset = self._draw(lambda generator: generator.integers(earliest, latest + 1))
         self._steps, self._frozen = 0, observation
         return self._sensed(observation)
 
     def _sensed(self, observation: Observation) -> Observation:
-        since = self._steps - self.onset
-        pauses = (since >= 0) & (since < self.pause)
-        sensed: Observation = {}
-        for key, reading in observation.items():
+        pauses = (self.since >= 0) & (self.since < self.pause)
+        sensed = dict(observation)
+        for key in observation.keys() - {"age"}:
+            reading = observation[key]
             sensed[key] = self._reading(key, reading, pauses.reshape(-1, *[1] * (reading.ndim - 1)))
-        if self._fault == "stuck":
+        if self.fault == "stuck":
             self._frozen = sensed
         return sensed
 
     def _reading(self, key: str, reading: NDArray[Any], pauses: NDArray[np.bool_]) -> NDArray[Any]:
-        if self._fault == "stuck":
+        if self.fault == "stuck":
             return np.where(pauses, self._frozen[key], reading)
-        if self._fault in ("blackout", "gone"):
+        if self.fault in ("blackout", "gone"):
             return np.where(pauses, np.nan, reading)
-        if self._fault == "bias":
+        if self.fault == "bias":
             return reading + self._faults.bias.get(key, 0.0)
 
         # Outliers, now and then or for ever.
@@ -267,5 +310,5 @@ class _Disturbed(_Faulty):
         low, high = self._faults.ranges[key]
         is_wrong = self._draw(lambda generator: generator.uniform() < OUTLIERS)
         wrong = self._draw(lambda generator: generator.uniform(low, high, reading.shape[1:]))
-        is_wrong = pauses if self._fault == "erratic" else is_wrong.reshape(pauses.shape)
+        is_wrong = pauses if self.fault == "erratic" else is_wrong.reshape(pauses.shape)
         return np.where(is_wrong, wrong, reading).astype(reading.dtype)

@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults, longest
+from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, longest
 from aicon_envs.nav2d import Physics, make_map, shortest_path_length
 
 _SLOTS = (
@@ -43,13 +43,14 @@ _FAULTS = Faults(
     bias={"range": 0.05},
     ranges={"range": (0.0, Physics().max_range), "bearing": (-math.pi, math.pi)},
     held=10,
+    told={"range_offset": 0.05},
     tells_action=True,
 )
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     """Build the environment; a policy may ask for another `sensing` than that of the condition."""
-    if condition in FAULTS:
+    if are_faults(condition):
         env = _make_env(count, "range", longest(condition, horizon), **options)
         return _FAULTS.wrap(env, condition)
 
@@ -72,7 +73,7 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy what its sensors are, and how late."""
-    if condition in FAULTS:
+    if are_faults(condition):
         return {"sensing": "range", **_FAULTS.policy_options(condition)}
     return {"sensing": condition}
 
@@ -94,6 +95,7 @@ TASK = Task(
     chunk_size=128,
     maps=_SLOTS,
     conditions=("range", "range_bearing", *FAULTS),
+    faults=FAULTS,
     make_env=_make_env,
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,

@@ -16,7 +16,7 @@ import gymnasium
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Measure, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults, longest
+from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
 from aicon_envs.panda_push import ArmPushEnv
 
@@ -52,12 +52,12 @@ _FAULTS = Faults(
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     def make_one() -> gymnasium.Env[Any, Any]:
-        env = ArmPushEnv(**{**_ARGUMENTS[condition], **options})
+        env = ArmPushEnv(**{**_ARGUMENTS[at_once(condition)[0]], **options})
         limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=longest(condition, horizon))
         return StandStillAfterEnd(limited)
 
     env = SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
-    return _FAULTS.wrap(env, condition) if condition in FAULTS else env
+    return _FAULTS.wrap(env, condition) if are_faults(condition) else env
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -69,11 +69,12 @@ def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
     from aicon_torch.models.panda_push import Robot
 
-    env = ArmPushEnv(**_ARGUMENTS[condition])
-    late = _FAULTS.policy_options(condition) if condition in FAULTS else {}
+    arguments = _ARGUMENTS[at_once(condition)[0]]
+    env = ArmPushEnv(**arguments)
+    late = _FAULTS.policy_options(condition) if are_faults(condition) else {}
     return {
         **late,
-        "camera.delay": round(_ARGUMENTS[condition].get("image_delay", 0.0) / _FAULTS.dt),
+        "camera.delay": round(arguments.get("image_delay", 0.0) / _FAULTS.dt),
         "robot": Robot.from_description(env.description()),
         "corners": tuple((float(x), float(y)) for x, y in env.object.corners),
         "sensing": "pose" if env.obs_type == "pose" else "camera",
@@ -87,6 +88,7 @@ ARM_PUSH = Task(
     chunk_size=10,
     maps=("table",),
     conditions=tuple(_ARGUMENTS),
+    faults=FAULTS,
     make_env=_make_env,
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,

@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from aicon_baselines.evaluation.task import Episode, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults, longest
+from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
@@ -80,9 +80,9 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
         num_envs=count,
         max_episode_steps=longest(condition, horizon),
         autoreset_mode=AutoresetMode.DISABLED,
-        **_ARGUMENTS[condition] | options,
+        **_ARGUMENTS[at_once(condition)[0]] | options,
     )
-    return _FAULTS.wrap(env, condition) if condition in FAULTS else env
+    return _FAULTS.wrap(env, condition) if are_faults(condition) else env
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -95,9 +95,9 @@ def _policy_options(condition: str) -> dict[str, Any]:
 
     The environment's lengths are px; the policy's are m.
     """
-    arguments = _ARGUMENTS[condition]
+    arguments = _ARGUMENTS[at_once(condition)[0]]
     options = dict(_SENSORS.get(condition, {}))
-    if condition in FAULTS:
+    if are_faults(condition):
         options |= _FAULTS.policy_options(condition)
 
     if "object" in arguments:
@@ -120,6 +120,7 @@ TASK = Task(
     chunk_size=100,
     maps=("uniform",),
     conditions=tuple(_ARGUMENTS),
+    faults=FAULTS,
     make_env=_make_env,
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,

@@ -49,8 +49,8 @@ class Nav2DEnv(gym.Env[Observation, Action]):
 
     ## Action space
     `Box(-1, 1, (2,), float32)`: velocity in the world frame, m/s. Its Euclidean norm is limited to
-    `max_speed`, and Gaussian noise (standard deviation `actuation_noise` per axis) is added. (The
-    box grows with a `max_speed` above 1.)
+    `max_speed`, and Gaussian noise (standard deviation `actuation_noise` per axis) is added. At
+    zero the brakes hold, and nothing moves. (The box grows with a `max_speed` above 1.)
 
     ## Rewards
     Decrease of the distance to the target in this step (m), +1 at arrival, -1 at a collision.

@@ -29,7 +29,8 @@ class Simulation:
     """N disc agents with velocity control.
 
     With command u (norm limited to max_speed), noise w ~ N(0, actuation_noise² I) and position p:
-    p⁺ = p + (u + w) dt, in m. A world whose episode has ended no longer moves.
+    p⁺ = p + (u + w) dt, in m. With u = 0 the brakes hold, p⁺ = p. A world whose episode has ended
+    no longer moves.
 
     Args:
         num_worlds: Number N of worlds.
@@ -85,11 +86,12 @@ class Simulation:
         """
         noise = self._noise.advance()
 
-        # Limit the norm of the command, add the noise, and move.
+        # Limit the norm of the command, add the noise of motors that drive, and move.
         velocity = command.T.copy()
+        drives = (velocity != 0.0).any(0)
         max_speed = self.physics.max_speed
         velocity *= max_speed / np.maximum(_norm(velocity), max_speed)
-        velocity += noise.velocity
+        velocity += noise.velocity * drives
         self.position = self.position + velocity * (self.physics.dt * self.active)
 
         was_active = self.active

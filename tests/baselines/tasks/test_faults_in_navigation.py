@@ -12,9 +12,12 @@ from aicon_baselines.tasks.faults import FAULTS
 COUNT, STEPS = 17, 240
 """An episode of each class of maps, long enough for every fault to begin."""
 
+PAIRS = ("late+bias", "held+uneven", "held+bias", "uneven+bias", "stuck+outliers")
+"""Faults that make each other worse."""
+
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", (*FAULTS, *PAIRS))
 def test_nobody_collides_and_nobody_is_stuck_at_once(fault: str) -> None:
     task = dataclasses.replace(load("nav2d"), horizon=STEPS)
     episodes = [task.episode(seed) for seed in range(1000, 1000 + COUNT)]

@@ -50,17 +50,26 @@ def test_noise_has_the_stated_size() -> None:
     _, info = env.reset(seed=0, options=own_map(target=(40.0, 0.0)))
 
     errors = []
-    for _ in range(3000):
-        before = info["position"]
-        observation, _, _, _, info = env.step(np.zeros(2, np.float32))
+    for step in range(3000):
+        before, action = info["position"], np.array([0.0, 0.1 * (-1) ** step], np.float32)
+        observation, _, _, _, info = env.step(action)
 
-        velocity_error = (info["position"] - before) / 0.05
+        velocity_error = (info["position"] - before) / 0.05 - action
         bearing_error = observation["bearing"][0] - angle_to_target(info)
         range_error = observation["range"][0] - info["clearance"]
         errors.append([*velocity_error, bearing_error, range_error])
 
     np.testing.assert_allclose(np.std(errors, axis=0), [0.03, 0.03, 0.05, 0.02], rtol=0.1)
     np.testing.assert_allclose(np.mean(errors, axis=0), 0.0, atol=0.004)
+
+
+def test_who_is_told_to_stand_stands() -> None:
+    """The motors are noisy while they drive; then the brakes hold."""
+    env = Nav2DEnv(actuation_noise=0.03)
+    _, before = env.reset(seed=0, options=own_map(target=(40.0, 0.0)))
+    for _ in range(20):
+        _, _, _, _, after = env.step(np.zeros(2, np.float32))
+        np.testing.assert_array_equal(after["position"], before["position"])
 
 
 def test_without_noise_the_motion_is_the_command_with_its_norm_limited() -> None:
