@@ -9,6 +9,7 @@ from torch import Tensor
 
 from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
+from aicon_torch.control.observation import is_dense, tensor_kind
 from aicon_torch.control.safety import safety_memory
 from aicon_torch.control.watchdog import sent_memory
 from aicon_torch.errors import ObservationError, choices
@@ -106,6 +107,10 @@ def check_memory(
         value = memory[key]
         if not isinstance(value, Tensor):
             raise ObservationError(f"state[{key!r}]: expected a tensor, got {type(value)}.")
+        if not is_dense(value):
+            raise ObservationError(
+                f"state[{key!r}]: expected a dense tensor, got {tensor_kind(value)}."
+            )
         if tuple(value.shape) != (*batch, *shape):
             own = tuple(value.shape[: value.dim() - len(shape)])
             raise ObservationError(

@@ -94,8 +94,8 @@ class Policy(nn.Module):
 
         Raises:
             ObservationError: If the key of a sensor that is not optional is missing, or a reading
-                is wrongly shaped or not real. A number that is not finite or beyond the sensor's
-                range is no error but no reading, in its row alone.
+                is wrongly shaped, not real or not dense. A number that is masked, not finite or
+                beyond the sensor's range is no error but no reading, in its row alone.
         """
         if self._native is not None:
             native = self._native.of(self._step, self.perception)
