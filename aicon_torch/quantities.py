@@ -135,6 +135,8 @@ class Actuator:
             ``(*B, size)``, and leave one that is allowed as it is.
         command: What the robot is sent instead of the action, if it takes another command: a
             function wired likewise.
+        command_range: Lowest and highest number of a command, to which others are clipped, the last
+            one that the memory holds, too, which is sent again at rest; None for any.
         key: The observation's key of the action that the robot executed in the last step, if that
             may be another one, ``(*B, size)``; NaN or no key stands for the one that it was sent.
         keeps_direction: Whether an action beyond a sequence of limits is shortened as a whole,
@@ -155,6 +157,7 @@ class Actuator:
     limit: float | Sequence[float] = field(default=math.inf)
     constraints: Sequence[Callable[..., Tensor]] = ()
     command: Callable[..., Tensor] | None = None
+    command_range: tuple[float, float] | None = None
     key: str | None = None
     keeps_direction: bool = False
     dampers: VelocityDampers = field(default_factory=VelocityDampers)
@@ -162,7 +165,7 @@ class Actuator:
     dither: Callable[..., Tensor] | None = None
 
     def __post_init__(self) -> None:
-        """Check limit and constraints."""
+        """Check limit, constraints and the range of commands."""
         limits = (self.limit,) if isinstance(self.limit, int | float) else tuple(self.limit)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
             raise GraphError(
@@ -172,6 +175,10 @@ class Actuator:
         if not isinstance(self.constraints, Sequence):
             raise GraphError(
                 f"Actuator constraints {self.constraints!r}: expected a sequence of functions."
+            )
+        if self.command_range is not None and not self.command_range[0] < self.command_range[1]:
+            raise GraphError(
+                f"Actuator command_range {self.command_range!r}: expected (lowest, highest)."
             )
 
     def clip(self, action: Tensor) -> Tensor:
@@ -196,3 +203,7 @@ class Actuator:
         norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
         shortened: Tensor = action * (self.limit / norm.clamp(min=self.limit))
         return shortened.clamp(-self.limit, self.limit)
+
+    def clip_command(self, command: Tensor) -> Tensor:
+        """The nearest command within :attr:`command_range`, ``(*B, size)``."""
+        return command if self.command_range is None else command.clamp(*self.command_range)

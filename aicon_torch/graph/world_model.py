@@ -288,7 +288,10 @@ class WorldModel(nn.Module):
         commands: dict[str, Tensor] = {}
         for name in self.actuators:
             command = self.declaration.commands.get(name)
-            commands[name] = values[name] if command is None else command(inputs)
+            if command is None:
+                commands[name] = values[name]
+            else:
+                commands[name] = self.actuators[name].clip_command(command(inputs))
         return commands
 
     def paths(self, max_length: int | None = None) -> PathTable:
