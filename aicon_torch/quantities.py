@@ -181,6 +181,14 @@ class Actuator:
                 f"Actuator command_range {self.command_range!r}: expected (lowest, highest)."
             )
 
+    def limit_like(self, values: Tensor) -> Tensor:
+        """The limit, a scalar or ``(size,)``, of the type and on the device of some values.
+
+        It is rounded to single precision first, so that it is the same in every precision.
+        """
+        limit = torch.as_tensor(self.limit, dtype=torch.float32, device=values.device)
+        return limit.to(values)
+
     def clip(self, action: Tensor) -> Tensor:
         """The nearest action within the limit, in the box of a sequence or in the same direction.
 

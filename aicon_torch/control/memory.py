@@ -26,8 +26,6 @@ def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tup
     """The shapes of a memory without the batch: quantities, gradients, goals and sensors."""
     model = backward.model
     shapes = {name: quantity.shape for name, quantity in model.quantities.items()}
-    shapes[GOAL_FACTORS] = (len(model.goals),)
-    shapes[STEPS] = ()
     for key, value in constant_memory(backward, admission).items():
         shapes[key] = tuple(value.shape)
     return shapes
@@ -36,7 +34,11 @@ def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tup
 def constant_memory(backward: BackwardPass, admission: Admission) -> Memory:
     """What is remembered before the first step whatever is read, without batch dimensions."""
     model = backward.model
-    return backward.initial() | admission.initial() | safety_memory(model) | sent_memory(model)
+    with torch.device("cpu"):  # whatever device is torch's default
+        constants = backward.initial() | admission.initial() | safety_memory(model)
+        constants[GOAL_FACTORS] = torch.ones(len(model.goals))
+        constants[STEPS] = torch.zeros(())
+    return constants | sent_memory(model)
 
 
 def initial_memory(
@@ -56,10 +58,7 @@ def initial_memory(
     model = backward.model
     memory = model.initial(readings, batch)
 
-    constants = constant_memory(backward, admission)
-    constants[GOAL_FACTORS] = torch.ones(len(model.goals))
-    constants[STEPS] = torch.zeros(())
-    for key, value in constants.items():
+    for key, value in constant_memory(backward, admission).items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype
         value = value.to(model.like.device, dtype)
         memory[key] = value.expand((*batch, *value.shape))

@@ -156,7 +156,7 @@ def _as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
     array = _as_array(called, unit, value)
     with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
         plain = np.ma.filled(array.astype(np.float64, order="C"), np.nan)
-    return torch.as_tensor(plain).to(like)
+    return torch.from_numpy(plain).to(like)
 
 
 def is_dense(tensor: Tensor) -> bool:

@@ -205,7 +205,8 @@ class Policy(nn.Module):
         for name, factor in goals.items():
             if name not in names:
                 raise OptionError(f"No goal is named {name!r}. Goals: {choices(names)}.")
-            factors[..., names.index(name)] = torch.as_tensor(factor, dtype=factors.dtype)
+            value = torch.as_tensor(factor, dtype=factors.dtype, device=factors.device)
+            factors[..., names.index(name)] = value
         return memory | {GOAL_FACTORS: factors}
 
     def trace(self, memory: Memory) -> StepTrace:
