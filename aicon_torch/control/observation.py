@@ -12,6 +12,8 @@ from torch.masked import is_masked_tensor
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.quantities import AGE, Actuator, Sensor
 
+_ma: Any = np.ma  # numpy leaves it untyped
+
 ROUNDING = 1e-6
 """Share of a range by which a reading may exceed it: the instrument may have rounded."""
 
@@ -142,21 +144,24 @@ def _age(
 
 def _as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
     """Numbers as a tensor of the wanted type and device, as they are; NaN where a mask is."""
+    if is_masked_tensor(value):
+        masked: Any = value  # torch leaves it untyped
+        data = _as_tensor(called, unit, masked.get_data(), like)
+        return torch.where(masked.get_mask().to(like.device), data, torch.nan)
+
     if isinstance(value, Tensor):
-        if is_masked_tensor(value):
-            value = torch.where(value.get_mask(), value.get_data(), torch.nan)
         if value.is_complex() or not is_dense(value):
             raise ObservationError(
                 f"{called}: expected real numbers in {unit}, got {tensor_kind(value)}."
             )
-        reading = value.detach().to(like)  # a reading is a constant of the step
+        reading: Tensor = value.detach().to(like)  # a reading is a constant of the step
         return reading.clone() if reading.is_inference() else reading  # to be differentiated by
 
     # Whatever numpy has: other byte orders, other widths, reversed.
     array = _as_array(called, unit, value)
     with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
-        plain = np.ma.filled(array.astype(np.float64, order="C"), np.nan)
-    return torch.from_numpy(plain).to(like)
+        numbers = array.astype(np.float64, order="C")
+    return torch.from_numpy(_ma.filled(numbers, np.nan)).to(like)
 
 
 def is_dense(tensor: Tensor) -> bool:
@@ -174,7 +179,7 @@ def tensor_kind(tensor: Tensor) -> str:
 def _as_array(called: str, unit: str, value: ArrayLike) -> NDArray[Any]:
     """A reading as an array of real numbers, masked where one that it is made of is."""
     try:
-        array = value if type(value) is np.ndarray else np.ma.asarray(value)
+        array = value if type(value) is np.ndarray else _ma.asarray(value)
     except (ValueError, TypeError, RuntimeError) as error:  # a ragged list
         raise ObservationError(f"{called}: expected an array in {unit}; {error}.") from error
 
