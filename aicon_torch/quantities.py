@@ -58,9 +58,10 @@ class Quantity:
 class Sensor:
     """A reading of shape ``(*B, size)`` that the observation brings.
 
-    A reading that is not finite, or that the instrument cannot have meant, is none: the estimators
-    predict, and correct again when the next one comes. What reads it without a measurement reads
-    the last one again. Each row of a batch misses its readings alone, and counts them.
+    A reading that is masked, not finite, or that the instrument cannot have meant, is none: the
+    estimators predict, and correct again when the next one comes. What reads it without a
+    measurement reads the last one again. Each row of a batch misses its readings alone, and counts
+    them.
 
     Args:
         size: Number of components.
@@ -141,6 +142,8 @@ class Actuator:
             ``(*B, size)``, and leave one that is allowed as it is.
         command: What the robot is sent instead of the action, if it takes another command: a
             function wired likewise.
+        command_range: Lowest and highest number of a command, to which others are clipped, the last
+            one that the memory holds, too, which is sent again at rest; None for any.
         key: The observation's key of the action that the robot executed in the last step, if that
             may be another one, ``(*B, size)``; NaN or no key stands for the one that it was sent.
         keeps_direction: Whether an action beyond a sequence of limits is shortened as a whole,
@@ -161,6 +164,7 @@ class Actuator:
     limit: float | Sequence[float] = field(default=math.inf)
     constraints: Sequence[Callable[..., Tensor]] = ()
     command: Callable[..., Tensor] | None = None
+    command_range: tuple[float, float] | None = None
     key: str | None = None
     keeps_direction: bool = False
     dampers: VelocityDampers = field(default_factory=VelocityDampers)
@@ -168,7 +172,7 @@ class Actuator:
     dither: Callable[..., Tensor] | None = None
 
     def __post_init__(self) -> None:
-        """Check limit and constraints."""
+        """Check limit, constraints and the range of commands."""
         limits = (self.limit,) if isinstance(self.limit, int | float) else tuple(self.limit)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
             raise GraphError(
@@ -179,6 +183,18 @@ class Actuator:
             raise GraphError(
                 f"Actuator constraints {self.constraints!r}: expected a sequence of functions."
             )
+        if self.command_range is not None and not self.command_range[0] < self.command_range[1]:
+            raise GraphError(
+                f"Actuator command_range {self.command_range!r}: expected (lowest, highest)."
+            )
+
+    def limit_like(self, values: Tensor) -> Tensor:
+        """The limit, a scalar or ``(size,)``, of the type and on the device of some values.
+
+        It is rounded to single precision first, so that it is the same in every precision.
+        """
+        limit = torch.as_tensor(self.limit, dtype=torch.float32, device=values.device)
+        return limit.to(values)
 
     def clip(self, action: Tensor) -> Tensor:
         """The nearest action within the limit, in the box of a sequence or in the same direction.
@@ -202,3 +218,7 @@ class Actuator:
         norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
         shortened: Tensor = action * (self.limit / norm.clamp(min=self.limit))
         return shortened.clamp(-self.limit, self.limit)
+
+    def clip_command(self, command: Tensor) -> Tensor:
+        """The nearest command within :attr:`command_range`, ``(*B, size)``."""
+        return command if self.command_range is None else command.clamp(*self.command_range)

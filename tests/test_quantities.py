@@ -94,6 +94,12 @@ def test_constraints_are_a_sequence() -> None:
         Actuator(2, "m/s", 0.5, constraints=lambda a: a)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("wrong", [(1.0, 0.0), (0.0, 0.0), (0.0, math.nan)])
+def test_a_range_of_commands_that_is_none_is_named(wrong: tuple[float, float]) -> None:
+    with pytest.raises(GraphError, match=r"command_range .*expected \(lowest, highest\)"):
+        Actuator(2, "m/s", 0.5, command=where_to, command_range=wrong)
+
+
 @pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, (1.0, 0.0), (1.0, 2.0, 3.0), ()])
 def test_a_limit_that_does_not_fit_is_named(limit: Any) -> None:
     with pytest.raises(GraphError, match=r"limit .*expected one positive number"):

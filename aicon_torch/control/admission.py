@@ -70,7 +70,7 @@ class Admission(NamedTuple):
         memory = {BEGINS: torch.tensor(True)}
         for name, sensor in self.sensors.items():
             memory[name + PRESENT] = torch.tensor(False)
-            memory[name + AGE] = torch.tensor(NEVER)
+            memory[name + AGE] = torch.tensor(NEVER, dtype=torch.float32)
             memory[name + MISSED] = torch.tensor(0)
             if sensor.max_gap is not None:
                 memory[name + SILENCE] = torch.tensor(NEVER)
@@ -79,7 +79,7 @@ class Admission(NamedTuple):
             if sensor.rate_limit is not None:
                 memory[name + ANEW] = torch.tensor(False)
                 memory[name + SEEN] = torch.zeros(sensor.size)
-                memory[name + SEEN_AGE] = torch.tensor(NEVER)
+                memory[name + SEEN_AGE] = torch.tensor(NEVER, dtype=torch.float32)
                 memory[name + AGREED] = memory[name + REFUSED] = torch.tensor(0)
         return memory
 
@@ -260,7 +260,7 @@ class Admission(NamedTuple):
     ) -> Tensor:
         """Whether the reading repeats the last one, and did so while the actuator acted."""
         actuator = str(sensor.driven_by)
-        least = DRIVEN * torch.as_tensor(self.actuators[actuator].limit).to(reading)
+        least = DRIVEN * self.actuators[actuator].limit_like(reading)
         acts = (memory[actuator].abs() > least).any(-1)
 
         repeats = (reading == last).all(-1)

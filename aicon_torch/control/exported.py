@@ -157,7 +157,7 @@ class ExportedPolicy:
             if name not in self.goals:
                 raise OptionError(f"No goal is named {name!r}. Goals: {choices(self.goals)}.")
             place = factors.start + self.goals.index(name)
-            flat[..., place] = torch.as_tensor(factor, dtype=flat.dtype)
+            flat[..., place] = torch.as_tensor(factor, dtype=flat.dtype, device="cpu")
         return ExportedMemory(flat.numpy(), self._layout)
 
     def flat_readings(self, observation: Mapping[str, Any]) -> Array:

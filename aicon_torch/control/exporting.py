@@ -141,8 +141,8 @@ def _test(flat: FlatStep) -> str:
 
 def _with_nearby(readings: Tensor) -> Tensor:
     """The readings of a few steps ``(steps, n)``, and others nearby: ``(1 + nudges, steps, n)``."""
-    generator = torch.Generator().manual_seed(0)
-    noise = torch.randn(_NUDGES, *readings.shape, generator=generator).to(readings)
+    generator, size = torch.Generator("cpu").manual_seed(0), (_NUDGES, *readings.shape)
+    noise = torch.randn(size, generator=generator, dtype=torch.float32, device="cpu").to(readings)
     return torch.cat((readings.unsqueeze(0), readings * (1.0 + _NUDGE * noise)))
 
 
@@ -157,8 +157,9 @@ def _settled(outcomes: Tensor) -> Tensor:
 
 def _test_readings(flat: FlatStep, seed: int) -> Tensor:
     """Readings of a few steps, ``(steps, n)``; the second time there are none of optional ones."""
-    generator = torch.Generator().manual_seed(seed)
-    readings = 0.1 + torch.rand(_TEST_STEPS, flat.readings.size, generator=generator)
+    generator, size = torch.Generator("cpu").manual_seed(seed), (_TEST_STEPS, flat.readings.size)
+    noise = torch.rand(size, generator=generator, dtype=torch.float32, device="cpu")
+    readings = 0.1 + noise
     for name, sensor in flat.model.sensors.items():
         entry = flat.readings.entries[name]
         if sensor.optional:

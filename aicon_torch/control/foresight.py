@@ -72,7 +72,7 @@ class Foresight:
 
     def check(self, name: str, actuator: Actuator) -> None:
         """Its steps are shares of the actuator's limit, so there must be one."""
-        limits = torch.as_tensor(actuator.limit)
+        limits = torch.as_tensor(actuator.limit, dtype=torch.float64, device="cpu")
         if not limits.isfinite().all():
             raise OptionError(
                 f"Actuator {name!r} has limit={actuator.limit!r}: Foresight needs a finite one. "
@@ -89,14 +89,14 @@ class Foresight:
         if motions is not None:
             mixture = scattered(steps, motions.shape[-1]).unsqueeze(-1)
             return actuator.clip(self.dither * (motions @ mixture).squeeze(-1))
-        farthest = self.dither * torch.as_tensor(actuator.limit).to(last)
+        farthest = self.dither * actuator.limit_like(last)
         return actuator.clip(farthest * scattered(steps, actuator.size))
 
     def descend(
         self, action: Tensor, gradient: Tensor, iteration: Tensor, actuator: Actuator
     ) -> Tensor:
         """One step of the length ρ a_max / k, ``(*B, size)``: see :class:`ActionLaw`."""
-        longest = self.step * torch.as_tensor(actuator.limit).to(action) / iteration
+        longest = self.step * actuator.limit_like(action) / iteration
         length = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
         down = -longest * gradient / length.clamp(min=torch.finfo(length.dtype).tiny)
 
@@ -123,7 +123,7 @@ def scattered(steps: Tensor, size: int) -> Tensor:
     """
     squares = (steps % PRIME).square() % PRIME
     factors = [float(pow(1009, i, PRIME)) for i in range(1, size + 1)]
-    chirps = squares[..., None] * torch.as_tensor(factors).to(steps)
+    chirps = squares[..., None] * steps.new_tensor(factors)
 
     half = PRIME // 2
     return ((chirps + half) % PRIME - half) / half

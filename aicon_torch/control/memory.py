@@ -9,6 +9,7 @@ from torch import Tensor
 
 from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
+from aicon_torch.control.observation import is_dense, tensor_kind
 from aicon_torch.control.safety import safety_memory
 from aicon_torch.control.watchdog import sent_memory
 from aicon_torch.errors import ObservationError, choices
@@ -25,8 +26,6 @@ def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tup
     """The shapes of a memory without the batch: quantities, gradients, goals and sensors."""
     model = backward.model
     shapes = {name: quantity.shape for name, quantity in model.quantities.items()}
-    shapes[GOAL_FACTORS] = (len(model.goals),)
-    shapes[STEPS] = ()
     for key, value in constant_memory(backward, admission).items():
         shapes[key] = tuple(value.shape)
     return shapes
@@ -35,7 +34,11 @@ def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tup
 def constant_memory(backward: BackwardPass, admission: Admission) -> Memory:
     """What is remembered before the first step whatever is read, without batch dimensions."""
     model = backward.model
-    return backward.initial() | admission.initial() | safety_memory(model) | sent_memory(model)
+    with torch.device("cpu"):  # whatever device is torch's default
+        constants = backward.initial() | admission.initial() | safety_memory(model)
+        constants[GOAL_FACTORS] = torch.ones(len(model.goals))
+        constants[STEPS] = torch.zeros(())
+    return constants | sent_memory(model)
 
 
 def initial_memory(
@@ -55,10 +58,7 @@ def initial_memory(
     model = backward.model
     memory = model.initial(readings, batch)
 
-    constants = constant_memory(backward, admission)
-    constants[GOAL_FACTORS] = torch.ones(len(model.goals))
-    constants[STEPS] = torch.zeros(())
-    for key, value in constants.items():
+    for key, value in constant_memory(backward, admission).items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype
         value = value.to(model.like.device, dtype)
         memory[key] = value.expand((*batch, *value.shape))
@@ -106,6 +106,10 @@ def check_memory(
         value = memory[key]
         if not isinstance(value, Tensor):
             raise ObservationError(f"state[{key!r}]: expected a tensor, got {type(value)}.")
+        if not is_dense(value):
+            raise ObservationError(
+                f"state[{key!r}]: expected a dense tensor, got {tensor_kind(value)}."
+            )
         if tuple(value.shape) != (*batch, *shape):
             own = tuple(value.shape[: value.dim() - len(shape)])
             raise ObservationError(

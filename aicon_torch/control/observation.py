@@ -7,9 +7,12 @@ import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
+from torch.masked import is_masked_tensor
 
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.quantities import AGE, Actuator, Sensor
+
+_ma: Any = np.ma  # numpy leaves it untyped
 
 ROUNDING = 1e-6
 """Share of a range by which a reading may exceed it: the instrument may have rounded."""
@@ -23,8 +26,8 @@ def read(
 ) -> dict[str, Tensor]:
     """The readings by sensor, ``(*B, size)``, in the graph's units; ages and executed actions.
 
-    A component that is not finite or beyond the sensor's range is NaN, tensor or array, and so is
-    what is absent; nothing waits for the device.
+    A component that is masked, not finite or beyond the sensor's range is NaN, tensor or array, and
+    so is what is absent; nothing waits for the device.
 
     Args:
         observation: Arrays or tensors by the sensors' keys.
@@ -33,8 +36,8 @@ def read(
         like: A tensor of the wanted type and device.
 
     Raises:
-        ObservationError: If a reading is wrongly shaped or not real, or if one that is not optional
-            has no key.
+        ObservationError: If a reading is wrongly shaped, not real or not dense, or if one that is
+            not optional has no key.
     """
     if not isinstance(observation, Mapping):
         keys = [sensor.key or name for name, sensor in sensors.items()]
@@ -140,24 +143,43 @@ def _age(
 
 
 def _as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
-    """Numbers as a tensor of the wanted type and device, as they are."""
+    """Numbers as a tensor of the wanted type and device, as they are; NaN where a mask is."""
+    if is_masked_tensor(value):
+        masked: Any = value  # torch leaves it untyped
+        data = _as_tensor(called, unit, masked.get_data(), like)
+        return torch.where(masked.get_mask().to(like.device), data, torch.nan)
+
     if isinstance(value, Tensor):
-        if value.is_complex():
-            raise ObservationError(f"{called}: expected real numbers in {unit}, got {value.dtype}.")
-        reading = value.detach().to(like)  # a reading is a constant of the step
+        if value.is_complex() or not is_dense(value):
+            raise ObservationError(
+                f"{called}: expected real numbers in {unit}, got {tensor_kind(value)}."
+            )
+        reading: Tensor = value.detach().to(like)  # a reading is a constant of the step
         return reading.clone() if reading.is_inference() else reading  # to be differentiated by
 
     # Whatever numpy has: other byte orders, other widths, reversed.
     array = _as_array(called, unit, value)
     with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
-        plain = array.astype(np.float64, order="C")
-    return torch.as_tensor(plain).to(like)
+        numbers = array.astype(np.float64, order="C")
+    return torch.from_numpy(_ma.filled(numbers, np.nan)).to(like)
+
+
+def is_dense(tensor: Tensor) -> bool:
+    """Whether a tensor holds its numbers one beside the other: not sparse, nested, or meta."""
+    is_plain = tensor.layout == torch.strided and not tensor.is_nested
+    return is_plain and not tensor.is_quantized and not tensor.is_meta
+
+
+def tensor_kind(tensor: Tensor) -> str:
+    """What an error calls a tensor that is none of dense real numbers."""
+    nested = "nested, " * tensor.is_nested
+    return f"a tensor of {tensor.dtype}, {nested}{tensor.layout} on {tensor.device}"
 
 
 def _as_array(called: str, unit: str, value: ArrayLike) -> NDArray[Any]:
-    """A reading as an array of real numbers."""
+    """A reading as an array of real numbers, masked where one that it is made of is."""
     try:
-        array = np.asarray(value)
+        array = value if type(value) is np.ndarray else _ma.asarray(value)
     except (ValueError, TypeError, RuntimeError) as error:  # a ragged list
         raise ObservationError(f"{called}: expected an array in {unit}; {error}.") from error
 

@@ -94,8 +94,8 @@ class Policy(nn.Module):
 
         Raises:
             ObservationError: If the key of a sensor that is not optional is missing, or a reading
-                is wrongly shaped or not real. A number that is not finite or beyond the sensor's
-                range is no error but no reading, in its row alone.
+                is wrongly shaped, not real or not dense. A number that is masked, not finite or
+                beyond the sensor's range is no error but no reading, in its row alone.
         """
         if self._native is not None:
             native = self._native.of(self._step, self.perception)
@@ -206,7 +206,8 @@ class Policy(nn.Module):
         for name, factor in goals.items():
             if name not in names:
                 raise OptionError(f"No goal is named {name!r}. Goals: {choices(names)}.")
-            factors[..., names.index(name)] = torch.as_tensor(factor, dtype=factors.dtype)
+            value = torch.as_tensor(factor, dtype=factors.dtype, device=factors.device)
+            factors[..., names.index(name)] = value
         return memory | {GOAL_FACTORS: factors}
 
     def trace(self, memory: Memory) -> StepTrace:

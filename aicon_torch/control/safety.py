@@ -36,7 +36,9 @@ class ActuatorSafety:
 
     def __init__(self, model: WorldModel, actuator: str, goals: list[Goal]) -> None:
         declared = model.actuators[actuator]
-        limits = torch.as_tensor(declared.limit, dtype=torch.float64).expand(declared.size)
+        limits = torch.as_tensor(declared.limit, dtype=torch.float64, device="cpu").expand(
+            declared.size
+        )
         if not limits.isfinite().all():
             raise GraphError(
                 f"Actuator {actuator!r} has limit={declared.limit!r}: the safety goal "
@@ -85,7 +87,8 @@ class ActuatorSafety:
         own = {key[len(start) :]: value for key, value in memory.items() if key.startswith(start)}
         if inverse is not None:
             escaping = own["escaping"][..., None, None]
-            inverse = torch.where(escaping, torch.eye(wish.shape[-1]).to(inverse), inverse)
+            identity = torch.eye(wish.shape[-1], dtype=inverse.dtype, device=inverse.device)
+            inverse = torch.where(escaping, identity, inverse)
         safe = nearest_safe(self.stalemate.aim(wish, own), within, sweeps, inverse)
         action = self.model.actuators[self.actuator].clip(
             safe.action
@@ -171,13 +174,14 @@ class ActuatorSafety:
 
         Then the components can be bounded one by one, which no sweep needs to approach.
         """
-        generator = torch.Generator().manual_seed(0)
+        generator, like = torch.Generator("cpu").manual_seed(0), self.model.like
         readings: dict[str, Tensor] = {}
         for name, sensor in self.model.sensors.items():
-            reading = torch.rand(4, sensor.size, generator=generator, dtype=torch.float64)
-            readings[name] = reading.to(self.model.like)
-            readings[name + PRESENT] = torch.ones(4, dtype=torch.bool)
-            readings[name + AGE] = self.model.like.new_zeros(4)
+            size = (4, sensor.size)
+            reading = torch.rand(size, generator=generator, dtype=torch.float64, device="cpu")
+            readings[name] = reading.to(like)
+            readings[name + PRESENT] = like.new_ones(4, dtype=torch.bool)
+            readings[name + AGE] = like.new_zeros(4)
 
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _ = self._rows_of(goal, values)

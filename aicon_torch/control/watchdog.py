@@ -44,7 +44,7 @@ def stay(
     for name in model.declaration.commands:
         rested = (memory[name] == 0).all(-1) & ~memory[BEGINS]
         rests = rested & (share.squeeze(-1) == 0)
-        last = memory[name + SENT]
+        last = model.actuators[name].clip_command(memory[name + SENT])
         sent[name] = torch.where(_like(rests, last), last, commands[name])
         remembered[name + SENT] = sent[name]
     return sent, remembered

@@ -30,7 +30,7 @@ def probe(
     for name, sensor in declaration.sensors.items():
         readings[name] = like.new_zeros(*BATCH, sensor.size)
         readings[name + AGE] = like.new_zeros(BATCH)
-        readings[name + PRESENT] = torch.ones(BATCH, dtype=torch.bool)
+        readings[name + PRESENT] = like.new_ones(BATCH, dtype=torch.bool)
 
     values = initial_values(declaration, estimators, readings, BATCH, like)
     for estimator in estimators:
@@ -53,11 +53,11 @@ def check_at_random_point(
     Raises:
         GraphError: If one finds something wrong.
     """
-    generator = torch.Generator().manual_seed(0)
+    generator = torch.Generator("cpu").manual_seed(0)
     point = with_dt(values, declaration.dt)
     for name, value in values.items():
         if value.is_floating_point():
-            noise = torch.rand(value.shape, generator=generator, dtype=value.dtype)
+            noise = torch.rand(value.shape, generator=generator, dtype=value.dtype, device="cpu")
             point[name] = (noise + 0.5).to(value.device)
 
     for estimator in estimators:

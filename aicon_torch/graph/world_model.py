@@ -56,7 +56,8 @@ class WorldModel(nn.Module):
         clock: A sensor that tells how long the last step took, s: estimators take that for ``dt``
             when they are updated, and :attr:`dt` where it does not tell. What is foreseen takes
             :attr:`dt`.
-        dtype: Precision of all values; by default torch's default.
+        dtype: Precision of all values; by default torch's default. They are on the CPU, whatever
+            device is torch's default, until the model is moved.
 
     Raises:
         GraphError: If a name is unknown or given twice, a shape does not fit, a function does not
@@ -86,8 +87,10 @@ class WorldModel(nn.Module):
         self._parts = nn.ModuleList([*estimators, *goals])
         for name in self.declaration.actuators:
             self._parts.extend(self.declaration.functions_of(name))
-        self.register_buffer("_like", torch.zeros(()), persistent=False)  # tells dtype and device
-        self.to(dtype or torch.get_default_dtype())
+        self.register_buffer(
+            "_like", torch.zeros((), device="cpu"), persistent=False
+        )  # tells dtype and device
+        self.to("cpu", dtype or torch.get_default_dtype())
 
         self.graph = build_graph(self.declaration, self.like)
 
@@ -288,7 +291,10 @@ class WorldModel(nn.Module):
         commands: dict[str, Tensor] = {}
         for name in self.actuators:
             command = self.declaration.commands.get(name)
-            commands[name] = values[name] if command is None else command(inputs)
+            if command is None:
+                commands[name] = values[name]
+            else:
+                commands[name] = self.actuators[name].clip_command(command(inputs))
         return commands
 
     def paths(self, max_length: int | None = None) -> PathTable:

@@ -3,6 +3,8 @@
 import importlib
 from typing import Any
 
+import torch
+
 from aicon_torch.control import Policy
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.models.options import replace_options
@@ -49,7 +51,8 @@ def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
 
     chosen = replace_options(package.Options(), package.PRESETS[preset], repr(name))
     chosen = replace_options(chosen, options, repr(name))
-    policy: Policy = package.build(chosen)
+    with torch.device("cpu"):  # whatever device is torch's default
+        policy: Policy = package.build(chosen)
     return policy
 
 

@@ -162,14 +162,12 @@ class _Hulls:
 
 
 def _with_volume(corners: NDArray[Any]) -> NDArray[Any]:
-    """The corners; where they are those of one triangle, a prism that is as good as flat."""
-    if len(corners) != 3:
-        return corners
-
-    first, second, third = corners
-    normal = np.cross(second - first, third - first)
+    """The corners; where they are those of a segment or a triangle, one of a little thickness."""
     thickness = 1e-6 * np.ptp(corners, axis=0).max()
-    return np.concatenate((corners, corners + thickness * normal / np.linalg.norm(normal)))
+    _, _, axes = np.linalg.svd(corners - corners.mean(axis=0))
+    for missing in axes[len(corners) - 1 :]:
+        corners = np.concatenate((corners, corners + thickness * missing))
+    return corners
 
 
 def _surface_of(segment: Segment) -> NDArray[Any]:

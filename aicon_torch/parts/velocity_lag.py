@@ -43,7 +43,8 @@ class VelocityLag(Estimator):
     def update(self, values: Values) -> dict[str, Tensor]:
         """How the joints move after the last action, ``(*B, n)``, rad/s."""
         a, v_joints = cast(Tensor, values["a"]), cast(Tensor, values["v_joints"])
-        steps = torch.as_tensor(values["dt"]).to(a) / self.time_constant
+        dt = torch.as_tensor(values["dt"], dtype=a.dtype, device=a.device)
+        steps = dt / self.time_constant
         return {"v_joints": v_joints + (1 - torch.exp(-steps)) * (a - v_joints)}
 
     def forward(self, values: Values, output: str) -> Tensor:

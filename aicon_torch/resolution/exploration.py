@@ -159,7 +159,8 @@ class Exploration:
         others = strengths.masked_fill(indices == ranked.leader, -1.0)
         if self.partner == "opposing":
             cosines = (leader.unsqueeze(-2) * ranked.directions).sum(-1)
-            bound = torch.where(exploring, self.exit_cosine, self.enter_cosine).unsqueeze(-1)
+            leaves, enters = (cosines.new_tensor(x) for x in (self.exit_cosine, self.enter_cosine))
+            bound = torch.where(exploring, leaves, enters).unsqueeze(-1)
             others = others.masked_fill(cosines > bound, -1.0)
 
         # The strongest of them; −1 marks that there is none.
@@ -179,7 +180,7 @@ class Exploration:
         descent = -1e-6 * ranked.weighted.sum(-2)
         components = torch.arange(average.shape[-1], device=average.device)
         largest = torch.stack(normals).abs().amax(0)
-        axis = 1e-9 * (components == largest.argmin(-1, keepdim=True))
+        axis = 1e-9 * (components == largest.argmin(-1, keepdim=True)).to(torch.float32)
         free = _reject_all(average + descent, normals) + axis
         tangent = unit(_reject_all(free, normals))
 

@@ -153,7 +153,7 @@ class NullspaceProjection(Resolution):
         for rank in range(ranks):
             # The strongest comes next; the one that held this rank before is favoured.
             was_here = indices == held[..., rank : rank + 1]
-            favoured = strengths * (1.0 + self.margin * was_here)
+            favoured = strengths * (1.0 + self.margin * was_here.to(torch.float32))
             strength, index = favoured.max(-1, keepdim=True)
             strongest = select(gradients, index)
             selected.append(strongest)

@@ -95,6 +95,8 @@ def read_json(path: Path) -> dict[str, Any]:
         content = json.loads(text)
     except ValueError as error:
         raise ComparisonError(f"{path} holds no JSON ({error})") from error
+    except RecursionError as error:
+        raise ComparisonError(f"{path} holds no JSON (it is nested too deeply)") from error
 
     if not isinstance(content, dict):
         raise ComparisonError(f"{path} holds a {type(content).__name__}, no names with values")

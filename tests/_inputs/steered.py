@@ -49,7 +49,11 @@ def two_robots() -> WorldModel:
 
 
 def steered(
-    constraints: Sequence[Any] = (), command: Any = None, goal: tuple[float, float] = (3.0, -1.0)
+    constraints: Sequence[Any] = (),
+    command: Any = None,
+    goal: tuple[float, float] = (3.0, -1.0),
+    command_range: tuple[float, float] | None = None,
+    max_age: float | None = None,
 ) -> Policy:
     """A point that goes to a goal with at most 2 m/s."""
 
@@ -57,8 +61,8 @@ def steered(
         return ((x - x.new_tensor(goal)) ** 2).sum(-1)
 
     model = WorldModel(
-        sensors={"z": Sensor(2, "m"), "wall": Sensor(1, "m")},
-        actuators={"a": Actuator(2, "m/s", 2.0, constraints, command)},
+        sensors={"z": Sensor(2, "m", max_age=max_age), "wall": Sensor(1, "m")},
+        actuators={"a": Actuator(2, "m/s", 2.0, constraints, command, command_range)},
         estimators=[point()],
         goals=[Goal("reach", reach)],
         dt=0.1,

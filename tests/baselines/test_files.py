@@ -47,6 +47,10 @@ def test_what_is_no_json_is_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(ComparisonError, match="cannot read .*none.json: No such file"):
         read_json(tmp_path / "none.json")
 
+    (tmp_path / "deep.json").write_text('{"a": ' + "[" * 100_000 + "]" * 100_000 + "}")
+    with pytest.raises(ComparisonError, match=r"deep.json holds no JSON \(it is nested too deeply"):
+        read_json(tmp_path / "deep.json")
+
     (tmp_path / "list.json").write_text("[1]")
     with pytest.raises(ComparisonError, match="list.json holds a list, no names with values"):
         read_json(tmp_path / "list.json")

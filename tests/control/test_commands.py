@@ -6,6 +6,8 @@ from _asserts import assert_same_memory
 from _inputs import as_arrays, slower, steered, walled, where_to
 from torch import Tensor
 
+from aicon_torch.codegen import has_compiler
+
 
 def test_the_memory_holds_the_constrained_action_and_the_robot_gets_the_command() -> None:
     """The action is what the estimates go on with; the command is what is sent."""
@@ -46,3 +48,25 @@ def test_a_command_may_have_another_size() -> None:
         (reading,) = walled(1, batch)
         command, memory = steered(command=polar).predict(reading)
         torch.testing.assert_close(command, polar(memory["a"]))
+
+
+def test_no_command_is_beyond_its_range() -> None:
+    policy, memory = steered(command=where_to, command_range=(-0.05, 0.05)), None
+    for reading in walled(5):
+        command, memory = policy.predict(reading, memory)
+        assert command.abs().max() == 0.05
+        assert torch.equal(memory["a.sent"], command)
+
+
+def test_nor_is_the_last_one_that_somebody_has_changed_in_the_memory() -> None:
+    """At rest it is sent again."""
+    policy = steered(command=where_to, command_range=(-5.0, 5.0), max_age=0.1)
+    _, memory = policy.predict(walled(1)[0])
+    gone = {"z": torch.full((2,), torch.nan, dtype=torch.float64), "wall": torch.ones(1)}
+    for _ in range(4):
+        resting, memory = policy.predict(gone, memory)
+    assert torch.equal(policy.predict(gone, memory)[0], resting)
+
+    for form in (policy, *[policy.compile()] * has_compiler()):
+        command, _ = form.predict(gone, memory | {"a.sent": torch.tensor([7e5, -1.0]).double()})
+        assert command.tolist() == [5.0, -1.0]

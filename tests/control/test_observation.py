@@ -1,5 +1,6 @@
 """Observations: bad ones are refused by sensor, missing ones allowed where that is announced."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,29 @@ def test_a_bad_observation_is_refused_by_sensor(observation: Any, culprit: str) 
             navigation().estimate(observation, state)
 
 
+@pytest.mark.filterwarnings("ignore")  # torch calls some of them prototypes
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda: torch.ones(1).to_sparse(), "sparse_coo"),
+        (lambda: torch.ones(1, 1).to_sparse_csr(), "sparse_csr"),
+        (lambda: torch.ones(1, device="meta"), "on meta"),
+        (lambda: torch.quantize_per_tensor(torch.ones(1), 0.1, 0, torch.qint8), "qint8"),
+        (lambda: torch.nested.nested_tensor([torch.ones(1)]), "nested"),
+        (lambda: torch.nested.nested_tensor([torch.ones(1)], layout=torch.jagged), "nested"),
+    ],
+)
+def test_a_tensor_that_is_not_dense_is_refused_by_name(
+    make: Callable[[], torch.Tensor], named: str
+) -> None:
+    _, memory = navigation().predict(observation_with())
+    for state in (None, memory):
+        with pytest.raises(ObservationError, match=f"'z_obs'.*real numbers in m, got .*{named}"):
+            navigation().predict(observation_with(range=make()), state)
+    with pytest.raises(ObservationError, match=f"'goals/active'.*dense tensor, got .*{named}"):
+        navigation().predict(observation_with(), memory | {"goals/active": make()})
+
+
 def test_optional_readings_may_be_anything_that_is_no_number() -> None:
     model = WorldModel(
         sensors={"z": Sensor(2, "m", key="camera", optional=True), "w": Sensor(1, "m")},
@@ -82,6 +106,46 @@ def test_beyond_the_range_there_is_no_reading(far: float, kind: Any) -> None:
     assert not after["z_obs.present"] and after["z_tar.present"]
     assert after["z_obs.missed"] == 1 and after["z_obs.age"] == pytest.approx(0.05)
     assert after["z_obs"] == 1.0
+
+
+def masked_rows(values: list[float], masks: list[bool]) -> Any:
+    """Rows ``(N, 1)``, as whoever stacks single readings has them."""
+    pairs = zip(values, masks, strict=True)
+    return [np.ma.masked_array([value], [mask]) for value, mask in pairs]
+
+
+@pytest.mark.parametrize(
+    "reading",
+    [
+        np.ma.masked_array([[1.5], [1.0]], [[True], [False]]),
+        np.ma.masked_array([[2], [1]], [[True], [False]]),
+        masked_rows([1.5, 1.0], [True, False]),
+    ],
+)
+def test_what_is_masked_is_no_reading(reading: Any) -> None:
+    first, second = (np.full((2, 1), bearing) for bearing in (0.3, 0.31))
+    _, memory = navigation().predict({"bearing": first, "range": np.full((2, 1), 1.01)})
+    _, after = navigation().predict({"bearing": second, "range": reading}, memory)
+    nothing = {"bearing": second, "range": np.array([[np.nan], [1.0]])}
+    _, expected = navigation().predict(nothing, memory)
+
+    assert after["z_obs.present"].tolist() == [False, True]
+    assert_same_memory(after, expected, 0.0)
+
+
+@pytest.mark.filterwarnings("ignore")  # torch calls it a prototype
+def test_what_a_masked_tensor_hides_is_no_reading() -> None:
+    _, memory = navigation().predict(observation_with())
+    hidden = torch.masked.masked_tensor(torch.ones(1), torch.tensor([False]))
+    turned = observation_with(bearing=np.array([0.31]), range=hidden)
+    _, after = navigation().predict(turned, memory)
+    assert not after["z_obs.present"] and after["z_tar.present"]
+
+
+def test_a_mask_that_hides_nothing_changes_nothing() -> None:
+    _, expected = navigation().predict(observation_with())
+    _, memory = navigation().predict(observation_with(range=np.ma.array([1.0])))
+    assert_same_memory(memory, expected, 0.0)
 
 
 def test_numbers_may_be_stored_in_any_way() -> None:

@@ -89,6 +89,14 @@ def test_a_single_triangle_is_covered() -> None:
         assert min(gap(segment, corner[None]).max() for segment in segments) < 1e-6
 
 
+def test_a_wire_is_covered() -> None:
+    """Seen from all around, only its two ends stand out."""
+    wire = GENERATOR.normal(size=(50, 3, 3)) * (1.0, 1e-6, 1e-6)
+    segments = around_surfaces([wire], count=2)
+    gaps = np.stack([gap(segment, wire.reshape(-1, 3)) for segment in segments])
+    assert gaps.min(axis=0).max() <= 1e-9
+
+
 def test_long_triangles_are_not_cut_into_more_parts_than_the_bound(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

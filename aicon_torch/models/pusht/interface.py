@@ -69,7 +69,16 @@ def _moving(options: Options) -> dict[str, Any]:
 
 def actuator(options: Options, servo: Servo) -> Actuator:
     """The pusher's velocity, and what the environment is sent in its place."""
-    return Actuator(2, "m/s", limit=options.max_speed, command=_command(options, servo))
+    low, high = WORKSPACE
+    fastest = options.max_speed
+    bounds = (low, high) if options.command == "position" else (-fastest, fastest)
+    return Actuator(
+        2,
+        "m/s",
+        limit=options.max_speed,
+        command=_command(options, servo),
+        command_range=(bounds[0] / PIXEL, bounds[1] / PIXEL),
+    )
 
 
 def _command(options: Options, servo: Servo) -> Callable[..., Tensor]:

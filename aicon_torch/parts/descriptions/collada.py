@@ -2,45 +2,69 @@
 
 import math
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
+Elements = dict[str, ElementTree.Element]
 
-def count_nodes(path: Path) -> float:
-    """The number of nodes in the scene of a file, each as often as it is instantiated.
+
+class SceneSize(NamedTuple):
+    """What is in a scene, each thing as often as it is instantiated; ∞ where it contains itself.
+
+    Attributes:
+        nodes: The number of nodes and geometries.
+        triangles: At most so many triangles.
+    """
+
+    nodes: float
+    triangles: float
+
+
+def size_of_scene(path: Path) -> SceneSize:
+    """What is in the scenes of a file.
 
     Args:
         path: The file.
-
-    Returns:
-        The number; ∞ where a node contains itself.
 
     Raises:
         xml.etree.ElementTree.ParseError: If it is no XML.
         RecursionError: If nodes are nested too deeply.
     """
     root = ElementTree.parse(path).getroot()
-    nodes = {f"#{element.get('id')}": element for element in root.iter() if _tag(element) == "node"}
-    counts: dict[ElementTree.Element, float] = {}
+    named: Elements = {}
+    for element in root.iter():
+        if _tag(element) in ("node", "geometry"):
+            named[f"#{element.get('id')}"] = element
+    sizes: dict[ElementTree.Element, SceneSize] = {}
 
-    def count(element: ElementTree.Element) -> float:
-        if element not in counts:
-            counts[element] = math.inf  # should it meet itself below
-            counts[element] = 1.0 + sum(map(count, _below(element, nodes)))
-        return counts[element]
+    def size(element: ElementTree.Element) -> SceneSize:
+        if element not in sizes:
+            sizes[element] = SceneSize(math.inf, math.inf)  # should it meet itself below
+            below = [size(each) for each in _below(element, named)]
+            sizes[element] = SceneSize(
+                nodes=1 + sum(each.nodes for each in below),
+                triangles=_triangles(element) + sum(each.triangles for each in below),
+            )
+        return sizes[element]
 
-    scenes = [element for element in root.iter() if _tag(element) == "visual_scene"]
-    return sum(map(count, scenes))
+    scenes = [size(element) for element in root.iter() if _tag(element) == "visual_scene"]
+    return SceneSize(sum(each.nodes for each in scenes), sum(each.triangles for each in scenes))
 
 
-def _below(
-    element: ElementTree.Element, nodes: dict[str, ElementTree.Element]
-) -> list[ElementTree.Element]:
-    """The nodes within a node or scene, and those that it instantiates."""
+def _below(element: ElementTree.Element, named: Elements) -> list[ElementTree.Element]:
+    """The nodes within a node or scene, and the nodes and geometries that it instantiates."""
     below = [child for child in element if _tag(child) == "node"]
     for child in element:
-        if _tag(child) == "instance_node" and child.get("url") in nodes:
-            below.append(nodes[str(child.get("url"))])
+        if _tag(child) in ("instance_node", "instance_geometry") and child.get("url") in named:
+            below.append(named[str(child.get("url"))])
     return below
+
+
+def _triangles(element: ElementTree.Element) -> int:
+    """The triangles of a geometry, which has three corners or more, of one number or more, each."""
+    if _tag(element) != "geometry":
+        return 0
+    return sum(len((part.text or "").split()) for part in element.iter() if _tag(part) == "p") // 3
 
 
 def _tag(element: ElementTree.Element) -> str:

@@ -1,5 +1,6 @@
 """Reads the collision geometry of a URDF, in m and in the frames of its links."""
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,10 +13,10 @@ from aicon_torch.errors import OptionError
 from aicon_torch.extras import import_extra
 from aicon_torch.parts.descriptions.attributes import numbers_of, positive_of, text_of
 from aicon_torch.parts.descriptions.files import is_text
-from aicon_torch.parts.descriptions.meshes import read_triangles
+from aicon_torch.parts.descriptions.meshes import MOST_TRIANGLES, read_triangles
 from aicon_torch.parts.descriptions.urdf import origin_of, parse_xml
 
-MOST_SHAPES = 1000
+MOST_SHAPES = 300
 """Of one robot; the most in example-robot-data is 112."""
 
 
@@ -47,6 +48,11 @@ class CollisionGeometry:
     cylinders: list[Cylinder] = field(default_factory=list)
     triangles: list[NDArray[Any]] = field(default_factory=list)
 
+    @property
+    def count(self) -> int:
+        """The number of triangles."""
+        return sum(map(len, self.triangles))
+
 
 def read_collision_geometry(source: str | Path) -> dict[str, CollisionGeometry]:
     """The collision geometry of the links that have one, by their names.
@@ -70,12 +76,19 @@ def read_collision_geometry(source: str | Path) -> dict[str, CollisionGeometry]:
         )
 
     found: dict[str, CollisionGeometry] = {}
+    triangles = 0
     for link in root.findall("link"):
         name = text_of(link, "name", "A link")
         geometry = CollisionGeometry()
         for collision in link.findall("collision"):
             _add_shape(geometry, collision, folder, f"Link {name!r}")
+            if triangles + geometry.count > MOST_TRIANGLES:
+                raise OptionError(
+                    f"The meshes of the robot have more than {MOST_TRIANGLES:,} triangles, up to "
+                    f"those of link {name!r}: expected coarser ones."
+                )
 
+        triangles += geometry.count
         if geometry.cylinders or geometry.triangles:
             found[name] = geometry
 
@@ -125,7 +138,7 @@ def _mesh(shape: ElementTree.Element, folder: Path, owner: str) -> NDArray[Any]:
         raise OptionError(
             f"{owner}: <mesh scale={shape.get('scale')!r}>: expected 3 numbers other than 0."
         )
-    return scale * read_triangles(file, owner)
+    return np.asarray(scale * read_triangles(file, owner))
 
 
 def _moved(triangles: NDArray[Any], pose: NDArray[Any]) -> NDArray[Any]:
@@ -152,6 +165,6 @@ def find_mesh(filename: str, folder: Path) -> Path:
             candidates += [above / path, above / inside]
 
     for candidate in candidates:
-        if candidate.is_file():
+        if os.path.isfile(candidate):  # pathlib's own may raise
             return candidate
     raise FileNotFoundError(f"The mesh {filename} is neither in {folder} nor in a folder above it.")

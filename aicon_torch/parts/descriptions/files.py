@@ -1,14 +1,15 @@
 """The files and texts that describe robots, of bounded size."""
 
+import os
 from pathlib import Path
 
 from aicon_torch.errors import OptionError
 
-LARGEST_DESCRIPTION = 50_000_000
+LARGEST_DESCRIPTION = 10_000_000
 """Bytes of a description; the largest of example-robot-data has 100 kB."""
 
-LARGEST_MESH = 100_000_000
-"""Bytes of a mesh: two million triangles as STL."""
+LARGEST_MESH = 60_000_000
+"""Bytes of a mesh: a million triangles as STL."""
 
 
 def is_text(source: str | Path) -> bool:
@@ -52,9 +53,9 @@ def read_file(path: Path, largest: int) -> bytes:
 
 def check_file(path: Path, largest: int) -> None:
     """Check that there is a file, and that it is not too large; the errors of `read_file`."""
-    if path.is_dir():
+    if os.path.isdir(path):  # pathlib's own may raise, as for a name that is too long
         raise OptionError(f"{path} is a folder: expected a file.")
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise FileNotFoundError(f"{path} is no file.")
     _check_size(str(path), path.stat().st_size, largest)
 

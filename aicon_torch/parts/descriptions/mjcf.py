@@ -6,7 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from aicon_torch.errors import OptionError
 from aicon_torch.extras import import_extra
+from aicon_torch.parts.descriptions.attributes import LARGEST_NUMBER
+from aicon_torch.parts.descriptions.compilation import compile_mjcf
 from aicon_torch.parts.descriptions.link_tree import JointDescription, LinkTree
 
 
@@ -21,18 +24,44 @@ def read_mjcf(source: str | Path) -> LinkTree:
 
     Raises:
         FileNotFoundError: If there is no such file.
-        ValueError: If MuJoCo does not accept it.
+        OptionError: If MuJoCo does not accept it, or only with too much time or memory, or a number
+            is none; it names the element.
         ModuleNotFoundError: If MuJoCo is missing.
     """
+    model, spec = compile_mjcf(source)
     mujoco = import_extra("mujoco", "robots")
-    if isinstance(source, str) and source.lstrip().startswith("<"):
-        model = mujoco.MjModel.from_xml_string(source)
-    elif not Path(source).is_file():
-        raise FileNotFoundError(f"{source} is no file.")
-    else:
-        model = mujoco.MjModel.from_xml_path(str(source))
+    for joint in spec.joints:
+        _check_range(mujoco, joint)
 
-    return _Reader(mujoco, model).tree()
+    reader = _Reader(mujoco, model)
+    reader.check_numbers()
+    return reader.tree()
+
+
+def _check_range(mujoco: Any, joint: Any) -> None:
+    """Check the limits of a joint, which MuJoCo leaves out where they are none.
+
+    Raises:
+        OptionError: If the lower one is not below the upper one. MJCF takes (0, 0) for no limits.
+    """
+    low, high = joint.range
+    is_free = joint.limited == mujoco.mjtLimited.mjLIMITED_FALSE or (low, high) == (0.0, 0.0)
+    if not is_free and not low < high:
+        raise OptionError(
+            f"Joint {joint.name!r}: <joint range='{low:g} {high:g}'>: expected lower below upper."
+        )
+
+
+def _check_finite(owner: str, *arrays: NDArray[Any]) -> None:
+    """Check positions, quaternions and axes.
+
+    Raises:
+        OptionError: If a number is not finite, or too large.
+    """
+    for array in arrays:
+        if not (np.abs(array) <= LARGEST_NUMBER).all():
+            found = " ".join(f"{number:g}" for number in array)
+            raise OptionError(f"{owner}: {found}: expected numbers within ±{LARGEST_NUMBER:.0e}.")
 
 
 class _Reader:
@@ -47,6 +76,26 @@ class _Reader:
         self.mujoco, self.model = mujoco, model
         self.links: list[str] = [self._body_name(0)]
         self.joints: list[JointDescription] = []
+
+    def check_numbers(self) -> None:
+        """Check that everything is somewhere.
+
+        Raises:
+            OptionError: If a number is not finite, or too large; it names the body, joint or site.
+        """
+        model = self.model
+        for number in range(model.nbody):
+            owner = f"Body {self._body_name(number)!r}"
+            _check_finite(owner, model.body_pos[number], model.body_quat[number])
+
+        for number in range(model.njnt):
+            owner, address = f"Joint {model.joint(number).name!r}", model.jnt_qposadr[number]
+            drawn_at = model.qpos0[address : address + 1]
+            _check_finite(owner, model.jnt_pos[number], model.jnt_axis[number], drawn_at)
+
+        for number in range(model.nsite):
+            owner = f"Site {model.site(number).name!r}"
+            _check_finite(owner, model.site_pos[number], model.site_quat[number])
 
     def tree(self) -> LinkTree:
         """The links of all bodies and sites."""

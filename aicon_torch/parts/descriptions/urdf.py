@@ -12,6 +12,9 @@ from aicon_torch.parts.descriptions.attributes import limit_of, numbers_of, text
 from aicon_torch.parts.descriptions.files import read_source
 from aicon_torch.parts.descriptions.link_tree import JointDescription, LinkTree
 
+MOST_LINKS = 1000
+"""Of one robot; the most in example-robot-data is 130."""
+
 
 def read_urdf(source: str | Path) -> LinkTree:
     """The links and joints of a robot.
@@ -21,10 +24,14 @@ def read_urdf(source: str | Path) -> LinkTree:
 
     Raises:
         FileNotFoundError: If there is no such file.
-        OptionError: If it is no URDF, its joints are no tree, or a number is none; it names the
-            joint and its element.
+        OptionError: If it is no URDF, has very many links, its joints are no tree, or a number is
+            none; it names the joint and its element.
     """
     root = parse_xml(source, root_tag="robot")
+    count = len(root.findall("link"))
+    if count > MOST_LINKS:
+        raise OptionError(f"The robot has {count} links: expected at most {MOST_LINKS}.")
+
     links = [text_of(link, "name", "A link") for link in root.findall("link")]
     joints = [_joint(element) for element in root.findall("joint")]
     return LinkTree(links, joints)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from aicon_envs.panda_push import robot
 from aicon_envs.panda_push.arms import Arm
-from aicon_envs.panda_push.urdf import link_name
+from aicon_envs.reach.description_checks import link_name
 from aicon_envs.reach.robots import find_file
 
 FloatArray = NDArray[np.float64]

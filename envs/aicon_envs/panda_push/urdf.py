@@ -4,6 +4,7 @@ from functools import lru_cache
 from xml.etree import ElementTree
 
 from aicon_envs.panda_push.arms import Arm
+from aicon_envs.reach.description_checks import link_name
 from aicon_envs.reach.urdf import Description, read_description
 
 
@@ -14,7 +15,7 @@ def load_arm(arm: Arm) -> Description:
     Raises:
         FileNotFoundError: If it or one of its meshes is not there.
         ModuleNotFoundError: If an extra package is missing.
-        ValueError: If the flange is no link of it.
+        ValueError: As `read_description`.
     """
     description = read_description(arm)
     root = ElementTree.fromstring(description.text)
@@ -38,9 +39,3 @@ def _free_flange(root: ElementTree.Element, flange: str) -> None:
     for element in root.findall("link"):
         if element.get("name") in beyond[1:]:
             root.remove(element)
-
-
-def link_name(joint: ElementTree.Element, tag: str) -> str:
-    """Return the name of the link above ("parent") or below ("child") a joint."""
-    element = joint.find(tag)
-    return "" if element is None else str(element.get("link"))

@@ -7,6 +7,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from aicon_envs.reach.description_checks import (
+    check_mesh,
+    check_moving,
+    check_numbers,
+    link_name,
+    parse_description,
+)
 from aicon_envs.reach.robots import Robot, find_file
 
 Element = ElementTree.Element
@@ -36,12 +43,16 @@ def read_description(robot: Robot) -> Description:
     Raises:
         FileNotFoundError: If it or one of its meshes is not there.
         ModuleNotFoundError: If an extra package is missing.
-        ValueError: If the tip is no link of it, or no joint is between it and the root.
+        ValueError: If it is no description of a robot, a number or mesh in it is none, the tip is
+            no link of it, or no joint is between it and the root.
     """
     file = find_file(robot.urdf)
-    root = ElementTree.parse(file).getroot()
+    root = parse_description(file)
+    check_numbers(root, file)
 
     moving = _joints_to(root, robot.tip, file)
+    for joint in moving:
+        check_moving(joint, file)
     for joint in root.findall("joint"):
         if joint not in moving:
             joint.set("type", "fixed")  # grippers and wheels rest
@@ -70,24 +81,18 @@ def _joints_to(root: Element, tip: str, file: Path) -> list[Element]:
     # Each link hangs on one joint.
     above = {}
     for joint in root.findall("joint"):
-        above[_name(joint, "child")] = joint
+        above[link_name(joint, "child")] = joint
 
     path = []
     link = tip
     while link in above:
         path.append(above[link])
-        link = _name(above[link], "parent")
+        link = link_name(above[link], "parent")
 
     moving = [joint for joint in reversed(path) if joint.get("type") != "fixed"]
     if not moving:
         raise ValueError(f"tip must be moved by a joint of {file.name}, and {tip!r} is not")
     return moving
-
-
-def _name(joint: Element, tag: str) -> str:
-    """Return the name of the link above ("parent") or below ("child") a joint."""
-    element = joint.find(tag)
-    return "" if element is None else str(element.get("link"))
 
 
 def _drop_ends(joint: Element) -> None:
@@ -139,15 +144,22 @@ def _find_mesh(filename: str, folder: Path) -> Path:
 
 def _to_stl(file: Path) -> bytes:
     """Return a mesh of any format as STL, in m where the file names its unit."""
+    check_mesh(file)
     content = file.read_bytes()
     if _is_binary_stl(content):
         return content
 
-    mesh = _import_trimesh().load_mesh(file)
-    if mesh.units is not None:
-        mesh.convert_units("meters")
-
-    exported: bytes = mesh.export(file_type="stl")
+    trimesh = _import_trimesh()
+    try:
+        mesh = trimesh.load_mesh(file)
+        if mesh.units is not None:
+            mesh.convert_units("meters")
+        exported: bytes = mesh.export(file_type="stl")
+    except ImportError:
+        raise
+    except Exception as error:  # each format's reader raises others
+        kind = type(error).__name__
+        raise ValueError(f"the mesh {file} cannot be read ({kind}: {error})") from error
     return exported
 
 

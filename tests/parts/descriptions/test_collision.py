@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from aicon_torch.errors import OptionError
+from aicon_torch.parts.descriptions import collision
 from aicon_torch.parts.descriptions.collision import find_mesh, read_collision_geometry
 
 trimesh = pytest.importorskip("trimesh")
@@ -79,5 +80,31 @@ def test_a_shape_of_no_size_is_an_error_that_names_the_link(shape: str, message:
 
 def test_more_shapes_than_a_robot_has_are_an_error() -> None:
     shape = '<sphere radius="1"/></geometry></collision><collision><geometry>' * 1500
-    with pytest.raises(OptionError, match="1501 shapes that collide: expected at most 1000"):
+    with pytest.raises(OptionError, match="1501 shapes that collide: expected at most 300"):
         read_collision_geometry(robot(shape))
+
+
+def test_the_triangles_of_all_links_together_are_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(collision, "MOST_TRIANGLES", 20)
+    trimesh.creation.box().export(tmp_path / "box.stl")
+    file = tmp_path / "robot.urdf"
+    file.write_text(robot('<mesh filename="box.stl"/>'))
+    assert len(read_collision_geometry(file)["a"].triangles[0]) == 12
+
+    file.write_text(
+        robot('<box size="1 1 1"/>')
+        .replace('name="b"/>', 'name="b">')
+        .replace(
+            "</robot>",
+            '<collision><geometry><mesh filename="box.stl"/></geometry></collision></link></robot>',
+        )
+    )
+    with pytest.raises(OptionError, match="more than 20 triangles, up to those of link 'b'"):
+        read_collision_geometry(file)
+
+
+def test_a_name_longer_than_any_file_has_is_an_error_by_name() -> None:
+    with pytest.raises(FileNotFoundError, match="is neither in"):
+        read_collision_geometry(robot(f'<mesh filename="{"a" * 5000}.stl"/>'))

@@ -47,6 +47,23 @@ def test_corners_without_bound_are_an_error(tmp_path: Path) -> None:
         read_triangles(wide, "Link 'a'")
 
 
+def test_one_corner_that_is_no_number_is_an_error(tmp_path: Path) -> None:
+    corners = [*TRIANGLE, *TRIANGLE[:2], [0.0, float("nan"), 1.0]]
+    file = tmp_path / "hole.stl"
+    trimesh.Trimesh(corners, [[0, 1, 2], [3, 4, 5]], process=False).export(file)
+    with pytest.raises(OptionError, match="hole.stl has corners that are not finite"):
+        read_triangles(file, "Link 'a'")
+
+
+@pytest.mark.parametrize("ending", [".glb", ".gltf", ".3mf"])
+def test_what_unpacks_to_any_size_is_not_read(tmp_path: Path, ending: str) -> None:
+    """glTF may name a million points, or instances, in a line."""
+    file = tmp_path / f"part{ending}"
+    file.write_bytes(b"glTF")
+    with pytest.raises(OptionError, match=f"has the ending '{ending}': expected '.stl', '.dae'"):
+        read_triangles(file, "Link 'a'")
+
+
 def test_an_archive_is_not_unpacked(tmp_path: Path) -> None:
     bomb = tmp_path / "bomb.zip"
     with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -70,6 +87,17 @@ def test_a_scene_that_unfolds_without_end_is_an_error(tmp_path: Path) -> None:
     loop = '<node id="n0"><instance_node url="#n0"/></node>'
     file.write_text(f"<COLLADA>{loop}{scene}</COLLADA>")
     with pytest.raises(OptionError, match="scene has inf nodes"):
+        read_triangles(file, "Link 'a'")
+
+
+def test_a_geometry_that_is_named_very_often_is_an_error(tmp_path: Path) -> None:
+    corners = "<geometry id='g'><mesh><triangles><p>" + "0 1 2 " * 5000 + "</p></triangles></mesh>"
+    nodes = "<node><instance_geometry url='#g'/></node>" * 300
+    file = tmp_path / "often.dae"
+    file.write_text(f"<COLLADA>{corners}</geometry><visual_scene>{nodes}</visual_scene></COLLADA>")
+    with pytest.raises(
+        OptionError, match="scene has 1500000 triangles, expected at most 1,000,000"
+    ):
         read_triangles(file, "Link 'a'")
 
 

@@ -128,6 +128,13 @@ def test_a_file_is_not_read_beyond_its_bound(
         read_urdf(file)
 
 
-def test_a_missing_file_is_an_error() -> None:
-    with pytest.raises(FileNotFoundError):
-        read_urdf("no_such.urdf")
+@pytest.mark.parametrize("name", ["no_such.urdf", "a" * 5000, "a\0b"])
+def test_a_missing_file_is_an_error(name: str) -> None:
+    with pytest.raises(FileNotFoundError, match="is no file"):
+        read_urdf(name)
+
+
+def test_more_links_than_a_robot_has_are_an_error() -> None:
+    many = "".join(f'<link name="{number}"/>' for number in range(1001))
+    with pytest.raises(OptionError, match="The robot has 1001 links: expected at most 1000"):
+        read_urdf(f"<robot>{many}</robot>")

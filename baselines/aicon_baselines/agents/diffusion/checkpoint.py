@@ -1,10 +1,9 @@
 """Saved diffusion policies of LeRobot, in today's format and older ones."""
 
-import json
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from torch import Tensor
 
@@ -136,9 +135,9 @@ def _read_config(folder: Path) -> dict[str, Any]:
         raise ComparisonError(f"{folder} is no saved policy, {CONFIG} is missing; {hint}")
 
     try:
-        content = cast("dict[str, Any]", json.loads(path.read_text()))
-    except ValueError as error:
-        raise ComparisonError(f"{path} is not JSON ({error}); {_TRAIN_ONE}") from error
+        content = read_json(path)
+    except ComparisonError as error:
+        raise ComparisonError(f"{error}; {_TRAIN_ONE}") from error
 
     # The oldest format does not name the type.
     policy_type = content.get("type", "diffusion" if "down_dims" in content else None)

@@ -1,6 +1,5 @@
 """Datasets of demonstrations, checked and read into memory."""
 
-import json
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PI
 from aicon_baselines.agents.diffusion.frames import Frames
 from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.files import read_json
 
 _POSITION = {"dtype": "float32", "shape": (2,), "names": ["x", "y"]}
 _COORDINATES = [f"{axis}{i}" for i, axis in product(range(8), "xy")]
@@ -65,7 +65,7 @@ def _check_features(folder: Path, names: list[str], observation: str) -> None:
     if not info.exists():
         raise ComparisonError(f"{folder} is no LeRobotDataset, meta/info.json is missing; {hint}")
 
-    features = json.loads(info.read_text()).get("features", {})
+    features = read_json(info).get("features", {})
     for name in names:
         expected = FEATURES[name]["shape"]
         shape = tuple(features.get(name, {}).get("shape", ()))

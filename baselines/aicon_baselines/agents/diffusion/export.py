@@ -7,6 +7,7 @@ from pathlib import Path
 
 from aicon_baselines.agents.diffusion.checkpoint import CONFIG, WEIGHTS, load, read_weights
 from aicon_baselines.agents.diffusion.training import LOSS, POLICY
+from aicon_baselines.files import read_json
 
 _LOSS_CURVE = "loss.png"
 
@@ -39,7 +40,7 @@ def export(
             shutil.copyfile(file, folder / file.name)
 
     # 2. The configuration, with another sampler.
-    config = json.loads((source / CONFIG).read_text())
+    config = read_json(source / CONFIG)
     if sampler is not None:
         config["noise_scheduler_type"] = sampler
     if inference_steps is not None:

@@ -42,7 +42,7 @@ def remove_processors(folder: Path) -> None:
         ),
         (
             lambda folder: (folder / "config.json").write_text("x"),
-            "config.json is not JSON",
+            "config.json holds no JSON",
         ),
         (
             lambda folder: edit(folder, type="act"),

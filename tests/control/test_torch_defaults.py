@@ -1,0 +1,101 @@
+"""Torch's default dtype and device are the user's: no policy depends on them."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import pytest
+import torch
+from _asserts import assert_same_memory, rollout
+from _inputs import drifting
+from _inputs.pushing import wandering
+from _inputs.reaching import planar_arm
+from torch import Tensor
+
+from aicon_torch import Policy, make_policy
+from aicon_torch.codegen import has_compiler
+
+ARM = planar_arm()
+
+
+def arm(count: int) -> list[dict[str, Tensor]]:
+    """Readings of a planar arm that turns, near a ball."""
+    place = {"target_position": torch.tensor([0.3, 0.4, 0.0], dtype=torch.float64)}
+    place["ball_1"] = torch.tensor([0.4, 0.2, 0.0], dtype=torch.float64)
+    turning = torch.tensor([0.1, 0.0, 0.0], dtype=torch.float64)
+    start = torch.tensor([0.0, 0.5, -0.4], dtype=torch.float64)
+    return [{"q": start + step * turning, **place} for step in range(count)]
+
+
+POLICIES: dict[str, tuple[Callable[[], Policy], list[dict[str, Tensor]]]] = {
+    "nav2d": (lambda: make_policy("nav2d", max_speed=0.3), drifting(8, (2,))),
+    "pusht": (lambda: make_policy("pusht"), wandering(4, 2)),
+    "reach": (lambda: make_policy("reach", robot=ARM, balls=1), arm(4)),
+}
+
+
+@contextmanager
+def defaults(dtype: torch.dtype, device: str | None) -> Iterator[None]:
+    """Torch's defaults for a while."""
+    usual = torch.get_default_dtype()
+    torch.set_default_dtype(dtype)
+    torch.set_default_device(device)
+    try:
+        yield
+    finally:
+        torch.set_default_dtype(usual)
+        torch.set_default_device(None)
+
+
+every_policy = pytest.mark.parametrize(("build", "readings"), POLICIES.values(), ids=POLICIES)
+other_defaults = pytest.mark.parametrize(
+    ("dtype", "device"),
+    [(torch.float16, None), (torch.float64, None), (torch.float32, "meta")],
+    ids=str,
+)
+
+
+@every_policy
+@other_defaults
+def test_a_policy_steps_as_ever(
+    build: Callable[[], Policy],
+    readings: list[dict[str, Tensor]],
+    dtype: torch.dtype,
+    device: str | None,
+) -> None:
+    policy = build()
+    expected = rollout(policy, readings)
+    with defaults(dtype, device):
+        found = rollout(policy, readings)
+    assert_same_memory(found[-1], expected[-1], 0.0)
+
+
+@every_policy
+@other_defaults
+def test_nor_does_it_matter_what_they_were_when_it_was_built(
+    build: Callable[[], Policy],
+    readings: list[dict[str, Tensor]],
+    dtype: torch.dtype,
+    device: str | None,
+) -> None:
+    expected = rollout(build(), readings)
+    with defaults(dtype, device):
+        policy = build()
+    assert_same_memory(rollout(policy, readings)[-1], expected[-1], 0.0)
+
+
+@other_defaults
+def test_what_is_done_with_a_memory_does_not_depend_on_them(
+    dtype: torch.dtype, device: str | None
+) -> None:
+    policy, readings = POLICIES["nav2d"][0](), drifting(2)
+    forms = [policy, *[policy.compile()] * has_compiler()]
+    arrays = [{key: value.numpy() for key, value in reading.items()} for reading in readings]
+    for form in forms:
+        _, memory = form.predict(arrays[0])
+        expected = form.predict(arrays[1], form.switch(memory, reach=0.3))[1]
+        with defaults(dtype, device):
+            found = form.predict(arrays[1], form.switch(memory, reach=0.3), episode_start=False)[1]
+            watched = form.estimate(arrays[1], memory)
+            form.explain(found)
+        assert_same_memory(found, expected, 0.0)
+        assert_same_memory(watched, form.estimate(arrays[1], memory), 0.0)
