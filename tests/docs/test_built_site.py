@@ -36,7 +36,7 @@ def test_flowcharts_and_formulas_are_pictures(site: Path) -> None:
     assert '<div class="flowchart"><svg' in graphs.read_text()
     assert "flowchart LR" not in graphs.read_text()
     assert '<div class="formula"><svg' in concepts.read_text()
-    assert "mathrm" not in concepts.read_text()
+    assert "MathJax" not in concepts.read_text()
 
 
 def test_the_names_of_the_library_are_links_beside_whole_sentences(site: Path) -> None:
