@@ -105,7 +105,8 @@ class Chain(nn.Module):
 
         Args:
             source: A file, or the text of one.
-            tip: The link at the end; may be left out if the robot does not branch.
+            tip: The link at the end; may be left out if the robot does not branch and has no
+                gripper.
             base: The link in whose frame everything is; the root by default.
             kinematics: What computes the frames.
 

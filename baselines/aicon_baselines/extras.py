@@ -15,6 +15,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "lerobot": ("lerobot", "diffusers"),
     "peers": ("torchjd", "quadprog", "clarabel", "pytorch_mppi", "mink"),
     "cluster": ("distributed",),
+    "compiler": ("ziglang",),
 }
 """The modules that each extra brings."""
 

@@ -104,5 +104,5 @@ def test_a_robot_that_reaches_names_its_extra(monkeypatch: pytest.MonkeyPatch) -
 
 def test_every_extra_is_tried() -> None:
     when_imported = {extra for _, _, extra in IMPORTS}
-    when_needed = {"sb3", "lerobot", "cluster", "peers", "upstream", "robots", "reach"}
+    when_needed = {"sb3", "lerobot", "cluster", "peers", "upstream", "robots", "reach", "compiler"}
     assert when_imported | when_needed == set(EXTRAS)

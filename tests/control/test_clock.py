@@ -31,6 +31,7 @@ def test_who_does_not_tell_took_as_long_as_usual(policy: Policy) -> None:
         told, told_memory = policy.predict(timed(reading, DT), told_memory)
         assert np.array_equal(action, told)
     assert memory is not None and told_memory is not None
+    assert policy.explain(memory).alerts == ()
     for key in set(memory) - {"z_elapsed.present", "z_elapsed.age", "z_elapsed.missed"}:
         assert torch.equal(memory[key], told_memory[key]), key
 

@@ -25,3 +25,10 @@ def test_the_graph_s_paths_are_those_that_it_announces(capsys: pytest.CaptureFix
         assert announced
         for path in announced.group(1).split(","):
             assert path.strip() in printed
+
+
+def test_every_block_of_python_is_a_program_that_runs() -> None:
+    """Fragments, which do not run by themselves, are for pages that explain them."""
+    assert not blocks(README, "py")
+    for block in blocks(README, "python"):
+        assert "import " in block.code, f"{block} imports nothing"

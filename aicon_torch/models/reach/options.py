@@ -20,7 +20,8 @@ class Options:
 
     Attributes:
         robot: The arm: a URDF or a :class:`Robot`.
-        tip: The link of the URDF that reaches; may be left out if the robot does not branch.
+        tip: The link of the URDF that reaches; may be left out if the robot does not branch and has
+            no gripper.
         srdf: Says which links of the URDF need not be compared.
         orientation: ``"free"`` for a position, ``"axis"`` for a position and an approach direction,
             ``"full"`` for a pose.

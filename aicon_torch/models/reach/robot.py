@@ -32,7 +32,8 @@ class Robot:
 
         Args:
             source: A file, next to its meshes, or its text.
-            tip: The link that reaches; may be left out if the robot does not branch.
+            tip: The link that reaches; may be left out if the robot does not branch and has no
+                gripper.
             base: The link in whose frame everything is; the root by default.
             srdf: A file, or the text of one, that says which links need not be compared.
             collisions: Whether to fit capsules to the collision geometry, which takes seconds.

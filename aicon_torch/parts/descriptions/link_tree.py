@@ -13,6 +13,9 @@ from aicon_torch.errors import OptionError, choices
 MOVING = ("revolute", "continuous", "prismatic")
 """The kinds of joints with one degree of freedom."""
 
+OF_A_GRIPPER = ("gripper", "finger", "jaw", "claw", "knuckle", "thumb")
+"""Words in the names of joints that open and close a gripper, or of links that carry them."""
+
 
 class JointDescription(NamedTuple):
     """A joint between two links, with all numbers in float64.
@@ -47,6 +50,12 @@ class JointDescription(NamedTuple):
     def moves(self) -> bool:
         """Whether it has one degree of freedom."""
         return self.kind in MOVING
+
+    @property
+    def is_of_gripper(self) -> bool:
+        """Whether it moves a gripper, by its name or that of the link that carries it."""
+        names = f"{self.name} {self.parent}".lower()
+        return self.moves and any(word in names for word in OF_A_GRIPPER)
 
     def motion(self, q: float) -> NDArray[Any]:
         """M(q), ``(4, 4)``, for q in rad or m: a turn by Rodrigues' formula, or a shift."""
@@ -132,13 +141,23 @@ class LinkTree:
         """The link at the end, where the tree has one end only.
 
         Raises:
-            OptionError: If it branches.
+            OptionError: If it branches, or the last joints of an arm are those of a gripper.
         """
         parents = {joint.parent for joint in self.joints}
         leaves = [link for link in self.links if link not in parents]
         if len(leaves) != 1:
             raise OptionError(f"The robot branches: choose tip= among its ends {_shown(leaves)}.")
-        return leaves[0]
+
+        # Does the arm end where its gripper does, or before it?
+        (leaf,) = leaves
+        moving = [joint for joint in self._joints_to(leaf) if joint.moves]
+        gripper = [joint for joint in moving if joint.is_of_gripper]
+        if gripper and not moving[0].is_of_gripper:
+            raise OptionError(
+                f"The joint {gripper[0].name!r} seems to be that of a gripper: choose tip= among "
+                f"{gripper[0].parent!r}, {leaf!r}, before it or behind it."
+            )
+        return leaf
 
     def path(self, tip: str | None = None, base: str | None = None) -> list[JointDescription]:
         """The joints from the base to the tip.
@@ -160,21 +179,25 @@ class LinkTree:
             if link not in self.links:
                 raise OptionError(f"{name}={link!r}: expected one of {_shown(self.links)}.")
 
-        # Up from the tip, then turned round.
-        path: list[JointDescription] = []
-        link = tip
-        while link != base:
-            if link not in self.above:
-                above_tip = [joint.parent for joint in path]
-                raise OptionError(
-                    f"base={base!r} is not above tip={tip!r}: expected one of {_shown(above_tip)}."
-                )
-            path.append(self.above[link])
-            link = self.above[link].parent
+        from_root = self._joints_to(tip)
+        links = [*(joint.parent for joint in from_root), tip]
+        if base not in links:
+            above_tip = links[-2::-1]
+            raise OptionError(
+                f"base={base!r} is not above tip={tip!r}: expected one of {_shown(above_tip)}."
+            )
 
-        path.reverse()
+        path = from_root[links.index(base) :]
         _check_joints(path, base, tip)
         return path
+
+    def _joints_to(self, link: str) -> list[JointDescription]:
+        """The joints from the root to a link."""
+        joints: list[JointDescription] = []
+        while link in self.above:
+            joints.append(self.above[link])
+            link = self.above[link].parent
+        return joints[::-1]
 
 
 def _shown(names: Sequence[str]) -> str:

@@ -8,7 +8,6 @@ from aicon_baselines.agents.registry import factory
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.task import Task
-from aicon_torch.errors import OptionError
 
 REFERENCE = "aicon"
 """The policy that variants start from and are compared with."""
@@ -19,6 +18,8 @@ def make_variants(task: Task, condition: str, texts: Sequence[str]) -> dict[str,
 
     Every one is built once here, so that errors come early.
     """
+    from aicon_torch.errors import OptionError
+
     policies: dict[str, Factory] = {}
     for text in (REFERENCE, *texts):
         name, options = parse_variant(text)

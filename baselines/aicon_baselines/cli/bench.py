@@ -11,7 +11,6 @@ import argparse
 from typing import Any
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import make
@@ -43,6 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Measure the tasks and print a line for each."""
+    import torch
+
     torch.set_num_threads(1)
     lines = []
     for task in arguments.tasks:

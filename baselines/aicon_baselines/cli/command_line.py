@@ -1,6 +1,8 @@
 """The skeleton of every command line: parse, run, and tell in one sentence what went wrong.
 
 Import this module before torch: it sets the number of threads, which is read when torch is loaded.
+A command imports torch, matplotlib and what loads them where it runs, so that its help and mistakes
+in its arguments take no seconds.
 
 It is argparse, not tyro: a command has a dozen flat flags, most of which need a sentence of help
 anyway, and no tree of dataclasses that tyro would spare us writing out.
@@ -12,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import extra_of, missing_extra
 
 # The policies and networks are small: more threads than one would only wait for each other. The
@@ -75,15 +78,9 @@ def errors_as_sentences(
 
     That is exit status 2 for a wrong or missing thing, and 130 where the user stopped it.
     """
-    # Imported late, so that help is quick: they load torch and gymnasium.
-    from gymnasium.error import DependencyNotInstalled
-
-    from aicon_baselines.evaluation.errors import ComparisonError
-    from aicon_torch.errors import OptionError
-
     try:
         yield
-    except (ComparisonError, OptionError, DependencyNotInstalled) as error:
+    except ComparisonError as error:
         parser.error(str(error))
     except OSError as error:
         # The operating system refuses: no such file, no permission, no space.
@@ -98,3 +95,14 @@ def errors_as_sentences(
         parser.error(str(missing_extra(error)))
     except KeyboardInterrupt:
         parser.exit(130, f"\n{when_stopped}\n")
+    except _errors_of_users() as error:
+        parser.error(str(error))
+
+
+def _errors_of_users() -> tuple[type[Exception], ...]:
+    """What else users cause and can mend. Asked once there is an error: it loads torch."""
+    from gymnasium.error import DependencyNotInstalled
+
+    from aicon_torch.errors import OptionError
+
+    return OptionError, DependencyNotInstalled

@@ -20,11 +20,9 @@ from aicon_baselines.agents.shipped import PUBLISHED_DIFFUSION, shipped_folder
 from aicon_baselines.cli.command_line import RESUMABLE, Command
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.backends import BACKENDS
-from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
-from aicon_baselines.evaluation.report import write_report
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.tables import list_failures
 from aicon_baselines.evaluation.task import Task
@@ -42,6 +40,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run what is missing in the folder; print the table of results, and which episodes failed."""
     task = load(arguments.task)
+
+    from aicon_baselines.evaluation.comparison import compare
+    from aicon_baselines.evaluation.report import write_report
+
     policies = choose_policies(task, arguments)
     config = configure(
         task,

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from aicon_baselines.agents.registry import can_be_compiled, compiled
 from aicon_baselines.evaluation.predictor import Factory
-from aicon_torch.codegen import has_compiler
 
 _COMPILED = "The policies are compiled (--no-compile: the readable step, many times slower)."
 _READABLE = (
@@ -39,7 +38,9 @@ def compiled_as_asked(policies: Mapping[str, Factory], asked: bool | None) -> di
     if asked is False or not any(map(can_be_compiled, policies.values())):
         return dict(policies)
 
-    if not has_compiler():
+    from aicon_torch import codegen
+
+    if not codegen.has_compiler():
         print(_READABLE, file=sys.stderr)
         return dict(policies)
 

@@ -14,9 +14,6 @@ import argparse
 from pathlib import Path
 
 from aicon_baselines.cli.command_line import Command
-from aicon_baselines.diagnosis import diagnose
-from aicon_baselines.diagnosis.picture import draw_diagnosis
-from aicon_baselines.diagnosis.rerun import Rerun, rerun
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,12 +31,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the episode again, and say what is seen in it."""
+    from aicon_baselines.diagnosis import diagnose
+    from aicon_baselines.diagnosis.picture import draw_diagnosis
+    from aicon_baselines.diagnosis.rerun import describe, rerun
+
     again = rerun(arguments.run, arguments.seed, arguments.policy, arguments.condition)
     found = diagnose(again.history)
     title = describe(again)
 
     path = arguments.picture or arguments.run / f"diagnosis_{arguments.seed}.png"
-    draw_diagnosis(again.history, found, path, title=title, places=again.places)
+    draw_diagnosis(
+        again.history, found, path, title=title, places=again.places, around=again.around
+    )
 
     print(title)
     if again.row.success != again.history.success:
@@ -48,17 +51,6 @@ def run(arguments: argparse.Namespace) -> None:
             "bits it differs, and that decided."
         )
     print(f"\n{found}\n\nsaved: {path}")
-
-
-def describe(again: Rerun) -> str:
-    """Which episode it was, and how it ended."""
-    row, history = again.row, again.history
-    ending = "success" if history.success else "no success"
-    return (
-        f"seed {row.seed}, {row.policy}, {row.condition}: {ending} after "
-        f"{history.steps} steps ({history.steps * history.dt:g} s), {again.distance:.3g} "
-        f"{again.unit} from the target"
-    )
 
 
 COMMAND = Command(__doc__, add_arguments, run)

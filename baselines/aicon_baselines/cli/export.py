@@ -14,7 +14,6 @@ from typing import Any
 from aicon_baselines.agents.registry import make
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.tasks import load, names
-from aicon_torch.control.library import Library
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,6 +28,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, load what was written, and tell what it is."""
+    from aicon_torch.control.library import Library
+
     task, path = arguments.task, arguments.output
     condition = arguments.condition or load(task).conditions[0]
     policy: Any = make(task, arguments.policy, condition)

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from aicon_baselines.cli.command_line import Command
-from aicon_baselines.figures import VIDEO_FORMATS, FigureSummary
 
 _CONCEPTS = "concepts"
 _FIGURES = {
@@ -43,9 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         figure.add_argument(
             "--seed", type=int, help="seed of the episode (default: one that shows it all)"
         )
-        figure.add_argument(
-            "--video", choices=VIDEO_FORMATS, default="mp4", help="kind of video (default: mp4)"
-        )
+        figure.add_argument("--video", default="mp4", help="mp4, webp, gif or none (default: mp4)")
         if name == "nav2d":
             figure.add_argument("--map", metavar="NAME", help="class of maps (default: a trap)")
 
@@ -61,8 +58,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     # Imported by name: a figure needs its task's environment, which may come with an extra.
     module = import_module(f"aicon_baselines.figures.{arguments.figure}")
-    summary: FigureSummary = module.make_figure(arguments.out, **options)
-    print(summary)
+    print(module.make_figure(arguments.out, **options))
 
 
 COMMAND = Command(__doc__, add_arguments, run)

@@ -8,10 +8,10 @@ from collections.abc import Iterable
 import gymnasium
 
 import aicon_envs  # noqa: F401  # registers the environments
-from aicon_baselines import agents, extras, tasks
+from aicon_baselines import extras, tasks
+from aicon_baselines.agents.catalogue import CATALOGUE
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_torch import presets
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,11 +37,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _print_task(name: str) -> None:
     """Print the policies and conditions of a task, or what it needs."""
-    _print_line("presets", presets(name))
-    _print_line("ablations", agents.ablations(name))
-    _print_line("opponents", agents.opponents(name))
+    for kind, names in CATALOGUE[name]._asdict().items():
+        if names:
+            _print_line(kind, names)
     try:
-        _print_line("conditions", tasks.load(name).conditions)
+        task = tasks.load(name)
+        _print_line("conditions", task.patterns or task.conditions)
     except ComparisonError as error:
         _print_line("", [str(error)])
 
@@ -50,7 +51,14 @@ def _print_line(title: str, entries: Iterable[str]) -> None:
     """Print entries beside their title, as wide as the terminal."""
     width = shutil.get_terminal_size().columns
     text = ", ".join(entries)
-    print(textwrap.fill(text, width, initial_indent=f"  {title:12}", subsequent_indent=" " * 14))
+    wrapped = textwrap.fill(
+        text,
+        width,
+        initial_indent=f"  {title:12}",
+        subsequent_indent=" " * 14,
+        break_long_words=False,
+    )
+    print(wrapped)
 
 
 COMMAND = Command(__doc__, add_arguments, run)

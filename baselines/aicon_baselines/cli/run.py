@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 from gymnasium.vector import VectorEnv, VectorWrapper
 from numpy.typing import NDArray
 from PIL import Image
@@ -55,7 +54,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the episode; print its outcome and the policy's last decision."""
-    torch.set_num_threads(1)
     conditions = [arguments.condition] if arguments.condition else None
     config = configure(
         load(arguments.task),
@@ -66,6 +64,9 @@ def run(arguments: argparse.Namespace) -> None:
     )
     task, condition = config.apply(load(arguments.task)), config.conditions[0]
 
+    import torch
+
+    torch.set_num_threads(1)
     name, options = parse_variant(arguments.policy)
     builds = {name: factory(task.name, name, **options)}
     build = compiled_as_asked(builds, arguments.compile)[name]

@@ -13,16 +13,16 @@ import logging
 import os
 import sys
 from pathlib import Path
-
-import torch
+from typing import TYPE_CHECKING
 
 from aicon_baselines.agents.variants import REFERENCE
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name
-from aicon_baselines.view import LiveEpisode, LiveView, open_episode, record_html, serve
-from aicon_baselines.view.scenes import check_watchable
+
+if TYPE_CHECKING:
+    from aicon_baselines.view.opening import Opening
 
 _LONGEST = 60.0  # s that are recorded
 _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
@@ -66,33 +66,52 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Serve the page until the user stops it, or save the recording."""
-    torch.set_num_threads(1)
     _check(arguments)
-    check_watchable(arguments.task)
-    logging.getLogger("websockets").setLevel(logging.ERROR)  # a page that closes is no error
+    _tell_progress()
 
-    episode = open_episode(
-        arguments.task, arguments.policy, arguments.condition, seed=arguments.seed
-    )
-    if arguments.record is not None:
-        _record(episode, arguments.record)
-        return
+    import torch
+
+    from aicon_baselines.view.opening import Opening
+    from aicon_baselines.view.scenes import check_watchable
+
+    torch.set_num_threads(1)
+    check_watchable(arguments.task)
+    opening = Opening.of(arguments.task, arguments.policy, arguments.condition, seed=arguments.seed)
+    if arguments.record is None:
+        _serve(opening, arguments)
+    else:
+        _record(opening, arguments.record)
+
+
+def _serve(opening: "Opening", arguments: argparse.Namespace) -> None:
+    """Say where the page is, build what it shows, and show it until the user stops it."""
+    from aicon_baselines.view import LiveView, serve
 
     server = serve(arguments.host, arguments.port, arguments.allow_host)
-    view = LiveView(episode, server, paused=arguments.paused, loops=arguments.loop)
     try:
         name = "localhost" if arguments.host in _EVERYWHERE else arguments.host
-        print(f"watch it at http://{name}:{view.port} (Ctrl-C ends it)", flush=True)
+        print(f"watch it at http://{name}:{server.get_port()} (Ctrl-C ends it)", flush=True)
         if arguments.share:
             print(f"public for a day, to whoever knows the address: {server.share()}", flush=True)
-        view.run()
+
+        with server.waiting("The policy and its world are being built."):
+            episode = opening.open()
+        LiveView(episode, server, paused=arguments.paused, loops=arguments.loop).run()
     except KeyboardInterrupt:
-        view.close()
+        server.stop()
         # A thread may still be compiling, and torch aborts where Python takes it down with itself.
         print("\nstopped", file=sys.stderr, flush=True)
         os._exit(130)
     finally:
-        view.close()
+        server.stop()
+
+
+def _tell_progress() -> None:
+    """Have the live view say on stderr what it does, and its server nothing of pages that close."""
+    logging.basicConfig(format="%(message)s")
+    logging.getLogger("aicon_baselines.view").setLevel(logging.INFO)
+    logging.getLogger("websockets").setLevel(logging.ERROR)
+    print("Loading the library.", file=sys.stderr, flush=True)
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -104,8 +123,11 @@ def _check(arguments: argparse.Namespace) -> None:
         raise ComparisonError(f"a recording ends in .html, not {arguments.record.suffix!r}")
 
 
-def _record(episode: LiveEpisode, path: Path) -> None:
+def _record(opening: "Opening", path: Path) -> None:
     """Save the episode as a page."""
+    from aicon_baselines.view import record_html
+
+    episode = opening.open()
     page = record_html(episode, _LONGEST)
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -90,7 +90,7 @@ class History:
         meetings: Where gradients met, by quantity.
         actuators: The actuators, by name.
         innovations: By how much readings differed from what was estimated.
-        present: Whether each sensor had a reading, (n,) each.
+        present: Whether each sensor but the clock had a reading, (n,) each.
         success: Whether the episode succeeded; None where nobody knows.
     """
 
@@ -131,6 +131,8 @@ class History:
             raise ValueError(f"memories: expected those of two steps or more, got {len(memories)}.")
         batch = _stacked(policy.model, memories)
         trace = policy.trace(batch)
+        # Who has no clock took as long as usual, which is no silence.
+        sensors = [name for name in policy.model.sensors if name != policy.model.clock]
         return cls(
             dt=policy.model.dt,
             state=_state(policy.model, trace),
@@ -138,9 +140,7 @@ class History:
             meetings=dict(_meeting_curves(trace)),
             actuators=dict(_actuator_curves(policy, trace)),
             innovations=innovations(policy.model, batch),
-            present={
-                name: _array(batch[name + PRESENT]).astype(bool) for name in policy.model.sensors
-            },
+            present={name: _flags(batch[name + PRESENT]) for name in sensors},
             success=success,
         )
 

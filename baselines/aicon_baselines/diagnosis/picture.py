@@ -10,9 +10,10 @@ from matplotlib.patches import Patch
 
 from aicon_baselines.diagnosis.diagnose import Diagnosis
 from aicon_baselines.diagnosis.history import BoolArray, FloatArray, History
+from aicon_baselines.diagnosis.surroundings import Surroundings
 from aicon_baselines.figures.recording import true_intervals
 from aicon_baselines.figures.rendering import save_picture
-from aicon_baselines.figures.style import ROBOT
+from aicon_baselines.figures.style import GOAL, OBJECT, OBSTACLE, OUTLINE, ROBOT, TARGET_MARK
 from aicon_baselines.figures.timeline import SHADE, simplify
 
 _COLORS = (ROBOT, "#d55e00", "#009268", "#c99700", "#56b4e9", "#3c4048", "#c4122f")
@@ -28,6 +29,7 @@ def draw_diagnosis(
     *,
     title: str = "",
     places: FloatArray | None = None,
+    around: Surroundings | None = None,
 ) -> None:
     """Save the picture of a diagnosis, with its words below.
 
@@ -38,6 +40,7 @@ def draw_diagnosis(
         title: Of the picture.
         places: Where the robot was, (n, 2 or more), in the world's frame; by default the two
             directions in which its estimates changed most.
+        around: What lay around it, in the same frame.
     """
     text = _wrapped(str(found))
     lines = text.count("\n") + 1
@@ -55,7 +58,10 @@ def draw_diagnosis(
         hspace=0.28,
     )
 
-    _draw_places(figure.add_subplot(grid[:, 0]), history, found, places)
+    world = figure.add_subplot(grid[:, 0])
+    if around is not None:
+        draw_surroundings(world, around)
+    _draw_places(world, history, found, places)
     timelines = [figure.add_subplot(grid[row, 1]) for row in range(3)]
     _draw_costs(timelines[0], history)
     _draw_cosines(timelines[1], history)
@@ -71,6 +77,20 @@ def draw_diagnosis(
         0.012, 0.12 / height, text, fontsize=9.5, color="0.15", va="bottom", linespacing=1.35
     )
     save_picture(figure, path)
+
+
+def draw_surroundings(axes: Axes, around: Surroundings) -> None:
+    """Walls, what is pushed and where it shall lie, and the target; y as the world has it."""
+    for wall in around.walls:
+        axes.fill(*wall.T, color=OBSTACLE, linewidth=1.0, zorder=0)
+    if around.goal is not None:
+        axes.fill(*around.goal.T, color=GOAL, alpha=0.35, zorder=0, label="goal")
+    if around.thing is not None:
+        axes.fill(*around.thing.T, facecolor=OBJECT, edgecolor=OUTLINE, zorder=1, label="object")
+    if around.target is not None:
+        axes.plot(*around.target, **TARGET_MARK, zorder=5, label="target")
+    if around.flipped:
+        axes.invert_yaxis()
 
 
 def _draw_places(axes: Axes, history: History, found: Diagnosis, places: FloatArray | None) -> None:
@@ -93,9 +113,9 @@ def _draw_places(axes: Axes, history: History, found: Diagnosis, places: FloatAr
     axes.legend(
         frameon=False,
         fontsize=9,
-        ncols=4,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 1.08),
+        ncols=3,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
         columnspacing=1.0,
         handlelength=1.2,
     )

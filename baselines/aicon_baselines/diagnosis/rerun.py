@@ -9,6 +9,7 @@ import torch
 
 from aicon_baselines.agents.registry import compiled, factory, own_policy
 from aicon_baselines.diagnosis.history import FloatArray, History
+from aicon_baselines.diagnosis.surroundings import Surroundings, surroundings
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
@@ -30,6 +31,7 @@ class Rerun:
         places: Where the robot was, (n, 2 or 3), in `unit`.
         distance: To the target at the end, in `unit`.
         unit: Unit of the lengths.
+        around: What lay around the robot at the end.
     """
 
     row: Row
@@ -37,6 +39,7 @@ class Rerun:
     places: FloatArray
     distance: float
     unit: str
+    around: Surroundings
 
 
 def choose_row(
@@ -90,6 +93,17 @@ def rerun(
     return _record(task, row, built)
 
 
+def describe(again: Rerun) -> str:
+    """Which episode it was, and how it ended."""
+    row, history = again.row, again.history
+    ending = "success" if history.success else "no success"
+    return (
+        f"seed {row.seed}, {row.policy}, {row.condition}: {ending} after "
+        f"{history.steps} steps ({history.steps * history.dt:g} s), {again.distance:.3g} "
+        f"{again.unit} from the target"
+    )
+
+
 def _factory(task: Task, name: str) -> Factory:
     """What builds the policy of a row."""
     if ":" in name:
@@ -113,10 +127,12 @@ def _record(task: Task, row: Row, policy: Policy) -> Rerun:
 
         observation, _, terminated, truncated, info = env.step(action)
         ended = bool(terminated[0] or truncated[0])
+    around = surroundings(task.name, env, observation, info)
     env.close()
 
     history = History.of(policy, memories, success=bool(info["is_success"][0]))
-    return Rerun(row, history, np.array(places), float(info["distance"][0]), task.length_unit)
+    distance = float(info["distance"][0])
+    return Rerun(row, history, np.array(places), distance, task.length_unit, around)
 
 
 def _names(rows: list[Row], field: str) -> str:

@@ -3,8 +3,8 @@
 from functools import cache
 
 import numpy as np
+import scipy  # loads its parts where they are used
 from numpy.typing import NDArray
-from scipy import stats
 
 _RESAMPLES = 5000
 
@@ -26,7 +26,7 @@ def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tu
             "trial, and from 0 to as many successes"
         )
 
-    test = stats.binomtest(successes, trials)
+    test = scipy.stats.binomtest(successes, trials)
     interval = test.proportion_ci(confidence, method="wilson")
     return float(interval.low), float(interval.high)
 
@@ -42,7 +42,7 @@ def bootstrap_interval(differences: NDArray[np.float64]) -> tuple[float, float]:
     if len(differences) == 1:
         return float(differences[0]), float(differences[0])
 
-    result = stats.bootstrap(
+    result = scipy.stats.bootstrap(
         (differences,),
         np.mean,
         n_resamples=_RESAMPLES,

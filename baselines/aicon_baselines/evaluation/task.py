@@ -73,6 +73,7 @@ class Task:
         time_unit: Unit in which durations are told.
         milestones: Numbers of steps within which success is reported as well; curves mark the last.
         measures: What else the rows hold; the environment must report it in `info`.
+        patterns: The conditions as patterns of a shell, such as "{a,b}_{c,d}", where they are many.
         shortest_path_length: Length of the shortest collision-free path of an episode, in
             `length_unit`; None where a path has no such bound and nothing to collide with.
     """
@@ -92,6 +93,7 @@ class Task:
     time_unit: Literal["s", "steps"] = "s"
     milestones: tuple[int, ...] = ()
     measures: tuple[Measure, ...] = ()
+    patterns: tuple[str, ...] = ()
     shortest_path_length: Callable[[Episode], float] | None = None
 
     @property

@@ -1,5 +1,7 @@
 """Colours that the figures of several tasks share."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import ArrayLike
@@ -9,6 +11,17 @@ from aicon_baselines.figures.recording import FloatArray
 # Colours that colour-blind readers can tell apart (after Okabe and Ito, "Color Universal Design",
 # 2008), as in the styles of the tasks.
 ROBOT, EXPLORING = "#0059a8", "#a3569b"
+TARGET, OBSTACLE = "#c4122f", "#3c4048"
+OBJECT, OUTLINE, GOAL = "#c3c8d0", "#5c636e", "#5fb545"
+
+TARGET_MARK: dict[str, Any] = {
+    "marker": "*",
+    "markersize": 17,
+    "markerfacecolor": TARGET,
+    "markeredgecolor": "white",
+    "markeredgewidth": 1.0,
+    "linestyle": "none",
+}
 
 TIMELINE_TINT = 0.16
 """Opacity of what says "exploring" over time."""

@@ -16,7 +16,9 @@ from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, lo
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
-from aicon_torch.models.pusht import PIXEL
+
+PIXEL = 0.5 / 512
+"""Length of a pixel, m: that of `aicon_torch.models.pusht`, whose import would load torch."""
 
 _UPSTREAM = "upstream"
 _SPEED = 800.0  # the usual speed limit of the policy, px/s; the benchmark has none

@@ -85,6 +85,10 @@ TASK = Task(
     chunk_size=50,
     maps=("free",),
     conditions=tuple(_ARGUMENTS),
+    patterns=(
+        "{panda,ur5,xarm7}_{pose,position}_{home,random}{,_fast,_ball,_moving_ball}",
+        "so101_axis_{home,random}",
+    ),
     make_env=_make_env,
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,

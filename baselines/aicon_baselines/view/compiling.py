@@ -33,6 +33,7 @@ class CompiledTwins:
             return
 
         self._begun.add(name)
+        _LOGGER.info("Compiling the policy with %s; until then its readable step acts.", name)
         work = (name, policy, observation, memory)
         threading.Thread(target=self._compile, args=work, daemon=True).start()
 

@@ -1,19 +1,82 @@
 """Opening an episode to look at: the task's environment and a policy that tells what it decides."""
 
-from dataclasses import replace
+import logging
+from dataclasses import dataclass, replace
 from typing import Any
 
 from aicon_baselines.agents.registry import ModelPolicy, factory
 from aicon_baselines.agents.variants import parse_variant
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
 from aicon_baselines.view.episode import LiveEpisode
+
+_LOGGER = logging.getLogger(__name__)
 
 # Where the goal can be dragged, the policy has to see it; and there is something to keep off.
 _ENVIRONMENT: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
 _CONDITION = {"reach": "panda_pose_home_ball"}
 _POLICY: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
+
+
+@dataclass(frozen=True)
+class Opening:
+    """An episode that can be opened: its names are right, and nothing is built yet.
+
+    Attributes:
+        task: The task, with the maps and the horizon of the episode.
+        condition: A condition of it.
+        build: What builds the policy.
+        seed: Seed of the episode.
+    """
+
+    task: Task
+    condition: str
+    build: ModelPolicy
+    seed: int
+
+    @classmethod
+    def of(
+        cls, task_name: str, policy: str = "aicon", condition: str | None = None, seed: int = 0
+    ) -> "Opening":
+        """What :func:`open_episode` opens; arguments and errors are the same."""
+        # The names are checked as in a comparison.
+        task = load(task_name)
+        condition = condition or _CONDITION.get(task.name)
+        conditions = [condition] if condition else None
+        config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
+        task, condition = config.apply(task), config.conditions[0]
+        if condition == "upstream":
+            raise ComparisonError(
+                "the condition 'upstream' cannot be watched; 'deterministic' is the same world"
+            )
+
+        name, options = parse_variant(policy)
+        build = factory(task.name, name, **options)
+        if not isinstance(build, ModelPolicy):
+            raise ComparisonError(
+                f"the policy {name!r} has no gradients to show; aicon watch shows policies of the "
+                "library, such as aicon, steepest or potential_field"
+            )
+        shown = _POLICY.get(task.name, {})
+        return cls(task, condition, replace(build, options={**shown, **build.options}), seed)
+
+    def open(self) -> LiveEpisode:
+        """Build the policy and its world, and start the episode."""
+        task = self.task
+        _LOGGER.info("Building the policy; for an arm, whose shape is fitted, it takes a while.")
+        policy: Any = self.build(self.condition)
+
+        _LOGGER.info("Building the world.")
+        env = task.make_env(1, self.condition, task.horizon, **_ENVIRONMENT.get(task.name, {}))
+
+        def start_arguments(seed: int) -> dict[str, Any]:
+            return task.reset_arguments([task.episode(seed)])
+
+        episode = LiveEpisode(task.name, env, policy, start_arguments)
+        episode.start(self.seed)
+        return episode
 
 
 def open_episode(
@@ -30,32 +93,4 @@ def open_episode(
     Raises:
         ComparisonError: If a name is unknown, or the policy is none of the library's.
     """
-    # The names are checked as in a comparison.
-    task = load(task_name)
-    condition = condition or _CONDITION.get(task.name)
-    conditions = [condition] if condition else None
-    config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
-    task, condition = config.apply(task), config.conditions[0]
-    if condition == "upstream":
-        raise ComparisonError(
-            "the condition 'upstream' cannot be watched; 'deterministic' is the same world"
-        )
-
-    name, options = parse_variant(policy)
-    build = factory(task.name, name, **options)
-    if not isinstance(build, ModelPolicy):
-        raise ComparisonError(
-            f"the policy {name!r} has no gradients to show; aicon watch shows policies of the "
-            "library, such as aicon, steepest or potential_field"
-        )
-
-    shown = _POLICY.get(task.name, {})
-    built: Any = replace(build, options={**shown, **build.options})(condition)
-    env = task.make_env(1, condition, task.horizon, **_ENVIRONMENT.get(task.name, {}))
-
-    def start_arguments(seed: int) -> dict[str, Any]:
-        return task.reset_arguments([task.episode(seed)])
-
-    episode = LiveEpisode(task.name, env, built, start_arguments)
-    episode.start(seed)
-    return episode
+    return Opening.of(task_name, policy, condition, seed).open()

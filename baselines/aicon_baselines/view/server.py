@@ -2,7 +2,8 @@
 
 import logging
 import socket
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from urllib.parse import urlsplit
 
 from aicon_baselines.evaluation.errors import ComparisonError
@@ -34,6 +35,15 @@ class PageServer(viser.ViserServer):
         self._guard = Guard(host, names)
         with self._guard.on_duty():
             super().__init__(host, port, label="aicon", verbose=False)
+
+    @contextmanager
+    def waiting(self, note: str) -> Iterator[None]:
+        """Show a note on the page while what it will show is made."""
+        shown = self.gui.add_markdown(f"*{note}*")
+        try:
+            yield
+        finally:
+            shown.remove()
 
     def request_share_url(self, verbose: bool = True) -> None:
         """Refuse: every message of a page could ask for a public address."""

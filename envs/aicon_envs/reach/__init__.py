@@ -2,6 +2,6 @@
 
 import aicon_envs.panda_push.opengl  # noqa: F401  # before MuJoCo is imported
 from aicon_envs.reach.environment import ReachEnv
-from aicon_envs.reach.robots import ROBOTS, Robot
+from aicon_envs.reach.robots import ROBOTS, Robot, find_file
 
-__all__ = ["ROBOTS", "ReachEnv", "Robot"]
+__all__ = ["ROBOTS", "ReachEnv", "Robot", "find_file"]

@@ -7,10 +7,10 @@ import pytest
 
 from aicon_baselines.agents import compiled, factory
 from aicon_baselines.agents.registry import ModelPolicy
-from aicon_baselines.cli import compiling
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.resolutions import PCGrad
+from aicon_torch import codegen
 
 OURS = factory("nav2d", "steepest")
 OTHERS = {
@@ -30,7 +30,7 @@ def asked(*words: str) -> bool | None:
 @pytest.fixture
 def machine(monkeypatch: pytest.MonkeyPatch) -> Callable[[bool], None]:
     """Says whether there is a compiler."""
-    return lambda has: monkeypatch.setattr(compiling, "has_compiler", lambda: has)
+    return lambda has: monkeypatch.setattr(codegen, "has_compiler", lambda: has)
 
 
 def test_where_a_compiler_is_there_what_can_be_is_compiled(

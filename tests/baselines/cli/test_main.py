@@ -22,6 +22,7 @@ def test_list_names_tasks_policies_conditions_environments_and_extras(
     printed = capsys.readouterr().out
     assert "task nav2d\n  presets     aicon, paper_literal, steepest, potential_field\n" in printed
     assert f"ablations   {', '.join(agents.ablations('nav2d'))}\n" in printed
+    assert "conditions  {panda,ur5,xarm7}_{pose,position}_{home,random}{,_fast,_ball" in printed
     assert "opponents   pcgrad, upgrad, cagrad, bug2, wall_follower\n" in printed
     assert "conditions  range, range_bearing, " in printed
     assert "aicon/Nav2D-v0, aicon/PushT-v0, aicon/PandaPush-v0" in printed

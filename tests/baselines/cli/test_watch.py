@@ -11,6 +11,8 @@ import pytest
 pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.cli.main import main
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.view.opening import Opening
 
 
 def obey_interrupts() -> None:
@@ -43,7 +45,30 @@ def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
             printed, errors = process.communicate(timeout=60)
         finally:
             process.kill()  # whatever was wrong with it, nobody waits for it
-    assert (process.returncode, printed, errors) == (130, "", "\nstopped\n")
+    assert (process.returncode, printed) == (130, "")
+    assert "Building the policy" in errors and errors.endswith("\nstopped\n")
+
+
+def test_its_address_is_said_before_anything_is_built(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(opening: Opening) -> None:
+        raise ComparisonError("nothing is built today")
+
+    monkeypatch.setattr(Opening, "open", refuse)
+    with pytest.raises(SystemExit, match="2"):
+        main(["watch", "nav2d", "--port", "0"])
+    said = capsys.readouterr()
+    assert said.out.startswith("watch it at http://localhost:")
+    assert "nothing is built today" in said.err
+
+
+def test_a_wrong_name_is_refused_before_an_address_is_said(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["watch", "nav2d", "--condition", "fog"])
+    assert capsys.readouterr().out == ""
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from aicon_torch import (
     Sensor,
     WorldModel,
 )
+from aicon_torch.parts import clock
 
 STEPS = 60
 
@@ -42,11 +43,12 @@ def torn_policy() -> Policy:
         correct=[sight],
     )
     model = WorldModel(
-        sensors={"z": Sensor(2, "m", optional=True)},
+        sensors={"z": Sensor(2, "m", optional=True), "z_elapsed": clock(0.1)},
         actuators={"a": Actuator(2, "m/s", limit=0.5)},
         estimators=[place],
         goals=[Goal("left", to_the_left), Goal("right", to_the_right)],
         dt=0.1,
+        clock="z_elapsed",
         dtype=torch.float64,
     )
     return Policy(model)
@@ -76,6 +78,11 @@ def test_it_has_a_curve_for_every_part_of_the_graph(torn: History) -> None:
     assert torn.actuators["a"].share.shape == (STEPS, 1)
     assert [innovation.readings for innovation in torn.innovations] == [("z",)]
     assert torn.times[-1] == pytest.approx((STEPS - 1) * 0.1)
+
+
+def test_a_clock_that_nobody_reads_is_no_silence(torn: History) -> None:
+    assert set(torn.present) == {"z"}
+    assert "silence" not in {cause.kind for cause in diagnose(torn).causes}
 
 
 def test_the_conflict_of_its_goals_is_found(torn: History) -> None:

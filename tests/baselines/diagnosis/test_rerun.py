@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pytest
 from _inputs.comparison import rows_by_steps
+from matplotlib.figure import Figure
 
 from aicon_baselines.cli.main import main
-from aicon_baselines.diagnosis.rerun import choose_row
+from aicon_baselines.diagnosis.picture import draw_surroundings
+from aicon_baselines.diagnosis.rerun import choose_row, rerun
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.row import Row
@@ -35,6 +37,16 @@ def test_the_command_says_what_is_seen_and_draws_it(
     assert f"no success after {HORIZON} steps" in printed
     assert "reach" in printed
     assert (folder / "diagnosis_1025.png").stat().st_size > 10_000
+
+
+def test_what_lies_around_the_robot_is_drawn(folder: Path) -> None:
+    around = rerun(folder, 1025).around
+    assert around.walls and around.target is not None
+
+    axes = Figure().subplots()
+    draw_surroundings(axes, around)
+    assert len(axes.patches) == len(around.walls)
+    assert [line.get_label() for line in axes.lines] == ["target"]
 
 
 def test_a_seed_that_was_not_run_is_an_error_that_names_those_that_were(

@@ -12,6 +12,7 @@ from _inputs import quick
 from aicon_baselines.agents.registry import make
 from aicon_baselines.evaluation.rollout import rollout
 from aicon_baselines.evaluation.task import Episode
+from aicon_baselines.tasks import pusht
 from aicon_baselines.tasks.pusht import TASK
 from aicon_torch.models.pusht import PIXEL
 
@@ -38,6 +39,7 @@ def test_starts_are_those_of_gym_pusht_and_repeats_differ_in_noise(condition: st
 
 
 def test_the_policy_is_told_lengths_in_metres() -> None:
+    assert pusht.PIXEL == PIXEL
     assert TASK.policy_options("deterministic") == {}
     assert TASK.policy_options("half_speed") == {"max_speed": 400 * PIXEL}
     assert TASK.policy_options("delay") == {"delay": 3}

@@ -1,6 +1,9 @@
 """The task "reach"."""
 
+import re
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +28,17 @@ def test_the_task_is_found_by_name_and_has_presets_and_opponents() -> None:
     assert load("reach") is TASK
     assert names("reach")[0] == "aicon"
     assert {"steepest", "potential_field", "damped_least_squares", "mink"} <= set(names("reach"))
+
+
+def test_the_patterns_of_a_shell_are_the_conditions() -> None:
+    assert {name for pattern in TASK.patterns for name in expanded(pattern)} == {*TASK.conditions}
+
+
+def expanded(pattern: str) -> Iterator[str]:
+    """What a shell makes of "{a,b}_{c,d}"."""
+    parts = re.split(r"\{(.*?)\}", pattern)  # outside and inside of braces, in turns
+    words = [[part] if number % 2 == 0 else part.split(",") for number, part in enumerate(parts)]
+    return map("".join, product(*words))
 
 
 def test_conditions_are_robots_targets_starts_and_what_else_is_different() -> None:

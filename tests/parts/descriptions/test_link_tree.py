@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.descriptions import JointDescription, LinkTree
+from aicon_torch.parts.descriptions import JointDescription, LinkTree, read_urdf
 
 X_AXIS = np.array([1.0, 0.0, 0.0])
 
@@ -26,6 +26,33 @@ def test_the_end_of_a_robot_that_does_not_branch_is_its_tip() -> None:
     assert [each.name for each in tree(joint("a", "b"), joint("b", "c")).path()] == ["a_b", "b_c"]
     with pytest.raises(OptionError, match="choose tip= among its ends 'b', 'c'"):
         tree(joint("a", "b"), joint("a", "c")).path()
+
+
+def test_a_robot_that_ends_in_a_gripper_is_asked_where_its_arm_ends() -> None:
+    arm = (joint("a", "b"), joint("b", "hand", "fixed"))
+    for joints in (
+        (*arm, joint("hand", "jaw")._replace(name="jointGripper")),
+        (*arm, joint("hand", "left_finger")),
+        (joint("a", "b"), joint("b", "gripper_base", "fixed"), joint("gripper_base", "mover")),
+    ):
+        before, end = joints[-1].parent, joints[-1].child
+        with pytest.raises(
+            OptionError, match=f"of a gripper: choose tip= among '{before}', '{end}'"
+        ):
+            tree(*joints).path()
+        assert [each.name for each in tree(*joints).path(before) if each.moves] == ["a_b"]
+
+    # A gripper that does not move is part of the arm, and a gripper without an arm a robot.
+    assert tree(joint("a", "b"), joint("b", "gripper", "fixed")).path()
+    assert tree(joint("gripper", "left_finger")).path()
+
+
+def test_the_arm_of_unitree_ends_at_its_gripper_only_if_its_user_says_so() -> None:
+    robots = pytest.importorskip("_inputs.robots", exc_type=ImportError)
+    file = robots.robot_file(robots.ROBOTS["z1"].urdf)
+    with pytest.raises(OptionError, match="'jointGripper'.*'gripperStator', 'gripperMover'"):
+        read_urdf(file).path()
+    assert sum(each.moves for each in read_urdf(file).path("gripperStator")) == 6
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ from typing import Any
 
 from matplotlib.colors import LinearSegmentedColormap
 
-from aicon_baselines.figures.style import EXPLORING, ROBOT
+from aicon_baselines.figures.style import EXPLORING, OBSTACLE, ROBOT, TARGET, TARGET_MARK
 
 # Colours that colour-blind readers can tell apart (after Okabe and Ito, "Color Universal Design",
 # 2008).
 AGENT = ROBOT
-TARGET, BELIEF, OBSTACLE = "#c4122f", "#e08a00", "#3c4048"
+BELIEF = "#e08a00"
 ARROW, CERTAINTY = "#23454f", "#009268"
 HEIGHT = LinearSegmentedColormap.from_list(
     "height", ["#fdfcf5", "#dfeae2", "#b5d2cb", "#86b3b1", "#5b8f96", "#3f6d7a"]
@@ -18,14 +18,6 @@ HEIGHT = LinearSegmentedColormap.from_list(
 TINT = 0.24
 """Opacity of what says "exploring" in the world."""
 
-TARGET_MARK: dict[str, Any] = {
-    "marker": "*",
-    "markersize": 17,
-    "markerfacecolor": TARGET,
-    "markeredgecolor": "white",
-    "markeredgewidth": 1.0,
-    "linestyle": "none",
-}
 MEAN_MARK: dict[str, Any] = {
     "marker": "o",
     "markersize": 5.5,

@@ -1,12 +1,11 @@
 """Colours that the picture and the film share."""
 
-from aicon_baselines.figures.style import EXPLORING, ROBOT
+from aicon_baselines.figures.style import EXPLORING, GOAL, OBJECT, OUTLINE, ROBOT
 
 # Colours that colour-blind readers can tell apart (after Okabe and Ito, "Color Universal Design",
 # 2008).
 PUSHER = ROBOT
 USEFUL, DETRIMENTAL = "#009268", "#d55e00"
-OBJECT, OUTLINE, GOAL = "#c3c8d0", "#5c636e", "#5fb545"
 COST, INK, MOTION, BADGE, WALL = "#3c4048", "#1d2127", "#f4d35e", "#6d747e", "#eceef0"
 
 GOAL_TINT, GROUND_TINT = 0.14, 0.08
