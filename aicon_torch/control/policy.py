@@ -150,8 +150,9 @@ class Policy(nn.Module):
 
         On the CPU the step is translated to C, as :meth:`export` does it; the memory is then read
         like a dictionary, and is one array. Elsewhere, or where an operation has no translation,
-        TorchInductor compiles it: see :class:`aicon_torch.control.compiled.CompiledStep`. Where a
-        parameter has changed, call it again.
+        which is then logged as a warning by its name, TorchInductor compiles it: see
+        :class:`aicon_torch.control.compiled.CompiledStep`. Where a parameter has changed, call it
+        again.
         """
         from aicon_torch.control.compiled import CompiledStep  # loads the compiler
 
