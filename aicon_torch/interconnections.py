@@ -285,7 +285,8 @@ def _in_one_batch(function: Callable[..., Tensor], inputs: Sequence[Tensor | flo
     """
     tensors = [value for value in inputs if isinstance(value, Tensor)]
     leading = min(value.dim() for value in tensors) - 1
-    batch = torch.broadcast_shapes(*(value.shape[:leading] for value in tensors))
+    shapes = [value.shape[:leading] for value in tensors]
+    batch = torch.broadcast_shapes(*shapes)  # type: ignore[no-untyped-call]  # torch's
 
     flat: list[Tensor | float] = []
     for value in inputs:

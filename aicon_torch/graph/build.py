@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from torch import Tensor
 
 from aicon_torch.estimation import Estimator
+from aicon_torch.goals import Goal
 from aicon_torch.graph.checks import check_mode, check_reach, check_rows, names_of
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.edges import find_edges
@@ -77,7 +78,8 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
 
 def _check_modes(declaration: Declaration) -> None:
     """No network of the graph is still being trained."""
-    for node in (*declaration.estimators, *declaration.goals.values()):
+    nodes: tuple[Estimator | Goal, ...] = (*declaration.estimators, *declaration.goals.values())
+    for node in nodes:
         check_mode(names_of(node)[0], node)
     for actuator in declaration.actuators:
         for function in declaration.functions_of(actuator):

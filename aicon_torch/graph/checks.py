@@ -178,8 +178,8 @@ def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values
     except GraphError:
         raise
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
-        named = {word.lower() for word in PRECISIONS.findall(str(error))}
-        advice = f". {other_precision(_precision(values))}" if len(named) > 1 else ""
+        precisions = {word.lower() for word in PRECISIONS.findall(str(error))}
+        advice = f". {other_precision(_precision(values))}" if len(precisions) > 1 else ""
         raise GraphError(
             f"{names_of(node)[0]!r} cannot be evaluated on its inputs, of shapes "
             f"{_shapes(node, values)} with the batch in front: {error!r}{advice}"

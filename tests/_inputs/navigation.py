@@ -12,7 +12,7 @@ from torch import Tensor
 
 from _inputs.random_numbers import normal
 from _inputs.rules import exploration_in_paper
-from aicon_torch import Goal, Policy, WorldModel, make_policy
+from aicon_torch import Goal, Policy, make_policy
 
 
 @functools.cache
@@ -45,18 +45,7 @@ def navigation_in_text() -> Policy:
 
 def with_goal(goal: Goal) -> Policy:
     """The navigation's policy with a goal more, its modules untouched."""
-    policy = make_policy("nav2d")
-    base = policy.model
-
-    model = WorldModel(
-        sensors=base.sensors,
-        actuators=base.actuators,
-        estimators=base.estimators,
-        goals=[*base.goals.values(), goal],
-        dt=base.dt,
-        dtype=torch.float64,
-    )
-    return Policy(model, policy.resolution, policy.law)
+    return make_policy("nav2d").with_goal(goal)
 
 
 def drifting(steps: int, batch: tuple[int, ...] = (), seed: int = 0) -> list[dict[str, Tensor]]:
