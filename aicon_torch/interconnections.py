@@ -16,6 +16,14 @@ Values = Mapping[str, Tensor | float]
 """
 
 
+ONE_BATCH = (
+    *(nn.modules.conv._ConvNd, nn.modules.batchnorm._NormBase, nn.GroupNorm),
+    *(nn.modules.pooling._MaxPoolNd, nn.modules.pooling._AvgPoolNd),
+    *(nn.modules.pooling._AdaptiveMaxPoolNd, nn.modules.pooling._AdaptiveAvgPoolNd),
+)
+"""Layers of networks that take one batch dimension, where a graph has any number of them."""
+
+
 def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     """The quantities that a function (or a module's ``forward``) reads: its parameters.
 
@@ -50,7 +58,9 @@ class Interconnection(Node):
     (``def bearing(p, z): return wrap(angle(p) - z)``).
 
     Args:
-        function: A function or module over tensors ``(*B, …)``; leading dimensions must be free.
+        function: A function or module over tensors ``(*B, …)``; leading dimensions must be free. A
+            module with layers that take one batch dimension, such as convolutions and BatchNorm,
+            is given one, whatever the leading dimensions are.
         inputs: Names of what it reads, one a parameter, where they differ from the parameters'
             names.
         **jacobians: For a quantity that the function reads, a function that returns
@@ -68,6 +78,9 @@ class Interconnection(Node):
         self.function = function
         self.inputs = wiring(function) if inputs is None else tuple(inputs)
 
+        layers = function.modules() if isinstance(function, nn.Module) else ()
+        self._takes_one_batch = any(isinstance(layer, ONE_BATCH) for layer in layers)
+
         self.jacobians = nn.ModuleDict()
         for name, jacobian in jacobians.items():
             if name not in self.inputs:
@@ -83,7 +96,10 @@ class Interconnection(Node):
 
     def forward(self, values: Values) -> Tensor:
         """Evaluate the relation on the values that it reads."""
-        return self.function(*[values[name] for name in self.inputs])
+        inputs = [values[name] for name in self.inputs]
+        if self._takes_one_batch:
+            return _in_one_batch(self.function, inputs)
+        return self.function(*inputs)
 
     def linearize(
         self, values: Values, name: str, rows: int, differentiable: bool = False
@@ -260,6 +276,27 @@ class Affine(Interconnection):
             return self.factors[name] * identity
         factor = values[self.named_factors[name]]
         return (factor.unsqueeze(-1) if isinstance(factor, Tensor) else factor) * identity
+
+
+def _in_one_batch(function: Callable[..., Tensor], inputs: Sequence[Tensor | float]) -> Tensor:
+    """What a function returns that takes one batch dimension; it reads a vector at least.
+
+    Vectors ``(*B, n)`` are given to it as ``(N, n)``, and matrices ``(*B, n, m)`` as ``(N, n, m)``.
+    """
+    tensors = [value for value in inputs if isinstance(value, Tensor)]
+    leading = min(value.dim() for value in tensors) - 1
+    shapes = [value.shape[:leading] for value in tensors]
+    batch = torch.broadcast_shapes(*shapes)  # type: ignore[no-untyped-call]  # torch's
+
+    flat: list[Tensor | float] = []
+    for value in inputs:
+        if isinstance(value, Tensor):
+            own = value.shape[leading:]
+            value = value.expand(*batch, *own).reshape(-1, *own)
+        flat.append(value)
+
+    output = function(*flat)
+    return torch.reshape(output, (*batch, *output.shape[1:]))
 
 
 def _agree(given: Tensor, expected: Tensor) -> bool:

@@ -1,17 +1,15 @@
 """One goal more: a graph grows without a change to what is there.
 
-What you learn: an estimator and a goal are added to a graph by adding them to its lists. Nothing
-that stands there is touched, no weight is tuned, no order of priorities is written down. The paths
-that were there stay, one comes to them, and the action changes only as far as the new goal has
-something to say.
+What you learn: `policy.with_estimator` and `policy.with_goal` give a policy with one thing more.
+Nothing that stands there is touched, no weight is tuned, no order of priorities is written down.
+The paths that were there stay, one comes to them, and the action changes only as far as the new
+goal has something to say.
 
 A robot goes to a door. Then it is told of a puddle to the left of its way, which it is to keep
 away from. Far from the puddle both graphs do the same; beside it the new one turns aside.
 
     python examples/03_add_a_goal.py
 """
-
-from collections.abc import Sequence
 
 import torch
 from torch import Tensor
@@ -21,7 +19,6 @@ from aicon_torch import (
     Affine,
     Deterministic,
     DirectDescent,
-    Estimator,
     Goal,
     KalmanFilter,
     Measurement,
@@ -59,21 +56,13 @@ def far_from_the_door(door: Tensor) -> Tensor:
     return door.norm(dim=-1)
 
 
-def make_policy(
-    sensors: dict[str, Sensor] | None = None,
-    estimators: Sequence[Estimator] = (),
-    goals: Sequence[Goal] = (),
-) -> Policy:
-    """The way to the door, and whatever is added to it."""
+def make_policy() -> Policy:
+    """The way to the door."""
     model = WorldModel(
-        sensors={"z_door": Sensor(2, "m"), **(sensors or {})},
+        sensors={"z_door": Sensor(2, "m")},
         actuators={"v": Actuator(2, "m/s", limit=1.0)},
-        estimators=[
-            Deterministic("x", move, is_motion=True),
-            landmark("door", "z_door"),
-            *estimators,
-        ],
-        goals=[Goal("arrive", far_from_the_door), *goals],
+        estimators=[Deterministic("x", move, is_motion=True), landmark("door", "z_door")],
+        goals=[Goal("arrive", far_from_the_door)],
         dt=0.1,
     )
     return Policy(model, law=DirectDescent(smoothing=0.0))
@@ -91,18 +80,16 @@ def near_the_puddle(puddle: Tensor) -> Tensor:
     return torch.relu(1.0 - puddle.norm(dim=-1)) ** 2
 
 
-def make_policy_that_stays_dry() -> Policy:
+def told_of_the_puddle(policy: Policy) -> Policy:
     """The same policy with a sensor, an estimator and a goal more."""
-    return make_policy(
-        sensors={"z_puddle": Sensor(2, "m")},
-        estimators=[landmark("puddle", "z_puddle")],
-        goals=[Goal("stay dry", near_the_puddle)],
-    )
+    seen = policy.with_estimator(landmark("puddle", "z_puddle"), z_puddle=Sensor(2, "m"))
+    return seen.with_goal(Goal("stay dry", near_the_puddle))
 
 
 def main() -> None:
     """Compare paths and actions of the two graphs."""
-    before, after = make_policy(), make_policy_that_stays_dry()
+    before = make_policy()
+    after = told_of_the_puddle(before)
 
     print("paths before")
     print(before.model.paths())

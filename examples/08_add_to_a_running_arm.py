@@ -1,9 +1,9 @@
 """A goal for a running arm: a ball comes, and the arm is told to keep off it.
 
-What you learn: an estimator and a goal are added to the graph of a policy that is running, without
-a change to what stands there. The arm goes on from its memory, and nothing is tuned: a safety goal
-bounds how fast the gap to the ball may close, and what moves by itself counts as it is estimated to
-move.
+What you learn: `with_estimator` and `with_goal` add to the graph of a policy that is running,
+without a change to what stands there. The arm goes on from its memory, and nothing is tuned: a
+safety goal bounds how fast the gap to the ball may close, and what moves by itself counts as it is
+estimated to move.
 
 A small arm of three joints holds its tip in place. After a second a ball rolls toward it. Without
 the new goal it is hit; with it the arm gives way, and returns when the ball has passed.
@@ -16,7 +16,7 @@ import math
 import torch
 from torch import Tensor
 
-from aicon_torch import Goal, Interconnection, Policy, Sensor, WorldModel, make_policy
+from aicon_torch import Goal, Interconnection, Policy, Sensor, make_policy
 from aicon_torch.control.policy import Memory
 from aicon_torch.models.reach import Robot
 from aicon_torch.parts import (
@@ -52,16 +52,9 @@ def with_ball(policy: Policy, arm: Robot) -> Policy:
     obstacle = Obstacle(Sphere(RADIUS), arm.shape.capsules, SquaredHinge(0.02, 1.0))
     keep_off = Interconnection(obstacle, inputs=["x_body", "x_ball"])
 
-    old = policy.model
-    model = WorldModel(
-        sensors={**old.sensors, "z_ball": Sensor(3, "m", key="ball")},
-        actuators=old.actuators,
-        estimators=[*old.estimators, moving_point("x_ball", "z_ball", DT)],
-        goals=[*old.goals.values(), Goal("ball", keep_off, safety=True)],
-        dt=DT,
-        dtype=torch.float64,
-    )
-    return Policy(model, policy.resolution, policy.law)
+    ball = moving_point("x_ball", "z_ball", DT)
+    seen = policy.with_estimator(ball, z_ball=Sensor(3, "m", key="ball"))
+    return seen.with_goal(Goal("ball", keep_off, safety=True))
 
 
 def run(adds_goal: bool) -> tuple[float, float]:
@@ -72,7 +65,7 @@ def run(adds_goal: bool) -> tuple[float, float]:
     target = arm.chain(q)[:3, 3]
     checked = Obstacle(Sphere(RADIUS), small_arm().shape.capsules, SquaredHinge(0.02, 1.0))
 
-    memory: Memory = {}
+    memory: Memory | None = None
     least_gap = math.inf
     for step in range(round(10.0 / DT)):
         time = step * DT
@@ -82,24 +75,12 @@ def run(adds_goal: bool) -> tuple[float, float]:
         # The robot is told of the ball while it runs: what it remembers, it keeps.
         if adds_goal and time == 1.0:
             policy = with_ball(policy, arm)
-            _, fresh = policy.predict(observation)
-            memory = carried_over(memory, fresh)
 
-        action, memory = policy.predict(observation, memory or None)
+        action, memory = policy.predict(observation, memory)
         q = q + DT * action
         least_gap = min(least_gap, float(checked.distances(body(arm, q), ball).min()))
 
     return least_gap, float((arm.chain(q)[:3, 3] - target).norm())
-
-
-def carried_over(memory: Memory, fresh: Memory) -> Memory:
-    """A fresh memory of the new policy with what the old one knew."""
-    known = {
-        key: value
-        for key, value in memory.items()
-        if key in fresh and value.shape == fresh[key].shape
-    }
-    return {**fresh, **known}
 
 
 def body(arm: Robot, q: Tensor) -> Tensor:

@@ -160,6 +160,37 @@ def mean(
     return writer.map("div", kind, total, float(value.size // max(total.size, 1)))
 
 
+def variance(
+    writer: Writer,
+    kind: Kind,
+    value: Array,
+    dims: int | Sequence[int] | None = None,
+    correction: float | None = None,
+    keepdim: bool = False,
+) -> Array:
+    """Σ (x − mean)² / (n − correction); by default the correction is 1."""
+    along = _dims(value, dims)
+    deviation = writer.map("sub", kind, value, mean(writer, kind, value, dims, keepdim=True))
+    squares = writer.map("mul", kind, deviation, deviation)
+    total = writer.reduce("add", kind, squares, along, keepdim)
+
+    count = value.size // max(total.size, 1)
+    return writer.map("div", kind, total, count - (1.0 if correction is None else correction))
+
+
+def variance_and_mean(
+    writer: Writer,
+    kind: Kind,
+    value: Array,
+    dims: int | Sequence[int] | None = None,
+    correction: float | None = None,
+    keepdim: bool = False,
+) -> tuple[Array, Array]:
+    """Both, as the layers of networks take them."""
+    spread = variance(writer, kind, value, dims, correction, keepdim)
+    return spread, mean(writer, kind, value, dims, keepdim)
+
+
 def norm(
     writer: Writer,
     kind: Kind,
@@ -224,6 +255,8 @@ ELEMENTWISE: dict[str, Translation] = {
     "any": reduction("or"),
     "all": reduction("and"),
     "mean": mean,
+    "var": variance,
+    "var_mean": variance_and_mean,
     "linalg_vector_norm": norm,
     "_softmax": softmax,
     "mm": product,

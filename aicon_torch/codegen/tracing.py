@@ -6,7 +6,7 @@ from typing import Any
 
 import torch
 from torch import Tensor
-from torch._decomp import core_aten_decompositions
+from torch._decomp import core_aten_decompositions, get_decompositions
 from torch._guards import TracingContext
 from torch._guards import tracing as tracing_in
 from torch._subclasses.fake_tensor import FakeTensorMode
@@ -18,6 +18,12 @@ from aicon_torch.codegen.scalars import Program
 from aicon_torch.codegen.translation import translate
 
 ATEN = torch.ops.aten
+
+LAYERS = (
+    *(ATEN.gelu, ATEN.elu, ATEN.leaky_relu, ATEN.hardtanh, ATEN._log_softmax),
+    *(ATEN.native_layer_norm, ATEN.native_batch_norm),
+)
+"""Layers of networks that torch keeps whole, and that are taken apart here."""
 
 FlatFunction = Callable[..., tuple[Tensor, ...]]
 """A function of flat tensors that returns others."""
@@ -66,7 +72,10 @@ def in_c(
 
 def _decompositions() -> dict[Any, Callable[..., Any]]:
     """What operators are taken apart into, before they are translated."""
-    found: dict[Any, Callable[..., Any]] = dict(core_aten_decompositions())
+    found: dict[Any, Callable[..., Any]] = {
+        **core_aten_decompositions(),
+        **get_decompositions(LAYERS),
+    }
     if _keeps_factors_of_transpose():
         found[ATEN._linalg_solve_ex.default] = _solve_with_factors
     return found

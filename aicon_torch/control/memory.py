@@ -7,7 +7,7 @@ import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
 
-from aicon_torch.control.admission import Admission
+from aicon_torch.control.admission import BEGINS, Admission
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.observation import is_dense, tensor_kind
 from aicon_torch.control.safety import safety_memory
@@ -76,6 +76,30 @@ def restart_rows(memory: Memory, fresh: Memory, starts: Tensor) -> Memory:
         restarted[key] = torch.where(starts[(..., *own_dimensions)], fresh[key], value)
     restarted[GOAL_FACTORS] = memory[GOAL_FACTORS]
     return restarted
+
+
+def grown(memory: Memory, fresh: Memory, lacks: Tensor) -> Memory:
+    """The memory of a policy as one goes on with it that has estimators or goals besides.
+
+    Estimates, actions and the factors of goals are those of the memory, and so is what was
+    remembered of gradients where as many meet as did; what is new begins.
+
+    Args:
+        memory: The memory.
+        fresh: One of the policy that has more, before its first step.
+        lacks: Rows ``(*B,)`` that lack a reading with which something new begins: their episode
+            begins anew once they have it.
+    """
+    known: Memory = {}
+    for key, value in fresh.items():
+        has_it = key in memory and memory[key].shape == value.shape
+        known[key] = memory[key] if has_it else value
+
+    factors = memory[GOAL_FACTORS]
+    added = fresh[GOAL_FACTORS][..., factors.shape[-1] :]
+    known[GOAL_FACTORS] = torch.cat((factors, added), dim=-1)
+    known[BEGINS] = memory[BEGINS] | lacks
+    return known
 
 
 def check_memory(

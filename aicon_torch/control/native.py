@@ -41,6 +41,10 @@ class NativeSteps:
             with torch.inference_mode(False):  # gradients are traced
                 library = compiled_library(plain, perceives=perception is not None)
         except Exception as error:  # noqa: BLE001  # it runs otherwise, or says there why it cannot
-            _LOGGER.info("The step is not translated to C: %s", error)
+            _LOGGER.warning(
+                "The step does not run as C, and TorchInductor is tried instead: its first step "
+                "takes minutes, every other one up to fifty times as long. %s",
+                error,
+            )
             return None
         return ExportedPolicy(library, perception)

@@ -17,6 +17,7 @@ from aicon_torch.control.foresight import Foresight
 from aicon_torch.control.memory import (
     GOAL_FACTORS,
     check_memory,
+    grown,
     initial_memory,
     memory_shapes,
     restart_rows,
@@ -29,7 +30,10 @@ from aicon_torch.control.step import ControlStep, last_values
 from aicon_torch.control.trace import StepTrace, trace
 from aicon_torch.control.watchdog import keep_finite
 from aicon_torch.errors import ObservationError, OptionError, choices
+from aicon_torch.estimation import Estimator
+from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
+from aicon_torch.quantities import Sensor
 from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
 
 
@@ -69,6 +73,7 @@ class Policy(nn.Module):
         self.backward_pass = BackwardPass(model, self.resolution)
         self._step = ControlStep(model, self.backward_pass, self.law)
         self._shapes = memory_shapes(self.backward_pass, self._step.admit)
+        self._made_of: tuple[dict[str, tuple[int, ...]], ...] = ()  # shapes of memories that go on
         self._memory: Memory | None = None
         self._native: NativeSteps | None = None
 
@@ -97,15 +102,19 @@ class Policy(nn.Module):
                 is wrongly shaped, not real or not dense. A number that is masked, not finite or
                 beyond the sensor's range is no error but no reading, in its row alone.
         """
-        if self._native is not None:
-            native = self._native.of(self._step, self.perception)
-            if native is not None:
-                action, after = native.predict(observation, state, episode_start)
-                return action, cast(Memory, after)  # it is read like one
+        native = None if self._native is None else self._native.of(self._step, self.perception)
+        if native is not None and self._earlier(state) is None:
+            action, after = native.predict(observation, state, episode_start)
+            return action, cast(Memory, after)  # it is read like one
+
+        # The memory of a policy with less in it goes on by a readable step: it is but one.
+        step = self._step
+        if native is not None:
+            step = ControlStep(self.model, self.backward_pass, self.law)
 
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
-            commands, memory = self._step(readings, memory)
+            commands, memory = step(readings, memory)
 
         # An action is of the observation's kind, and alone where there is one actuator.
         takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
@@ -150,15 +159,54 @@ class Policy(nn.Module):
 
         On the CPU the step is translated to C, as :meth:`export` does it; the memory is then read
         like a dictionary, and is one array. Elsewhere, or where an operation has no translation,
-        TorchInductor compiles it: see :class:`aicon_torch.control.compiled.CompiledStep`. Where a
-        parameter has changed, call it again.
+        which is then logged as a warning by its name, TorchInductor compiles it: see
+        :class:`aicon_torch.control.compiled.CompiledStep`. Where a parameter has changed, call it
+        again.
         """
         from aicon_torch.control.compiled import CompiledStep  # loads the compiler
 
         compiled = Policy(self.model, self.resolution, self.law, self.perception)
         compiled._step = CompiledStep(compiled._step)
         compiled._native = NativeSteps()
+        compiled._made_of = self._made_of
         return compiled
+
+    def with_goal(self, goal: Goal) -> "Policy":
+        """This policy with a goal more, compiled if this one is.
+
+        A memory of this policy goes on in the new one: give it to :meth:`predict` as ever. What it
+        knows it goes on to know, and a goal that is switched off stays off.
+
+        Args:
+            goal: The goal.
+
+        Raises:
+            GraphError: As for a model that is built.
+
+        Example:
+            >>> policy = policy.with_goal(Goal("stay dry", near_the_puddle))
+            >>> action, memory = policy.predict(observation, memory)
+        """
+        return self._grown(self.model.with_goal(goal))
+
+    def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "Policy":
+        """This policy with an estimator more, and the sensors that it reads: see :meth:`with_goal`.
+
+        It begins with the readings of the first step that is taken with it. A row that lacks one
+        that its prior reads rests until it comes, and then begins anew.
+
+        Args:
+            estimator: The estimator.
+            **sensors: Sensors by name that are new with it.
+
+        Raises:
+            GraphError: As for a model that is built.
+
+        Example:
+            >>> ball = moving_point("x_ball", "z_ball", dt=0.02)
+            >>> policy = policy.with_estimator(ball, z_ball=Sensor(3, "m", key="ball"))
+        """
+        return self._grown(self.model.with_estimator(estimator, **sensors))
 
     def export(self, path: str | Path, **description: str) -> None:
         """Write the control step to a file that runs without torch, in microseconds.
@@ -200,8 +248,14 @@ class Policy(nn.Module):
 
         Raises:
             OptionError: If there is no such goal.
+            ObservationError: If the memory is one of the policy that this one was made of.
         """
         names = list(self.model.goals)
+        if self._earlier(memory) is not None:
+            raise ObservationError(
+                "state: a memory of the policy that this one was made of; take a step with it "
+                "first."
+            )
         factors = memory[GOAL_FACTORS].clone()
         for name, factor in goals.items():
             if name not in names:
@@ -245,8 +299,13 @@ class Policy(nn.Module):
             first = admission.first(readings)
             return initial_memory(self.backward_pass, admission, first, batch), readings
 
+        # The memory of a policy with less in it goes on.
+        shapes = self._earlier(state)
+        check_memory(state, self._shapes if shapes is None else shapes, batch)
+        if shapes is not None:
+            state = self._grown_memory(state, shapes, readings, batch)
+
         # Some rows begin, and some wait for the reading that they begin with.
-        check_memory(state, self._shapes, batch)
         starts = starting_rows(episode_start, batch, model.like.device)
         starts = state[BEGINS] if starts is None else starts | state[BEGINS]
         if starts.device.type == "cpu" and not starts.any():  # elsewhere this would wait
@@ -255,6 +314,42 @@ class Policy(nn.Module):
         first = admission.first(readings)
         fresh = initial_memory(self.backward_pass, admission, first, batch)
         return restart_rows(state, fresh, starts), readings
+
+    def _grown(self, model: WorldModel) -> "Policy":
+        """This policy with more in its model."""
+        policy = Policy(model, self.resolution, self.law, self.perception)
+        policy._made_of = (*self._made_of, self._shapes)
+        if self._native is not None:
+            policy = policy.compile()
+        policy._memory = self._memory
+        return policy
+
+    def _earlier(self, state: Memory | None) -> dict[str, tuple[int, ...]] | None:
+        """The shapes of a memory of a policy that this one was made of; None for any other."""
+        if not isinstance(state, Mapping):
+            return None
+        for shapes in self._made_of:
+            has_keys = state.keys() == shapes.keys()
+            if has_keys and tuple(state[GOAL_FACTORS].shape[-1:]) == shapes[GOAL_FACTORS]:
+                return shapes
+        return None
+
+    def _grown_memory(
+        self,
+        state: Memory,
+        shapes: Mapping[str, tuple[int, ...]],
+        readings: Mapping[str, Tensor],
+        batch: tuple[int, ...],
+    ) -> Memory:
+        """A memory of a policy that this one was made of, as it goes on here."""
+        admission = self._step.admit
+        fresh = initial_memory(self.backward_pass, admission, admission.first(readings), batch)
+
+        lacks = torch.zeros_like(state[BEGINS])
+        for name in self.model.graph.first_readings:
+            if name not in shapes:
+                lacks = lacks | ~readings[name].isfinite().all(-1)
+        return grown(state, fresh, lacks)
 
     def _perceive(
         self,
@@ -267,7 +362,8 @@ class Policy(nn.Module):
         if state is None:
             return perception(observation, None, None)
 
-        values = last_values(self.model, state)
+        known = [name for name in self.model.quantities if name in state]
+        values = {name: state[name] for name in known}
         batch = tuple(values[next(iter(self.model.actuators))].shape[:-1])
         starts = starting_rows(episode_start, batch, self.model.like.device)
         return perception(observation, values, None if starts is None else starts.numpy(force=True))

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from torch import Tensor
 
 from aicon_torch.estimation import Estimator
-from aicon_torch.graph.checks import check_reach, check_rows
+from aicon_torch.goals import Goal
+from aicon_torch.graph.checks import check_mode, check_reach, check_rows, names_of
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.edges import find_edges
 from aicon_torch.graph.order import in_order
@@ -43,9 +44,12 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
 
     Raises:
         GraphError: If a shape does not fit, a function does not leave the leading dimensions free,
-            estimators without memory define each other in a circle, a goal depends on no actuator,
-            or no goal depends on an actuator.
+            a network is in training mode or computes in another precision, estimators without
+            memory define each other in a circle, a goal depends on no actuator, or no goal depends
+            on an actuator.
     """
+    _check_modes(declaration)
+
     # Run it once: order and shapes.
     estimators = tuple(in_order(declaration.estimators))
     values = probe(declaration, estimators, like)
@@ -70,6 +74,16 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
         edges=edges,
         first_readings=tuple(first_readings),
     )
+
+
+def _check_modes(declaration: Declaration) -> None:
+    """No network of the graph is still being trained."""
+    nodes: tuple[Estimator | Goal, ...] = (*declaration.estimators, *declaration.goals.values())
+    for node in nodes:
+        check_mode(names_of(node)[0], node)
+    for actuator in declaration.actuators:
+        for function in declaration.functions_of(actuator):
+            check_mode(actuator, function)
 
 
 def _quantities(

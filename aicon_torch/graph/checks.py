@@ -1,9 +1,11 @@
 """Checks of a graph when it is built, and errors that name the node."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
-from torch import Tensor
+import torch
+from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
@@ -13,6 +15,12 @@ from aicon_torch.interconnections import Values
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 
 Result = TypeVar("Result")
+
+UNREADY = (nn.modules.batchnorm._BatchNorm, nn.modules.dropout._DropoutNd)
+"""Layers of networks that are something else in training."""
+
+PRECISIONS = re.compile(r"\b(bfloat16|half|float|double)\b", re.IGNORECASE)
+"""What torch calls precisions where two of them meet."""
 
 
 def check_names(
@@ -136,6 +144,24 @@ def check_reach(
             raise GraphError(f"No goal depends on the actuator {name!r}. Goals: {choices(goals)}.")
 
 
+def check_mode(name: str, node: nn.Module) -> None:
+    """Check that no network is still being trained.
+
+    Args:
+        name: What the module stands for.
+        node: An estimator, a goal or a function of an actuator.
+
+    Raises:
+        GraphError: If one has a layer that mixes the rows of a batch, or acts at random.
+    """
+    for layer in node.modules():
+        if isinstance(layer, UNREADY) and layer.training:
+            raise GraphError(
+                f"{name!r} has a layer {type(layer).__name__} in training mode, in which it mixes "
+                "the rows of a batch or acts at random; call .eval() on the network."
+            )
+
+
 def names_of(node: Estimator | Goal) -> tuple[str, ...]:
     """The quantities that an estimator owns, or the goal."""
     return node.outputs if isinstance(node, Estimator) else (node.name,)
@@ -152,9 +178,11 @@ def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values
     except GraphError:
         raise
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
+        precisions = {word.lower() for word in PRECISIONS.findall(str(error))}
+        advice = f". {other_precision(_precision(values))}" if len(precisions) > 1 else ""
         raise GraphError(
             f"{names_of(node)[0]!r} cannot be evaluated on its inputs, of shapes "
-            f"{_shapes(node, values)} with the batch in front: {error!r}"
+            f"{_shapes(node, values)} with the batch in front: {error!r}{advice}"
         ) from error
 
     named = result if isinstance(result, dict) else {names_of(node)[0]: result}
@@ -162,6 +190,25 @@ def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values
         if not isinstance(value, Tensor):
             raise GraphError(f"{name!r} is a {type(value).__name__}; expected a tensor of torch.")
     return result
+
+
+def other_precision(dtype: torch.dtype) -> str:
+    """What to do about a network that computes in another precision than the graph does."""
+    call, other = ".float()", torch.float64
+    if dtype == torch.float64:
+        call, other = ".double()", torch.float32
+    return (
+        f"The graph computes in {dtype}: call {call} on a network that a function uses, or give "
+        f"the model dtype={other}. A network that is itself the function takes the graph's."
+    )
+
+
+def _precision(values: Values) -> torch.dtype:
+    """The precision of the graph."""
+    for value in values.values():
+        if isinstance(value, Tensor) and value.is_floating_point():
+            return value.dtype
+    return torch.get_default_dtype()
 
 
 def _shapes(node: Estimator | Goal, values: Values) -> str:

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
-from aicon_torch.graph.checks import attempt
+from aicon_torch.graph.checks import attempt, other_precision
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.values import initial_values, with_dt
 from aicon_torch.interconnections import Interconnection
@@ -38,6 +38,8 @@ def probe(
         updated = attempt(estimator, estimator.update, inputs)
         for name, value in updated.items():
             _check_shape(name, value, values.get(name, value))
+            if value.dtype != like.dtype:
+                raise GraphError(f"{name!r} is of {value.dtype}. {other_precision(like.dtype)}")
         values.update(updated)
 
     _check_goals(declaration, values)

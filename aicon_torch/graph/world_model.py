@@ -41,7 +41,7 @@ class WorldModel(nn.Module):
 
     It holds parameters and constants only. What lives from step to step is passed in and returned
     as named values. The parts become the model's own, which moves them to its dtype and device;
-    build each for one model.
+    build each for one model, and for those that are made of it (:meth:`with_goal`).
 
     Estimators run once a step, each after those it reads; where they read each other in a cycle,
     one of them reads the value of the last step, which is a constant of this step and carries no
@@ -143,6 +143,55 @@ class WorldModel(nn.Module):
     def like(self) -> Tensor:
         """A scalar of the model's dtype on its device."""
         return cast(Tensor, self._like)
+
+    def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "WorldModel":
+        """This model with an estimator more, and the sensors that it reads.
+
+        The two share their parts.
+
+        Args:
+            estimator: The estimator.
+            **sensors: Sensors by name that are new with it.
+
+        Raises:
+            GraphError: As for a model that is built.
+
+        Example:
+            >>> ball = moving_point("x_ball", "z_ball", dt=0.02)
+            >>> model.with_estimator(ball, z_ball=Sensor(3, "m", key="ball"))
+        """
+        return self._with(estimators=[estimator], sensors=sensors)
+
+    def with_goal(self, goal: Goal) -> "WorldModel":
+        """This model with a goal more, which comes last. The two share their parts.
+
+        Args:
+            goal: The goal.
+
+        Raises:
+            GraphError: As for a model that is built.
+        """
+        return self._with(goals=[goal])
+
+    def _with(
+        self,
+        estimators: Sequence[Estimator] = (),
+        goals: Sequence[Goal] = (),
+        sensors: Mapping[str, Sensor] | None = None,
+    ) -> "WorldModel":
+        """This model with more in it, on the same device."""
+        for part in (*estimators, *goals):
+            part.to(self.like.device)
+        with self.like.device:
+            return WorldModel(
+                sensors={**self.sensors, **(sensors or {})},
+                actuators=self.actuators,
+                estimators=[*self.declaration.estimators, *estimators],
+                goals=[*self.goals.values(), *goals],
+                dt=self.dt,
+                clock=self.clock,
+                dtype=self.like.dtype,
+            )
 
     def initial(self, readings: Mapping[str, Tensor], batch: tuple[int, ...]) -> dict[str, Tensor]:
         """Values before the first step: actions at rest, beliefs at their priors.

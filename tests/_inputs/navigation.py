@@ -13,7 +13,7 @@ from torch import Tensor
 from _inputs.random_numbers import normal
 from _inputs.rules import exploration_in_paper
 from _inputs.shipped import lean
-from aicon_torch import Goal, Policy, WorldModel
+from aicon_torch import Goal, Policy
 
 
 @functools.cache
@@ -44,20 +44,9 @@ def navigation_in_text() -> Policy:
     return with_rule(navigation(), relative=False, exploration=exploration)
 
 
-def with_goal(goal: Goal, policy: Policy | None = None) -> Policy:
-    """A policy, by default the navigation's, with a goal more, its modules untouched."""
-    policy = navigation() if policy is None else policy
-    base = policy.model
-
-    model = WorldModel(
-        sensors=base.sensors,
-        actuators=base.actuators,
-        estimators=base.estimators,
-        goals=[*base.goals.values(), goal],
-        dt=base.dt,
-        dtype=torch.float64,
-    )
-    return Policy(model, policy.resolution, policy.law)
+def with_goal(goal: Goal) -> Policy:
+    """The navigation's policy with a goal more, its modules untouched."""
+    return navigation().with_goal(goal)
 
 
 def drifting(steps: int, batch: tuple[int, ...] = (), seed: int = 0) -> list[dict[str, Tensor]]:

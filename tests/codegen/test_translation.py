@@ -1,21 +1,17 @@
 """What is translated to C computes what torch computes, number by number."""
 
-import ctypes
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import torch
 from _inputs import normal
+from _inputs.translated import Function, translated
 from torch import Tensor
 
-from aicon_torch.codegen import compile_library, in_c, prelude
+from aicon_torch.codegen import in_c
 from aicon_torch.errors import GraphError
 
-Function = Callable[[Tensor], Tensor]
-
 SIZE = 12
-EXPORTED = '__attribute__((visibility("default"))) void f('
 
 
 def index_of(x: Tensor) -> Tensor:
@@ -54,6 +50,7 @@ FUNCTIONS: dict[str, Function] = {
     "powers": lambda x: x.abs() ** 1.5 + x**3 + x.abs().rsqrt() + torch.sign(x),
     # Sums and the like.
     "sums": lambda x: x.reshape(3, 4).sum(-1) + x.reshape(3, 4).mean(1) + x.prod(),
+    "spreads": lambda x: x.reshape(3, 4).var(-1) + x.std() + x.view(3, 4).var(1, correction=0),
     "norms": lambda x: torch.linalg.vector_norm(x.reshape(3, 4), dim=0) + x.norm(1),
     "softmax": lambda x: torch.softmax(x.reshape(3, 4), -1).flatten() + x.logsumexp(0),
     "products": lambda x: (x.reshape(3, 4) @ x.reshape(4, 3) @ x[:3]).flatten(),
@@ -76,26 +73,6 @@ FUNCTIONS: dict[str, Function] = {
     "descended": descended,
     "descended through a transpose": lambda x: descended(x, is_turned=True),
 }
-
-
-def translated(function: Function, dtype: torch.dtype, folder: Path) -> Function:
-    """The function, translated and compiled."""
-
-    def flat(values: Tensor) -> tuple[Tensor, ...]:
-        return (function(values).flatten(),)
-
-    # Traced on numbers of its own: nothing that it decides must be fixed by tracing.
-    traced_on = normal(SIZE, seed=9).to(dtype)
-    source = in_c("f", flat, ["x"], ["y"], {"x": traced_on})
-    compile_library(prelude(dtype) + source.replace("static void f(", EXPORTED), folder / "f.so")
-    library = ctypes.CDLL(str(folder / "f.so"))
-
-    def run(x: Tensor) -> Tensor:
-        given, found = x.numpy(), torch.empty_like(flat(x)[0], dtype=dtype).numpy()
-        library.f(ctypes.c_void_p(given.ctypes.data), ctypes.c_void_p(found.ctypes.data))
-        return torch.from_numpy(found)
-
-    return run
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

@@ -16,6 +16,7 @@ NEEDED = {
     "own_arm": ("pytorch_kinematics", "trimesh", "matplotlib"),
     "own_object": ("pymunk", "matplotlib"),
     "shield": ("matplotlib",),
+    "network": ("matplotlib",),
 }
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 

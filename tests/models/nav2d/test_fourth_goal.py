@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import torch
-from _inputs import drifting, navigation, quick, with_goal
+from _inputs import drifting, driven, navigation, with_goal
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch import Goal, Policy, make_policy
+from aicon_torch import Goal, Policy
 
 
 def beside(p_tar: Tensor) -> Tensor:
@@ -38,7 +38,7 @@ def test_a_fourth_goal_is_one_more_path() -> None:
 @functools.cache
 def in_the_lane() -> Policy:
     """As it is shipped, but for the goal."""
-    return quick(with_goal(Goal("lane", beside), make_policy("nav2d")))
+    return driven("nav2d").with_goal(Goal("lane", beside))
 
 
 def drive(
