@@ -1,0 +1,61 @@
+"""What has no translation to C is compiled by TorchInductor, or runs as it is and says why."""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from _asserts import assert_same_steps
+from _inputs import drifting, lean
+from _inputs.following import Readings, bold_when_far, follower, passing, wandering
+
+from aicon_torch import Policy
+
+with_compiler = pytest.mark.skipif(
+    not shutil.which(os.environ.get("CXX", "g++")), reason="there is no C++ compiler"
+)
+
+
+@with_compiler
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("policy", "readings", "tolerance"),
+    [
+        pytest.param(follower(), wandering(6, (3,)), 1e-12, id="follower"),
+        pytest.param(lean("nav2d"), drifting(20, (3,)), 1e-10, id="nav2d"),
+        pytest.param(lean("pusht"), passing(6, (3,)), 1e-10, id="pusht"),
+    ],
+)
+def test_what_has_no_translation_to_c_is_compiled_otherwise(
+    policy: Policy, readings: Readings, tolerance: float
+) -> None:
+    """By TorchInductor, as on other devices."""
+    compiled = policy.compile()
+    compiled._native = None
+    assert_same_steps(policy, compiled, readings, tolerance)
+
+
+def test_what_cannot_be_traced_runs_uncompiled() -> None:
+    policy = follower(bold_when_far)
+    compiled = policy.compile()
+    with pytest.warns(RuntimeWarning, match="runs uncompiled.*branch on values") as warned:
+        assert_same_steps(policy, compiled, wandering(6), 0.0)
+    assert len(warned) == 1
+
+
+def test_without_a_compiler_it_runs_uncompiled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))  # nothing was compiled before
+    config = pytest.importorskip("torch._inductor.config")
+    policy = follower()
+    compiled = policy.compile()
+
+    with (
+        config.patch({"cpp.cxx": ("no-such-compiler",), "force_disable_caches": True}),
+        pytest.warns(RuntimeWarning, match=r"runs uncompiled.*C\+\+ compiler") as warned,
+    ):
+        assert_same_steps(policy, compiled, wandering(6), 0.0)
+
+    assert len(warned) == 1
