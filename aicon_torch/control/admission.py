@@ -73,7 +73,7 @@ class Admission(NamedTuple):
             memory[name + AGE] = torch.tensor(NEVER, dtype=torch.float32)
             memory[name + MISSED] = torch.tensor(0)
             if sensor.max_gap is not None:
-                memory[name + SILENCE] = torch.tensor(NEVER)
+                memory[name + SILENCE] = torch.tensor(NEVER, dtype=torch.float32)
             if sensor.driven_by is not None:
                 memory[name + FROZEN] = torch.tensor(False)
             if sensor.rate_limit is not None:
