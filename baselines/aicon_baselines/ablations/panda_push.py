@@ -12,6 +12,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "transpose": {"pullback": "transpose"},
         "without_exploration": {"resolution.exploration": None},
         "without_projection": {"resolution.projector": "none"},
+        "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
         # What keeps the tip from pushing too far, and the object within reach.
         "without_foresight": {"law": DirectDescent()},
         "foresight_of_a_step": {"law": Foresight(dither=0.0)},
