@@ -22,7 +22,7 @@ from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name
 from aicon_baselines.view import LiveEpisode, LiveView, open_episode, record_html, serve
-from aicon_baselines.view.scenes import check_watchable
+from aicon_baselines.view.scenes import WATCHABLE, check_watchable
 
 _LONGEST = 60.0  # s that are recorded
 _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
@@ -30,7 +30,7 @@ _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the episode, the policy and the page."""
-    parser.add_argument("task", metavar="TASK", help="nav2d, pusht, panda_push or reach")
+    parser.add_argument("task", metavar="TASK", help=f"one of {', '.join(WATCHABLE)}")
     parser.add_argument(
         "--policy",
         default=REFERENCE,

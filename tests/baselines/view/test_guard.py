@@ -128,7 +128,7 @@ def test_who_listens_everywhere_answers_to_any_number_but_no_unknown_name() -> N
     assert guard.objection(Headers(Host="rebound.example")) is not None
 
 
-@pytest.mark.parametrize("host", ["[::1", "0.0.0.0", ":8080"])
+@pytest.mark.parametrize("host", ["[::1", "0.0.0.0", ":8080", "evil@localhost"])
 def test_what_is_no_name_is_refused(host: str) -> None:
     assert Guard("127.0.0.1").objection(Headers(Host=host)) is not None
 

@@ -149,7 +149,9 @@ def test_bad_arguments(kind: Any, arguments: dict[str, Any], words: list[str]) -
 
 @pytest.mark.parametrize("kind", [PushTEnv, PushTVectorEnv])
 def test_unknown_argument_lists_the_valid_ones(kind: Any) -> None:
-    with pytest.raises(TypeError, match="acton_noise.*action_noise"):
+    with pytest.raises(
+        TypeError, match="acton_noise; .* are obs_type, render_mode, .*action_noise"
+    ):
         kind(acton_noise=0.1)
 
 
