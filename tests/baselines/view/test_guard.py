@@ -72,7 +72,7 @@ def test_its_own_page_can(server: PageServer) -> None:
     own = f"127.0.0.1:{server.get_port()}"
     origin = Origin(f"http://{own}")
     with connect(f"ws://{own}", origin=origin, subprotocols=[VERSION]) as page:  # type: ignore[list-item]
-        assert page.recv()
+        assert page.recv(timeout=60)
 
 
 def test_no_other_page_may_frame_it(server: PageServer) -> None:

@@ -94,7 +94,7 @@ def test_a_missing_extra_is_named(missing: str, code: str) -> None:
     imports = "import gymnasium as gym; import aicon_envs; "
     command = [sys.executable, "-c", hide + imports + code]
 
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     assert 'pip install "aicon-torch[pusht]"' in result.stderr, result.stderr
 
 
@@ -104,7 +104,7 @@ def test_without_pictures_nothing_needs_pygame() -> None:
     play = (
         "env = gym.make('aicon/PushT-v0'); env.reset(seed=0); env.step(env.action_space.sample())"
     )
-    subprocess.run([sys.executable, "-c", hide + imports + play], check=True)
+    subprocess.run([sys.executable, "-c", hide + imports + play], check=True, timeout=300)
 
 
 # --- errors name the argument
