@@ -36,8 +36,9 @@ def watched(browser: Browser, view: LiveView) -> Iterator[Page]:
             yield page
     finally:
         view.stop()
-        thread.join()
+        thread.join(timeout=60)
         view.close()
+        assert not thread.is_alive(), "the view goes on although it was stopped"
 
 
 def wait_until(condition: Callable[[], bool]) -> None:

@@ -1,5 +1,6 @@
 """Checks of arguments that the environments share."""
 
+import inspect
 import math
 import operator
 from collections.abc import Iterable, Mapping
@@ -124,6 +125,26 @@ def copy_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     if options is not None and not isinstance(options, Mapping):
         raise ValueError(f"options must be a dictionary or None, got {options!r}")
     return dict(options or {})
+
+
+def check_argument_names(kind: type, given: Iterable[str], valid: Iterable[str]) -> None:
+    """Check the names of arguments that an environment passes on.
+
+    Args:
+        kind: The environment, whose own arguments the message lists as well.
+        given: The names.
+        valid: Those that are right.
+
+    Raises:
+        TypeError: If one is unknown; the message lists the valid ones.
+    """
+    valid = tuple(valid)
+    unknown = sorted(set(given) - set(valid))
+    if unknown:
+        parameters = inspect.signature(kind).parameters.values()
+        own = [each.name for each in parameters if each.kind is not each.VAR_KEYWORD]
+        named = ", ".join((*own, *valid))
+        raise TypeError(f"unknown argument {', '.join(unknown)}; valid arguments are {named}")
 
 
 def check_option_names(options: Mapping[str, Any], valid: Iterable[str]) -> None:

@@ -63,7 +63,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("cpp")
     (folder / "program.cpp").write_text(PROGRAM)
     build = ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", f"-I{HEADERS}", "program.cpp"]
-    subprocess.run([*build, "-o", "program", "-ldl"], cwd=folder, check=True)
+    subprocess.run([*build, "-o", "program", "-ldl"], cwd=folder, check=True, timeout=300)
 
     policy = make_policy("nav2d", law=Foresight(iterations=1))
     policy.export(folder / "good.so")
@@ -77,7 +77,9 @@ def said(folder: Path, file: Path, readings: Any = (), precision: str = "double"
     """What the program prints."""
     numbers = [str(float(reading)) for reading in readings]
     command = [str(folder / "program"), precision, str(file), *numbers]
-    text: str = subprocess.run(command, capture_output=True, check=True, text=True).stdout
+    text: str = subprocess.run(
+        command, capture_output=True, check=True, text=True, timeout=300
+    ).stdout
     return text
 
 

@@ -3,7 +3,7 @@
 Example: aicon bench --tasks nav2d pusht
 
 What is timed is `predict`, on one thread, on the observations of an episode that was recorded
-before; in panda_push the object's pose is told, so that no image is read. The two take turns, and
+before; in arm_push the object's pose is told, so that no image is read. The two take turns, and
 the times are those of the processor, so that a busy machine slows both alike.
 """
 
@@ -19,7 +19,7 @@ from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
 from aicon_baselines.tasks import load, names
 
-_CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
+_CONDITIONS = {"arm_push": "true_pose", "panda_push": "true_pose"}  # elsewhere the task's first
 _RECORDED_STEPS = 100
 
 

@@ -53,8 +53,14 @@ def ratios(numerators: Iterable[float], denominators: Iterable[float]) -> list[f
 
 def spread(values: Iterable[float], factor: float = 1.0) -> str:
     """Write median (5 % to 95 %) of the values times a factor."""
-    low, middle, high = factor * np.percentile(np.fromiter(values, np.float64), (5, 50, 95))
-    return f"{middle:.3g} ({low:.3g} to {high:.3g})"
+    percentiles = factor * np.percentile(np.fromiter(values, np.float64), (5, 50, 95))
+    low, middle, high = (_three_digits(value) for value in percentiles.tolist())
+    return f"{middle} ({low} to {high})"
+
+
+def _three_digits(value: float) -> str:
+    """A number with three digits or more, never as a power of ten."""
+    return f"{value:.3g}" if abs(value) < 999.5 else f"{value:,.0f}"
 
 
 def replay(policy: Predictor, observations: Sequence[Any]) -> Step:

@@ -116,6 +116,8 @@ class Guard:
 
 def _name_of(host: str) -> str:
     """The name in a header `Host`, without its port; empty where it has none."""
+    if "@" in host:  # a user's name, which no browser sends
+        return ""
     try:
         return urlsplit(f"//{host}").hostname or ""
     except ValueError:  # brackets that do not close

@@ -14,9 +14,13 @@ MakeScene = Callable[[viser.ViserServer, LiveEpisode], Scene]
 _SCENES = {
     "nav2d": ("aicon_baselines.view.nav2d", "NavigationScene"),
     "pusht": ("aicon_baselines.view.pusht", "PushScene"),
+    "arm_push": ("aicon_baselines.view.panda_push", "PandaPushScene"),
     "panda_push": ("aicon_baselines.view.panda_push", "PandaPushScene"),
     "reach": ("aicon_baselines.view.reach", "ReachScene"),
 }
+
+WATCHABLE = tuple(_SCENES)
+"""The tasks with a scene."""
 
 
 def check_watchable(task: str) -> None:
@@ -27,7 +31,7 @@ def check_watchable(task: str) -> None:
     """
     if task not in _SCENES:
         raise ComparisonError(
-            f"the task {task!r} has no view; tasks with one: {', '.join(_SCENES)}"
+            f"the task {task!r} has no view; tasks with one: {', '.join(WATCHABLE)}"
         )
 
 

@@ -106,7 +106,7 @@ class Nav2DEnv(gym.Env[Observation, Action]):
             ValueError: If a value is not valid; the message names it and lists what is.
             TypeError: If a keyword is unknown.
         """
-        self.physics = Physics.from_options(physics)
+        self.physics = Physics.from_options(physics, type(self))
         self.observation_space = observation_space(sensing, self.physics)
         self.action_space = action_space(self.physics)
         self.render_mode = check_render_mode(render_mode)

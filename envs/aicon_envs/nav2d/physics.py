@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from aicon_envs.checks import check_number
+from aicon_envs.checks import check_argument_names, check_number
 
 _POSITIVE = ("max_speed", "dt", "radius", "max_range")
 
@@ -53,17 +53,15 @@ class Physics:
         return tuple(field.name for field in dataclasses.fields(cls))
 
     @classmethod
-    def from_options(cls, options: dict[str, float]) -> "Physics":
+    def from_options(cls, options: dict[str, float], kind: type) -> "Physics":
         """Build the constants from keyword arguments.
+
+        Args:
+            options: The arguments.
+            kind: The environment that they were given to.
 
         Raises:
             TypeError: If a name is unknown; the message lists the valid ones.
         """
-        unknown = sorted(set(options) - set(cls.names()))
-        if unknown:
-            raise TypeError(
-                f"unknown argument {', '.join(unknown)}; "
-                f"the physical constants are {', '.join(cls.names())}"
-            )
-
+        check_argument_names(kind, options, cls.names())
         return cls(**options)

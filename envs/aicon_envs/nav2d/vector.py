@@ -93,7 +93,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         self.max_episode_steps = check_count("max_episode_steps", max_episode_steps)
         self.autoreset_mode = check_autoreset_mode(autoreset_mode)
         self.metadata = Nav2DEnv.metadata | {"autoreset_mode": self.autoreset_mode}
-        self.physics = Physics.from_options(physics)
+        self.physics = Physics.from_options(physics, type(self))
 
         self.single_observation_space = observation_space(sensing, self.physics)
         self.single_action_space = action_space(self.physics)

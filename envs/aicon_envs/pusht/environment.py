@@ -150,7 +150,7 @@ class PushTEnv(gym.Env[Observation, Action]):
             ValueError: If a value is not valid; the message names it and says what is.
             TypeError: If a keyword is unknown.
         """
-        self.settings = TaskSettings.from_options(settings)
+        self.settings = TaskSettings.from_options(settings, type(self))
         self.render_mode = check_render_mode(render_mode)
         self.overlay: Overlay | None = None
 

@@ -7,7 +7,13 @@ from typing import Any, Literal, get_args
 
 from numpy.typing import ArrayLike
 
-from aicon_envs.checks import check_choice, check_integer, check_number, check_numbers
+from aicon_envs.checks import (
+    check_argument_names,
+    check_choice,
+    check_integer,
+    check_number,
+    check_numbers,
+)
 from aicon_envs.pusht.geometry import Pose
 from aicon_envs.pusht.simulation import SIZE
 
@@ -87,21 +93,17 @@ class TaskSettings:
             self._set("kick_interval", check_integer("kick_interval", self.kick_interval, 1))
 
     @classmethod
-    def from_options(cls, options: dict[str, Any]) -> "TaskSettings":
+    def from_options(cls, options: dict[str, Any], kind: type) -> "TaskSettings":
         """Build the settings from keyword arguments.
+
+        Args:
+            options: The arguments.
+            kind: The environment that they were given to.
 
         Raises:
             TypeError: If a name is unknown; the message lists the valid ones.
         """
-        names = [field.name for field in dataclasses.fields(cls)]
-
-        unknown = sorted(set(options) - set(names))
-        if unknown:
-            raise TypeError(
-                f"unknown argument {', '.join(unknown)}; "
-                f"the settings of the task are {', '.join(names)}"
-            )
-
+        check_argument_names(kind, options, [field.name for field in dataclasses.fields(cls)])
         return cls(**options)
 
     def _set(self, name: str, value: Any) -> None:

@@ -30,6 +30,7 @@ BASE_RADII = 3.0
 _OPTION_KEYS = ("joints", "target_joints")
 
 _ATTEMPTS = 2000
+_POSTURES = 2000  # drawn until one is free of contact
 
 
 class EpisodeStart(NamedTuple):
@@ -121,15 +122,20 @@ class EpisodeDrawer:
         return joints
 
     def _draw_posture(self, generator: np.random.Generator) -> FloatArray:
-        """Return joints that are free of contact and not at their stops, ``(n,)``."""
+        """Return joints that are free of contact and not at their stops, ``(n,)``.
+
+        Raises:
+            ValueError: If there are none.
+        """
         scene = self._simulation.scene
         distance = np.minimum(STOP_DISTANCE, 0.1 * (scene.high - scene.low))
         low, high = scene.low + distance, scene.high - distance
 
-        while True:
+        for _ in range(_POSTURES):
             posture: FloatArray = draw_postures(low, high, 1, generator)[0]
             if self._gap(posture) >= self._clearance:
                 return posture
+        raise ValueError("the robot touches itself wherever its joints are; check its shapes")
 
     def _gap(self, posture: FloatArray) -> float:
         return self._simulation.measure(posture, self._nowhere).to_itself

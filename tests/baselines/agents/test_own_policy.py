@@ -38,7 +38,9 @@ def test_it_is_compared_like_any_other(module: str, tmp_path: Path) -> None:
     own = f"{module}:straight"
     command = [sys.executable, "-m", "aicon_baselines.cli.main", "compare", "--task", "nav2d"]
     words = ["--policies", "aicon", own, "--episodes", "2", "--horizon", "20", "--out", "out"]
-    result = subprocess.run([*command, *words], capture_output=True, text=True, check=False)
+    result = subprocess.run(
+        [*command, *words], capture_output=True, text=True, check=False, timeout=300
+    )
 
     assert result.returncode == 0, result.stderr
     rows = read_rows(tmp_path / "out" / "episodes.csv")

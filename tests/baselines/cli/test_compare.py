@@ -23,7 +23,7 @@ TASKS = [
 def aicon_compare(*words: str, task: str = "nav2d") -> subprocess.CompletedProcess[str]:
     """Run it in a process of its own."""
     command = [sys.executable, "-m", "aicon_baselines.cli.main", "compare", "--task", task, *words]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 
 
 @pytest.mark.parametrize("task", TASKS)

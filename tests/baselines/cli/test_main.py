@@ -107,5 +107,7 @@ def test_commands_leave_the_number_of_threads_to_whoever_sets_it() -> None:
 def run_program(program: str, environment: dict[str, str]) -> str:
     """What a program prints in a process of its own."""
     command = [sys.executable, "-c", program]
-    result = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    result = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=True, timeout=300
+    )
     return result.stdout.strip()

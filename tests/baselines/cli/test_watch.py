@@ -12,6 +12,7 @@ pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.tasks import names
 from aicon_baselines.view.opening import Opening
 
 
@@ -88,3 +89,10 @@ def test_it_says_what_is_wrong(
     with pytest.raises(SystemExit, match="2"):
         main(["watch", *words])
     assert message in capsys.readouterr().err
+
+
+def test_its_help_names_every_task(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["watch", "--help"])
+    said = capsys.readouterr().out
+    assert all(task in said for task in names())

@@ -46,12 +46,13 @@ def test_a_killed_writer_keeps_nobody_out(tmp_path: Path) -> None:
     writer.start()
     # With this end closed, a writer that has died ends the wait with an EOFError.
     sender.close()
+    assert opened.poll(60), "the writer has not opened the folder"
     assert opened.recv()
 
     with pytest.raises(ComparisonError, match="another process"), a_folder(tmp_path):
         pass
     writer.kill()
-    writer.join()
+    writer.join(timeout=60)
     with a_folder(tmp_path):
         pass
 

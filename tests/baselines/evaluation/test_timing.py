@@ -15,6 +15,8 @@ def test_programs_take_turns_after_a_warm_up() -> None:
 def test_spread_is_median_and_percentiles() -> None:
     assert spread(range(101), factor=2.0) == "100 (10 to 190)"
     assert spread([0.5]) == "0.5 (0.5 to 0.5)"
+    assert spread([1.4321], factor=1e3) == "1,432 (1,432 to 1,432)"
+    assert spread([999.7]) == "1,000 (1,000 to 1,000)"
     assert ratios([4.0, 9.0], [2.0, 3.0]) == [2.0, 3.0]
 
 

@@ -71,6 +71,18 @@ def test_gif_has_the_colours_of_its_palette(tmp_path: Path) -> None:
     np.testing.assert_equal(first[0, 0], [0, 0, 255])
 
 
+@pytest.mark.parametrize(("height", "width"), [(100, 150), (101, 151)])
+def test_an_mp4_has_the_size_of_its_frames_and_nothing_is_said_of_it(
+    height: int, width: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = tmp_path / "video.mp4"
+    save_video([np.zeros((height, width, 3), np.uint8)] * 3, path, 5, PALETTE)
+    assert not caplog.records
+
+    with imageio.get_reader(path) as video:
+        assert video.get_data(0).shape == (100, 150, 3)
+
+
 def test_a_webp_moves_and_is_small(tmp_path: Path) -> None:
     path = tmp_path / "video.webp"
     save_video(frames(6), path, 5, PALETTE)

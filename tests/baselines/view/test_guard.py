@@ -72,7 +72,7 @@ def test_its_own_page_can(server: PageServer) -> None:
     own = f"127.0.0.1:{server.get_port()}"
     origin = Origin(f"http://{own}")
     with connect(f"ws://{own}", origin=origin, subprotocols=[VERSION]) as page:  # type: ignore[list-item]
-        assert page.recv()
+        assert page.recv(timeout=60)
 
 
 def test_no_other_page_may_frame_it(server: PageServer) -> None:
@@ -128,7 +128,7 @@ def test_who_listens_everywhere_answers_to_any_number_but_no_unknown_name() -> N
     assert guard.objection(Headers(Host="rebound.example")) is not None
 
 
-@pytest.mark.parametrize("host", ["[::1", "0.0.0.0", ":8080"])
+@pytest.mark.parametrize("host", ["[::1", "0.0.0.0", ":8080", "evil@localhost"])
 def test_what_is_no_name_is_refused(host: str) -> None:
     assert Guard("127.0.0.1").objection(Headers(Host=host)) is not None
 

@@ -58,7 +58,9 @@ def test_where_nothing_can_render_an_error_names_the_packages(backend: str) -> N
         environment["MUJOCO_GL"] = backend
 
     command = [sys.executable, "-c", code]
-    result = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    result = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=False, timeout=300
+    )
     assert result.returncode == 1
     message = result.stderr.strip().splitlines()[-1]
     assert message.startswith("RuntimeError: MuJoCo can") and PACKAGES in message

@@ -94,7 +94,7 @@ def test_a_missing_extra_is_named(missing: str, code: str) -> None:
     imports = "import gymnasium as gym; import aicon_envs; "
     command = [sys.executable, "-c", hide + imports + code]
 
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     assert 'pip install "aicon-torch[pusht]"' in result.stderr, result.stderr
 
 
@@ -104,7 +104,7 @@ def test_without_pictures_nothing_needs_pygame() -> None:
     play = (
         "env = gym.make('aicon/PushT-v0'); env.reset(seed=0); env.step(env.action_space.sample())"
     )
-    subprocess.run([sys.executable, "-c", hide + imports + play], check=True)
+    subprocess.run([sys.executable, "-c", hide + imports + play], check=True, timeout=300)
 
 
 # --- errors name the argument
@@ -149,7 +149,9 @@ def test_bad_arguments(kind: Any, arguments: dict[str, Any], words: list[str]) -
 
 @pytest.mark.parametrize("kind", [PushTEnv, PushTVectorEnv])
 def test_unknown_argument_lists_the_valid_ones(kind: Any) -> None:
-    with pytest.raises(TypeError, match="acton_noise.*action_noise"):
+    with pytest.raises(
+        TypeError, match="acton_noise; .* are obs_type, render_mode, .*action_noise"
+    ):
         kind(acton_noise=0.1)
 
 

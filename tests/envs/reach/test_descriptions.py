@@ -86,3 +86,12 @@ def test_a_file_is_not_read_beyond_its_bound(tmp_path: Path) -> None:
         opened.truncate(20_000_000)  # a hole: it takes no room
     with pytest.raises(ValueError, match="arm.urdf has 20 MB; at most 10 MB are expected"):
         ReachEnv(Robot(str(file), "hand"), "position")
+
+
+def test_a_robot_that_always_touches_itself_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    env = build(tmp_path, ARM)
+    monkeypatch.setattr("aicon_envs.reach.reset.EpisodeDrawer._gap", lambda *_: -0.01)
+    with pytest.raises(ValueError, match="the robot touches itself wherever its joints are"):
+        env.reset(seed=0)
