@@ -4,6 +4,7 @@ import importlib.util
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -32,7 +33,16 @@ def test_every_example_has_a_claim_here() -> None:
     assert [example.stem for example in EXAMPLES] == list(CLAIMS)
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.stem)
+LONG = ("04_compare_resolutions", "08_add_to_a_running_arm")
+"""Those that take the most time; what they use, others do as well."""
+
+
+def marked(example: Path) -> Any:
+    marks = [pytest.mark.slow] if example.stem in LONG else []
+    return pytest.param(example, marks=marks, id=example.stem)
+
+
+@pytest.mark.parametrize("example", map(marked, EXAMPLES))
 def test_an_example_does_what_it_announces(example: Path) -> None:
     for module in NEEDED.get(example.stem, []):
         if importlib.util.find_spec(module) is None:
