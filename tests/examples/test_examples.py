@@ -42,7 +42,7 @@ def marked(example: Path) -> Any:
     return pytest.param(example, marks=marks, id=example.stem)
 
 
-@pytest.mark.parametrize("example", map(marked, EXAMPLES))
+@pytest.mark.parametrize("example", [marked(example) for example in EXAMPLES])
 def test_an_example_does_what_it_announces(example: Path) -> None:
     for module in NEEDED.get(example.stem, []):
         if importlib.util.find_spec(module) is None:
