@@ -27,8 +27,11 @@ __attribute__((used, visibility("default"))) const char aicon_mark[] = "{MARK}";
 """
 """What every library holds besides."""
 
-ZIG = (sys.executable, "-m", "ziglang", "cc")
-"""The C compiler that comes as a package, ``pip install 'aicon-torch[compiler]'``."""
+ZIG = (sys.executable, "-m", "ziglang", "cc", "-fno-slp-vectorize")
+"""The C compiler that comes as a package, ``pip install 'aicon-torch[compiler]'``.
+
+Vectorizing what is written out, it (clang 20) crashed on the step of an object of pushT.
+"""
 
 NO_COMPILER = "no C compiler (pip install 'aicon-torch[compiler]' or apt install gcc)"
 """What is said where none is found."""

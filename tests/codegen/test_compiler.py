@@ -1,7 +1,5 @@
 """Compiled steps are kept by what is in them, and work where nothing can be kept."""
 
-import os
-import shutil
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -19,11 +17,9 @@ from aicon_torch import (
     Sum,
     WorldModel,
 )
-from aicon_torch.codegen import cached_library, compile_library
+from aicon_torch.codegen import cached_library, compile_library, has_compiler
 
-pytestmark = pytest.mark.skipif(
-    not shutil.which(os.environ.get("CC", "cc")), reason="there is no C compiler"
-)
+pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 
 SOURCE = '__attribute__((visibility("default"))) int answer(void) { return 42; }'
 

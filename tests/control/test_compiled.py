@@ -1,8 +1,5 @@
 """The compiled policy takes the steps of the one it is made of."""
 
-import os
-import shutil
-
 import pytest
 import torch
 from _asserts import assert_same_steps
@@ -11,11 +8,10 @@ from _inputs.following import Readings, follower, passing, wandering
 from torch import Tensor
 
 from aicon_torch import Policy, make_policy
+from aicon_torch.codegen import has_compiler
 from aicon_torch.control.exported_memory import ExportedMemory
 
-with_compiler = pytest.mark.skipif(
-    not shutil.which(os.environ.get("CXX", "g++")), reason="there is no C++ compiler"
-)
+with_compiler = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 
 
 @with_compiler

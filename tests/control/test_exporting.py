@@ -1,8 +1,6 @@
 """An exported policy takes the steps of the one that it was exported from."""
 
-import os
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +26,9 @@ from aicon_torch import (
     load_exported,
     make_policy,
 )
+from aicon_torch.codegen import has_compiler
 
-pytestmark = pytest.mark.skipif(
-    not shutil.which(os.environ.get("CC", "cc")), reason="there is no C compiler"
-)
+pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 
 Pair = tuple[Policy, ExportedPolicy]
 

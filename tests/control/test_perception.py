@@ -1,7 +1,5 @@
 """Perception: what makes readings of raw observations before a step."""
 
-import os
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_torch import DirectDescent, ObservationError, Policy, Sensor, load_exported
+from aicon_torch.codegen import has_compiler
 from aicon_torch.parts import clock
 
 
@@ -107,7 +106,7 @@ def test_what_it_returns_is_checked_like_an_observation() -> None:
     assert not memory["z_obs.present"]
 
 
-@pytest.mark.skipif(not shutil.which(os.environ.get("CC", "cc")), reason="there is no C compiler")
+@pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 def test_a_loaded_policy_asks_for_what_was_perceived_and_not_for_the_time(tmp_path: Path) -> None:
     """Without its perception it would be blind, and would not know."""
     sensors = {"z": Sensor(2, "m", optional=True), "z_elapsed": clock(0.1)}
