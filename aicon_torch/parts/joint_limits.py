@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.hinge import SquaredHinge
 
 
@@ -18,6 +19,9 @@ class JointLimits(nn.Module):
         high: Upper limits, likewise.
         cost: Margin m₀ (rad), farther than which from its limits a joint is free, and weight w.
 
+    Raises:
+        OptionError: If there is not an upper limit above each lower one.
+
     Example:
         >>> cost = SquaredHinge(margin=0.1, weight=0.5)
         >>> Goal("joint_limits", JointLimits(low=(-2.9, -1.8), high=(2.9, 1.8), cost=cost))
@@ -30,6 +34,12 @@ class JointLimits(nn.Module):
 
     def __init__(self, low: Sequence[float], high: Sequence[float], cost: SquaredHinge) -> None:
         super().__init__()
+        has_room = [below < above for below, above in zip(low, high, strict=False)]
+        if len(low) != len(high) or not all(has_room):
+            raise OptionError(
+                f"low={tuple(low)!r}, high={tuple(high)!r}: expected a limit of each joint, the "
+                "lower one below the upper one."
+            )
         self.cost = cost
         self.register_buffer("low", torch.tensor(low, dtype=torch.float64))
         self.register_buffer("high", torch.tensor(high, dtype=torch.float64))

@@ -1,11 +1,13 @@
 """Collisions of the robot with itself as a goal: capsules on its links, and their distances."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.planar import norm
@@ -41,12 +43,16 @@ class CapsuleSegments(nn.Module):
 
     Attributes:
         radii: Their radii, m.
+
+    Raises:
+        OptionError: If a number of a capsule is not finite, or a radius not positive.
     """
 
     ends: Tensor
 
     def __init__(self, chain: Chain, capsules: Sequence[Capsule]) -> None:
         super().__init__()
+        _check_sizes(capsules)
         self.chain = chain
         self.links = [capsule.link for capsule in capsules]
         self.radii = tuple(capsule.radius for capsule in capsules)
@@ -78,6 +84,9 @@ class SelfCollision(nn.Module):
         cost: Margin d₀ (m) and weight w.
         pairs: The numbers of those that can meet; by default all that are further apart in the
             chain than :data:`FREE_LINKS`.
+
+    Raises:
+        OptionError: As for :class:`CapsuleSegments`.
     """
 
     radii: Tensor
@@ -89,6 +98,7 @@ class SelfCollision(nn.Module):
         pairs: Sequence[tuple[int, int]] | None = None,
     ) -> None:
         super().__init__()
+        _check_sizes(capsules)
         self.cost = cost
         if pairs is None:
             pairs = _distant_pairs(capsules)
@@ -111,6 +121,16 @@ class SelfCollision(nn.Module):
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
         return segment_distance(first, second) - self.radii.to(x_body)
+
+
+def _check_sizes(capsules: Sequence[Capsule]) -> None:
+    """Check that each capsule has a size and a place."""
+    for number, capsule in enumerate(capsules):
+        numbers = (*capsule.start, *capsule.end, capsule.radius)
+        if not (all(map(math.isfinite, numbers)) and capsule.radius > 0):
+            raise OptionError(
+                f"capsules[{number}]={capsule!r}: expected finite numbers, and a radius above 0 m."
+            )
 
 
 def _distant_pairs(capsules: Sequence[Capsule]) -> list[tuple[int, int]]:

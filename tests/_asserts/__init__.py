@@ -11,6 +11,7 @@ from _asserts.policies import (
     stacked,
 )
 from _asserts.resolutions import assert_orthogonal, selection
+from _asserts.roundings import assert_same_but_for_roundings, unit
 from _asserts.total_derivatives import assert_equal_gradients, numeric_totals, totals
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
     "assert_equal_gradients",
     "assert_orthogonal",
     "assert_rows_stand_alone",
+    "assert_same_but_for_roundings",
     "assert_same_memory",
     "assert_same_steps",
     "beacon_step",
@@ -32,5 +34,6 @@ __all__ = [
     "sums_over_paths",
     "through_jacobians",
     "totals",
+    "unit",
     "update",
 ]

@@ -1,12 +1,14 @@
 """Memories of policies: run, compared, and taken apart by rows."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import torch
 from torch import Tensor
 
 from _asserts.roundings import assert_equal_but_for_roundings
 from aicon_torch import ExportedPolicy, Policy
+from aicon_torch.control.watchdog import SENT
 
 Memory = dict[str, Tensor]
 Readings = Sequence[dict[str, Tensor]]
@@ -48,25 +50,24 @@ def assert_same_memory(
 
 
 def assert_same_steps(
-    policy: Policy, other: Policy | ExportedPolicy, observations: Readings, tolerance: float
+    policy: Policy, other: Policy | ExportedPolicy, observations: Readings
 ) -> None:
-    """Another form of a policy takes its steps, to a tolerance.
+    """Another form of a policy takes its steps, except for roundings.
 
-    Step by step from the same memory, since errors grow along a chaotic run.
+    Step by step from the same memory, since roundings grow along a chaotic run.
     """
+    (name,) = policy.model.actuators
     memory = None
 
     for observation in observations:
-        action, after = policy.predict(observation, memory)
-        same_action, same = other.predict(observation, memory)
-
-        torch.testing.assert_close(same_action, action, rtol=tolerance, atol=tolerance)
-        assert_same_memory(same, after, tolerance)
-        memory = after
+        action, found = other.predict(observation, memory)
+        sent = found.get(name + SENT, found[name])
+        assert torch.equal(torch.as_tensor(action), sent.to(torch.as_tensor(action)))
+        memory = assert_equal_but_for_roundings(policy, observation, memory, found)
 
 
-def assert_rows_stand_alone(policy: Policy, observations: Readings, rows: Sequence[int]) -> None:
-    """The rows of a batch ``(N,)`` take the steps that each takes alone.
+def assert_rows_stand_alone(policy: Policy, observations: Readings, rows: Sequence[Any]) -> None:
+    """The rows of a batch ``(*B,)``, each by its number or numbers, take the steps of one alone.
 
     Compared in at most eight of the steps, from the memory of the batch, since roundings grow along
     a chaotic run.
@@ -86,7 +87,7 @@ def assert_rows_stand_alone(policy: Policy, observations: Readings, rows: Sequen
         before = after
 
 
-def _row(values: Mapping[str, Tensor], row: int) -> Memory:
+def _row(values: Mapping[str, Tensor], row: Any) -> Memory:
     return {name: value[row] for name, value in values.items()}
 
 

@@ -1,6 +1,12 @@
-"""What roundings may change in a step: a bound from the step itself, not from one machine."""
+"""What roundings may change: a bound from the computation itself, not from one machine.
 
-from collections.abc import Mapping
+A backward stable computation is exact for inputs within n u of its own, where u is the unit of
+roundoff and n the number of roundings (N. J. Higham, Accuracy and Stability of Numerical
+Algorithms, 2002, section 1.5). So two orders of the same sums may differ by what moving the inputs
+by n u changes, and by n u of the result.
+"""
+
+from collections.abc import Callable, Mapping
 
 import torch
 from torch import Tensor
@@ -13,57 +19,94 @@ ROUNDINGS = 1000
 DRAWS = 8
 """How often the inputs of a step are moved to see what that changes."""
 
+Memory = dict[str, Tensor]
+
 
 def assert_equal_but_for_roundings(
     policy: Policy,
     observation: Mapping[str, Tensor],
     memory: Mapping[str, Tensor] | None,
     found: Mapping[str, Tensor],
-) -> None:
+) -> Memory:
     """A step's result is what the policy computes, except for the order of its sums.
 
-    A backward stable computation is exact for inputs within n u of its own, where u is the unit of
-    roundoff and n the number of roundings (N. J. Higham, Accuracy and Stability of Numerical
-    Algorithms, 2002, section 1.5). So two orders of the same sums may differ by what moving the
-    inputs by n u changes, and by n u of the result.
+    What two orders decide differently, such as which of two equal gradients comes first, may be
+    different, too.
 
     Args:
         policy: Computes the step again.
-        observation: The readings of one robot, without a batch.
-        memory: Its memory before the step; None for the first one.
-        found: Its memory after the step, computed otherwise.
+        observation: The readings ``(*B, n)``.
+        memory: The memory before the step; None for the first one.
+        found: The memory after the step, computed otherwise.
+
+    Returns:
+        The memory after the step as the policy computes it.
     """
     _, expected = policy.predict(observation, memory)
+    assert found.keys() == expected.keys()
+    if all(_is_near(found[name], value) for name, value in expected.items()):
+        return expected
+
     before = None if memory is None else _moved(memory)
     _, around = policy.predict(_moved(observation), before)
-
-    assert found.keys() == expected.keys()
     for name, value in expected.items():
-        if not value.is_floating_point():
-            assert torch.equal(found[name], value), name
-            continue
-
-        changes = torch.nan_to_num(around[name] - value, posinf=0.0, neginf=0.0)
-        bound = float(changes.abs().max()) + _unit(value)
-        torch.testing.assert_close(
-            found[name], value, rtol=0.0, atol=bound, equal_nan=True, msg=f"{name}: {{}}".format
-        )
+        _assert_within(name, found[name], value, around[name])
+    return expected
 
 
-def _moved(values: Mapping[str, Tensor]) -> dict[str, Tensor]:
-    """Values ``(DRAWS, *n)``, each moved up or down by n u of the largest beside it."""
-    signs = torch.Generator().manual_seed(0)
-    moved = {}
-    for name, value in values.items():
-        moved[name] = value.expand(DRAWS, *value.shape)
-        if value.is_floating_point():
-            sign = torch.randint(0, 2, moved[name].shape, generator=signs) * 2 - 1
-            moved[name] = moved[name] + sign * _unit(value)
-    return moved
+def assert_same_but_for_roundings(
+    function: Callable[[Tensor], Tensor], value: Tensor, found: Tensor
+) -> None:
+    """A number or tensor is f(x), except for the order of its sums.
+
+    Args:
+        function: f, which lets leading dimensions free.
+        value: x.
+        found: f(x), computed otherwise.
+    """
+    around = function(_moved({"x": value})["x"])
+    _assert_within("f(x)", found, function(value), around)
 
 
-def _unit(value: Tensor) -> float:
-    """n u of the largest entry."""
+def unit(value: Tensor) -> float:
+    """n u of the largest entry: how far sums of such entries may be from each other."""
     finite = value[torch.isfinite(value)].abs()
     largest = float(finite.max()) if finite.numel() else 0.0
     return ROUNDINGS * torch.finfo(value.dtype).eps / 2 * largest
+
+
+def _is_near(found: Tensor, value: Tensor) -> bool:
+    """Whether two results are within n u of each other."""
+    if not value.is_floating_point():
+        return torch.equal(found, value)
+    return torch.allclose(found, value, rtol=0.0, atol=unit(value), equal_nan=True)
+
+
+def _assert_within(name: str, found: Tensor, value: Tensor, around: Tensor) -> None:
+    """Two results differ by no more than what moved inputs change, ``(DRAWS, *n)``."""
+    if not value.is_floating_point():
+        is_decided = (around == value).all(dim=0)
+        assert torch.equal(found[is_decided], value[is_decided]), name
+        return
+
+    changes = torch.nan_to_num(around - value, posinf=0.0, neginf=0.0)
+    bound = float(changes.abs().max()) + unit(value)
+    torch.testing.assert_close(
+        found, value, rtol=0.0, atol=bound, equal_nan=True, msg=f"{name}: {{}}".format
+    )
+
+
+def _moved(values: Mapping[str, Tensor]) -> Memory:
+    """Values ``(DRAWS, *n)``, each moved up or down by n u of the largest beside it.
+
+    Whole numbers, such as counts, are exact, and stay.
+    """
+    signs = torch.Generator().manual_seed(0)
+    moved = {}
+    for name, given in values.items():
+        value = torch.as_tensor(given)
+        moved[name] = value.expand(DRAWS, *value.shape)
+        if value.is_floating_point():
+            sign = torch.randint(0, 2, moved[name].shape, generator=signs) * 2 - 1
+            moved[name] = moved[name] + sign * unit(value) * (value != value.round())
+    return moved

@@ -1,5 +1,7 @@
+import pytest
 import torch
 
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
 
@@ -30,3 +32,12 @@ def test_the_room_is_how_far_a_joint_may_turn_either_way():
     down, up = GOAL.room(joints(0.5, -1.0).detach())
     torch.testing.assert_close(down, torch.tensor([1.4, 0.9], dtype=torch.float64))
     torch.testing.assert_close(up, torch.tensor([0.4, 3.9], dtype=torch.float64))
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [((float("nan"),), (1.0,)), ((1.0,), (-1.0,)), ((0.0,), (float("nan"),)), ((0.0, 1.0), (2.0,))],
+)
+def test_limits_that_are_none_are_errors(low, high):
+    with pytest.raises(OptionError, match="expected a limit of each joint, the lower one below"):
+        JointLimits(low, high, GOAL.cost)

@@ -1,7 +1,9 @@
+import pytest
 import torch
 from _inputs import normal
 from _inputs.arm import HOME, panda_chain, postures
 
+from aicon_torch.errors import OptionError
 from aicon_torch.models.panda_push import PANDA
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.self_collision import (
@@ -74,3 +76,14 @@ def test_a_folded_arm_costs_and_unfolding_it_helps():
     (slope,) = torch.autograd.grad(cost, q)
     assert cost > 0
     assert goal(segments((q - 0.02 * slope / slope.norm()).detach())) < cost
+
+
+@pytest.mark.parametrize("wrong", [{"radius": float("nan")}, {"radius": -1.0}, {"radius": 0.0}])
+def test_a_capsule_of_no_size_is_named(wrong):
+    capsules = [Capsule(0, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.1)._replace(**wrong)]
+    for build in (
+        lambda: CapsuleSegments(panda_chain(), capsules),
+        lambda: SelfCollision(capsules, COST),
+    ):
+        with pytest.raises(OptionError, match=r"capsules\[0\]=Capsule.*a radius above 0 m"):
+            build()

@@ -135,6 +135,11 @@ def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actu
 def _speeds(options: Options, chain: Chain) -> tuple[float, ...]:
     """The largest speed of each joint: its own, or that of the options if that is less."""
     speeds = chain.speed if options.speed is None else chain.speed.clamp(max=options.speed)
+    if not (speeds > 0).all():
+        raise OptionError(
+            f"The joints {choices(chain.names)} have the largest speeds {speeds.tolist()}: "
+            "expected numbers above 0 (rad/s or m/s)."
+        )
     if not speeds.isfinite().all():
         raise OptionError(
             f"speed=None: the robot's description has no largest speed for all of its joints "

@@ -22,6 +22,11 @@ def test_a_robot_without_speeds_needs_one() -> None:
     assert make_policy("reach", robot=Robot(chain), speed=1.0).model.actuators["a"].limit == (1, 1)
 
 
+def test_a_joint_that_may_not_move_is_named() -> None:
+    with pytest.raises(OptionError, match="'joint_1', .* have the largest speeds .0.0, 0.0, 0.0."):
+        make_policy("reach", robot=planar_arm(speed=0.0))
+
+
 def test_balls_are_kept_from_a_shape() -> None:
     with pytest.raises(OptionError, match="balls=1: expected 0, since the robot has no shape"):
         make_policy("reach", robot=planar_arm(shape=False), balls=1)
