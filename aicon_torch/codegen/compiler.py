@@ -126,10 +126,21 @@ def compiled(source: str) -> bytes:
         library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
         text.write_text(source + _MARKED)
         command = [*compiler, *FLAGS, "-o", str(library), str(text), "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = subprocess.run(command, capture_output=True, text=True, env=_environment(folder))
         if done.returncode != 0:
             raise OptionError(f"{shlex.join(command)} failed: {done.stderr.strip()[:1000]}")
         return sealed(library.read_bytes(), Seal(this_machine(), identity(source)))
+
+
+def _environment(folder: str) -> dict[str, str]:
+    """The compiler's environment: what zig builds once it keeps in the user's cache, if it can."""
+    try:
+        cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        cache.mkdir(parents=True, exist_ok=True)
+        is_usable = os.access(cache, os.W_OK)
+    except (OSError, RuntimeError):  # RuntimeError: there is no home
+        is_usable = False
+    return {**os.environ} if is_usable else {**os.environ, "ZIG_GLOBAL_CACHE_DIR": folder}
 
 
 def identity(source: str) -> str:
