@@ -1,7 +1,7 @@
 """Python in the documents: what is complete runs, and the rest is Python.
 
 A block of ```python that imports something is a program. Fragments import nothing, or are ```py.
-In a tutorial the blocks follow on each other: test_tutorials.py.
+In a tutorial, and on the first page, the blocks follow on each other: test_tutorials.py.
 """
 
 import contextlib
@@ -11,7 +11,11 @@ import io
 import pytest
 from _documents import Block, all_blocks
 
-BLOCKS = [block for block in all_blocks("python") if block.document.parent.name != "tutorials"]
+BLOCKS = [
+    block
+    for block in all_blocks("python")
+    if block.document.parent.name != "tutorials" and block.document.name != "start.md"
+]
 ELSEWHERE = "aicon_envs.reach"  # README's arm takes a while: tests/models/reach/test_readme.py
 PROGRAMS = [block for block in BLOCKS if "import " in block.code and ELSEWHERE not in block.code]
 FRAGMENTS = [block for block in BLOCKS if "import " not in block.code] + all_blocks("py")

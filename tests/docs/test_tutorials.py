@@ -1,4 +1,4 @@
-"""Tutorials run from the first block to the last, and print what they say that they print."""
+"""Tutorials, and the page to start with, run from top to bottom and print what they say."""
 
 import contextlib
 import importlib.util
@@ -38,13 +38,23 @@ def test_the_program_of_a_tutorial_runs_and_prints_what_it_says(name: str) -> No
         pytest.importorskip(module)
 
     page = ROOT / "docs" / "tutorials" / f"{name}.md"
+    check_what_is_printed(page, run_page(page))
+
+
+def test_what_stands_on_the_first_page_runs_in_its_order_and_prints_what_it_says() -> None:
+    pytest.importorskip("pymunk")
+    page = ROOT / "docs" / "start.md"
+    check_what_is_printed(page, run_page(page))
+
+
+def run_page(page: Path) -> str:
+    """Run the blocks of a page one after the other, and return what they print."""
     names: dict[str, object] = {"__name__": "__main__"}
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         for language, code in BLOCK.findall(page.read_text()):
             if language == "python":
                 exec(compile(code, str(page), "exec"), names)
-
-    check_what_is_printed(page, printed.getvalue())
+    return printed.getvalue()
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
