@@ -89,7 +89,7 @@ class Sensor:
             rows ``(*B,)`` can be, such as those of points of a rigid body; others are none.
         driven_by: An actuator whose motion the reading must show: one that stays the same to the
             last bit while that acts, but for the ends of its range, is frozen, and none until it
-            changes.
+            changes; with a ``rate_limit`` until four in a row agree.
     """
 
     size: int

@@ -40,12 +40,16 @@ class _Arrival(NamedTuple):
         age: How old it is, ``(*B,)``, s.
         is_newer: Whether it was taken after the last one that was believed, ``(*B,)``.
         is_older: Whether before.
+        is_frozen: Whether it repeats that one while it should not.
+        was_frozen: Whether the last ones did.
     """
 
     reading: Tensor
     age: Tensor
     is_newer: Tensor
     is_older: Tensor
+    is_frozen: Tensor
+    was_frozen: Tensor
 
 
 class Admission(NamedTuple):
@@ -175,7 +179,7 @@ class Admission(NamedTuple):
 
         # ... and it has not jumped farther than it can.
         if sensor.rate_limit is not None:
-            came = _Arrival(reading, age, is_present, is_older)
+            came = _Arrival(reading, age, is_present, is_older, frozen, was_frozen)
             compared, is_older = self._compared(name, sensor, came, memory, elapsed)
             is_present = is_present & (compared[name + REFUSED] == 0)
             admitted |= compared
@@ -216,19 +220,21 @@ class Admission(NamedTuple):
         agrees = self._is_near(sensor, reading, memory[name + SEEN], seen_waited - age)
         agreed = torch.where(agrees, memory[name + AGREED] + 1, 0)
 
-        # Where much was refused, what was believed last may be the outlier.
+        # Where much was refused, what was believed last may be the outlier; where it was frozen,
+        # what differs may be one.
         is_settled = agreed >= PATIENCE - 1
-        is_trusted = is_near & (refused < PATIENCE)
+        is_trusted = is_near & (refused < PATIENCE) & ~came.was_frozen
 
         # What is no reading changes nothing; an older one may be an outlier as well.
         more = (refused + 1).clamp(max=PATIENCE)
         now = torch.where(came.is_older & ~is_near, more, refused)
         now = torch.where(is_newer, torch.where(is_trusted | is_settled, 0, more), now)
+        in_a_row = torch.where(came.is_frozen, 0, memory[name + AGREED])
         remembered = {
             name + ANEW: is_newer & is_settled & ~is_near,
             name + SEEN: torch.where(is_newer.unsqueeze(-1), reading, memory[name + SEEN]),
             name + SEEN_AGE: torch.where(is_newer, age, seen_waited).clamp(max=NEVER),
-            name + AGREED: torch.where(is_newer, agreed.clamp(max=PATIENCE), memory[name + AGREED]),
+            name + AGREED: torch.where(is_newer, agreed.clamp(max=PATIENCE), in_a_row),
             name + REFUSED: now,
         }
         return remembered, came.is_older & is_trusted

@@ -206,11 +206,12 @@ def test_how_far_a_reading_can_be_goes_by_when_it_was_taken() -> None:
 
 
 def test_a_frozen_reading_stays_none_after_an_outlier() -> None:
-    """One that is no reading either does not say that it changes again."""
+    """Nor is one that could be, but is alone; four in a row that agree are believed again."""
     watched, memory = policy(max_age=0.1, driven_by="a", rate_limit=2.0), None
-    places = [*MOVING[:4], *[MOVING[3]] * 5, [9.0, 0.0], MOVING[3], GONE, MOVING[3], MOVING[3]]
+    frozen, wrong = [MOVING[3]] * 5, [[9.0, 0.0], MOVING[3], GONE, [0.9, 0.0], MOVING[3]]
+    again = [[0.4 + 0.01 * step, 0.0] for step in range(4)]
     present = []
-    for place in places:
+    for place in [*MOVING[:4], *frozen, *wrong, *again]:
         _, memory = watched.predict({"place": np.array(place)}, memory)
         present.append(bool(memory["z.present"]))
-    assert present == [True] * 4 + [False] * 10
+    assert present == [True] * 4 + [False] * 13 + [True]
