@@ -51,6 +51,24 @@ def test_an_import_names_the_extra(
         import_module(importer)
 
 
+def test_the_view_names_its_extra_where_nothing_that_it_brings_is_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "rich", None)
+    hide(monkeypatch, "viser", "aicon_baselines.view")
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'aicon-torch\[view\]'"):
+        import_module("aicon_baselines.view")
+
+
+def test_arms_that_reach_name_their_extra_where_mujoco_is_missing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for importer in ("aicon_envs.panda_push", "aicon_envs.reach"):
+        hide(monkeypatch, "mujoco", importer)
+    with pytest.raises(DependencyNotInstalled, match=r"for the task reach, \"aicon-torch\[reach\]"):
+        import_module("aicon_envs.reach")
+
+
 @pytest.mark.parametrize(("missing", "task"), [("pymunk", "pusht"), ("mujoco", "panda_push")])
 def test_a_task_names_the_extra(monkeypatch: pytest.MonkeyPatch, missing: str, task: str) -> None:
     hide(monkeypatch, missing, f"aicon_envs.{task}")

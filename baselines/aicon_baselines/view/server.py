@@ -10,7 +10,6 @@ from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import missing_extra
 
 try:
-    import rich
     import viser
 
     from aicon_baselines.view.guard import Guard
@@ -84,5 +83,7 @@ def serve(host: str, port: int, names: Sequence[str] = ()) -> PageServer:
     except OSError as error:
         raise ComparisonError(f"cannot listen at {host!r}: {error.strerror or error}") from error
 
-    rich.get_console().quiet = True  # who starts it says where the page is
+    import rich  # with which viser says where the page is, as who starts it does anyway
+
+    rich.get_console().quiet = True
     return PageServer(host, port, names)

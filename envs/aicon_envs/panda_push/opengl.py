@@ -45,7 +45,8 @@ def import_mujoco() -> None:
         import mujoco  # noqa: F401
     except ModuleNotFoundError as error:
         raise DependencyNotInstalled(
-            'the arm needs MuJoCo: pip install "aicon-torch[panda]"'
+            'an arm needs MuJoCo: pip install "aicon-torch[panda]", or, for the task reach, '
+            '"aicon-torch[reach]"'
         ) from error
     except AttributeError as error:  # PyOpenGL's way to say that there is no library
         backend = os.environ.get("MUJOCO_GL")
