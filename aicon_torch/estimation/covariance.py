@@ -31,7 +31,7 @@ class Covariance(Node):
     def __init__(self, noise: Noise, size: int, named: str = "noise") -> None:
         super().__init__()
         if callable(noise):
-            self.relation: Interconnection | None = Interconnection(noise)
+            self.relation: Interconnection | None = Interconnection.of(noise)
             self.inputs = self.relation.inputs
             return
 

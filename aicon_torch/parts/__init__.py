@@ -50,6 +50,7 @@ from aicon_torch.parts.landmark import (
     bearing_residual,
     expected_distance,
 )
+from aicon_torch.parts.moving_obstacle import MovingObstacle
 from aicon_torch.parts.obstacle import Box, MotionPrior, Obstacle, Rod, Sphere, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate, wrap_angle
 from aicon_torch.parts.planar_dither import PlanarDither
@@ -76,12 +77,14 @@ from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
 from aicon_torch.parts.velocity_lag import VelocityLag
+from aicon_torch.parts.wheels import Bicycle, DifferentialDrive, Wheels
 from aicon_torch.parts.workspace import Workspace
 
 __all__ = [
     "STEERED_COMPONENTS",
     "Arrive",
     "BearingPrior",
+    "Bicycle",
     "Box",
     "CameraFrame",
     "Capsule",
@@ -97,6 +100,7 @@ __all__ = [
     "ContactLikelihood",
     "ContactOptions",
     "Detection",
+    "DifferentialDrive",
     "DisplacementCommand",
     "EndEffector",
     "FixedTarget",
@@ -110,6 +114,7 @@ __all__ = [
     "KeypointRegistration",
     "Landmark",
     "MotionPrior",
+    "MovingObstacle",
     "Obstacle",
     "PlanarDither",
     "PoseDistance",
@@ -137,6 +142,7 @@ __all__ = [
     "TouchedTop",
     "VelocityLag",
     "Visibility",
+    "Wheels",
     "Workspace",
     "approach",
     "bearing_jacobian",

@@ -1,10 +1,12 @@
 """A landmark that a robot sees: p_tar, its position relative to the robot.
 
-The axes are those of the world; only the origin moves with the robot.
+The axes are those of the world, and only the origin moves with the robot; those of a robot on
+wheels are its own, and turn with it.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, cast, get_args
 
 import torch
@@ -14,6 +16,7 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_d
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.planar import quarter_turn, wrap_angle
 from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
+from aicon_torch.parts.wheels import Wheels
 
 Sight = Literal["bearing", "position"]
 """What a robot sees of a landmark."""
@@ -109,7 +112,9 @@ class Landmark:
 
         p⁻ = p − x_rob,   P⁻ = P + σ_x² I,
 
-    and is corrected by its bearing, atan2(p_y, p_x) − z = 0, or by its position, p − z = 0.
+    and is corrected by its bearing, atan2(p_y, p_x) − z = 0, or by its position, p − z = 0. In the
+    axes of a robot on wheels it turns as well, p⁻ = R(−θ) (p − chord), and an error of the motion
+    moves it the farther, the farther it is; what is to come near is then the point ahead.
 
     Attributes:
         name: Of the estimate p, ``(*B, 2)``, m, such as ``"p_tar"``; its covariance is ``"P_tar"``.
@@ -121,6 +126,7 @@ class Landmark:
         prior: Where it is believed by the first bearing.
         motion: The quantity that says how far the robot has moved in a step, ``(*B, 2)``, m.
         delay: Largest age of a reading that is made up for, steps.
+        wheels: Of a robot on wheels, whose axes then are those of p and of the readings.
 
     Raises:
         OptionError: If a number or a choice is not what it may be.
@@ -139,6 +145,7 @@ class Landmark:
     prior: BearingPrior = BearingPrior(distance=5.0, across=0.15, along=3.0)
     motion: str = "x_rob"
     delay: int = 0
+    wheels: Wheels | None = None
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -159,16 +166,40 @@ class Landmark:
             delay=self.delay,
             sensor=self.reading,
             moved_by={self.motion: 2, "dt": 1},
-            predict=approach(self.name, self.motion),
-            noise=self.motion_noise**2,
+            predict=self._approach(),
+            noise=self._spread(),
             initial=self._first_belief(),
             size=2,
             correct=[self._measurement()],
         )
 
     def expected_distance(self) -> Interconnection:
-        """The cost ‖p‖ + tr P, ``(*B,)``: see :func:`expected_distance`."""
-        return Interconnection(expected_distance, [self.name, self.covariance])
+        """The cost ‖p‖ + tr P, ``(*B,)``, of a robot on wheels from the point ahead.
+
+        See :func:`expected_distance`.
+        """
+        cost = expected_distance if self.wheels is None else self._distance_ahead
+        return Interconnection(cost, [self.name, self.covariance])
+
+    def _distance_ahead(self, p_tar: Tensor, P_tar: Tensor) -> Tensor:
+        """How far a landmark is from the point ahead, and how uncertain, ``(*B,)``."""
+        assert self.wheels is not None
+        return expected_distance(p_tar - p_tar.new_tensor((self.wheels.ahead, 0.0)), P_tar)
+
+    def _approach(self) -> Interconnection:
+        """How it comes nearer as the robot moves."""
+        if self.wheels is None:
+            return approach(self.name, self.motion)
+        turned = Interconnection(self.wheels.axes_after, [self.motion])
+        inputs = [self.name, self.motion]
+        return Interconnection(self.wheels.seen_after, inputs, **{self.name: turned})
+
+    def _spread(self) -> float | Interconnection:
+        """Variances of what the robot moves besides."""
+        if self.wheels is None:
+            return self.motion_noise**2
+        spread = partial(self.wheels.variances, deviation=self.motion_noise)
+        return Interconnection(spread, [self.name])
 
     def _first_belief(self) -> Interconnection:
         """Where it is believed by the first reading."""

@@ -17,6 +17,7 @@ NEEDED = {
     "own_object": ("pymunk", "matplotlib"),
     "shield": ("matplotlib",),
     "network": ("matplotlib",),
+    "wheels": ("matplotlib",),
 }
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 

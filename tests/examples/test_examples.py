@@ -21,6 +21,8 @@ CLAIMS = {
     "06_many_robots": "The robots arrive, and none noticed",
     "07_own_arm": "The arm reached every target, within its limits.",
     "08_add_to_a_running_arm": "The arm gave way to the ball, and came back.",
+    "09_wheels": "Both robots arrive from every heading, and touch nobody.",
+    "10_two_robots": "The robots have changed places, and did not touch.",
 }
 NEEDED = {
     "04_compare_resolutions": ["pymunk"],
