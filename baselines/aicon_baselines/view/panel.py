@@ -55,7 +55,6 @@ class Panel:
 
     def __init__(self, server: viser.ViserServer, scene: Scene, actions: Actions) -> None:
         self._gui, self._scene, self._actions = server.gui, scene, actions
-        self._gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
         self._gui.main_panel.dock_right()
         self._gui.set_panel_label(f"aicon watch {scene.episode.name}")
 

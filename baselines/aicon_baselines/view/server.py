@@ -34,6 +34,7 @@ class PageServer(viser.ViserServer):
         self._guard = Guard(host, names)
         with self._guard.on_duty():
             super().__init__(host, port, label="aicon", verbose=False)
+        self.gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
 
     @contextmanager
     def waiting(self, note: str) -> Iterator[None]:
