@@ -99,12 +99,8 @@ class MovingObstacle:
                 gap of now.
         """
         ahead = 0.0 if self.wheels is None else self.wheels.ahead
-        gap, likelihood = GapToCome(radius, horizon, ahead), CollisionLikelihood(length)
-
-        def cost(x_obstacle: Tensor) -> Tensor:
-            return likelihood(gap(x_obstacle).unsqueeze(-1))
-
-        return Interconnection(cost, [self.name])
+        gap = GapToCome(radius, horizon, ahead)
+        return Interconnection(CollisionToCome(gap, CollisionLikelihood(length)), [self.name])
 
     def _moved(self, x: Tensor, x_rob: Tensor, dt: float | Tensor) -> Tensor:
         """Position and velocity after a step, ``(*B, 4)``, m and m/s."""
@@ -181,6 +177,23 @@ class GapToCome:
         axle = torch.zeros_like(way[..., :3])
         point_ahead = axle + axle.new_tensor((self.ahead, 0.0, 0.0))
         return segment_distance(torch.cat((axle, point_ahead), dim=-1), way) - self.radius
+
+
+@dataclass(frozen=True)
+class CollisionToCome:
+    """exp(−d/ℓ), where d is the gap to come.
+
+    Attributes:
+        gap: d.
+        likelihood: Of a collision with a gap.
+    """
+
+    gap: GapToCome
+    likelihood: CollisionLikelihood
+
+    def __call__(self, x: Tensor) -> Tensor:
+        """The cost ``(*B,)`` of (p, v), ``(*B, 4)``, m and m/s."""
+        return self.likelihood(self.gap(x).unsqueeze(-1))
 
 
 @dataclass(frozen=True)

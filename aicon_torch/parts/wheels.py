@@ -91,8 +91,8 @@ class Wheels:
         """R(−θ), how the robot's axes see after a step what they saw before, ``(*B, 2, 2)``."""
         turn = self._turn(x_rob)
         cos, sin = torch.cos(turn), torch.sin(turn)
-        rows = (torch.stack((cos, sin), dim=-1), torch.stack((-sin, cos), dim=-1))
-        return torch.stack(rows, dim=-2)
+        new_x, new_y = torch.stack((cos, sin), dim=-1), torch.stack((-sin, cos), dim=-1)
+        return torch.stack((new_x, new_y), dim=-2)
 
     def variances(self, p: Tensor, deviation: float) -> Tensor:
         """What an error of x_rob makes of a point that is seen: σ² (1 + y²/ℓ², 1 + x²/ℓ²).

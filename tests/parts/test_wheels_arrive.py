@@ -8,19 +8,23 @@ from _inputs.wheels import (
     CAR,
     DRIVE,
     DT,
+    MOTION_NOISE,
     TRUCK,
     WHEELS,
     by_bearing,
     by_pose,
+    compiled,
     far_starts,
     noisy,
     range_and_bearing,
     rolled,
+    seen,
     starts,
 )
 from torch import Tensor
 
-from aicon_torch.parts import Wheels
+from aicon_torch import Actuator, Deterministic, Goal, Policy, Sensor, WorldModel
+from aicon_torch.parts import Landmark, Wheels
 
 every_robot = pytest.mark.parametrize("wheels", WHEELS.values(), ids=WHEELS)
 ORIGIN = torch.zeros(2, dtype=torch.float64)
@@ -64,6 +68,32 @@ def test_a_bearing_is_enough(wheels: Wheels) -> None:
         poses = rolled(poses, wheels.twist(action))
         nearest = torch.minimum(nearest, wheels.point_ahead(poses).norm(dim=-1))
     assert (nearest < 0.1).all()
+
+
+def test_readings_may_be_late() -> None:
+    """A reading corrects the belief of when it was taken, which then moves as the robot did."""
+    late = Landmark(
+        "p_tar",
+        "z_tar",
+        noise=0.01,
+        motion_noise=MOTION_NOISE,
+        sees="position",
+        delay=5,
+        wheels=DRIVE,
+    )
+    model = WorldModel(
+        sensors={"z_tar": Sensor(2, "m", age=4 * DT)},
+        actuators={"a": Actuator(2, "m/s", limit=(0.5, 0.5))},
+        estimators=[Deterministic("x_rob", DRIVE.motion, is_motion=True), late.estimator()],
+        goals=[Goal("reach", late.expected_distance())],
+        dt=DT,
+        dtype=torch.float64,
+    )
+    policy, memory, way = compiled(Policy(model)), None, [starts(DRIVE, count=10)]
+    for _ in range(300):
+        action, memory = policy.predict({"z_tar": seen(way[-5:][0], ORIGIN)}, memory)
+        way.append(rolled(way[-1], DRIVE.twist(action)))
+    assert (DRIVE.point_ahead(way[-1]).norm(dim=-1) < 0.02).all()
 
 
 def test_rows_stand_alone() -> None:
