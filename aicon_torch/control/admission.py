@@ -163,17 +163,18 @@ class Admission(NamedTuple):
         if sensor.is_possible is not None:
             is_read = is_read & sensor.is_possible(reading)
 
-        # ... it does not repeat itself while it should change, ...
+        # ... it does not repeat itself while it should change, unless it is the same one again, ...
+        tick = 1e-3 * self.dt
         was_frozen = memory.get(name + FROZEN, torch.zeros_like(is_read))
         frozen = was_frozen
         if sensor.driven_by is not None:
-            frozen = self._is_frozen(sensor, reading, last, memory, was_frozen) & ~is_first
+            is_other = ~is_first & ((age - waited).abs() > tick)
+            frozen = is_other & self._is_frozen(sensor, reading, last, memory, was_frozen)
             is_read = is_read & ~frozen
 
         # ... it is newer than the last, ...
         is_present, is_older = is_read, torch.zeros_like(is_read)
         if sensor.is_aged:
-            tick = 1e-3 * self.dt
             is_present = is_read & (is_first | (age < waited - tick))
             is_older = is_read & (age > waited + tick)
 

@@ -215,3 +215,14 @@ def test_a_frozen_reading_stays_none_after_an_outlier() -> None:
         _, memory = watched.predict({"place": np.array(place)}, memory)
         present.append(bool(memory["z.present"]))
     assert present == [True] * 4 + [False] * 13 + [True]
+
+
+def test_a_reading_that_comes_twice_is_not_frozen() -> None:
+    """Its age says that it is the same one: the next that is newer is believed at once."""
+    watched, memory = policy(age_key="age", driven_by="a", rate_limit=2.0), None
+    present = []
+    for x, age in [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.2, 0.1), (0.2, 0.0)]:
+        reading = {"place": np.array([x, 0.0]), "age": np.array(age)}
+        _, memory = watched.predict(reading, memory)
+        present.append(bool(memory["z.present"]))
+    assert present == [True, True, False, True, False]

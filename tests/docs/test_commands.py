@@ -10,6 +10,7 @@ from aicon_baselines import tasks
 from aicon_baselines.agents import registry
 from aicon_baselines.agents.variants import parse_variant
 from aicon_baselines.cli.command_line import Command
+from aicon_baselines.evaluation.task import Task
 from aicon_torch.models import MODELS, replace_options
 
 COMMANDS = shell_commands()
@@ -67,8 +68,8 @@ def check_names(arguments: argparse.Namespace) -> None:
     task = getattr(arguments, "task", "panda_push")
     assert set(getattr(arguments, "policies", ())) <= {*registry.names(task), *TRAINED}
 
-    conditions = getattr(arguments, "conditions", None) or ()
-    assert set(conditions) <= set(known_conditions(task))
+    for condition in getattr(arguments, "conditions", None) or ():
+        assert known_task(task).has_condition(condition)
 
     package = importlib.import_module(MODELS[task])
     for text in getattr(arguments, "variants", ()):
@@ -77,8 +78,8 @@ def check_names(arguments: argparse.Namespace) -> None:
         replace_options(package.Options(), options)
 
 
-def known_conditions(task: str) -> tuple[str, ...]:
-    """The conditions of a task whose environment is installed."""
-    if task in ("arm_push", "panda_push"):
+def known_task(name: str) -> Task:
+    """A task whose environment is installed."""
+    if name in ("arm_push", "panda_push"):
         pytest.importorskip("mujoco")
-    return tasks.load(task).conditions
+    return tasks.load(name)
