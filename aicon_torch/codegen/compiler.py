@@ -155,9 +155,9 @@ def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
         )
 
     # In two steps, since without libraries there are no headers of C either.
-    compiled = library.with_suffix(".o")
-    _run(folder, *command, *FLAGS, "-c", "-o", compiled, text)
-    _run(folder, *command, *_ALONE, "-o", library, compiled)
+    machine_code = library.with_suffix(".o")
+    _run(folder, *command, *FLAGS, "-c", "-o", machine_code, text)
+    _run(folder, *command, *_ALONE, "-o", library, machine_code)
 
 
 def _run(folder: str, *command: str | Path) -> None:
