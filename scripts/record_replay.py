@@ -1,6 +1,8 @@
 """Export a policy, and record episodes of it for the program in C++ to replay.
 
 Example: python scripts/record_replay.py nav2d build/nav2d
+
+With --target it is recorded here, and the policy in the folder is the one for that machine.
 """
 
 import argparse
@@ -14,6 +16,7 @@ from aicon_baselines.cli.bench import record_episodes
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load, names
 from aicon_torch import load_exported
+from aicon_torch.codegen.targets import TARGETS
 from aicon_torch.control.exported_memory import ExportedMemory
 from aicon_torch.control.layout import Layout
 from aicon_torch.control.library import Library
@@ -27,11 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, help="for policy.so and what was recorded")
     parser.add_argument("--condition", metavar="NAME", help="variant of the environment")
     parser.add_argument("--iterations", type=int, help="gradients in a step (default: as shipped)")
+    parser.add_argument("--target", choices=TARGETS, help="replay on another machine")
     parser.add_argument("--steps", type=int, default=200, help="recorded steps (default: 200)")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write policy.so, readings.bin, commands.bin and starts.bin."""
+    """Write the policy, readings.bin, commands.bin and starts.bin."""
     task, folder = arguments.task, arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
     condition = arguments.condition or CONDITIONS.get(task, load(task).conditions[0])
@@ -44,6 +48,10 @@ def run(arguments: argparse.Namespace) -> None:
     recorded = replayed(folder / "policy.so", policy.perception, episodes)
     for name, rows in zip(files, recorded, strict=True):
         np.array(rows, dtype=np.float64).tofile(folder / name)
+    if arguments.target is not None:
+        (folder / "policy.so").unlink()
+        library = (folder / "policy").with_suffix(TARGETS[arguments.target].suffix)
+        policy.export(library, target=arguments.target, task=task, condition=condition)
     print(f"{arguments.steps} steps of {task} in {folder}")
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import torch
 
 from aicon_torch.codegen.arrays import Array
+from aicon_torch.codegen.functions import FUNCTIONS
 from aicon_torch.codegen.scalars import CONSTANT, INPUT, ITEM, OPERATIONS, Number, Program
 from aicon_torch.codegen.solving import ROUTINES
 
@@ -30,8 +31,9 @@ typedef long long integer;
 static inline real magnitude(real a) {{ return fabs{suffix}(a); }}
 static inline real larger(real a, real b) {{ return (a > b || a != a) ? a : b; }}
 static inline real smaller(real a, real b) {{ return (a < b || a != a) ? a : b; }}
+{FUNCTIONS}
 static inline real modulo(real a, real b) {{
-  real rest = fmod{suffix}(a, b);
+  real rest = rest_of(a, b);
   return (rest != 0 && (rest < 0) != (b < 0)) ? rest + b : rest;
 }}
 

@@ -13,19 +13,14 @@ from pathlib import Path
 
 from aicon_torch.codegen.files import check_folder, write_whole
 from aicon_torch.codegen.seal import MARK, Seal, sealed
-from aicon_torch.codegen.targets import this_machine
+from aicon_torch.codegen.targets import find_target, this_machine
 from aicon_torch.errors import OptionError
 
 FLAGS = (
-    *("-O2", "-std=gnu11", "-shared", "-fPIC", "-fvisibility=hidden"),
+    *("-O2", "-std=gnu11", "-fPIC", "-fvisibility=hidden"),
     *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
 )
 """Numbers as torch computes them: nothing contracted, nothing reordered."""
-
-_MARKED = f"""
-__attribute__((used, visibility("default"))) const char aicon_mark[] = "{MARK}";
-"""
-"""What every library holds besides."""
 
 ZIG = (sys.executable, "-m", "ziglang", "cc", "-fno-slp-vectorize")
 """The C compiler that comes as a package, ``pip install 'aicon-torch[compiler]'``.
@@ -35,6 +30,20 @@ Vectorizing what is written out, it (clang 20) crashed on the step of an object 
 
 NO_COMPILER = "no C compiler (pip install 'aicon-torch[compiler]' or apt install gcc)"
 """What is said where none is found."""
+
+_ALONE = ("-shared", "-nostdlib", "-s", "-Wl,--gc-sections", "-Wl,-z,defs")
+"""A library for another machine needs none that may not be there, not even C's."""
+
+_MARKED = f"""
+__attribute__((used, visibility("default"))) const char aicon_mark[] = "{MARK}";
+#ifdef _WIN32
+int _DllMainCRTStartup(void *module, unsigned long reason, void *reserved) {{
+  (void)module, (void)reason, (void)reserved;
+  return 1;
+}}
+#endif
+"""
+"""What every library holds besides."""
 
 
 def has_compiler() -> bool:
@@ -102,34 +111,61 @@ def _has_zig() -> bool:
     return find_spec("ziglang") is not None
 
 
-def compile_library(source: str, path: Path) -> None:
+def compile_library(source: str, path: Path, target: str | None = None) -> None:
     """Compile a source in C to a shared library.
 
     The library runs on every machine of the same architecture. :func:`has_compiler` tells which
-    compiler it is. Its last line is a checksum, which is looked at when it is loaded.
+    compiler it is; for a target it is that of the package ``ziglang``, which compiles for any. Its
+    last line is a checksum, which is looked at when it is loaded.
 
     Args:
         source: The source.
         path: Where to write the library.
+        target: The machine that it shall run on, a name in
+            ``aicon_torch.codegen.targets.TARGETS``; by default one like this.
 
     Raises:
-        OptionError: If there is no compiler, or it fails, or the library cannot be written.
+        OptionError: If there is no compiler or no such target, or the compiler fails, or the
+            library cannot be written.
     """
     check_folder(path)
-    write_whole(path, compiled(source))
+    write_whole(path, compiled(source, target))
 
 
-def compiled(source: str) -> bytes:
+def compiled(source: str, target: str | None = None) -> bytes:
     """The library of a source: see :func:`compile_library`."""
-    compiler = compiler_command()
     with tempfile.TemporaryDirectory() as folder:
         library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
         text.write_text(source + _MARKED)
-        command = [*compiler, *FLAGS, "-o", str(library), str(text), "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True, env=_environment(folder))
-        if done.returncode != 0:
-            raise OptionError(f"{shlex.join(command)} failed: {done.stderr.strip()[:1000]}")
-        return sealed(library.read_bytes(), Seal(this_machine(), identity(source)))
+        if target is None:
+            _run(folder, *compiler_command(), *FLAGS, "-shared", "-o", library, text, "-lm")
+        else:
+            _compile_for(target, folder, text, library)
+        content = library.read_bytes()
+    return sealed(content, Seal(target or this_machine(), identity(source, target)))
+
+
+def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
+    """Compile a source for another machine."""
+    command = [*ZIG, "-target", find_target(target).triple]
+    if not _has_zig():
+        raise OptionError(
+            f"Compiling for {target} needs the package ziglang: "
+            "pip install 'aicon-torch[compiler]'."
+        )
+
+    # In two steps, since without libraries there are no headers of C either.
+    machine_code = library.with_suffix(".o")
+    _run(folder, *command, *FLAGS, "-c", "-o", machine_code, text)
+    _run(folder, *command, *_ALONE, "-o", library, machine_code)
+
+
+def _run(folder: str, *command: str | Path) -> None:
+    """Run the compiler, which may leave things in a folder."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, env=_environment(folder))
+    if done.returncode != 0:
+        raise OptionError(f"{shlex.join(words)} failed: {done.stderr.strip()[:1000]}")
 
 
 def _environment(folder: str) -> dict[str, str]:
@@ -143,7 +179,7 @@ def _environment(folder: str) -> dict[str, str]:
     return {**os.environ} if is_usable else {**os.environ, "ZIG_GLOBAL_CACHE_DIR": folder}
 
 
-def identity(source: str) -> str:
+def identity(source: str, target: str | None = None) -> str:
     """A hash of a source and how it is compiled, 32 hexadecimal digits."""
-    whole = "\n".join((source, *FLAGS, this_machine()))
+    whole = "\n".join((source, *FLAGS, target or this_machine()))
     return hashlib.sha256(whole.encode()).hexdigest()[:32]

@@ -58,6 +58,8 @@ def divide(
 
 def power(writer: Writer, kind: Kind, base: Any, exponent: Any) -> Array:
     """Power; the common ones as products and roots."""
+    if exponent == 1:
+        return writer.array(base, kind)
     if exponent == 2:
         return writer.map("mul", kind, base, base)
     if exponent == 0.5:

@@ -2,6 +2,37 @@
 
 import platform
 import sys
+from typing import NamedTuple
+
+from aicon_torch.errors import OptionError, choices
+
+
+class Target(NamedTuple):
+    """A machine that a library can be compiled for, on any other.
+
+    Attributes:
+        triple: What ziglang calls it.
+        suffix: How the name of a library ends there.
+        computers: Which computers these are.
+    """
+
+    triple: str
+    suffix: str
+    computers: str
+
+
+TARGETS = {
+    "x86_64-linux": Target("x86_64-linux-gnu.2.17", ".so", "PCs and industrial PCs with Linux"),
+    "aarch64-linux": Target(
+        "aarch64-linux-gnu.2.17", ".so", "Raspberry Pi OS of 64 bits, NVIDIA Jetson"
+    ),
+    "armv7-linux": Target("arm-linux-gnueabihf.2.17", ".so", "Raspberry Pi OS of 32 bits"),
+    "riscv64-linux": Target("riscv64-linux-gnu.2.27", ".so", "RISC-V boards with Linux"),
+    "x86_64-macos": Target("x86_64-macos.11.0", ".dylib", "Macs with Intel's processors"),
+    "aarch64-macos": Target("aarch64-macos.11.0", ".dylib", "Macs with Apple's processors"),
+    "x86_64-windows": Target("x86_64-windows-gnu", ".dll", "PCs with Windows"),
+}
+"""The machines by name, processor and system."""
 
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64", "armv7l": "armv7", "armv8l": "armv7"}
 """Other names of processors, as systems call them."""
@@ -19,3 +50,14 @@ def this_machine() -> str:
     if machine == "aarch64" and sys.maxsize < 2**32:
         machine = "armv7"
     return f"{machine}-{_SYSTEMS.get(system, system)}"
+
+
+def find_target(name: str) -> Target:
+    """The machine of a name.
+
+    Raises:
+        OptionError: If there is none of this name.
+    """
+    if name not in TARGETS:
+        raise OptionError(f"There is no target {name!r}. Targets: {choices(TARGETS)}.")
+    return TARGETS[name]

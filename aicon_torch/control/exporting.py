@@ -12,6 +12,7 @@ from torch import Tensor
 
 from aicon_torch.codegen import cached_library, compile_library, in_c, prelude
 from aicon_torch.codegen.files import check_folder, write_whole
+from aicon_torch.codegen.targets import find_target
 from aicon_torch.control.admission import BEGINS
 from aicon_torch.control.flat_step import FlatStep
 from aicon_torch.control.library import FORMAT, Library
@@ -26,35 +27,52 @@ _NUDGE = 1e-6
 
 
 def export(
-    step: ControlStep, path: str | Path, description: Mapping[str, str], perceives: bool
+    step: ControlStep,
+    path: str | Path,
+    description: Mapping[str, str],
+    perceives: bool,
+    target: str | None,
 ) -> None:
     """Write the control step of a policy to a file.
 
     Args:
         step: The step.
         path: A file that ends in ``.so``, for a library compiled for this kind of machine, or in
-            ``.c``, for its source.
+            ``.c``, for its source; with a target as libraries do there.
         description: What is to be known of it, such as its task.
         perceives: Whether a perception stands before it, which is not exported.
+        target: The machine that the library is for, a name in
+            ``aicon_torch.codegen.targets.TARGETS``; None for this kind of machine.
 
     Raises:
-        OptionError: If the file's name ends otherwise, it cannot be written there, or there is no C
-            compiler.
+        OptionError: If the file's name ends otherwise, it cannot be written there, or there is no
+            such target or no C compiler.
         GraphError: If an operation cannot be translated to C.
     """
     path = Path(path)
-    if path.suffix not in (".so", ".c"):
-        raise OptionError(
-            f"{str(path)!r}: expected a name that ends in .so (a library for this kind of machine) "
-            "or in .c (its source, to be compiled elsewhere)."
-        )
-
+    _check_suffix(path, target)
     check_folder(path)
     source = library_source(step, description, perceives)
     if path.suffix == ".c":
         write_whole(path, source.encode())
     else:
-        compile_library(source, path)
+        compile_library(source, path, target)
+
+
+def _check_suffix(path: Path, target: str | None) -> None:
+    """Check that a name ends as what shall be written to it."""
+    if target is not None:
+        suffix = find_target(target).suffix
+        if path.suffix != suffix:
+            raise OptionError(
+                f"{str(path)!r}: expected a name that ends in {suffix}, as libraries for {target} "
+                "do."
+            )
+    elif path.suffix not in (".so", ".c"):
+        raise OptionError(
+            f"{str(path)!r}: expected a name that ends in .so (a library for this kind of machine; "
+            "another one is named by target=...) or in .c (its source, to be compiled elsewhere)."
+        )
 
 
 def compiled_library(step: ControlStep, perceives: bool) -> Library:

@@ -208,7 +208,7 @@ class Policy(nn.Module):
         """
         return self._grown(self.model.with_estimator(estimator, **sensors))
 
-    def export(self, path: str | Path, **description: str) -> None:
+    def export(self, path: str | Path, target: str | None = None, **description: str) -> None:
         """Write the control step to a file that runs without torch, in microseconds.
 
         What is in it, down to the reading of observations and the beginning of episodes, is plain C
@@ -217,18 +217,23 @@ class Policy(nn.Module):
 
         Args:
             path: A file that ends in ``.so``, for a library compiled for this kind of machine, or
-                in ``.c``, for its source.
+                in ``.c``, for its source; with a target in ``.so``, ``.dylib`` or ``.dll``, as
+                libraries do there.
+            target: Another machine that it shall run on: ``"x86_64-linux"``, ``"aarch64-linux"``,
+                ``"armv7-linux"``, ``"riscv64-linux"``, ``"x86_64-macos"``, ``"aarch64-macos"`` or
+                ``"x86_64-windows"``. It needs nothing there, and ziglang here
+                (``pip install 'aicon-torch[compiler]'``).
             **description: What is to be known of it, such as ``task="pusht"``.
 
         Raises:
             OptionError: If the file's name ends otherwise, it cannot be written there, or there is
-                no C compiler.
+                no such target or no C compiler.
             GraphError: If an operation has no translation to C.
         """
         from aicon_torch.control.exporting import export  # loads the translation to C
 
         step = ControlStep(self.model, self.backward_pass, self.law)
-        export(step, path, description, perceives=self.perception is not None)
+        export(step, path, description, self.perception is not None, target)
 
     def reset(self) -> None:
         """Forget the memory that :meth:`act` keeps."""

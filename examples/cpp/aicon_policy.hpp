@@ -8,6 +8,9 @@
 #pragma once
 
 #ifdef _WIN32
+#ifndef NOMINMAX
+#define NOMINMAX
+#endif
 #include <windows.h>
 #else
 #include <dlfcn.h>
@@ -23,8 +26,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -37,9 +40,10 @@ namespace aicon {
 class Library {
  public:
   explicit Library(const std::string &path) : path_(path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw std::runtime_error(path + ": cannot be read");
-    const std::string content{std::istreambuf_iterator<char>(file), {}};
+    std::ostringstream read;
+    if (!(read << std::ifstream(path, std::ios::binary).rdbuf()))
+      throw std::runtime_error(path + ": cannot be read, or is empty");
+    const std::string content = read.str();
 
     check_end(content);
     check_seal(content);
@@ -83,11 +87,11 @@ class Library {
  private:
   // Unloads a library, and forgets the file that it was loaded from.
   struct Close {
-    int descriptor;
-    std::string copy;
+    int descriptor;    // of a file in memory, or -1
+    std::string copy;  // a private copy that cannot be deleted before
 
     Close() : descriptor(-1) {}
-    Close(int descriptor, const std::string &copy) : descriptor(descriptor), copy(copy) {}
+    Close(int opened, const std::string &copied) : descriptor(opened), copy(copied) {}
 
     void operator()(void *library) const {
 #ifdef _WIN32
@@ -104,8 +108,7 @@ class Library {
   void check_end(const std::string &content) const {
 #ifdef __linux__
     ElfW(Ehdr) header{};
-    if (content.size() < sizeof header || content.compare(0, SELFMAG, ELFMAG) != 0)
-      throw std::runtime_error(path_ + ": is no shared library");
+    if (content.size() < sizeof header || content.compare(0, SELFMAG, ELFMAG) != 0) return;
     std::memcpy(&header, content.data(), sizeof header);
     const std::size_t whole = header.e_shoff + std::size_t(header.e_shnum) * header.e_shentsize;
     if (header.e_ident[EI_CLASS] == (sizeof(void *) == 8 ? ELFCLASS64 : ELFCLASS32) &&
@@ -169,7 +172,8 @@ class Library {
     const unsigned long error = GetLastError();
     if (!library) {
       DeleteFileA(copy);
-      throw std::runtime_error(path_ + ": cannot be loaded: error " + std::to_string(error));
+      throw std::runtime_error(path_ + ": is no library for this machine, " + this_machine() +
+                               ": error " + std::to_string(error));
     }
     library_ = {library, Close(-1, copy)};
   }
@@ -185,10 +189,15 @@ class Library {
     const bool is_written = write_all(descriptor, content);
     ::close(descriptor);
 
-    void *library = is_written ? dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL) : nullptr;
+    if (!is_written) throw std::runtime_error(path_ + ": a private copy cannot be written");
+
+    void *library = dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL);
     ::unlink(copy.c_str());
-    if (!library)
-      throw std::runtime_error(path_ + ": " + (is_written ? dlerror() : "the disk is full"));
+    if (!library) {
+      std::string reason = dlerror();
+      if (reason.compare(0, copy.size(), copy) == 0) reason.erase(0, copy.size());
+      throw std::runtime_error(path_ + ": is no library for this machine, " + this_machine() + reason);
+    }
     library_ = {library, Close()};
   }
 

@@ -2,10 +2,12 @@
 //
 //   replay FOLDER [STEPS]
 //
-// FOLDER has policy.so, and rows of doubles in readings.bin, commands.bin and starts.bin (1 where an episode begins), as
-// scripts/record_replay.py writes them. The commands must be those that were recorded, bit by bit.
+// FOLDER has policy.so (.dylib, .dll), and rows of doubles in readings.bin, commands.bin and starts.bin (1 where an episode
+// begins), as scripts/record_replay.py writes them. The commands must be those that were recorded, bit by bit.
 
+#ifndef _WIN32
 #include <sys/resource.h>
+#endif
 
 #include <algorithm>
 #include <chrono>
@@ -40,10 +42,22 @@ static std::vector<double> read_doubles(const std::string &path) {
   return values;
 }
 
+#if defined(_WIN32)
+static const char *const kLibrary = "/policy.dll";
+#elif defined(__APPLE__)
+static const char *const kLibrary = "/policy.dylib";
+#else
+static const char *const kLibrary = "/policy.so";
+#endif
+
 static long resident_kilobytes() {
+#ifdef _WIN32
+  return 0;
+#else
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_maxrss;
+#endif
 }
 
 static void replay(const std::string &folder, long steps) {
@@ -53,7 +67,7 @@ static void replay(const std::string &folder, long steps) {
   };
 
   const auto before_loading = Clock::now();
-  aicon::Policy<double> policy(folder + "/policy.so");
+  aicon::Policy<double> policy(folder + kLibrary);
   std::printf("loaded in %.1f ms\n", microseconds(Clock::now() - before_loading) / 1e3);
 
   const std::vector<double> readings = read_doubles(folder + "/readings.bin");

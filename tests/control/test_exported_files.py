@@ -1,7 +1,9 @@
 """What is loaded is what the file holds now, and only if it is whole and unchanged."""
 
+import os
 import subprocess
 import sys
+import tempfile
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -32,6 +34,7 @@ def speed(path: Path) -> Any:
 def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("good") / "policy.so"
     navigation(0.5).export(path)
+    navigation(0.1).export(path.with_name("slow.so"))
     return path
 
 
@@ -70,6 +73,18 @@ def test_many_policies_are_loaded_without_keeping_files_open(good: Path) -> None
             load_exported({str(good)!r})
     """
     subprocess.run([sys.executable, "-c", textwrap.dedent(program)], check=True)
+
+
+def test_where_no_file_in_memory_may_run_a_private_copy_does(
+    good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(os, "memfd_create")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    path = tmp_path / "policy.so"
+    for source in (good, good.with_name("slow.so")):
+        path.write_bytes(source.read_bytes())
+        assert load_exported(path).metadata == load_exported(source).metadata
+    assert [file.name for file in tmp_path.iterdir()] == ["policy.so"]
 
 
 def test_a_flipped_bit_is_an_error_before_anything_runs(good: Path, tmp_path: Path) -> None:
