@@ -1,17 +1,6 @@
 """Reactive control by adaptive nullspace projection on a graph of recursive estimators (AICON)."""
 
-from aicon_torch.control import (
-    ActionLaw,
-    BackgroundPerception,
-    DirectDescent,
-    Explanation,
-    ExportedPolicy,
-    Foresight,
-    Perception,
-    Policy,
-    StepTrace,
-    load_exported,
-)
+from aicon_torch.control import ActionLaw, DirectDescent, Foresight
 from aicon_torch.errors import AiconError, GraphError, ObservationError, OptionError
 from aicon_torch.estimation import (
     EKF,
@@ -21,11 +10,15 @@ from aicon_torch.estimation import (
     LateEKF,
     Measurement,
 )
+from aicon_torch.export import ExportedPolicy, load_exported
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
+from aicon_torch.inspection import Explanation, StepTrace
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models import make_policy, presets
+from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.readings import BackgroundPerception, Perception
 from aicon_torch.resolution import (
     Escape,
     Exploration,

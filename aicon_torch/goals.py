@@ -14,12 +14,12 @@ class Goal(Node):
 
     A *safety* goal is not followed: no action may raise its cost above the tolerance. Each of its
     gaps, what is left until it costs something, bounds the actions that act on it (see
-    :class:`aicon_torch.safety.VelocityDampers`). Its gradient meets no other and is never projected
+    :class:`aicon_torch.dampers.VelocityDampers`). Its gradient meets no other and is never projected
     away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the parameters
     of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is ε − g. One
     that bounds each component of the actuator by itself may have a method ``room``, likewise, that
     says how far they may go down and up, ``(*B, n)`` both: see
-    :class:`aicon_torch.safety.ConstraintEscape`.
+    :class:`aicon_torch.dampers.ConstraintEscape`.
 
     Args:
         name: Name of the goal, by which it is switched and explained.

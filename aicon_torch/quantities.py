@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import torch
 from torch import Tensor
 
+from aicon_torch.dampers import VelocityDampers
 from aicon_torch.errors import GraphError
-from aicon_torch.safety import VelocityDampers
 
 PRESENT = ".present"
 """Suffix of the flag ``(*B,)`` that says whether a sensor has a reading in this step."""

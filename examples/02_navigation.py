@@ -15,7 +15,7 @@ import gymnasium as gym
 
 import aicon_envs  # noqa: F401  # registers the environments
 from aicon_torch import make_policy
-from aicon_torch.control import QuantityTrace
+from aicon_torch.inspection import QuantityTrace
 
 SEED = 1
 

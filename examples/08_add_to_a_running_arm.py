@@ -17,7 +17,6 @@ import torch
 from torch import Tensor
 
 from aicon_torch import Goal, Interconnection, Policy, Sensor, make_policy
-from aicon_torch.control.policy import Memory
 from aicon_torch.models.reach import Robot
 from aicon_torch.parts import (
     Capsule,
@@ -29,6 +28,7 @@ from aicon_torch.parts import (
     SquaredHinge,
     moving_point,
 )
+from aicon_torch.policy import Memory
 
 DT = 0.02
 RADIUS = 0.05

@@ -17,7 +17,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch import Actuator, Deterministic, Goal, Policy, Sensor, WorldModel
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 from aicon_torch.parts import Bicycle, DifferentialDrive, Landmark, MovingObstacle, Wheels, rotate
 
 DT = 0.05  # s

@@ -25,7 +25,7 @@ from aicon_torch import (
     Sensor,
     WorldModel,
 )
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 from aicon_torch.parts import DifferentialDrive
 
 DT = 0.05  # s

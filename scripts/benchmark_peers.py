@@ -21,7 +21,7 @@ from aicon_baselines.agents.registry import compiled, factory, import_sb3
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
 from aicon_torch import NullspaceProjection, OptionError, make_policy
-from aicon_torch.control import QuantityTrace
+from aicon_torch.inspection import QuantityTrace
 from aicon_torch.resolution import GradientStack
 
 STUDENT = Path(__file__).parent.parent / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"

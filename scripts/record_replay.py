@@ -16,10 +16,10 @@ from aicon_baselines.cli.bench import record_episodes
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load, names
 from aicon_torch import load_exported
-from aicon_torch.codegen.targets import TARGETS
-from aicon_torch.control.exported_memory import ExportedMemory
-from aicon_torch.control.layout import Layout
-from aicon_torch.control.library import Library
+from aicon_torch.export.codegen.targets import TARGETS
+from aicon_torch.export.exported_memory import ExportedMemory
+from aicon_torch.export.layout import Layout
+from aicon_torch.export.library import Library
 
 CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
 

@@ -19,10 +19,10 @@ PACKAGES = {
 }
 
 LAZY = {
-    ("aicon_torch.control.policy", "aicon_torch.control.compiled"),
-    ("aicon_torch.control.policy", "aicon_torch.control.exporting"),
-    ("aicon_torch.control.native", "aicon_torch.control.exporting"),
-    ("aicon_torch.control.compiled", "torch._inductor"),
+    ("aicon_torch.policy", "aicon_torch.export.inductor"),
+    ("aicon_torch.policy", "aicon_torch.export.exporting"),
+    ("aicon_torch.export.native", "aicon_torch.export.exporting"),
+    ("aicon_torch.export.inductor", "torch._inductor"),
 }
 """Imports inside functions, which are permitted because they load a compiler or a translator."""
 

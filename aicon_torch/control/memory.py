@@ -7,13 +7,13 @@ import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
 
-from aicon_torch.control.admission import BEGINS, Admission
 from aicon_torch.control.backward import BackwardPass
-from aicon_torch.control.observation import is_dense, tensor_kind
-from aicon_torch.control.safety import safety_memory
-from aicon_torch.control.watchdog import sent_memory
 from aicon_torch.errors import ObservationError, choices
+from aicon_torch.readings.observation import is_dense, tensor_kind
+from aicon_torch.readings.validation import BEGINS, Admission
 from aicon_torch.resolution import Memory
+from aicon_torch.safety.bounds import safety_memory
+from aicon_torch.safety.watchdog import sent_memory
 
 GOAL_FACTORS = "goals/active"
 """Key of the factor of each goal, ``(*B, goals)``."""

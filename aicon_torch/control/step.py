@@ -6,13 +6,13 @@ import torch
 from torch import Tensor
 
 from aicon_torch.control.action_law import ActionLaw
-from aicon_torch.control.admission import Admission
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.memory import GOAL_FACTORS, STEPS
-from aicon_torch.control.safety import safety_of
-from aicon_torch.control.watchdog import confidence, keep_finite, stay
 from aicon_torch.graph import WorldModel
+from aicon_torch.readings.validation import Admission
 from aicon_torch.resolution import Memory
+from aicon_torch.safety.bounds import safety_of
+from aicon_torch.safety.watchdog import confidence, keep_finite, stay
 
 Actions = dict[str, Tensor]
 """The action of each actuator, ``(*B, size)``."""

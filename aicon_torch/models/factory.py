@@ -5,9 +5,9 @@ from typing import Any
 
 import torch
 
-from aicon_torch.control import Policy
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.models.options import replace_options
+from aicon_torch.policy import Policy
 
 MODELS = {
     "nav2d": "aicon_torch.models.nav2d",

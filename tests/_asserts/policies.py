@@ -8,7 +8,7 @@ from torch import Tensor
 
 from _asserts.roundings import assert_equal_but_for_roundings
 from aicon_torch import ExportedPolicy, Policy
-from aicon_torch.control.watchdog import SENT
+from aicon_torch.safety.watchdog import SENT
 
 Memory = dict[str, Tensor]
 Readings = Sequence[dict[str, Tensor]]

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from aicon_torch.codegen import compile_library
-from aicon_torch.codegen.seal import MARK, Seal, sealed
+from aicon_torch.export.codegen import compile_library
+from aicon_torch.export.codegen.seal import MARK, Seal, sealed
 
 REFUSED = {
     "missing": "missing.so",

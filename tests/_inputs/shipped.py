@@ -4,7 +4,7 @@ import functools
 from typing import Any
 
 from aicon_torch import Foresight, Policy, make_policy
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 
 
 def lean(name: str, **options: Any) -> Policy:

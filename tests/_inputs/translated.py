@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from _inputs.random_numbers import normal
-from aicon_torch.codegen import compile_library, in_c, prelude
+from aicon_torch.export.codegen import compile_library, in_c, prelude
 
 Function = Callable[[Tensor], Tensor]
 

@@ -18,7 +18,7 @@ from aicon_torch import (
     Sensor,
     WorldModel,
 )
-from aicon_torch.safety import VelocityDampers
+from aicon_torch.dampers import VelocityDampers
 
 DT = 0.05
 

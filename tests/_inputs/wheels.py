@@ -8,7 +8,7 @@ from torch import Tensor
 
 from _inputs.random_numbers import normal
 from aicon_torch import Actuator, Deterministic, Goal, Policy, Sensor, WorldModel
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 from aicon_torch.parts import (
     BearingPrior,
     Bicycle,

@@ -6,7 +6,7 @@ from _asserts import assert_same_memory
 from _inputs import as_arrays, slower, steered, walled, where_to
 from torch import Tensor
 
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 
 
 def test_the_memory_holds_the_constrained_action_and_the_robot_gets_the_command() -> None:

@@ -13,7 +13,7 @@ import pytest
 from _inputs import observation_with
 
 from aicon_torch import Foresight, OptionError, Policy, load_exported, make_policy
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 

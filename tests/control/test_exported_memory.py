@@ -14,7 +14,7 @@ from _asserts import assert_same_memory
 from _inputs import drifting, observation_with
 
 from aicon_torch import ExportedPolicy, Foresight, Policy, load_exported, make_policy
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 

@@ -19,7 +19,7 @@ from aicon_torch import (
     WorldModel,
     make_policy,
 )
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 from aicon_torch.parts import Landmark, clock
 
 DOOR = Landmark("p_door", "z_door", noise=0.01, motion_noise=0.001, sees="position")

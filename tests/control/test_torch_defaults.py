@@ -12,7 +12,7 @@ from _inputs.reaching import planar_arm
 from torch import Tensor
 
 from aicon_torch import Policy, make_policy
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 
 ARM = planar_arm()
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from aicon_baselines.agents.registry import factory
-from aicon_torch.codegen.targets import this_machine
+from aicon_torch.export.codegen.targets import this_machine
 
 pytestmark = [
     pytest.mark.slow,

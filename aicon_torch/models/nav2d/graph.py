@@ -13,7 +13,6 @@ from typing import Any
 
 from torch import Tensor
 
-from aicon_torch.control import Policy
 from aicon_torch.estimation import Deterministic
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -21,6 +20,7 @@ from aicon_torch.models.nav2d.options import Options
 from aicon_torch.parts.clearance import Clearance, ClearanceLimits
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.landmark import BearingPrior, Landmark
+from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
 
 JUMP_DEVIATIONS = 6.0

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from torch import Tensor
 
-from aicon_torch.control import BackgroundPerception, Perception, Policy
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -36,7 +35,9 @@ from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import PoseDistance
 from aicon_torch.parts.self_collision import SelfCollision
 from aicon_torch.parts.workspace import Workspace
+from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
+from aicon_torch.readings import BackgroundPerception, Perception
 
 TURNS = (-10.0, 10.0)
 """Range of angles, rad, and of places on the table, m."""

@@ -81,7 +81,7 @@ class CameraOptions:
         trace_weight: Weight of tr Σ in the goal "push", 1/m; 0 leaves it out.
         trace_tolerance: tr Σ that this goal leaves alone, m²; 0 in the text.
         background: Whether images are read in a thread of their own, and no step waits for them:
-            see :class:`aicon_torch.control.BackgroundPerception`.
+            see :class:`aicon_torch.readings.BackgroundPerception`.
         delay: Largest age of an image that is made up for, steps; ages come as ``image_age``, s.
             With 0 an image is taken to show what is.
     """

@@ -15,7 +15,6 @@ from collections.abc import Callable
 import torch
 from torch import Tensor
 
-from aicon_torch.control import Policy
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -29,6 +28,7 @@ from aicon_torch.parts.contact import closest_point, fixed_closest_point
 from aicon_torch.parts.pose import FixedTarget, PoseDistance
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.parts.servo import Servo
+from aicon_torch.policy import Policy
 
 
 def build(options: Options) -> Policy:

@@ -14,7 +14,6 @@ from typing import Any
 
 from torch import Tensor
 
-from aicon_torch.control import Policy
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.estimation import Deterministic, Estimator, KalmanFilter, Measurement
 from aicon_torch.goals import Goal
@@ -32,6 +31,7 @@ from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
+from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
 
 JOINT_DRIFT = 1e-6

@@ -6,12 +6,12 @@ from pathlib import Path
 import torch
 
 from aicon_torch.control import ActionLaw, DirectDescent
+from aicon_torch.dampers import VelocityDampers
 from aicon_torch.models.reach.robot import Robot
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.tip_pose import Orientation
 from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
 from aicon_torch.resolution import NullspaceProjection, Resolution
-from aicon_torch.safety import VelocityDampers
 
 
 @dataclass(frozen=True)

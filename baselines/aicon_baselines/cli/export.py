@@ -14,7 +14,7 @@ from typing import Any
 from aicon_baselines.agents.registry import make
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.tasks import load, names
-from aicon_torch.codegen.targets import TARGETS, this_machine
+from aicon_torch.export.codegen.targets import TARGETS, this_machine
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, load what was written if it is for this machine, and tell what it is."""
-    from aicon_torch.control.library import Library
+    from aicon_torch.export.library import Library
 
     task, path, target = arguments.task, arguments.output, arguments.target
     condition = arguments.condition or load(task).conditions[0]

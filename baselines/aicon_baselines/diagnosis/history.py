@@ -10,8 +10,8 @@ from torch import Tensor
 
 from aicon_baselines.diagnosis.innovations import Innovations, innovations
 from aicon_torch import EKF, Actuator, Foresight, Goal, Policy, StepTrace, WorldModel
-from aicon_torch.control import QuantityTrace
 from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.inspection import QuantityTrace
 from aicon_torch.quantities import PRESENT
 from aicon_torch.resolution import Memory
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.extras import missing_extra
-from aicon_torch.control import Policy, QuantityTrace, StepTrace
+from aicon_torch.inspection import QuantityTrace, StepTrace
+from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
 
 try:

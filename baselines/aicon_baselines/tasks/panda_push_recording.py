@@ -15,7 +15,7 @@ from aicon_baselines.evaluation.task import Episode
 from aicon_baselines.tasks.panda_push import TASK
 from aicon_baselines.tasks.panda_push_numbers import EpisodeNumbers
 from aicon_torch import Policy, StepTrace
-from aicon_torch.control import QuantityTrace
+from aicon_torch.inspection import QuantityTrace
 from aicon_torch.models.panda_push import PANDA, Options, end_effector
 from aicon_torch.parts.camera import Visibility
 from aicon_torch.parts.end_effector import EndEffector

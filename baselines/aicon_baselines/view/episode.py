@@ -8,7 +8,7 @@ from gymnasium.vector import VectorEnv
 from aicon_baselines.view.compiling import CompiledTwins
 from aicon_baselines.view.resolutions import carried_over, resolutions_of, with_resolution
 from aicon_torch import Policy, StepTrace
-from aicon_torch.control import QuantityTrace
+from aicon_torch.inspection import QuantityTrace
 from aicon_torch.resolution import Memory
 
 

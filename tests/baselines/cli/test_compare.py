@@ -10,7 +10,7 @@ import pytest
 from aicon_baselines import tasks
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation.rows_file import read_rows
-from aicon_torch.codegen import has_compiler
+from aicon_torch.export.codegen import has_compiler
 
 TASKS = [
     "nav2d",

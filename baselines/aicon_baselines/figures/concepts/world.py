@@ -21,7 +21,7 @@ from aicon_torch import (
     Sensor,
     WorldModel,
 )
-from aicon_torch.control import QuantityTrace
+from aicon_torch.inspection import QuantityTrace
 from aicon_torch.resolution import Memory
 
 DT, SPEED, REACH = 0.1, 1.0, 0.6

@@ -12,7 +12,7 @@ import torch
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.figures.recording import FloatArray, Recording, to_array, track
 from aicon_envs.nav2d import NavigationMap
-from aicon_torch.control import Policy
+from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
 
 PATHS = {

@@ -9,7 +9,7 @@ import numpy as np
 from aicon_baselines.figures.recording import BoolArray, FloatArray, Recording, to_array, track
 from aicon_baselines.figures.rendering import Frame
 from aicon_envs.panda_push import PandaPushEnv
-from aicon_torch.control import Policy
+from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
 
 STRIDE = 10

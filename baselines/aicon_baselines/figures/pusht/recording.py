@@ -11,9 +11,9 @@ from torch import Tensor
 
 from aicon_baselines.figures.recording import BoolArray, FloatArray, Recording, to_array
 from aicon_envs.pusht.geometry import Pose, place
-from aicon_torch.control import Policy
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import Servo
+from aicon_torch.policy import Policy
 
 
 @dataclass(frozen=True, kw_only=True)

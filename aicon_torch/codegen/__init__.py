@@ -1,8 +1,0 @@
-"""Functions of tensors as plain C: traced, taken apart into numbers, and written out."""
-
-from aicon_torch.codegen.c_source import prelude
-from aicon_torch.codegen.cache import cached_library
-from aicon_torch.codegen.compiler import compile_library, has_compiler
-from aicon_torch.codegen.tracing import FlatFunction, in_c
-
-__all__ = ["FlatFunction", "cached_library", "compile_library", "has_compiler", "in_c", "prelude"]

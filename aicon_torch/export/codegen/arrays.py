@@ -1,0 +1,115 @@
+"""Arrays of a program's numbers: what a tensor is while it is translated."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, cast
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number, Program
+
+Array = NDArray[Any]
+"""The numbers of a tensor, in its shape."""
+
+COMPARISONS = ("eq", "ne", "lt", "le", "gt", "ge")
+
+
+class Writer:
+    """Writes operations on arrays into a program, element by element.
+
+    Args:
+        program: The program.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+
+    def array(self, value: Any, kind: Kind | None = None) -> Array:
+        """An array of what is one already, of a tensor's constants, or of a number."""
+        if isinstance(value, np.ndarray):
+            return value if kind is None else self.cast(value, kind)
+        if isinstance(value, Tensor):
+            own = kind_of(value.dtype)
+            numbers = [self.program.constant(x, own) for x in value.flatten().tolist()]
+            return self.array(as_array(numbers, tuple(value.shape)), kind)
+
+        is_real = isinstance(value, float)
+        own = "bool" if isinstance(value, bool) else "real" if is_real else "int"
+        return as_array([self.program.constant(value, kind or own)], ())
+
+    def full(self, shape: Sequence[int], value: float, kind: Kind) -> Array:
+        """The same constant everywhere."""
+        filled = np.empty(tuple(shape), dtype=object)
+        filled[...] = self.program.constant(value, kind)
+        return filled
+
+    def cast(self, values: Array, kind: Kind) -> Array:
+        """The values as another kind."""
+        return self._each(lambda value: self.program.cast(value, kind), values)
+
+    def map(self, operation: str, kind: Kind, *values: Any) -> Array:
+        """An elementary operation on each element, with broadcasting."""
+        arrays = [self.array(value) for value in values]
+        if operation in COMPARISONS:  # of the same kind, though the result is another
+            arrays = self._of_one_kind(arrays)
+        elif operation == "where":
+            arrays = [self.cast(arrays[0], "bool"), *(self.cast(a, kind) for a in arrays[1:])]
+        elif not operation.startswith("to_"):
+            arrays = [self.cast(array, kind) for array in arrays]
+        return self._each(lambda *numbers: self.program.apply(operation, numbers, kind), *arrays)
+
+    def reduce(
+        self, operation: str, kind: Kind, values: Array, dims: Sequence[int], keeps: bool
+    ) -> Array:
+        """An operation of two arguments along dimensions, from the first element to the last."""
+        dims = [dim % values.ndim for dim in dims] if values.ndim else []
+        last = np.moveaxis(values, dims, range(-len(dims), 0)) if dims else values[..., None]
+        kept = last.shape[: last.ndim - max(len(dims), 1)]
+        rows = last.reshape(*kept, -1)
+
+        result = self.cast(rows[..., 0], kind)
+        for place in range(1, rows.shape[-1]):
+            result = self.map(operation, kind, result, rows[..., place])
+        return np.expand_dims(result, tuple(dims)) if keeps else result
+
+    def pick(self, candidates: Sequence[Any], index: Number) -> Number:
+        """The candidate at an index, which may be known when the program runs only."""
+        if index.operation == CONSTANT:
+            return cast(Number, candidates[index.value])
+
+        chosen = candidates[0]
+        for place in range(1, len(candidates)):
+            arguments = (self.is_at(index, place), candidates[place], chosen)
+            chosen = self.program.apply("where", arguments, chosen.kind)
+        return cast(Number, chosen)
+
+    def is_at(self, index: Number, place: int) -> Number:
+        """Whether an index is this place."""
+        return self.program.apply("eq", (index, self.program.constant(place, "int")), "bool")
+
+    def _of_one_kind(self, arrays: list[Array]) -> list[Array]:
+        """Arrays of the kind that holds them all."""
+        kinds: set[Kind] = {array.flat[0].kind for array in arrays if array.size}
+        widest: Kind = "real" if "real" in kinds else "int"
+        return [self.cast(array, widest) for array in arrays]
+
+    @staticmethod
+    def _each(function: Callable[..., Number], *arrays: Array) -> Array:
+        result = np.frompyfunc(function, len(arrays), 1)(*arrays)
+        return result if isinstance(result, np.ndarray) else as_array([result], ())
+
+
+def as_array(numbers: Sequence[Number], shape: tuple[int, ...]) -> Array:
+    """An array of some numbers."""
+    array = np.empty(len(numbers), dtype=object)
+    array[:] = numbers
+    return array.reshape(shape)
+
+
+def kind_of(dtype: torch.dtype) -> Kind:
+    """The kind of a tensor's elements."""
+    if dtype == torch.bool:
+        return "bool"
+    return "real" if dtype.is_floating_point else "int"

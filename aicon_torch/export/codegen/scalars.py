@@ -1,0 +1,194 @@
+"""A program of numbers: what a graph of tensors computes, element by element."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import torch
+
+Kind = Literal["real", "int", "bool"]
+"""What a number is: of the graph's precision, an index, or true or false."""
+
+CONSTANT, INPUT, ITEM = "constant", "input", "item"
+"""Numbers that are not computed: literals, elements of an input, results of a routine."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Number:
+    """One number of a program.
+
+    Attributes:
+        index: Its place in the program; it depends on numbers before it only.
+        operation: What it is: a name in :data:`OPERATIONS`, of a routine, or one of the above.
+        arguments: What it is computed from.
+        kind: Real, int or bool.
+        value: Of a constant its value, of an input its name and place, of an item its place.
+    """
+
+    index: int
+    operation: str
+    arguments: tuple["Number", ...]
+    kind: Kind
+    value: Any = None
+
+
+@dataclass(frozen=True)
+class Operation:
+    """An elementary operation.
+
+    Attributes:
+        text: In C, with the arguments' places; ``{f}`` is the suffix of the precision's functions.
+        fold: The same in numpy, for constants.
+    """
+
+    text: str
+    fold: Callable[..., Any]
+
+
+OPERATIONS: dict[str, Operation] = {
+    # Arithmetic.
+    "add": Operation("{0} + {1}", np.add),
+    "sub": Operation("{0} - {1}", np.subtract),
+    "mul": Operation("{0} * {1}", np.multiply),
+    "div": Operation("{0} / {1}", np.divide),
+    "neg": Operation("-{0}", np.negative),
+    "abs": Operation("fabs{f}({0})", np.abs),
+    "maximum": Operation("larger({0}, {1})", np.maximum),
+    "minimum": Operation("smaller({0}, {1})", np.minimum),
+    "remainder": Operation("modulo({0}, {1})", np.remainder),
+    "floor": Operation("rounded_down({0})", np.floor),
+    "ceil": Operation("rounded_up({0})", np.ceil),
+    "round": Operation("rounded({0})", np.rint),
+    "trunc": Operation("whole_part({0})", np.trunc),
+    "sqrt": Operation("sqrt{f}({0})", np.sqrt),
+    # Functions: see aicon_torch.export.codegen.functions.
+    "exp": Operation("exponential({0})", np.exp),
+    "expm1": Operation("exponential_less_one({0})", np.expm1),
+    "log": Operation("logarithm({0})", np.log),
+    "log1p": Operation("logarithm_of_one_more({0})", np.log1p),
+    "pow": Operation("power({0}, {1})", np.power),
+    "sin": Operation("sine({0})", np.sin),
+    "cos": Operation("cosine({0})", np.cos),
+    "tan": Operation("tangent({0})", np.tan),
+    "asin": Operation("arc_sine({0})", np.arcsin),
+    "acos": Operation("arc_cosine({0})", np.arccos),
+    "atan": Operation("arc_tangent({0})", np.arctan),
+    "atan2": Operation("angle_of({0}, {1})", np.arctan2),
+    "hypot": Operation("length_of({0}, {1})", np.hypot),
+    "sinh": Operation("hyperbolic_sine({0})", np.sinh),
+    "cosh": Operation("hyperbolic_cosine({0})", np.cosh),
+    "tanh": Operation("hyperbolic_tangent({0})", np.tanh),
+    "erf": Operation("error_function({0})", lambda x: torch.erf(torch.tensor(x)).numpy()),
+    # Comparisons and choices.
+    "eq": Operation("{0} == {1}", np.equal),
+    "ne": Operation("{0} != {1}", np.not_equal),
+    "lt": Operation("{0} < {1}", np.less),
+    "le": Operation("{0} <= {1}", np.less_equal),
+    "gt": Operation("{0} > {1}", np.greater),
+    "ge": Operation("{0} >= {1}", np.greater_equal),
+    "and": Operation("{0} & {1}", np.logical_and),
+    "or": Operation("{0} | {1}", np.logical_or),
+    "xor": Operation("{0} ^ {1}", np.logical_xor),
+    "not": Operation("!{0}", np.logical_not),
+    "where": Operation("{0} ? {1} : {2}", np.where),
+    # From one kind to another.
+    "to_real": Operation("(real){0}", lambda x: x),
+    "to_int": Operation("(integer){0}", np.trunc),
+    "to_bool": Operation("{0} != 0", lambda x: x != 0),
+}
+
+NEUTRAL = {"add": (0, 0), "sub": (None, 0), "mul": (1, 1), "div": (None, 1)}
+"""Left and right constants that leave the other argument as it is."""
+
+
+class Program:
+    """Numbers computed from inputs, each distinct one once.
+
+    Args:
+        dtype: The precision of its real numbers.
+    """
+
+    def __init__(self, dtype: torch.dtype) -> None:
+        self.dtype = dtype
+        self.numbers: list[Number] = []
+        self._places: dict[tuple[Any, ...], Number] = {}
+        self._round = np.float32 if dtype == torch.float32 else np.float64
+
+    def constant(self, value: float, kind: Kind) -> Number:
+        """A literal."""
+        types: dict[Kind, Callable[[Any], Any]] = {"real": self._round, "int": int, "bool": bool}
+        typed = types[kind](value)
+        key = typed.tobytes() if isinstance(typed, np.floating) else typed  # −0, NaN have their own
+        return self._number(CONSTANT, (), kind, typed, (CONSTANT, kind, key))
+
+    def input(self, name: str, place: int) -> Number:
+        """An element of an input, which is real."""
+        return self._number(INPUT, (), "real", (name, place))
+
+    def apply(self, operation: str, arguments: tuple[Number, ...], kind: Kind) -> Number:
+        """The result of an elementary operation."""
+        if all(argument.operation == CONSTANT for argument in arguments):
+            return self._fold(operation, arguments, kind)
+        shorter = self._simplified(operation, arguments)
+        if shorter is not None:
+            return shorter
+        return self._number(operation, arguments, kind)
+
+    def call(self, routine: str, arguments: Iterable[Number], sizes: tuple[int, ...]) -> Number:
+        """A call of a routine, whose results :meth:`item` gives."""
+        return self._number(routine, tuple(arguments), "real", sizes)
+
+    def item(self, call: Number, place: int) -> Number:
+        """One of the results of a routine."""
+        return self._number(ITEM, (call,), "real", place)
+
+    def cast(self, number: Number, kind: Kind) -> Number:
+        """The number as another kind."""
+        return number if number.kind == kind else self.apply(f"to_{kind}", (number,), kind)
+
+    def _number(
+        self,
+        operation: str,
+        arguments: tuple[Number, ...],
+        kind: Kind,
+        value: Any = None,
+        key: tuple[Any, ...] | None = None,
+    ) -> Number:
+        """The number that is this, new or known."""
+        if key is None:
+            key = (operation, kind, value, *(argument.index for argument in arguments))
+        if key not in self._places:
+            number = Number(len(self.numbers), operation, arguments, kind, value)
+            self.numbers.append(number)
+            self._places[key] = number
+        return self._places[key]
+
+    def _fold(self, operation: str, arguments: tuple[Number, ...], kind: Kind) -> Number:
+        """An operation on constants, done here."""
+        with np.errstate(all="ignore"):  # infinity and NaN are results like others
+            value = OPERATIONS[operation].fold(*(argument.value for argument in arguments))
+        return self.constant(value, kind)
+
+    @staticmethod
+    def _simplified(operation: str, arguments: tuple[Number, ...]) -> Number | None:
+        """What an operation comes to that leaves one of its arguments as it is."""
+        if operation == "where":
+            condition, chosen, other = arguments
+            if condition.operation == CONSTANT:
+                return chosen if condition.value else other
+            return chosen if chosen is other else None
+
+        if operation in NEUTRAL:
+            left, right = arguments
+            neutral_left, neutral_right = NEUTRAL[operation]
+            if _is(left, neutral_left):
+                return right
+            if _is(right, neutral_right):
+                return left
+        return None
+
+
+def _is(number: Number, value: float | None) -> bool:
+    """Whether a number is this constant."""
+    return number.operation == CONSTANT and value is not None and bool(number.value == value)

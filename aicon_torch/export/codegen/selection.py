@@ -1,0 +1,144 @@
+"""What operators do that compare the numbers of a tensor: the largest, the order, running sums."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from aicon_torch.export.codegen.arrays import Array, Writer, as_array
+from aicon_torch.export.codegen.operators import Translation
+from aicon_torch.export.codegen.scalars import Kind, Number
+
+Best = tuple[Number, Number]
+"""A value, and its index."""
+
+
+def extreme_index(is_better: str) -> Translation:
+    """The translation of argmax (``"gt"``) and argmin (``"lt"``)."""
+
+    def translation(
+        writer: Writer, kind: Kind, value: Array, dim: int | None = None, keepdim: bool = False
+    ) -> Array:
+        if dim is None:
+            return _extreme(writer, value.reshape(-1), 0, is_better, False)[1]
+        return _extreme(writer, value, dim, is_better, keepdim)[1]
+
+    return translation
+
+
+def extreme(is_better: str) -> Translation:
+    """The translation of max and min along a dimension: values and indices."""
+
+    def translation(
+        writer: Writer, kind: Kind, value: Array, dim: int, keepdim: bool = False
+    ) -> tuple[Array, Array]:
+        return _extreme(writer, value, dim, is_better, keepdim)
+
+    return translation
+
+
+def topk(
+    writer: Writer,
+    kind: Kind,
+    value: Array,
+    count: int,
+    dim: int = -1,
+    largest: bool = True,
+    sorted: bool = True,
+) -> tuple[Array, Array]:
+    """The largest or smallest values in order, and their indices; of equal ones the first."""
+    is_better = "gt" if largest else "lt"
+    return _along(value, dim, lambda line: _in_order(writer, line, count, is_better))
+
+
+def sort(
+    writer: Writer, kind: Kind, value: Array, dim: int = -1, descending: bool = False
+) -> tuple[Array, Array]:
+    """All values in order, and their indices; equal ones stay in theirs."""
+    return topk(writer, kind, value, value.shape[dim], dim, largest=descending)
+
+
+def running_sum(writer: Writer, kind: Kind, value: Array, dim: int, **_: Any) -> Array:
+    """The sum of each element and those before it."""
+    along = np.moveaxis(writer.cast(value, kind), dim, 0)
+    sums = [along[:1]]
+    for place in range(1, len(along)):
+        sums.append(writer.map("add", kind, sums[-1], along[place : place + 1]))
+    return np.moveaxis(np.concatenate(sums), 0, dim)
+
+
+def _extreme(
+    writer: Writer, value: Array, dim: int, is_better: str, keepdim: bool
+) -> tuple[Array, Array]:
+    values, indices = _along(value, dim, lambda line: _in_order(writer, line, 1, is_better))
+    if keepdim:
+        return values, indices
+    return values.squeeze(dim), indices.squeeze(dim)
+
+
+def _along(value: Array, dim: int, function: Callable[[Array], list[Best]]) -> tuple[Array, Array]:
+    """Values and indices that a function finds in each line along a dimension."""
+    moved = np.moveaxis(value, dim, -1) if value.ndim else value.reshape(1)
+    best: list[Best] = []
+    for line in moved.reshape(-1, moved.shape[-1]):
+        best.extend(function(line))
+
+    shape = (*moved.shape[:-1], -1) if value.ndim else ()
+    found = []
+    for numbers in zip(*best, strict=True):
+        array = as_array(list(numbers), (len(best),)).reshape(shape)
+        found.append(np.moveaxis(array, -1, dim) if value.ndim else array)
+    return found[0], found[1]
+
+
+def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[Best]:
+    """The first of a line in order: the best of all, the best of the others, and so on."""
+    program = writer.program
+    taken = [program.constant(False, "bool")] * len(line)
+
+    order: list[Best] = []
+    for _ in range(count):
+        best, index = line[0], program.constant(0, "int")
+        is_free = program.apply("not", (taken[0],), "bool")
+        for place in range(1, len(line)):
+            # A candidate that is free takes over from one that is worse, or that is taken.
+            better = _is_better(writer, line[place], best, is_better)
+            takes = program.apply("or", (better, program.apply("not", (is_free,), "bool")), "bool")
+            free_here = program.apply("not", (taken[place],), "bool")
+            takes = program.apply("and", (takes, free_here), "bool")
+
+            best = program.apply("where", (takes, line[place], best), best.kind)
+            here = program.constant(place, "int")
+            index = program.apply("where", (takes, here, index), "int")
+            is_free = program.apply("or", (is_free, takes), "bool")
+
+        order.append((best, index))
+        for place in range(len(line)):
+            is_here = writer.is_at(index, place)
+            taken[place] = program.apply("or", (taken[place], is_here), "bool")
+    return order
+
+
+def _is_better(writer: Writer, candidate: Number, best: Number, is_better: str) -> Number:
+    """Whether a candidate is larger or smaller; NaN is better than all, as torch has it."""
+    program = writer.program
+    wins = program.apply(is_better, (candidate, best), "bool")
+    if candidate.kind != "real":
+        return wins
+
+    is_nan = program.apply("ne", (candidate, candidate), "bool")
+    was_nan = program.apply("ne", (best, best), "bool")
+    is_first_nan = program.apply("and", (is_nan, program.apply("not", (was_nan,), "bool")), "bool")
+    return program.apply("or", (wins, is_first_nan), "bool")
+
+
+SELECTION: dict[str, Translation] = {
+    "argmax": extreme_index("gt"),
+    "argmin": extreme_index("lt"),
+    "max": extreme("gt"),
+    "min": extreme("lt"),
+    "topk": topk,
+    "sort": sort,
+    "cumsum": running_sum,
+}
+"""The translation of each operator that compares, by its name in aten without the overload."""

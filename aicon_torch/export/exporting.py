@@ -1,0 +1,317 @@
+"""Export: the control step of a policy as a shared library that needs neither torch nor Python."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.control.step import ControlStep
+from aicon_torch.errors import OptionError
+from aicon_torch.export.codegen import cached_library, compile_library, in_c, prelude
+from aicon_torch.export.codegen.files import check_folder, write_whole
+from aicon_torch.export.codegen.targets import find_target
+from aicon_torch.export.flat_step import FlatStep
+from aicon_torch.export.library import FORMAT, Library
+from aicon_torch.readings.validation import BEGINS
+
+_TEST_STEPS = 3
+_TEST_SEEDS = 10
+_NUDGES = 16
+_NUDGE = 1e-6
+
+
+def export(
+    step: ControlStep,
+    path: str | Path,
+    description: Mapping[str, str],
+    perceives: bool,
+    target: str | None,
+) -> None:
+    """Write the control step of a policy to a file.
+
+    Args:
+        step: The step.
+        path: A file that ends in ``.so``, for a library compiled for this kind of machine, or in
+            ``.c``, for its source; with a target as libraries do there.
+        description: What is to be known of it, such as its task.
+        perceives: Whether a perception stands before it, which is not exported.
+        target: The machine that the library is for, a name in
+            ``aicon_torch.export.codegen.targets.TARGETS``; None for this kind of machine.
+
+    Raises:
+        OptionError: If the file's name ends otherwise, it cannot be written there, or there is no
+            such target or no C compiler.
+        GraphError: If an operation cannot be translated to C.
+    """
+    path = Path(path)
+    _check_suffix(path, target)
+    check_folder(path)
+    source = library_source(step, description, perceives)
+    if path.suffix == ".c":
+        write_whole(path, source.encode())
+    else:
+        compile_library(source, path, target)
+
+
+def _check_suffix(path: Path, target: str | None) -> None:
+    """Check that a name ends as what shall be written to it."""
+    if target is not None:
+        suffix = find_target(target).suffix
+        if path.suffix != suffix:
+            raise OptionError(
+                f"{str(path)!r}: expected a name that ends in {suffix}, as libraries for {target} "
+                "do."
+            )
+    elif path.suffix not in (".so", ".c"):
+        raise OptionError(
+            f"{str(path)!r}: expected a name that ends in .so (a library for this kind of machine; "
+            "another one is named by target=...) or in .c (its source, to be compiled elsewhere)."
+        )
+
+
+def compiled_library(step: ControlStep, perceives: bool) -> Library:
+    """The control step of a policy as a library, loaded: see :func:`export` for what may fail."""
+    return Library(cached_library(library_source(step, {}, perceives)), "The compiled step")
+
+
+def library_source(step: ControlStep, description: Mapping[str, str], perceives: bool) -> str:
+    """The source of an exported policy, in C; see :func:`export`."""
+    if step.model.like.device.type != "cpu":
+        raise OptionError(f"A policy on {step.model.like.device}: expected one on the CPU.")
+    flat = FlatStep(step)
+
+    # Every function of the step.
+    examples = flat.examples()
+    functions = [prelude(step.model.like.dtype)]
+    for name, (function, inputs, outputs) in flat.functions().items():
+        functions.append(in_c(name, function, inputs, outputs, examples))
+
+    # What the library says of itself, and what calls these functions.
+    metadata = _metadata(flat, description, perceives)
+    metadata["fingerprint"] = hashlib.sha256("".join(functions).encode()).hexdigest()
+    return "\n".join(
+        [_HEADING, *functions, _constants(flat, metadata), _row(flat), _STEP, _test(flat)]
+    )
+
+
+def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -> dict[str, Any]:
+    """What the library says of itself."""
+    model = flat.model
+    sensors: list[dict[str, Any]] = []
+    fields = ("size", "unit", "key", "optional", "range", "scale", "age", "age_key")
+    for name, sensor in model.sensors.items():
+        sensors.append({"name": name, **{field: getattr(sensor, field) for field in fields}})
+
+    actuators: list[dict[str, Any]] = []
+    for name, actuator in model.actuators.items():
+        told = {"size": actuator.size, "unit": actuator.unit, "key": actuator.key}
+        actuators.append({"name": name, **told})
+
+    # A perception makes readings of images and the like, never of the time.
+    perceived = [name for name in model.sensors if perceives and name != model.clock]
+    return {
+        "format": FORMAT,
+        "aicon_torch": _own_version(),
+        "description": dict(description),
+        "dtype": str(model.like.dtype).removeprefix("torch."),
+        "dt": model.dt,
+        "iterations": flat.step.law.iterations,
+        "sensors": sensors,
+        "readings": flat.readings.to_json(),
+        "perceived": perceived,
+        "actuators": actuators,
+        "goals": list(model.goals),
+        "memory": flat.memory.to_json(),
+        "commands": flat.commands.to_json(),
+    }
+
+
+def _own_version() -> str:
+    """The version that is installed."""
+    try:
+        return version("aicon-torch")
+    except PackageNotFoundError:  # it runs out of its source
+        return "not installed"
+
+
+def _test(flat: FlatStep) -> str:
+    """A test of the library: some readings, and what comes of them."""
+    for seed in range(_TEST_SEEDS):
+        readings = _test_readings(flat, seed)
+        outcomes = _after(flat, _with_nearby(readings))
+        outcome, settled = outcomes[0], _settled(outcomes)
+        if settled[flat.memory.size :].all():  # the commands are
+            break
+
+    return _TEST.format(
+        steps=_TEST_STEPS,
+        readings=_initializer(readings.flatten()),
+        outcome=_initializer(outcome),
+        settled=_initializer(settled.int()),
+    )
+
+
+def _with_nearby(readings: Tensor) -> Tensor:
+    """The readings of a few steps ``(steps, n)``, and others nearby: ``(1 + nudges, steps, n)``."""
+    generator, size = torch.Generator("cpu").manual_seed(0), (_NUDGES, *readings.shape)
+    noise = torch.randn(size, generator=generator, dtype=torch.float32, device="cpu").to(readings)
+    return torch.cat((readings.unsqueeze(0), readings * (1.0 + _NUDGE * noise)))
+
+
+def _settled(outcomes: Tensor) -> Tensor:
+    """Which numbers readings nearby leave as they are, ``(n,)``; the first row has none of those.
+
+    What hangs on rounding tells nothing: of two gradients of one length, either may come first.
+    """
+    outcome, nearby = outcomes[0], outcomes[1:]
+    return torch.isclose(nearby, outcome, rtol=1e-4, atol=1e-4, equal_nan=True).all(dim=0)
+
+
+def _test_readings(flat: FlatStep, seed: int) -> Tensor:
+    """Readings of a few steps, ``(steps, n)``; the second time there are none of optional ones."""
+    generator, size = torch.Generator("cpu").manual_seed(seed), (_TEST_STEPS, flat.readings.size)
+    noise = torch.rand(size, generator=generator, dtype=torch.float32, device="cpu")
+    readings = 0.1 + noise
+    for name, sensor in flat.model.sensors.items():
+        entry = flat.readings.entries[name]
+        if sensor.optional:
+            readings[1, entry.start : entry.stop] = torch.nan
+    return readings.to(flat.model.like.dtype)
+
+
+def _after(flat: FlatStep, readings: Tensor) -> Tensor:
+    """The memory and the commands after first steps with readings ``(B, steps, n)``, ``(B, m)``."""
+    begins = flat.memory.entries[BEGINS].start
+    steps = readings.unbind(dim=1)
+    memory = flat.restarted(flat.blank().expand(len(readings), -1), steps[0])
+    for reading in steps:
+        has_not_begun = memory[:, begins, None] != 0  # nothing has been read yet
+        memory = torch.where(has_not_begun, flat.restarted(memory, reading), memory)
+        memory, commands = flat(memory, reading)
+    return torch.cat((memory, commands), dim=-1)
+
+
+def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
+    """Sizes, the memory before the first episode, and the metadata."""
+    goals = flat.memory.entries[GOAL_FACTORS]
+    sizes = {
+        "FORMAT": FORMAT,
+        "ITERATIONS": flat.step.law.iterations,
+        "READINGS": flat.readings.size,
+        "MEMORY": flat.memory.size,
+        "COMMANDS": flat.commands.size,
+        "VALUES": flat.values.size,
+        "DESCENT": flat.descent.size,
+        "FIRST_GOAL": goals.start,
+        "GOALS": goals.stop - goals.start,
+        "BEGINS": flat.memory.entries[BEGINS].start,
+    }
+    lines = [f"#define {name} {size}" for name, size in sizes.items()]
+    lines.append(f"static const real blank[MEMORY] = {_initializer(flat.blank())};")
+
+    text = json.dumps(metadata)
+    pieces = [text[place : place + 90] for place in range(0, len(text), 90)]
+    lines += ["EXPORTED const char aicon_metadata[] ="]
+    lines += [f"    {json.dumps(piece)}" for piece in pieces]
+    return "\n".join(lines) + ";\n"
+
+
+def _initializer(values: Tensor) -> str:
+    """A tensor as the initial value of an array."""
+    numbers = ["NAN" if value != value else repr(value) for value in values.tolist()]
+    return "{" + ", ".join(numbers).replace("inf", "INFINITY") + "}"
+
+
+def _row(flat: FlatStep) -> str:
+    """One step of one robot, from the functions that were traced."""
+    if flat.step.law.iterations == 1:
+        return _ONE_GRADIENT
+    return _MANY_GRADIENTS
+
+
+_HEADING = """\
+/* The control step of a policy, exported by aicon-torch.
+
+   cc -O2 -std=gnu11 -shared -fPIC -ffp-contract=off -fno-math-errno -o policy.so policy.c -lm
+
+   It allocates nothing and keeps nothing: the memory is the caller's. */
+#include <string.h>
+#define EXPORTED __attribute__((visibility("default")))
+"""
+
+_ONE_GRADIENT = """\
+static void step(const real *memory, const real *readings, real *next, real *commands) {
+  whole(memory, readings, next, commands);
+}
+"""
+
+_MANY_GRADIENTS = """\
+static void step(const real *memory, const real *readings, real *next, real *commands) {
+  real values[VALUES], descent[2][DESCENT];
+  begin(memory, readings, values, descent[0]);
+  for (int k = 0; k < ITERATIONS; ++k)
+    descend(memory, values, descent[k % 2], descent[(k + 1) % 2]);
+  finish(memory, values, descent[ITERATIONS % 2], next, commands);
+}
+"""
+
+_STEP = """\
+/* Format, bytes of a real number, and how many of them there are in the readings, the memory and
+   the commands of one robot. */
+EXPORTED const int aicon_sizes[5] = {FORMAT, sizeof(real), READINGS, MEMORY, COMMANDS};
+
+/* The memory before the first episode. */
+EXPORTED void aicon_blank(void *memory) { memcpy(memory, blank, sizeof blank); }
+
+/* One step of each of some robots. Where starts is set, or the memory says so, an episode begins:
+   the memory starts anew, but for the factors of the goals. Next may be memory. */
+EXPORTED void aicon_step(long rows, const unsigned char *starts, const void *readings,
+                         const void *memory, void *next, void *commands) {
+  for (long row = 0; row < rows; ++row) {
+    const real *seen = (const real *)readings + row * READINGS;
+    const real *before = (const real *)memory + row * MEMORY;
+    real fresh[MEMORY], after[MEMORY];
+
+    if ((starts && starts[row]) || before[BEGINS] != 0) {
+      start(seen, fresh);
+      memcpy(fresh + FIRST_GOAL, before + FIRST_GOAL, GOALS * sizeof(real));
+      before = fresh;
+    }
+    step(before, seen, after, (real *)commands + row * COMMANDS);
+    memcpy((real *)next + row * MEMORY, after, sizeof after);
+  }
+}
+"""
+
+_TEST = """\
+/* Whether it computes here what it did when it was exported, but for what hangs on rounding. */
+static int is_near(const real *found, const real *recorded, const char *settled, int count) {{
+  const real tolerance = sizeof(real) == 4 ? 1e-4 : 1e-9;
+  for (int i = 0; i < count; ++i) {{
+    if (!settled[i] || (found[i] != found[i] && recorded[i] != recorded[i])) continue;
+    if (!(magnitude(found[i] - recorded[i]) <= tolerance * (1 + magnitude(recorded[i]))))
+      return 0;
+  }}
+  return 1;
+}}
+
+EXPORTED int aicon_test(void) {{
+  static const real readings[{steps}][READINGS] = {readings};
+  static const real recorded[MEMORY + COMMANDS] = {outcome};
+  static const char settled[MEMORY + COMMANDS] = {settled};
+  real outcome[MEMORY + COMMANDS];
+
+  aicon_blank(outcome);
+  for (int k = 0; k < {steps}; ++k) {{
+    const unsigned char starts = k == 0;
+    aicon_step(1, &starts, readings[k], outcome, outcome, outcome + MEMORY);
+  }}
+  return is_near(outcome, recorded, settled, MEMORY + COMMANDS);
+}}
+"""

@@ -1,0 +1,50 @@
+"""The step of a compiled policy on the CPU: translated to C when it is first needed."""
+
+import logging
+
+import torch
+
+from aicon_torch.control.step import ControlStep
+from aicon_torch.export.exported_policy import ExportedPolicy
+from aicon_torch.readings.perception import Perception
+
+_LOGGER = logging.getLogger(__name__)
+
+
+class NativeSteps:
+    """The libraries of a policy, one for each precision that it is used in."""
+
+    def __init__(self) -> None:
+        self._steps: dict[torch.dtype, ExportedPolicy | None] = {}
+
+    def of(self, step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
+        """The library of a step, as a policy; None where it must run otherwise.
+
+        Args:
+            step: The step.
+            perception: What stands before it.
+        """
+        like = step.model.like
+        if like.device.type != "cpu":
+            return None
+
+        if like.dtype not in self._steps:
+            self._steps[like.dtype] = self._translated(step, perception)
+        return self._steps[like.dtype]
+
+    @staticmethod
+    def _translated(step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
+        from aicon_torch.export.exporting import compiled_library  # loads the translation to C
+
+        plain = ControlStep(step.model, step.backward, step.law)
+        try:
+            with torch.inference_mode(False):  # gradients are traced
+                library = compiled_library(plain, perceives=perception is not None)
+        except Exception as error:  # noqa: BLE001  # it runs otherwise, or says there why it cannot
+            _LOGGER.warning(
+                "The step does not run as C, and TorchInductor is tried instead: its first step "
+                "takes minutes, every other one up to fifty times as long. %s",
+                error,
+            )
+            return None
+        return ExportedPolicy(library, perception)

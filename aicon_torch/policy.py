@@ -1,0 +1,393 @@
+"""The policy: from an observation to an action, one control step at a time."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike
+from torch import Tensor, nn
+
+from aicon_torch.control.action_law import ActionLaw
+from aicon_torch.control.backward import BackwardPass
+from aicon_torch.control.foresight import Foresight
+from aicon_torch.control.memory import (
+    GOAL_FACTORS,
+    check_memory,
+    grown,
+    initial_memory,
+    memory_shapes,
+    restart_rows,
+    starting_rows,
+)
+from aicon_torch.control.step import ControlStep, last_values
+from aicon_torch.errors import ObservationError, OptionError, choices
+from aicon_torch.estimation import Estimator
+from aicon_torch.export.native import NativeSteps
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.inspection.explanation import Explanation, explain
+from aicon_torch.inspection.trace import StepTrace, trace
+from aicon_torch.quantities import Sensor
+from aicon_torch.readings.observation import read
+from aicon_torch.readings.perception import Perception
+from aicon_torch.readings.validation import BEGINS
+from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
+from aicon_torch.safety.watchdog import keep_finite
+
+
+class Policy(nn.Module):
+    """Reactive control: estimate, pull the goals' gradients back to the actuators, descend.
+
+    All that lives from step to step is in the memory, a flat ``dict[str, Tensor]`` with leading
+    batch dimensions. It goes in and comes out, can be saved with ``torch.save``, and one policy
+    serves any number of robots.
+
+    Args:
+        model: The world model.
+        resolution: What happens where gradients meet; by default nullspace projection as shipped.
+        law: From the gradient to the action, one for all actuators; by default full speed along it.
+        perception: What makes readings of raw observations such as images, if anything has to.
+
+    Example:
+        >>> action, memory = policy.predict(observation)
+        >>> action, memory = policy.predict(observation, memory)
+    """
+
+    def __init__(
+        self,
+        model: WorldModel,
+        resolution: Resolution | None = None,
+        law: ActionLaw | None = None,
+        perception: Perception | None = None,
+    ) -> None:
+        super().__init__()
+        self.model = model
+        self.resolution = NullspaceProjection() if resolution is None else resolution
+        self.law = Foresight() if law is None else law
+        self.perception = perception
+        for name, actuator in model.actuators.items():
+            self.law.check(name, actuator)
+
+        self.backward_pass = BackwardPass(model, self.resolution)
+        self._step = ControlStep(model, self.backward_pass, self.law)
+        self._shapes = memory_shapes(self.backward_pass, self._step.admit)
+        self._made_of: tuple[dict[str, tuple[int, ...]], ...] = ()  # shapes of memories that go on
+        self._memory: Memory | None = None
+        self._native: NativeSteps | None = None
+
+    def predict(
+        self,
+        observation: Mapping[str, Any],
+        state: Memory | None = None,
+        episode_start: ArrayLike | Tensor | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Any, Memory]:
+        """One control step, with the signature of stable-baselines3.
+
+        Args:
+            observation: A reading for each sensor, ``(*B, size)``, numpy or torch.
+            state: The memory that the last step returned; None starts an episode.
+            episode_start: Rows ``(*B,)`` whose observation is the first of an episode; their memory
+                starts anew.
+            deterministic: Accepted for the signature's sake; the policy has no randomness.
+
+        Returns:
+            The action ``(*B, size)``, of the observation's kind (a dict of them if there are
+            several actuators), and the memory.
+
+        Raises:
+            ObservationError: If the key of a sensor that is not optional is missing, or a reading
+                is wrongly shaped, not real or not dense. A number that is masked, not finite or
+                beyond the sensor's range is no error but no reading, in its row alone.
+        """
+        native = None if self._native is None else self._native.of(self._step, self.perception)
+        if native is not None and self._earlier(state) is None:
+            action, after = native.predict(observation, state, episode_start)
+            return action, cast(Memory, after)  # it is read like one
+
+        # The memory of a policy with less in it goes on by a readable step: it is but one.
+        step = self._step
+        if native is not None:
+            step = ControlStep(self.model, self.backward_pass, self.law)
+
+        with torch.inference_mode(False):
+            memory, readings = self._begin(observation, state, episode_start)
+            commands, memory = step(readings, memory)
+
+        # An action is of the observation's kind, and alone where there is one actuator.
+        takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
+        actions = commands if takes_tensors else _as_numpy(commands)
+        if len(actions) == 1:
+            return next(iter(actions.values())), memory
+        return actions, memory
+
+    def estimate(
+        self,
+        observation: Mapping[str, Any],
+        state: Memory | None = None,
+        action: Mapping[str, Tensor] | None = None,
+        episode_start: ArrayLike | Tensor | None = None,
+    ) -> Memory:
+        """Update the estimates alone, while somebody else acts.
+
+        Args:
+            observation: As for :meth:`predict`.
+            state: The memory that the last step returned.
+            action: What was executed since, by actuator, ``(*B, size)``; by default the action in
+                the memory.
+            episode_start: As for :meth:`predict`.
+
+        Raises:
+            OptionError: If there is no such actuator.
+            ObservationError: If the action has another shape, or is not finite.
+        """
+        # What somebody else did takes the place of the action in the memory.
+        executed = dict(action or {})
+        self._check_executed(executed)
+
+        with torch.inference_mode(False):
+            memory, readings = self._begin(observation, state, episode_start)
+            admitted = self._step.admit(readings, memory)
+            values = self.model.update(last_values(self.model, memory) | admitted | executed)
+            _, new_memory = keep_finite(self.model, {}, memory | values, memory)
+        return new_memory
+
+    def compile(self) -> "Policy":  # type: ignore[override]  # torch's compiles in place and in silence
+        """The same policy with its step compiled, a hundred times faster.
+
+        On the CPU the step is translated to C, as :meth:`export` does it; the memory is then read
+        like a dictionary, and is one array. Elsewhere, or where an operation has no translation,
+        which is then logged as a warning by its name, TorchInductor compiles it: see
+        :class:`aicon_torch.export.inductor.CompiledStep`. Where a parameter has changed, call it
+        again.
+        """
+        from aicon_torch.export.inductor import CompiledStep  # loads the compiler
+
+        compiled = Policy(self.model, self.resolution, self.law, self.perception)
+        compiled._step = CompiledStep(compiled._step)
+        compiled._native = NativeSteps()
+        compiled._made_of = self._made_of
+        return compiled
+
+    def with_goal(self, goal: Goal) -> "Policy":
+        """This policy with a goal more, compiled if this one is.
+
+        A memory of this policy goes on in the new one: give it to :meth:`predict` as ever. What it
+        knows it goes on to know, and a goal that is switched off stays off.
+
+        Args:
+            goal: The goal.
+
+        Raises:
+            GraphError: As for a model that is built.
+
+        Example:
+            >>> policy = policy.with_goal(Goal("stay dry", near_the_puddle))
+            >>> action, memory = policy.predict(observation, memory)
+        """
+        return self._grown(self.model.with_goal(goal))
+
+    def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "Policy":
+        """This policy with an estimator more, and the sensors that it reads: see :meth:`with_goal`.
+
+        It begins with the readings of the first step that is taken with it. A row that lacks one
+        that its prior reads rests until it comes, and then begins anew.
+
+        Args:
+            estimator: The estimator.
+            **sensors: Sensors by name that are new with it.
+
+        Raises:
+            GraphError: As for a model that is built.
+
+        Example:
+            >>> ball = moving_point("x_ball", "z_ball", dt=0.02)
+            >>> policy = policy.with_estimator(ball, z_ball=Sensor(3, "m", key="ball"))
+        """
+        return self._grown(self.model.with_estimator(estimator, **sensors))
+
+    def export(self, path: str | Path, target: str | None = None, **description: str) -> None:
+        """Write the control step to a file that runs without torch, in microseconds.
+
+        What is in it, down to the reading of observations and the beginning of episodes, is plain C
+        without allocations: :func:`aicon_torch.load_exported` runs it in Python, and
+        ``examples/cpp`` in C++. A perception is not in it.
+
+        Args:
+            path: A file that ends in ``.so``, for a library compiled for this kind of machine, or
+                in ``.c``, for its source; with a target in ``.so``, ``.dylib`` or ``.dll``, as
+                libraries do there.
+            target: Another machine that it shall run on: ``"x86_64-linux"``, ``"aarch64-linux"``,
+                ``"armv7-linux"``, ``"riscv64-linux"``, ``"x86_64-macos"``, ``"aarch64-macos"`` or
+                ``"x86_64-windows"``. It needs nothing there, and ziglang here
+                (``pip install 'aicon-torch[compiler]'``).
+            **description: What is to be known of it, such as ``task="pusht"``.
+
+        Raises:
+            OptionError: If the file's name ends otherwise, it cannot be written there, or there is
+                no such target or no C compiler.
+            GraphError: If an operation has no translation to C.
+        """
+        from aicon_torch.export.exporting import export  # loads the translation to C
+
+        step = ControlStep(self.model, self.backward_pass, self.law)
+        export(step, path, description, self.perception is not None, target)
+
+    def reset(self) -> None:
+        """Forget the memory that :meth:`act` keeps."""
+        self._memory = None
+
+    def act(self, observation: Mapping[str, Any]) -> Any:
+        """One control step of a single episode, with the memory kept here: for those in a hurry."""
+        action, self._memory = self.predict(observation, self._memory)
+        return action
+
+    def switch(self, memory: Memory, **goals: bool | float | Tensor) -> Memory:
+        """The memory with goals switched on or off, or weighted, which outlasts the episode.
+
+        Args:
+            memory: The memory to start from.
+            **goals: For each goal to change its factor, a number or ``(*B,)``.
+
+        Raises:
+            OptionError: If there is no such goal.
+            ObservationError: If the memory is one of the policy that this one was made of.
+        """
+        names = list(self.model.goals)
+        if self._earlier(memory) is not None:
+            raise ObservationError(
+                "state: a memory of the policy that this one was made of; take a step with it "
+                "first."
+            )
+        factors = memory[GOAL_FACTORS].clone()
+        for name, factor in goals.items():
+            if name not in names:
+                raise OptionError(f"No goal is named {name!r}. Goals: {choices(names)}.")
+            value = torch.as_tensor(factor, dtype=factors.dtype, device=factors.device)
+            factors[..., names.index(name)] = value
+        return memory | {GOAL_FACTORS: factors}
+
+    def trace(self, memory: Memory) -> StepTrace:
+        """What the step that returned this memory knew and decided, for every row of the batch.
+
+        Args:
+            memory: The memory.
+        """
+        return trace(self.backward_pass, memory)
+
+    def explain(self, memory: Memory, row: int | tuple[int, ...] = ()) -> Explanation:
+        """What the step that returned this memory decided, in numbers to read.
+
+        Args:
+            memory: The memory.
+            row: Which row of the batch.
+        """
+        return explain(self.backward_pass, memory, row)
+
+    def _begin(
+        self,
+        observation: Mapping[str, Any],
+        state: Memory | None,
+        episode_start: ArrayLike | Tensor | None,
+    ) -> tuple[Memory, dict[str, Tensor]]:
+        """The memory with the rows that start anew, and the new readings."""
+        if self.perception is not None:
+            observation = self._perceive(self.perception, observation, state, episode_start)
+        model, admission = self.model, self._step.admit
+        readings = read(observation, model.sensors, model.actuators, model.like)
+        batch = tuple(readings[next(iter(model.sensors))].shape[:-1])
+
+        # An episode of all rows begins.
+        if state is None:
+            first = admission.first(readings)
+            return initial_memory(self.backward_pass, admission, first, batch), readings
+
+        # The memory of a policy with less in it goes on.
+        shapes = self._earlier(state)
+        check_memory(state, self._shapes if shapes is None else shapes, batch)
+        if shapes is not None:
+            state = self._grown_memory(state, shapes, readings, batch)
+
+        # Some rows begin, and some wait for the reading that they begin with.
+        starts = starting_rows(episode_start, batch, model.like.device)
+        starts = state[BEGINS] if starts is None else starts | state[BEGINS]
+        if starts.device.type == "cpu" and not starts.any():  # elsewhere this would wait
+            return state, readings
+
+        first = admission.first(readings)
+        fresh = initial_memory(self.backward_pass, admission, first, batch)
+        return restart_rows(state, fresh, starts), readings
+
+    def _grown(self, model: WorldModel) -> "Policy":
+        """This policy with more in its model."""
+        policy = Policy(model, self.resolution, self.law, self.perception)
+        policy._made_of = (*self._made_of, self._shapes)
+        if self._native is not None:
+            policy = policy.compile()
+        policy._memory = self._memory
+        return policy
+
+    def _earlier(self, state: Memory | None) -> dict[str, tuple[int, ...]] | None:
+        """The shapes of a memory of a policy that this one was made of; None for any other."""
+        if not isinstance(state, Mapping):
+            return None
+        for shapes in self._made_of:
+            has_keys = state.keys() == shapes.keys()
+            if has_keys and tuple(state[GOAL_FACTORS].shape[-1:]) == shapes[GOAL_FACTORS]:
+                return shapes
+        return None
+
+    def _grown_memory(
+        self,
+        state: Memory,
+        shapes: Mapping[str, tuple[int, ...]],
+        readings: Mapping[str, Tensor],
+        batch: tuple[int, ...],
+    ) -> Memory:
+        """A memory of a policy that this one was made of, as it goes on here."""
+        admission = self._step.admit
+        fresh = initial_memory(self.backward_pass, admission, admission.first(readings), batch)
+
+        lacks = torch.zeros_like(state[BEGINS])
+        for name in self.model.graph.first_readings:
+            if name not in shapes:
+                lacks = lacks | ~readings[name].isfinite().all(-1)
+        return grown(state, fresh, lacks)
+
+    def _perceive(
+        self,
+        perception: Perception,
+        observation: Mapping[str, Any],
+        state: Memory | None,
+        episode_start: ArrayLike | Tensor | None,
+    ) -> Mapping[str, Any]:
+        """The observation with what the perception makes of it."""
+        if state is None:
+            return perception(observation, None, None)
+
+        known = [name for name in self.model.quantities if name in state]
+        values = {name: state[name] for name in known}
+        batch = tuple(values[next(iter(self.model.actuators))].shape[:-1])
+        starts = starting_rows(episode_start, batch, self.model.like.device)
+        return perception(observation, values, None if starts is None else starts.numpy(force=True))
+
+    def _check_executed(self, executed: Mapping[str, Tensor]) -> None:
+        for name, action in executed.items():
+            if name not in self.model.actuators:
+                raise OptionError(
+                    f"No actuator is named {name!r}. Actuators: {choices(self.model.actuators)}."
+                )
+            size = self.model.actuators[name].size
+            if action.shape[-1:] != (size,) or not action.isfinite().all():
+                raise ObservationError(
+                    f"action of {name!r}: expected finite values of shape (*batch, {size})."
+                )
+
+
+def _as_numpy(commands: Mapping[str, Tensor]) -> dict[str, Any]:
+    """Commands as Gymnasium's environments take them."""
+    return {
+        name: command.numpy(force=True).astype(np.float32) for name, command in commands.items()
+    }

@@ -1,0 +1,260 @@
+"""Safety goals at an actuator: how fast gaps may close, and the action nearest to the wish."""
+
+import math
+from collections.abc import Mapping
+
+import torch
+from torch import Tensor
+
+from aicon_torch.errors import GraphError
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.quantities import AGE, PRESENT
+from aicon_torch.resolution import Memory
+from aicon_torch.safety import SafetyBounds, nearest_safe
+from aicon_torch.safety.stuck import Stalemate, initial_escape
+from aicon_torch.safety.task_cost import FollowedCost
+
+FARTHEST = 1e3
+"""A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
+
+
+class ActuatorSafety:
+    """What keeps the safety goals at one actuator (see :class:`aicon_torch.Goal`).
+
+    The gaps are anticipated one step ahead of the values, as functions of the action; how they grow
+    with it are the rows. What moves by itself is in them as the model foresees it.
+
+    Args:
+        model: The world model.
+        actuator: Name of the actuator.
+        goals: The safety goals that depend on it.
+
+    Raises:
+        GraphError: If the actuator has no finite limit.
+    """
+
+    def __init__(self, model: WorldModel, actuator: str, goals: list[Goal]) -> None:
+        declared = model.actuators[actuator]
+        limits = torch.as_tensor(declared.limit, dtype=torch.float64, device="cpu").expand(
+            declared.size
+        )
+        if not limits.isfinite().all():
+            raise GraphError(
+                f"Actuator {actuator!r} has limit={declared.limit!r}: the safety goal "
+                f"{goals[0].name!r} needs a finite one."
+            )
+
+        self.model, self.actuator, self.goals = model, actuator, goals
+        self.options = declared.dampers
+        self.limits = limits
+        self.time = self.options.braking / float(limits.median())
+        self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
+        self._boxed: list[str] = []
+        self._boxed.extend([goal.name for goal in goals if self._is_box(goal)])
+
+        self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
+
+        escape = self.options.escape
+        self.stalemate = None if escape is None else Stalemate(escape, limits, model.dt, self.time)
+
+    def __call__(
+        self,
+        values: Mapping[str, Tensor],
+        wish: Tensor,
+        memory: Mapping[str, Tensor],
+        goal_factors: Tensor,
+    ) -> tuple[Tensor, Memory]:
+        """The action that keeps the safety goals.
+
+        Args:
+            values: Values after the new readings.
+            wish: The action that the other goals wish for, ``(*B, n)``.
+            memory: The memory before the step.
+            goal_factors: Factor of each goal, ``(*B, goals)``.
+
+        Returns:
+            The action ``(*B, n)``, and what is remembered of it.
+        """
+        within, sweeps = self.bounds(values, goal_factors), self.options.sweeps
+        inverse = self._inverse_metric(values)
+        if self.stalemate is None:
+            return nearest_safe(wish, within, sweeps, inverse).action, {}
+
+        # While escaping, the direction of the escape stands for the wish, and serves no goal: all
+        # components count alike.
+        start = f"{self.actuator}/escape/"
+        own = {key[len(start) :]: value for key, value in memory.items() if key.startswith(start)}
+        if inverse is not None:
+            escaping = own["escaping"][..., None, None]
+            identity = torch.eye(wish.shape[-1], dtype=inverse.dtype, device=inverse.device)
+            inverse = torch.where(escaping, identity, inverse)
+        safe = nearest_safe(self.stalemate.aim(wish, own), within, sweeps, inverse)
+        action = self.model.actuators[self.actuator].clip(
+            safe.action
+        )  # its norm, if that is limited
+
+        cost = FollowedCost(self.model, self.actuator, values, goal_factors)
+        remembered = self.stalemate.judge(cost, wish, safe, self._room(values), own)
+        return action, {start + key: value for key, value in remembered.items()}
+
+    def _inverse_metric(self, values: Mapping[str, Tensor]) -> Tensor | None:
+        """M⁻¹ of the actuator's metric, ``(*B, n, n)``; None where all components count alike."""
+        metric = self.model.metric(self.actuator, values)
+        if metric is None:
+            return None
+        identity = torch.eye(metric.shape[-1], dtype=metric.dtype, device=metric.device)
+        inverse: Tensor = torch.linalg.solve_ex(metric, identity.expand_as(metric)).result
+        return inverse
+
+    def _room(self, values: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
+        """How far each component may go down and up, ``(*B, n)`` both; ∞ where nothing says it."""
+        down = torch.full_like(values[self.actuator], torch.inf)
+        up = down
+        for goal in self._ranged:
+            to_low, to_high = goal.room(self._with_dt(values))
+            down, up = torch.minimum(down, to_low), torch.minimum(up, to_high)
+        return down, up
+
+    def bounds(self, values: Mapping[str, Tensor], goal_factors: Tensor) -> SafetyBounds:
+        """What all goals ask of the action, and its limits.
+
+        Args:
+            values: Values after the new readings.
+            goal_factors: Factor of each goal, ``(*B, goals)``; one that is off asks for nothing.
+        """
+        names = list(self.model.goals)
+        at_rest = torch.zeros_like(values[self.actuator])
+        high = at_rest + self.limits.to(at_rest)
+        low = -high
+        slopes, bounds = [at_rest.unsqueeze(-2)[..., :0, :]], [at_rest[..., :0]]
+
+        for goal in self.goals:
+            slope, bound = self._rows_of(goal, values)
+            is_on = goal_factors[..., names.index(goal.name), None] != 0
+            bound = torch.where(is_on, bound, -FARTHEST / self.model.dt)
+            if goal.name in self._boxed:
+                low, high = _narrowed(low, high, slope, bound)
+            else:
+                slopes.append(slope)
+                bounds.append(bound)
+        return SafetyBounds(torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1), low, high)
+
+    def _rows_of(self, goal: Goal, values: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
+        """The rows of one goal: d(t + dt) ≈ d₀ + C a, and ≥ e^(−dt/T) d(t)."""
+        # The smallest gaps now.
+        gaps = goal.gaps(self._with_dt(values)).clamp(max=FARTHEST)
+        is_box = goal.name in self._boxed
+        count = gaps.shape[-1] if is_box else min(self.options.gaps, gaps.shape[-1])
+        smallest = gaps.topk(count, dim=-1, largest=False).indices
+        now = gaps.gather(-1, smallest)
+
+        # What they would be in a step at rest, and how the action changes it: a copy of the values
+        # for each of them, since one derivative is needed for each.
+        copies = {name: value.expand(count, *value.shape) for name, value in values.items()}
+        with torch.enable_grad():
+            action = torch.zeros_like(copies[self.actuator]).requires_grad_()
+            ahead = self._gaps_ahead(goal, {**copies, self.actuator: action})
+            own = ahead.gather(-1, smallest.movedim(-1, 0).unsqueeze(-1)).squeeze(-1)
+            (slopes,) = torch.autograd.grad(own.sum(), action)
+
+        at_rest = own.detach().movedim(0, -1)  # a bound is a number
+        keeps = math.exp(-self.model.dt / self.time)
+        return slopes.movedim(0, -2) / self.model.dt, (keeps * now - at_rest) / self.model.dt
+
+    def _gaps_ahead(self, goal: Goal, values: Mapping[str, Tensor]) -> Tensor:
+        """The gaps one step ahead, ``(*B, m)``: every estimate is anticipated once."""
+        inputs = self._with_dt(values)
+        for name in self._upstream[goal.name]:
+            inputs[name] = self.model.owners[name](inputs, name)
+        return goal.gaps(inputs).clamp(max=FARTHEST)
+
+    def _is_box(self, goal: Goal) -> bool:
+        """Whether each of a goal's gaps depends on one component of the action, as joint stops do.
+
+        Then the components can be bounded one by one, which no sweep needs to approach.
+        """
+        generator, like = torch.Generator("cpu").manual_seed(0), self.model.like
+        readings: dict[str, Tensor] = {}
+        for name, sensor in self.model.sensors.items():
+            size = (4, sensor.size)
+            reading = torch.rand(size, generator=generator, dtype=torch.float64, device="cpu")
+            readings[name] = reading.to(like)
+            readings[name + PRESENT] = like.new_ones(4, dtype=torch.bool)
+            readings[name + AGE] = like.new_zeros(4)
+
+        values = self.model.update(self.model.initial(readings, (4,)))
+        slopes, _ = self._rows_of(goal, values)
+        return bool(((slopes != 0).sum(-1) == 1).all())
+
+    def _with_dt(self, values: Mapping[str, Tensor]) -> dict[str, Tensor | float]:
+        return {**values, "dt": self.model.dt}
+
+
+def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:
+    """A box within which rows hold that depend on one component each, ``(*B, n)`` both.
+
+    Should one depend on several after all, each of them gets an equal share of its bound.
+    """
+    largest = torch.finfo(slopes.dtype).max
+    components = (slopes != 0).sum(-1).clamp(min=1)
+    shares = (bounds / components).unsqueeze(-1)
+    ratios = shares / torch.where(slopes == 0, 1.0, slopes)
+    from_below = torch.where(slopes > 0, ratios, -largest).amax(-2)
+    from_above = torch.where(slopes < 0, ratios, largest).amin(-2)
+
+    # What is beyond a gap comes back as fast as it may.
+    lowest = torch.minimum(torch.maximum(low, from_below), high)
+    highest = torch.maximum(torch.minimum(high, from_above), lowest)
+    return lowest, highest
+
+
+def safety_of(model: WorldModel) -> dict[str, ActuatorSafety]:
+    """What keeps the safety goals, for each actuator on which one of them depends."""
+    return {
+        actuator: ActuatorSafety(model, actuator, goals)
+        for actuator, goals in _safety_goals(model).items()
+    }
+
+
+def safety_memory(model: WorldModel) -> Memory:
+    """What is remembered of escapes before the first step, without batch dimensions."""
+    memory: Memory = {}
+    for name in _safety_goals(model):
+        actuator = model.actuators[name]
+        if actuator.dampers.escape is not None:
+            for key, value in initial_escape(actuator.size).items():
+                memory[f"{name}/escape/{key}"] = value
+    return memory
+
+
+def _safety_goals(model: WorldModel) -> dict[str, list[Goal]]:
+    """The safety goals that depend on each actuator on which one of them does."""
+    found: dict[str, list[Goal]] = {}
+    for actuator in model.actuators:
+        goals: list[Goal] = []
+        for goal in model.goals.values():
+            if goal.safety and _depends(model, goal.name, actuator):
+                goals.append(goal)
+        if goals:
+            found[actuator] = goals
+    return found
+
+
+def _depends(model: WorldModel, name: str, actuator: str) -> bool:
+    """Whether a gradient leads from a goal or quantity to an actuator."""
+    return name == actuator or any(
+        _depends(model, edge.source, actuator) for edge in model.edges.get(name, ())
+    )
+
+
+def _upstream(model: WorldModel, inputs: tuple[str, ...]) -> tuple[str, ...]:
+    """The estimates on which some quantities depend, themselves included, in order of the step."""
+    needed = set(inputs)
+    found: list[str] = []
+    for estimator in reversed(model.estimators):
+        own = [name for name in estimator.outputs if name in needed]
+        if own:
+            found.extend(reversed(own))
+            needed.update(estimator.inputs)
+    return tuple(reversed(found))

@@ -1,0 +1,200 @@
+"""Where constraints bring an actuator to rest short of its goal, the mechanism finds a way out."""
+
+import dataclasses
+import math
+
+import pytest
+import torch
+from _inputs.walls import place
+from torch import Tensor
+
+from aicon_torch import (
+    Actuator,
+    Affine,
+    DirectDescent,
+    Goal,
+    Interconnection,
+    KalmanFilter,
+    Measurement,
+    Policy,
+    Sensor,
+    WorldModel,
+)
+from aicon_torch.dampers import ConstraintEscape, VelocityDampers
+from aicon_torch.parts import JointLimits, SquaredHinge
+
+DT, STOP = 0.05, 3.0
+
+
+def angle_to_target(q: Tensor, z_target: Tensor) -> Tensor:
+    """The angle between a hand and its target, rad, in [0, π]; the hand may go either way round."""
+    sine, cosine = torch.sin(q - z_target), torch.cos(q - z_target)
+    return torch.atan2(sine.abs(), cosine)[..., 0]
+
+
+def hand(escape: ConstraintEscape | None, speed: float = 1.0, dt: float = DT) -> Policy:
+    """A hand that turns between two stops, so that one of the two ways to a target is closed."""
+    stops = JointLimits((-STOP,), (STOP,), SquaredHinge(0.02, 1.0))
+    joint = KalmanFilter(
+        "q",
+        "P",
+        predict=Affine(q=1.0, a=dt),
+        noise=1e-4,
+        initial=((0.0,), 1.0),
+        correct=[Measurement(Affine(q=1.0, z=-1.0), 1e-8)],
+    )
+    limits = Goal("stops", Interconnection(stops, inputs=["q"]), safety=True)
+
+    model = WorldModel(
+        sensors={"z": Sensor(1, "rad"), "z_target": Sensor(1, "rad")},
+        actuators={
+            "a": Actuator(1, "rad/s", limit=(speed,), dampers=VelocityDampers(escape=escape))
+        },
+        estimators=[joint],
+        goals=[Goal("point", angle_to_target, tolerance=0.02), limits],
+        dt=dt,
+        dtype=torch.float64,
+    )
+    return Policy(model, law=DirectDescent(smoothing=0.0))
+
+
+def turn(policy: Policy, start: float, target: float, steps: int) -> tuple[Tensor, Tensor]:
+    """The angles ``(steps + 1,)`` and whether the hand was escaping ``(steps,)``."""
+    q, memory = [place(start)], None
+    escaping: list[Tensor] = []
+    for _ in range(steps):
+        action, memory = policy.predict({"z": q[-1], "z_target": place(target)}, memory)
+        q.append(q[-1] + policy.model.dt * action)
+        escaping.append(memory.get("a/escape/escaping", torch.tensor(False)))
+    return torch.stack(q)[:, 0], torch.stack(escaping)
+
+
+def test_behind_a_stop_it_goes_the_other_way_round() -> None:
+    way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=-2.8, steps=200)
+    assert way.abs().max() < STOP
+    assert way[-1] == pytest.approx(-2.8, abs=0.05)
+    assert escaping.any()
+    assert not escaping[-1]
+
+
+@pytest.mark.parametrize("first", [0.5, -2.8])
+def test_the_next_target_is_judged_by_itself(first: float) -> None:
+    """What the last one cost, or how often it was escaped from, says nothing about it."""
+    policy = hand(ConstraintEscape())
+    q, memory = place(2.5), None
+    for _ in range(300):
+        action, memory = policy.predict({"z": q, "z_target": place(first)}, memory)
+        q = q + DT * action
+
+    for _ in range(150):
+        action, memory = policy.predict({"z": q, "z_target": place(-0.5)}, memory)
+        assert not memory["a/escape/escaping"]
+        q = q + DT * action
+        if abs(float(q) + 0.5) < 0.05:
+            break
+    else:
+        pytest.fail(f"It is still at {float(q):.2f} rad.")
+
+
+def test_without_an_escape_it_stays_at_the_stop() -> None:
+    way, _ = turn(hand(None), start=2.5, target=-2.8, steps=200)
+    assert way[-1] == pytest.approx(STOP, abs=0.05)
+
+
+def test_where_the_way_is_free_it_never_escapes() -> None:
+    _, escaping = turn(hand(ConstraintEscape()), start=0.5, target=-1.0, steps=200)
+    assert not escaping.any()
+
+
+def test_noise_at_the_target_is_no_stalemate() -> None:
+    noise = torch.randn(600, 1, generator=torch.Generator().manual_seed(1), dtype=torch.float64)
+    policy, q, memory = hand(ConstraintEscape()), place(0.5), None
+
+    for disturbance in 0.05 * noise:  # five times what counts as near enough to stay
+        action, memory = policy.predict({"z": q, "z_target": place(-1.0) + disturbance}, memory)
+        q = q + DT * action
+        assert not memory["a/escape/escaping"]
+    assert q.item() == pytest.approx(-1.0, abs=0.2)
+
+
+def test_it_is_half_way_down_from_the_crest_before_it_turns_to_the_target_again() -> None:
+    target = -2.8
+    way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=target, steps=200)
+    entered, left = (int(escaping.nonzero()[index]) for index in (0, -1))
+    at_entry, at_crest = target + 2 * math.pi - float(way[entered]), math.pi
+    assert float(way[left]) - target == pytest.approx((at_entry + at_crest) / 2, abs=0.1)
+
+
+def test_where_the_cost_rises_again_it_ends_as_well() -> None:
+    """Twice the climb is more than there is to come down, so it ends at the target."""
+    far_down = dataclasses.replace(ConstraintEscape(), descent=2.0, longest=30.0)
+    way, escaping = turn(hand(far_down), start=2.5, target=-2.0, steps=200)
+    left = int(escaping.nonzero()[-1])
+    assert way[left] == pytest.approx(-2.0, abs=0.1)
+
+
+def test_a_force_that_points_back_makes_a_detour() -> None:
+    """Between two stops of one joint, each of which is nearest to the target."""
+    policy, memory, q = hand(ConstraintEscape()), None, place(2.5)
+    begun: list[bool] = []
+    for _ in range(400):
+        was = memory is not None and bool(memory["a/escape/escaping"])
+        action, memory = policy.predict({"z": q, "z_target": place(math.pi)}, memory)
+        q = q + DT * action
+        if bool(memory["a/escape/escaping"]) and not was:
+            begun.append(bool(memory["a/escape/by_force"]))
+    assert begun[:2] == [True, False]
+
+
+def test_a_detour_goes_to_a_place_in_the_middle_of_the_range() -> None:
+    policy, memory, q = hand(ConstraintEscape()), None, place(2.5)
+    places: list[float] = []
+    for _ in range(400):
+        action, memory = policy.predict({"z": q, "z_target": place(math.pi)}, memory)
+        q = q + DT * action
+        if bool(memory["a/escape/escaping"]) and not bool(memory["a/escape/by_force"]):
+            places.append(float(q + memory["a/escape/direction"]))
+            break
+
+    assert places
+    assert abs(places[0]) < STOP / 2 + 0.1
+
+
+@pytest.mark.parametrize("factor", [2, 4])
+def test_a_robot_as_many_times_as_fast_escapes_alike(factor: int) -> None:
+    slow, fast = hand(ConstraintEscape()), hand(ConstraintEscape(), float(factor), DT / factor)
+    ways = [turn(policy, start=2.5, target=-2.8, steps=200)[0] for policy in (slow, fast)]
+    torch.testing.assert_close(*ways, rtol=0, atol=1e-6)
+
+
+def test_it_gives_up_an_escape_after_its_largest_duration() -> None:
+    brief = dataclasses.replace(ConstraintEscape(), longest=2.0, shortest=1.0, detour=2.0)
+    _, escaping = turn(hand(brief), start=2.5, target=-2.8, steps=60)
+    started = int(escaping.nonzero()[0])
+    time_constant = VelocityDampers().braking / 1.0
+    duration = int((~escaping[started:]).nonzero()[0]) * DT
+    assert duration == pytest.approx(2.0 * time_constant, abs=2 * DT)
+
+
+def test_each_row_of_a_batch_escapes_by_itself() -> None:
+    policy, memory = hand(ConstraintEscape()), None
+    q, target = torch.tensor([[2.5], [0.5]], dtype=torch.float64), torch.tensor([[-2.8], [1.0]])
+    for _ in range(200):
+        action, memory = policy.predict({"z": q, "z_target": target.double()}, memory)
+        q = q + DT * action
+    torch.testing.assert_close(q, target.double(), rtol=0, atol=0.05)
+    assert memory is not None
+    assert memory["a/escape/best"][0] < 0.1
+
+
+def test_the_trace_tells_that_it_escapes() -> None:
+    policy, memory, q = hand(ConstraintEscape()), None, place(2.5)
+    explored: list[bool] = []
+    escaped: list[bool] = []
+    for _ in range(60):
+        action, memory = policy.predict({"z": q, "z_target": place(-2.8)}, memory)
+        q = q + DT * action
+        explored.append(bool(policy.trace(memory).quantities["a"].exploring))
+        escaped.append(bool(memory["a/escape/escaping"]))
+    assert explored == escaped
+    assert any(explored)
