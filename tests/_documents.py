@@ -91,6 +91,6 @@ def shell_commands() -> list[ShellCommand]:
                 name, _, variables[name] = words[0].partition("=")
             elif len(words) > 1 and Path(words[0]).name == "aicon":
                 found.append(ShellCommand(block, f"aicon {words[1]}", words[2:]))
-            elif len(words) > 1 and Path(words[0]).name == "python":
+            elif len(words) > 1 and Path(words[0]).name == "python" and words[1] != "-m":
                 found.append(ShellCommand(block, words[1], words[2:]))
     return found
