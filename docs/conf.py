@@ -66,7 +66,7 @@ PAGES = {
     "../SECURITY.md": "security.md",
     "../examples": "examples.md",
     "../aicon_torch": "api/index.md",
-    "../aicon_torch/export/codegen": "api/codegen.md",
+    "../aicon_torch/export/codegen": "api/export.md",
     "../baselines/checkpoints/diffusion_pusht_keypoints/README.md": "student.md",
     "../baselines/checkpoints/ppo_nav2d/README.md": "ppo_nav2d.md",
     "../baselines/checkpoints/ppo_pusht/README.md": "ppo_pusht.md",
