@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 EPISODES ?= 100
-PANDA_PUSH_EPISODES ?= 50
+ARM_PUSH_EPISODES ?= 50
 OUT ?= runs
 
 INSTALLED := $(VENV)/.installed
@@ -16,12 +16,12 @@ AICON := $(VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install constraints test test-all test-oldest test-newest compare panda_push reach figures benchmark lint docs format clean
+.PHONY: help install constraints test test-all test-oldest test-newest compare arm_push reach figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
 	@sed -nE 's/^([a-z_ -]+):.*## (.*)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F '|' '{ printf "%-25s %s\n", $$1, $$2 }'
-	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) PANDA_PUSH_EPISODES=$(PANDA_PUSH_EPISODES) OUT=$(OUT)"
+	@echo "Settings: PYTHON=$(PYTHON) VENV=$(VENV) JOBS=$(JOBS) EPISODES=$(EPISODES) ARM_PUSH_EPISODES=$(ARM_PUSH_EPISODES) OUT=$(OUT)"
 
 install: $(INSTALLED) ## Create the virtual environment (the other targets do it if need be)
 
@@ -72,12 +72,12 @@ compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and p
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
 	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
 
-panda_push: $(INSTALLED) ## Compare the arm's policies and draw its film; rendering needs system packages
-	@$(RUN) -c 'import aicon_envs.panda_push as p; p.PandaPushEnv().reset(seed=0)' || { \
+arm_push: $(INSTALLED) ## Compare the arm's policies and draw its film; rendering needs system packages
+	@$(RUN) -c 'import aicon_envs.arm_push as p; p.ArmPushEnv().reset(seed=0)' || { \
 	  echo "The arm cannot be rendered here. On Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"; exit 1; } >&2
-	$(AICON) compare --task panda_push --policies aicon steepest --conditions camera true_pose \
-	  --episodes $(PANDA_PUSH_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/panda_push
-	$(AICON) figures panda_push --out $(OUT)/panda_push
+	$(AICON) compare --task arm_push --policies aicon steepest --conditions camera true_pose \
+	  --episodes $(ARM_PUSH_EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/arm_push
+	$(AICON) figures arm_push --out $(OUT)/arm_push
 
 # Every robot with the same numbers; 20 s an episode.
 REACH_CONDITIONS := $(foreach robot,panda ur5 xarm7,$(addprefix $(robot)_,position_home position_random \

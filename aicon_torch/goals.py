@@ -14,11 +14,11 @@ class Goal(Node):
 
     A *safety* goal is not followed: no action may raise its cost above the tolerance. Each of its
     gaps, what is left until it costs something, bounds the actions that act on it (see
-    :class:`aicon_torch.dampers.VelocityDampers`). Its gradient meets no other and is never projected
-    away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the parameters
-    of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is ε − g. One
-    that bounds each component of the actuator by itself may have a method ``room``, likewise, that
-    says how far they may go down and up, ``(*B, n)`` both: see
+    :class:`aicon_torch.dampers.VelocityDampers`). Its gradient meets no other and is never
+    projected away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the
+    parameters of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is
+    ε − g. One that bounds each component of the actuator by itself may have a method ``room``,
+    likewise, that says how far they may go down and up, ``(*B, n)`` both: see
     :class:`aicon_torch.dampers.ConstraintEscape`.
 
     Args:

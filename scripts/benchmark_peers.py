@@ -152,8 +152,8 @@ def _to_stack(arrival: QuantityTrace) -> GradientStack:
 
 
 def _arm_step(compiled: bool) -> Step:
-    observations = _record("aicon/PandaPush-v0", "panda_push", obs_type="pose", sensing="pose")
-    policy = make_policy("panda_push", sensing="pose")
+    observations = _record("aicon/ArmPush-v0", "arm_push", obs_type="pose", sensing="pose")
+    policy = make_policy("arm_push", sensing="pose")
     return replay(policy.compile() if compiled else policy, observations)
 
 
@@ -161,7 +161,7 @@ def _mink() -> Step:
     """Step toward a pose that is already reached; the work is the same."""
     import mink
 
-    env: Any = gym.make("aicon/PandaPush-v0", obs_type="pose").unwrapped
+    env: Any = gym.make("aicon/ArmPush-v0", obs_type="pose").unwrapped
     env.reset(seed=SEED)
     simulation = env._simulation
     configuration = mink.Configuration(simulation.model, simulation.data.qpos)

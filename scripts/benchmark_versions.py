@@ -1,7 +1,7 @@
 """Time `predict` of this version beside that of another one, in one run.
 
 Example: git archive fb7da76 | tar x -C build/0.1.0
-         python scripts/benchmark_versions.py --other build/0.1.0 --tasks nav2d pusht panda_push
+         python scripts/benchmark_versions.py --other build/0.1.0 --tasks nav2d pusht arm_push
 
 Each version runs in a process of its own, with an empty cache, and the processes take turns on the
 same recorded observations of one robot: the other version compiled, this one compiled, and exported
@@ -27,8 +27,8 @@ import numpy as np
 from aicon_baselines.cli.command_line import Command, run_command
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-OPTIONS: dict[str, dict[str, Any]] = {"panda_push": {"sensing": "pose"}}
-CONDITIONS = {"panda_push": "true_pose"}
+OPTIONS: dict[str, dict[str, Any]] = {"arm_push": {"sensing": "pose"}}
+CONDITIONS = {"arm_push": "true_pose"}
 ONE_GRADIENT = {"law.iterations": 1}
 RECORDED = 100
 
@@ -42,7 +42,7 @@ Told = dict[str, tuple[float, float]]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is measured."""
     parser.add_argument("--other", type=Path, help="folder with the source of another version")
-    parser.add_argument("--tasks", nargs="+", default=["nav2d", "pusht", "panda_push"])
+    parser.add_argument("--tasks", nargs="+", default=["nav2d", "pusht", "arm_push"])
     parser.add_argument("--rounds", type=int, default=300, help="turns (default: 300)")
     parser.add_argument("--steps", type=int, default=100, help="steps of a turn (default: 100)")
 

@@ -1,6 +1,6 @@
 """What watching costs: the rate that a control loop keeps, and its processor time, with the view.
 
-Example: python scripts/benchmark_watch.py --tasks nav2d pusht panda_push reach
+Example: python scripts/benchmark_watch.py --tasks nav2d pusht arm_push reach
 
 Each policy is compiled. First it runs alone, then with the view at its own rate; a page that is
 open meanwhile (its address is printed) is served as well, and counts.
@@ -15,7 +15,7 @@ import torch
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.view import LiveEpisode, LiveView, open_episode, serve
 
-CONDITIONS = {"panda_push": "true_pose"}
+CONDITIONS = {"arm_push": "true_pose"}
 """Where the usual condition renders images, which would be all that is measured."""
 
 

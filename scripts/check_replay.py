@@ -6,7 +6,7 @@ Replayed: at each recorded observation all step from the same memory, and what t
 compared, number by number: |x − y| / (1 + |y|). In float32 so is the step in float64, since where
 two gradients, or two sides of an object, are next to equal, rounding decides. Closed loops: each
 runs the same episodes on its own, and the steps until the end are counted. A task may be followed
-by a condition: nav2d, panda_push:true_pose.
+by a condition: nav2d, arm_push:true_pose.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.tasks import load
 from aicon_torch import load_exported
 
-TASKS = ["nav2d", "pusht", "panda_push:true_pose", "panda_push:camera", "reach"]
+TASKS = ["nav2d", "pusht", "arm_push:true_pose", "arm_push:camera", "reach"]
 TOLERANCES = {"float64": 1e-10, "float32": 1e-5}
 SEED = 1000
 

@@ -84,7 +84,7 @@ SETTINGS = {
         seed=200,
         episodes=200,
     ),
-    "panda_push": Setting(
+    "arm_push": Setting(
         condition="true_pose",
         laws={
             "one gradient": {"law": DirectDescent()},

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_torch import Policy, make_policy
-from aicon_torch.models import nav2d, panda_push
+from aicon_torch.models import arm_push, nav2d
 from aicon_torch.models.pusht import PIXEL
 
 HOSTILE_STEPS, GOOD_STEPS = 7, 3
@@ -34,7 +34,7 @@ REACH_SPEED = 1.5
 
 FASTEST = {
     "nav2d": nav2d.Options().max_speed,
-    "panda_push": panda_push.Options().limits.joint_speed,
+    "arm_push": arm_push.Options().limits.joint_speed,
 }
 """Largest norm of a command, m/s and rad/s."""
 
@@ -164,15 +164,15 @@ def _pusht(generator: np.random.Generator, count: int) -> Readings:
     }
 
 
-def _panda_push(generator: np.random.Generator, count: int) -> Readings:
-    from aicon_torch.models.panda_push import PANDA
+def _arm_push(generator: np.random.Generator, count: int) -> Readings:
+    from aicon_torch.models.arm_push import PANDA
 
     near, far = np.array([0.4, -0.2, -np.pi]), np.array([0.7, 0.2, np.pi])
     return {
         "q": generator.uniform(PANDA.low, PANDA.high, (count, 7)),
         "target": generator.uniform(near, far, (count, 3)),
         "object_pose": generator.uniform(near, far, (count, 3)),
-        **_told(panda_push.Options().dt, count),
+        **_told(arm_push.Options().dt, count),
         "executed": generator.uniform(-0.1, 0.1, (count, 7)),
     }
 
@@ -195,8 +195,8 @@ def _observed_pose() -> dict[str, Any]:
     return {"sensing": "pose"}
 
 
-GOOD = {"nav2d": _nav2d, "pusht": _pusht, "panda_push": _panda_push, "reach": _reach}
-OPTIONS = {"panda_push": _observed_pose, "reach": _ur5}
+GOOD = {"nav2d": _nav2d, "pusht": _pusht, "arm_push": _arm_push, "reach": _reach}
+OPTIONS = {"arm_push": _observed_pose, "reach": _ur5}
 
 COMMAND = Command(__doc__, add_arguments, run)
 

@@ -21,7 +21,7 @@ from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
 from aicon_torch.export.library import Library
 
-CONDITIONS = {"panda_push": "true_pose"}  # elsewhere the task's first
+CONDITIONS = {"arm_push": "true_pose"}  # elsewhere the task's first
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

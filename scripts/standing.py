@@ -25,7 +25,7 @@ FAULTS = ("gone", "stuck", "erratic")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare whose readings go wrong, and for how long."""
-    parser.add_argument("--task", choices=("nav2d", "pusht", "panda_push"), required=True)
+    parser.add_argument("--task", choices=("nav2d", "pusht", "arm_push"), required=True)
     parser.add_argument(
         "--faults",
         nargs="+",

@@ -10,7 +10,7 @@ from gymnasium.error import DependencyNotInstalled
 from hypothesis import HealthCheck, settings
 
 with suppress(DependencyNotInstalled):
-    import aicon_envs.panda_push  # noqa: F401  # chooses how to render before MuJoCo is imported
+    import aicon_envs.arm_push  # noqa: F401  # chooses how to render before MuJoCo is imported
 
 pytest.register_assert_rewrite("_asserts")  # what failed is shown there, too
 torch.set_num_threads(1)

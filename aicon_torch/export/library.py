@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_torch.export.loading import open_library
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.export.codegen.seal import read_seal
 from aicon_torch.export.codegen.targets import this_machine
 from aicon_torch.export.elf import read_header
+from aicon_torch.export.loading import open_library
 
 FORMAT = 1
 """Number of the format of an exported policy: its functions and its metadata."""

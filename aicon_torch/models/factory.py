@@ -12,11 +12,13 @@ from aicon_torch.policy import Policy
 MODELS = {
     "nav2d": "aicon_torch.models.nav2d",
     "pusht": "aicon_torch.models.pusht",
-    "arm_push": "aicon_torch.models.panda_push",
-    "panda_push": "aicon_torch.models.panda_push",
+    "arm_push": "aicon_torch.models.arm_push",
     "reach": "aicon_torch.models.reach",
 }
 """The package of each model: its ``Options``, its ``PRESETS`` and ``build(options) -> Policy``."""
+
+ALIASES = {"panda_push": "arm_push"}
+"""Names that a model had before."""
 
 
 def presets(name: str) -> tuple[str, ...]:
@@ -57,6 +59,7 @@ def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
 
 
 def _package(name: str) -> Any:
-    if name not in MODELS:
+    known = ALIASES.get(name, name)
+    if known not in MODELS:
         raise OptionError(f"No model is named {name!r}. Models: {choices(MODELS)}.")
-    return importlib.import_module(MODELS[name])
+    return importlib.import_module(MODELS[known])

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from _inputs.random_numbers import normal
-from aicon_torch.models.panda_push import PANDA
+from aicon_torch.models.arm_push import PANDA
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.end_effector import EndEffector, Pullback, ToolPose
 

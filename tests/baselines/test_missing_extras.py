@@ -26,7 +26,7 @@ IMPORTS = [
     ("tqdm", "aicon_baselines.figures", "compare"),
     ("pymunk", "aicon_envs.pusht", "pusht"),
     ("pygame", "aicon_envs.pusht.rendering", "pusht"),
-    ("mujoco", "aicon_envs.panda_push", "panda"),
+    ("mujoco", "aicon_envs.arm_push", "panda"),
     ("viser", "aicon_baselines.view", "view"),
 ]
 
@@ -63,13 +63,13 @@ def test_the_view_names_its_extra_where_nothing_that_it_brings_is_there(
 def test_arms_that_reach_name_their_extra_where_mujoco_is_missing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    for importer in ("aicon_envs.panda_push", "aicon_envs.reach"):
+    for importer in ("aicon_envs.arm_push", "aicon_envs.reach"):
         hide(monkeypatch, "mujoco", importer)
     with pytest.raises(DependencyNotInstalled, match=r"for the task reach, \"aicon-torch\[reach\]"):
         import_module("aicon_envs.reach")
 
 
-@pytest.mark.parametrize(("missing", "task"), [("pymunk", "pusht"), ("mujoco", "panda_push")])
+@pytest.mark.parametrize(("missing", "task"), [("pymunk", "pusht"), ("mujoco", "arm_push")])
 def test_a_task_names_the_extra(monkeypatch: pytest.MonkeyPatch, missing: str, task: str) -> None:
     hide(monkeypatch, missing, f"aicon_envs.{task}")
     hide(monkeypatch, missing, f"aicon_baselines.tasks.{task}")

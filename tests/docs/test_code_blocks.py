@@ -23,7 +23,6 @@ FRAGMENTS = [block for block in BLOCKS if "import " not in block.code] + all_blo
 NEEDED = {
     "aicon/PushT": "pymunk",
     "aicon/ArmPush": "trimesh",
-    "aicon/PandaPush": "mujoco",
     "Chain.from_urdf": "pytorch_kinematics",
     "Capsules.from_urdf": "trimesh",
 }

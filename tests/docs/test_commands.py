@@ -65,7 +65,7 @@ def load_program(name: str) -> Command:
 
 def check_names(arguments: argparse.Namespace) -> None:
     """Policies, variants and conditions are there in the task of a command."""
-    task = getattr(arguments, "task", "panda_push")
+    task = getattr(arguments, "task", "arm_push")
     assert set(getattr(arguments, "policies", ())) <= {*registry.names(task), *TRAINED}
 
     for condition in getattr(arguments, "conditions", None) or ():
@@ -80,6 +80,6 @@ def check_names(arguments: argparse.Namespace) -> None:
 
 def known_task(name: str) -> Task:
     """A task whose environment is installed."""
-    if name in ("arm_push", "panda_push"):
+    if name == "arm_push":
         pytest.importorskip("mujoco")
     return tasks.load(name)

@@ -13,8 +13,8 @@ pytest.importorskip("pymunk")
 pytest.importorskip("mujoco")
 pytest.importorskip("trimesh")
 
+from aicon_envs.arm_push import ArmPushEnv
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv
-from aicon_envs.panda_push import PandaPushEnv
 from aicon_envs.pusht import PushTEnv, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
 from aicon_envs.reach import ReachEnv
@@ -39,7 +39,7 @@ ENVIRONMENTS: dict[str, Callable[[], Any]] = {
     "pusht_disturbed": partial(PushTEnv, **DISTURBED),
     "pusht_velocity": partial(PushTEnv, action_mode="velocity"),
     "pusht_vector": partial(PushTVectorEnv, 2, max_episode_steps=20, wrappers=WRAPPERS),
-    "panda_push": partial(PandaPushEnv, obs_type="pose"),
+    "arm_push": partial(ArmPushEnv, obs_type="pose"),
     "reach": partial(ReachEnv, "ur5", balls=1, ball_speed=0.2),
 }
 COPIES: dict[str, Callable[[Any], Any]] = {
@@ -110,7 +110,7 @@ def test_an_environment_that_was_not_reset_is_copied_too() -> None:
 
 
 def test_a_copy_of_an_arm_that_has_seen_images_opens_its_own_cameras() -> None:
-    env = PandaPushEnv(width=32, height=24)
+    env = ArmPushEnv(width=32, height=24)
     try:
         env.reset(seed=0)
     except RuntimeError as error:

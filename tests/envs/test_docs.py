@@ -11,16 +11,16 @@ pytest.importorskip("pymunk")
 pytest.importorskip("mujoco")
 pytest.importorskip("trimesh")
 
+from aicon_envs.arm_push import ArmPushEnv
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv, Physics
-from aicon_envs.panda_push import ArmPushEnv
 from aicon_envs.pusht import PushTEnv, PushTVectorEnv, TaskSettings
 from aicon_envs.reach import ReachEnv
 
 IDS = {
     "aicon/Nav2D-v0": (Nav2DEnv, Nav2DVectorEnv),
     "aicon/PushT-v0": (PushTEnv, PushTVectorEnv),
-    "aicon/ArmPush-v0": (ArmPushEnv, None),
     "aicon/PandaPush-v0": (ArmPushEnv, None),
+    "aicon/ArmPush-v0": (ArmPushEnv, None),
     "aicon/Reach-v0": (ReachEnv, None),
 }
 

@@ -11,22 +11,22 @@ pytest.importorskip("pymunk")
 pytest.importorskip("mujoco")
 pytest.importorskip("trimesh")
 
+from aicon_envs.arm_push import ArmPushEnv
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv
-from aicon_envs.panda_push import PandaPushEnv
 from aicon_envs.pusht import PushTEnv, PushTVectorEnv
 from aicon_envs.reach import ReachEnv
 
 SINGLE: dict[str, Any] = {
     "nav2d": Nav2DEnv(),
     "pusht": PushTEnv(),
-    "panda_push": PandaPushEnv(obs_type="pose"),
+    "arm_push": ArmPushEnv(obs_type="pose"),
     "reach": ReachEnv("ur5"),
 }
 VECTOR: dict[str, Any] = {"nav2d": Nav2DVectorEnv(2), "pusht": PushTVectorEnv(2)}
 ALL = [*SINGLE.values(), *VECTOR.values()]
 
 
-KINDS = [Nav2DEnv, PushTEnv, PandaPushEnv, ReachEnv, Nav2DVectorEnv, PushTVectorEnv]
+KINDS = [Nav2DEnv, PushTEnv, ArmPushEnv, ReachEnv, Nav2DVectorEnv, PushTVectorEnv]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -112,7 +112,7 @@ def test_counts_are_integers_of_one_or_more(kind: Any, name: str, count: Any) ->
 )
 def test_options_of_the_arm_are_finite(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        SINGLE["panda_push"].reset(options=options)
+        SINGLE["arm_push"].reset(options=options)
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_options_of_the_arm_are_finite(options: dict[str, Any], message: str) ->
 )
 def test_arguments_of_the_arm_are_named(arguments: dict[str, Any], name: str) -> None:
     with pytest.raises(ValueError, match=f"{name} must be"):
-        PandaPushEnv(**arguments)
+        ArmPushEnv(**arguments)
 
 
 def test_gymnasium_makes_the_same_errors() -> None:

@@ -25,7 +25,7 @@ STEPS = 1000
 CONDITIONS = {
     "nav2d": "range",
     "pusht": "deterministic",
-    "panda_push": "true_pose",
+    "arm_push": "true_pose",
     "reach": "panda_pose_home",
 }
 """The tasks, and what is recorded of each."""

@@ -78,8 +78,8 @@ def test_a_first_step_in_inference_mode_is_compiled_to_c_as_well() -> None:
 @pytest.mark.slow
 def test_the_arm_takes_the_same_steps() -> None:
     """What it sees is read outside the part that is compiled."""
-    panda = pytest.importorskip("aicon_envs.panda_push", reason="the arm needs MuJoCo")
-    env, policy, memory, readings = panda.PandaPushEnv(), make_policy("panda_push"), None, []
+    panda = pytest.importorskip("aicon_envs.arm_push", reason="the arm needs MuJoCo")
+    env, policy, memory, readings = panda.ArmPushEnv(), make_policy("arm_push"), None, []
 
     try:
         observation, _ = env.reset(seed=1000)

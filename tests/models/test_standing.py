@@ -40,9 +40,9 @@ MODELS = {
     "nav2d, late": (lean("nav2d", delay=10), drifting(24, (1,)), 6),
     "pusht": (lean("pusht"), wandering(12, 1), 3),
     "pusht, late": (lean("pusht", delay=3), wandering(12, 1), 3),
-    "panda_push": (lean("panda_push", sensing="pose"), arm_readings(24), 10),
+    "arm_push": (lean("arm_push", sensing="pose"), arm_readings(24), 10),
     "reach": (lean("reach", robot=planar_arm(), balls=1), reaching_readings(24), 6),
-    "panda_push, late": (lean("panda_push", sensing="pose", delay=10), arm_readings(24), 10),
+    "arm_push, late": (lean("arm_push", sensing="pose", delay=10), arm_readings(24), 10),
 }
 """A policy, readings, and the number of steps after which it must stand."""
 
@@ -75,7 +75,7 @@ def test_it_stands_and_goes_on(name: str, fault: Any) -> None:
 
 @pytest.mark.parametrize(
     ("name", "key"),
-    [("reach", "target_position"), ("reach", "ball_1"), ("panda_push", "target")],
+    [("reach", "target_position"), ("reach", "ball_1"), ("arm_push", "target")],
 )
 def test_it_stands_where_only_this_is_gone(name: str, key: str) -> None:
     """Within 0.3 s, and with all else as it was."""

@@ -3,7 +3,7 @@ import torch
 from _inputs import normal
 from _inputs.arm import HOME, panda, postures, tool_pose
 
-from aicon_torch.models.panda_push import PANDA
+from aicon_torch.models.arm_push import PANDA
 from aicon_torch.parts.camera import CameraFrame, Visibility, split_frame, to_world
 
 VISIBILITY = Visibility(PANDA.intrinsics, (1.0, 1.0, 1.0), edge_growth=100.0, height=0.04)

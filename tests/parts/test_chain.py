@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from _inputs.arm import HOME, panda_chain, postures
 
-from aicon_torch.models.panda_push import PANDA
+from aicon_torch.models.arm_push import PANDA
 from aicon_torch.parts.chain import Chain
 
 IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))

@@ -4,7 +4,7 @@ from _inputs import normal
 from _inputs.arm import HOME, panda_chain, postures
 
 from aicon_torch.errors import OptionError
-from aicon_torch.models.panda_push import PANDA
+from aicon_torch.models.arm_push import PANDA
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.self_collision import (
     Capsule,

@@ -4,7 +4,7 @@ import pytest
 import torch
 from _inputs.arm import panda
 
-from aicon_torch.models.panda_push import PANDA
+from aicon_torch.models.arm_push import PANDA
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.workspace import Workspace

@@ -71,5 +71,5 @@ def test_the_documents_have_flowcharts() -> None:
         "graphs.md",
         "nav2d.md",
         "pusht.md",
-        "panda_push.md",
+        "arm_push.md",
     }

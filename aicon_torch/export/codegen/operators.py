@@ -1,7 +1,7 @@
 """What each operator of a traced graph does to the numbers of its tensors, element by element.
 
-A translation takes a :class:`~aicon_torch.export.codegen.arrays.Writer`, the kind of its result and the
-operator's arguments, with an array of numbers in place of each tensor.
+A translation takes a :class:`~aicon_torch.export.codegen.arrays.Writer`, the kind of its result and
+the operator's arguments, with an array of numbers in place of each tensor.
 """
 
 from collections.abc import Callable, Sequence

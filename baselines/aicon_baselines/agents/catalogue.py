@@ -92,7 +92,6 @@ CATALOGUE: Mapping[str, PolicyNames] = MappingProxyType(
             opponents=_AGGREGATIONS,
         ),
         "arm_push": _ARM_PUSH,
-        "panda_push": _ARM_PUSH,
         "reach": PolicyNames(
             presets=("aicon", "without_escape", "steepest", "potential_field"),
             ablations=(),

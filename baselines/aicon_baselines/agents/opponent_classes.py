@@ -21,7 +21,6 @@ AGENTS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "nav2d": {"bug2": Bug2, "wall_follower": WallFollower},
         "pusht": {},
         "arm_push": {},
-        "panda_push": {},
         "reach": {"damped_least_squares": DampedLeastSquares, "mink": Mink},
     }
 )

@@ -19,7 +19,7 @@ from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
 from aicon_baselines.tasks import load, names
 
-_CONDITIONS = {"arm_push": "true_pose", "panda_push": "true_pose"}  # elsewhere the task's first
+_CONDITIONS = {"arm_push": "true_pose"}  # elsewhere the task's first
 _RECORDED_STEPS = 100
 
 

@@ -4,9 +4,9 @@ Example: aicon figures nav2d --out runs/figures
 
 nav2d saves nav2d_rollout.png (six moments of the evolving potential), nav2d_rollout.json (the
 figure's numbers) and the film nav2d_rollout.mp4. pusht saves the same as pusht_rollout: six moments
-of an episode, and the gradients that arrive at the pusher. panda_push saves panda_push_film.mp4, an
+of an episode, and the gradients that arrive at the pusher. arm_push saves arm_push_film.mp4, an
 episode of the arm from outside and from its hand above the strengths of its gradients, and
-panda_push_film.png, a picture from the middle of it. reach saves reach.png, moments of three arms'
+arm_push_film.png, a picture from the middle of it. reach saves reach.png, moments of three arms'
 episodes beside their errors and gaps, and reach.mp4, one of them with a ball in its way. concepts
 saves the idea in six pictures, concept_path.png and so on, from what a policy of a small world
 computes. With --video webp or gif a film is a small moving picture for a page.
@@ -23,7 +23,7 @@ _CONCEPTS = "concepts"
 _FIGURES = {
     "nav2d": "2D navigation: the evolving potential",
     "pusht": "pushing: the gradients that arrive at the pusher",
-    "panda_push": "pushing with an arm: its views and its gradients",
+    "arm_push": "pushing with an arm: its views and its gradients",
     "reach": "reaching with three arms: moments, errors and gaps",
     _CONCEPTS: "the idea in six pictures",
 }

@@ -78,6 +78,5 @@ _LOOKS: dict[str, Callable[[Any, Mapping[str, Any], Mapping[str, Any]], Surround
     "nav2d": _navigation,
     "pusht": _pusht,
     "arm_push": _arm,
-    "panda_push": _arm,
     "reach": _reach,
 }

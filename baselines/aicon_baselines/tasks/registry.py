@@ -12,10 +12,9 @@ _MODULES = {
     "nav2d": "aicon_baselines.tasks.nav2d",
     "pusht": "aicon_baselines.tasks.pusht",
     "arm_push": "aicon_baselines.tasks.arm_push",
-    "panda_push": "aicon_baselines.tasks.panda_push",
     "reach": "aicon_baselines.tasks.reach",
 }
-_EXTRAS = {"pusht": "pusht", "arm_push": "panda", "panda_push": "panda", "reach": "reach"}
+_EXTRAS = {"pusht": "pusht", "arm_push": "panda", "reach": "reach"}
 
 
 def names() -> tuple[str, ...]:

@@ -14,8 +14,7 @@ MakeScene = Callable[[viser.ViserServer, LiveEpisode], Scene]
 _SCENES = {
     "nav2d": ("aicon_baselines.view.nav2d", "NavigationScene"),
     "pusht": ("aicon_baselines.view.pusht", "PushScene"),
-    "arm_push": ("aicon_baselines.view.panda_push", "PandaPushScene"),
-    "panda_push": ("aicon_baselines.view.panda_push", "PandaPushScene"),
+    "arm_push": ("aicon_baselines.view.arm_push", "ArmPushScene"),
     "reach": ("aicon_baselines.view.reach", "ReachScene"),
 }
 

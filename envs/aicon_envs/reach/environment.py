@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
+from aicon_envs.arm_push.rendering import Camera
 from aicon_envs.checks import (
     check_action,
     check_choice,
@@ -17,7 +18,6 @@ from aicon_envs.checks import (
     check_numbers,
     check_render_mode,
 )
-from aicon_envs.panda_push.rendering import Camera
 from aicon_envs.reach.reset import EpisodeDrawer, EpisodeStart, Start
 from aicon_envs.reach.robots import Robot, find_file, resolve_robot
 from aicon_envs.reach.scene import Scene, build_scene

@@ -25,7 +25,7 @@ def test_navigation_has_walls_and_a_target() -> None:
 
 @pytest.mark.parametrize(
     ("task", "condition", "needed"),
-    [("pusht", "deterministic", "pymunk"), ("panda_push", "true_pose", "mujoco")],
+    [("pusht", "deterministic", "pymunk"), ("arm_push", "true_pose", "mujoco")],
 )
 def test_who_pushes_has_an_object_and_its_goal(task: str, condition: str, needed: str) -> None:
     pytest.importorskip(needed)

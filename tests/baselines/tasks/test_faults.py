@@ -120,7 +120,7 @@ def test_the_same_seed_brings_the_same_fault(fault: str, faulty: Faulty) -> None
         np.testing.assert_array_equal(first, second)
 
 
-@pytest.mark.parametrize("name", ["nav2d", "pusht", "panda_push"])
+@pytest.mark.parametrize("name", ["nav2d", "pusht", "arm_push"])
 def test_every_task_has_all_of_them(name: str) -> None:
     task = load(name)
     assert set(FAULTS) <= set(task.conditions)

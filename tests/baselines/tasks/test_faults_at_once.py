@@ -96,7 +96,7 @@ def test_a_layer_that_is_not_there_is_an_error_by_name() -> None:
         disturbed(TASK.make_env(1, "late+stuck", STEPS), "gone")
 
 
-@pytest.mark.parametrize("name", ["nav2d", "pusht", "panda_push"])
+@pytest.mark.parametrize("name", ["nav2d", "pusht", "arm_push"])
 def test_what_is_told_adds_up(name: str) -> None:
     task = load(name)
     late, jitter = (task.policy_options(one)["delay"] for one in ("late", "jitter"))
@@ -104,7 +104,7 @@ def test_what_is_told_adds_up(name: str) -> None:
     assert set(task.policy_options("bias")) <= set(task.policy_options("late+bias"))
 
 
-@pytest.mark.parametrize("name", ["nav2d", "pusht", "panda_push"])
+@pytest.mark.parametrize("name", ["nav2d", "pusht", "arm_push"])
 def test_two_faults_are_a_condition(name: str) -> None:
     assert configure(load(name), conditions=["late+bias"]).conditions == ("late+bias",)
 

@@ -21,16 +21,14 @@ TASKS = [
 
 
 def test_unknown_names_list_the_valid_ones() -> None:
-    with pytest.raises(
-        ComparisonError, match="valid tasks: nav2d, pusht, arm_push, panda_push, reach"
-    ):
+    with pytest.raises(ComparisonError, match="valid tasks: nav2d, pusht, arm_push, reach"):
         tasks.load("chess")
-    assert tasks.names() == ("nav2d", "pusht", "arm_push", "panda_push", "reach")
+    assert tasks.names() == ("nav2d", "pusht", "arm_push", "reach")
 
 
 @pytest.mark.parametrize(
     ("task", "extra"),
-    [("pusht", "pusht"), ("arm_push", "panda"), ("panda_push", "panda"), ("reach", "reach")],
+    [("pusht", "pusht"), ("arm_push", "panda"), ("reach", "reach")],
 )
 def test_a_task_says_what_it_needs(task: str, extra: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(registry._MODULES, task, "no_such_module")

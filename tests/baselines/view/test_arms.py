@@ -14,7 +14,7 @@ from aicon_baselines.view import make_scene, open_episode
 from aicon_baselines.view.server import serve
 from aicon_baselines.view.space import MuJoCoScene
 
-CONDITIONS = {"panda_push": "true_pose", "reach": "panda_pose_home_ball"}
+CONDITIONS = {"arm_push": "true_pose", "reach": "panda_pose_home_ball"}
 
 
 @pytest.fixture(scope="module", params=CONDITIONS)
@@ -84,7 +84,7 @@ def test_every_quantity_can_be_looked_at_under_each_resolution(
 def test_a_kick_moves_the_object() -> None:
     server = serve("127.0.0.1", 0)
     try:
-        scene = make_scene(server, open_episode("panda_push", condition="true_pose", seed=1000))
+        scene = make_scene(server, open_episode("arm_push", condition="true_pose", seed=1000))
         before = scene.episode.info["object_pose"][0].copy()
         scene.kick()
         for _ in range(10):

@@ -17,7 +17,7 @@ from aicon_baselines.view import LiveEpisode, LiveView, open_episode, serve
 
 WORLDS = {
     "nav2d": ("range", 1006, "reach"),
-    "panda_push": ("true_pose", 1000, "push"),
+    "arm_push": ("true_pose", 1000, "push"),
     "reach": ("panda_pose_home_ball", 1000, "reach"),
 }
 
@@ -26,7 +26,7 @@ WORLDS = {
     scope="module",
     params=[
         "nav2d",
-        pytest.param("panda_push", marks=pytest.mark.slow),  # without a GPU a world in space
+        pytest.param("arm_push", marks=pytest.mark.slow),  # without a GPU a world in space
         pytest.param("reach", marks=pytest.mark.slow),  # takes a minute to be painted
     ],
 )

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from aicon_torch.export.loading import open_library
 from aicon_torch.export.codegen import cached_library, compile_library, has_compiler
 from aicon_torch.export.codegen.compiler import compiler_command
+from aicon_torch.export.loading import open_library
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 

@@ -77,7 +77,7 @@ def test_sac_learns_from_what_it_saw(
     ("arguments", "message"),
     [
         ({"task": "pushx"}, "unknown task 'pushx'; valid tasks: nav2d, pusht"),
-        ({"task": "panda_push"}, "unknown task 'panda_push'; valid tasks: nav2d, pusht"),
+        ({"task": "arm_push"}, "unknown task 'arm_push'; valid tasks: nav2d, pusht"),
         ({"algorithm": "dqn"}, "unknown algorithm 'dqn'; valid algorithms: ppo, sac"),
         ({"steps": 0}, "steps must be 1 or more, not 0"),
         ({"seed": 3}, "the seed must be 1000 or more, not 3"),

@@ -1,0 +1,28 @@
+"""The model "arm_push": an arm pushes an object to a pose, by a camera."""
+
+from aicon_torch.models.arm_push.graph import build, camera_perception, world_model
+from aicon_torch.models.arm_push.options import (
+    CameraOptions,
+    MotionLimitOptions,
+    Options,
+    TouchOptions,
+)
+from aicon_torch.models.arm_push.perception import CameraPerception
+from aicon_torch.models.arm_push.presets import PRESETS
+from aicon_torch.models.arm_push.robot import PANDA, Robot
+from aicon_torch.models.arm_push.scene import end_effector
+
+__all__ = [
+    "PANDA",
+    "PRESETS",
+    "CameraOptions",
+    "CameraPerception",
+    "MotionLimitOptions",
+    "Options",
+    "Robot",
+    "TouchOptions",
+    "build",
+    "camera_perception",
+    "end_effector",
+    "world_model",
+]

@@ -1,0 +1,80 @@
+"""Limits of the arm's motion, which are the robot's own: speeds of its tip and of its joints.
+
+They act on the joints by the least motion that takes away what goes beyond. The text has none.
+"""
+
+from collections.abc import Sequence
+from typing import cast
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.models.arm_push.options import MotionLimitOptions
+from aicon_torch.parts.end_effector import EndEffector
+
+
+class ArmLimits(nn.Module):
+    """The joint velocities within the limits of the tip and of the joints.
+
+    1. In the plane the tip moves at most at its speed, up and down and in tilt at most at a quarter
+       of it, in heading at half of it (in m/s: :class:`aicon_torch.parts.end_effector.ToolPose`).
+    2. The tip moves toward its height no faster than it would arrive within `settling_time`.
+    3. No joint is faster than its limit, the direction kept.
+
+    Args:
+        end_effector: Of the arm.
+        joint_speeds: Largest speed of each joint, rad/s.
+        options: The speed of the tip, and the time of its arrival.
+    """
+
+    def __init__(
+        self,
+        end_effector: EndEffector,
+        joint_speeds: Sequence[float],
+        options: MotionLimitOptions,
+    ) -> None:
+        super().__init__()
+        self.end_effector = end_effector
+        self.tip_speed, self.settling_time = options.tip_speed, options.settling_time
+        self.register_buffer("joint_speeds", torch.tensor(joint_speeds, dtype=torch.float64))
+
+    def forward(self, a: Tensor, x_joints: Tensor, x_heights: Tensor) -> Tensor:
+        """The velocity of the joints within the limits.
+
+        Args:
+            a: The velocity that is wished for, ``(*B, n)``, rad/s.
+            x_joints: Joint angles, ``(*B, n)``, rad.
+            x_heights: Height of the tip above where it should be, ``(*B, 1)``, m.
+
+        Returns:
+            ``(*B, n)``, rad/s.
+        """
+        jacobian = self.end_effector.jacobian(x_joints)
+        wish = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
+
+        # The motion of the end effector within its limits, by component.
+        planar, rise, tilt, turn = torch.split(wish, [2, 1, 2, 1], dim=-1)
+        planar = shorten(planar, self.tip_speed)
+        rise = shorten(rise, self.tip_speed / 4)
+        tilt = shorten(tilt, self.tip_speed / 4)
+        turn = shorten(turn, self.tip_speed / 2)
+        rise = self._settle(rise, x_heights)
+
+        # The least motion of the joints that takes away the rest.
+        motion = torch.cat((planar, rise, tilt, turn), dim=-1)
+        a = a - self.end_effector.solve(jacobian, wish - motion)
+        excess = (a.abs() / cast(Tensor, self.joint_speeds).to(a)).amax(-1, keepdim=True)
+        return a / excess.clamp(min=1.0)
+
+    def _settle(self, rise: Tensor, x_heights: Tensor) -> Tensor:
+        """A vertical speed ``(*B, 1)``, m/s, that arrives at the height not too soon."""
+        arrival = -x_heights / self.settling_time
+        slower = torch.minimum(rise.abs(), arrival.abs()) * rise.sign()
+        return torch.where(arrival * rise > 0, slower, rise)
+
+
+def shorten(vectors: Tensor, longest: float) -> Tensor:
+    """The vectors ``(*B, d)``, those that are longer than a length brought to it."""
+    length = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
+    shortened: Tensor = vectors * (longest / length.clamp(min=longest))
+    return shortened

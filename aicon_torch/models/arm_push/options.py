@@ -1,0 +1,264 @@
+"""Options of the arm's policy."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import torch
+
+from aicon_torch.control import ActionLaw, Foresight
+from aicon_torch.errors import OptionError
+from aicon_torch.models.arm_push.robot import PANDA, Robot
+from aicon_torch.parts.camera import Steering
+from aicon_torch.parts.contact_options import ContactOptions
+from aicon_torch.parts.end_effector import Pullback
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.servo import PARTS
+from aicon_torch.parts.touch import ForceThreshold
+from aicon_torch.parts.validation import (
+    check_choice,
+    check_not_negative,
+    check_positive,
+    check_steps,
+)
+from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution
+
+Sensing = Literal["camera", "pose"]
+"""Whether the object is seen by the camera in the hand, or its true pose is observed."""
+
+T_CORNERS: tuple[tuple[float, float], ...] = (
+    (-0.1, -0.19 / 2.8),
+    (0.1, -0.19 / 2.8),
+    (0.1, -0.05 / 2.8),
+    (0.025, -0.05 / 2.8),
+    (0.025, 0.37 / 2.8),
+    (-0.025, 0.37 / 2.8),
+    (-0.025, -0.05 / 2.8),
+    (-0.1, -0.05 / 2.8),
+)
+"""Corners of the T about its centroid, m."""
+
+SIDE_FORCE = ForceThreshold(force=1.2, width=0.1)
+TOP_FORCE = ForceThreshold(force=2.0, width=0.15)
+
+REACTION = 0.1
+"""Time constant with which the joints' velocities follow their commands, s."""
+
+LAW = Foresight(horizon=REACTION, smoothing=0.0, dither=0.5, dither_steps=5)
+"""What the action brings is foreseen until the joints have followed it. Their lag smooths it, and a
+dither must last half of that time to be felt."""
+
+RESOLUTION = NullspaceProjection(exploration=Exploration(average_time=0.8))
+"""In widths of the object the tip moves at half the speed of pushT's pusher, or less."""
+
+CONTACT = ContactOptions(size=0.2, inset=1.0)
+"""The contact model, as in pushT; only the T is larger, 0.2 m wide, and its sides are sought away
+from their ends."""
+
+RING = SquaredHinge(margin=0.03, weight=0.045)
+"""Margin and weight (m) of the ring that keeps the object within reach: at its edge it pulls back
+three times as strongly as a target far away pulls."""
+
+JOINT_LIMITS = SquaredHinge(margin=0.1, weight=0.5)
+SELF_COLLISION = SquaredHinge(margin=0.05, weight=0.05)
+WORKSPACE = SquaredHinge(margin=0.01, weight=0.1)
+"""Margins (rad, m, m) and weights (m) of the goals that keep the arm from its limits."""
+
+
+@dataclass(frozen=True)
+class CameraOptions:
+    """What the camera shows of the object, and what seeing it well is worth.
+
+    Attributes:
+        noise: Standard deviation of a position that is seen in the middle of the image, m.
+        edge_growth: By how much its variance grows toward the edge of the image: see
+            :class:`aicon_torch.parts.camera.Visibility`.
+        trust: Score below which a registration is no reading.
+        blob_noise: Standard deviation of the object's centre about the middle of what is seen of
+            it, which is the reading then, m.
+        steering: What moves in order to see better: see
+            :class:`aicon_torch.parts.camera.CameraFrame`.
+        trace_weight: Weight of tr Σ in the goal "push", 1/m; 0 leaves it out.
+        trace_tolerance: tr Σ that this goal leaves alone, m²; 0 in the text.
+        background: Whether images are read in a thread of their own, and no step waits for them:
+            see :class:`aicon_torch.readings.BackgroundPerception`.
+        delay: Largest age of an image that is made up for, steps; ages come as ``image_age``, s.
+            With 0 an image is taken to show what is.
+    """
+
+    noise: float = 1 / 1200
+    edge_growth: float = 100.0
+    trust: float = 0.75
+    blob_noise: float = 0.05
+    steering: Steering = "heading"
+    trace_weight: float = 60.0
+    trace_tolerance: float = (1 / 300) ** 2
+    background: bool = False
+    delay: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            OptionError: If one is not what it may be.
+        """
+        check_steps(self, "delay")
+        check_positive(self, ("noise", "blob_noise"))
+        check_not_negative(self, ("edge_growth", "trust", "trace_weight", "trace_tolerance"))
+        check_choice(self, "steering", get_args(Steering))
+
+
+@dataclass(frozen=True)
+class TouchOptions:
+    """What a force at the wrist says of the object.
+
+    Attributes:
+        side: Which horizontal force says that the stick touches a side of the object.
+        side_deviation: Standard deviation of the gap there, m.
+        top: Which force upward says that the stick stands on the object.
+        top_deviation: Standard deviation of the height of its top, m.
+    """
+
+    side: ForceThreshold = SIDE_FORCE
+    side_deviation: float = 1 / 60
+    top: ForceThreshold = TOP_FORCE
+    top_deviation: float = 1e-5**0.5
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            OptionError: If one is not positive.
+        """
+        check_positive(self, ("side_deviation", "top_deviation"))
+
+
+@dataclass(frozen=True)
+class MotionLimitOptions:
+    """How fast the arm moves: see :class:`aicon_torch.models.arm_push.limits.ArmLimits`.
+
+    Attributes:
+        tip_speed: Largest speed of the tip in the plane, m/s.
+        joint_speed: Largest norm of the joints' velocities, rad/s.
+        settling_time: Least time in which the tip arrives at its height, s.
+    """
+
+    tip_speed: float = 0.4
+    joint_speed: float = 4.8
+    settling_time: float = 0.2
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            OptionError: If one is not positive.
+        """
+        check_positive(self, ("tip_speed", "joint_speed", "settling_time"))
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the arm's policy; a preset or a user names nested ones by a dotted path.
+
+    Attributes:
+        resolution: What happens where gradients meet.
+        law: From the gradient to the action.
+        dtype: Precision of the estimates.
+        dt: Time step, s.
+        robot: The robot.
+        corners: Corners of the object around its frame, m.
+        sensing: What is known of the object.
+        camera: How it is seen, if it is.
+        touch: What the wrist feels of it, if it is seen; None if nothing.
+        contact: The contact model, which is pushT's.
+        limits: How fast the arm moves.
+        joint_noise: Standard deviation of an encoder, rad.
+        pose_noise: Standard deviation of a pose that is observed, m.
+        drift: Standard deviation of what moves the object in a second besides the model, m.
+        stick_friction: Coefficient of friction between stick and object, with which its
+            motion is predicted; 0 predicts without.
+        expected_place: Where the object is expected before it is seen, (x, y), m.
+        height: Height of the tip above the table, half the thickness of the object, m.
+        height_tolerance: Deviation from it that the goal "height" leaves alone, m; 0 in the text.
+        upright_tolerance: Tilt of the stick that the goal "upright" leaves alone, rad; None leaves
+            the goal out, as the text does.
+        workspace: The goal that keeps the tip from the edge of the workspace, margin in m; None
+            leaves it out, as the text does.
+        ring: What pushing costs besides where the object leaves the ring around which the stick
+            gets, margin in m: see :class:`aicon_torch.models.arm_push.goals.Ring`; None leaves it
+            out, as the text does.
+        joint_limits: The goal g₃, margin in rad; None leaves it out.
+        self_collision: The goal g₄, margin in m; None leaves it out.
+        lever: A rotation of the end effector by one rad counts as much as a motion by this, m.
+        pullback: How a gradient goes from the end effector to the joints: see
+            :class:`aicon_torch.parts.end_effector.EndEffector`.
+        damping: λ of the pseudo-inverse there, m/rad.
+        delay: Largest age of encoders and of an observed pose that is made up for, steps; ages come
+            as ``age``, s, and are this one where they do not.
+        watchdog: Whether the arm stops on readings that are too old or frozen.
+    """
+
+    resolution: Resolution = RESOLUTION
+    law: ActionLaw = LAW
+    dtype: torch.dtype = torch.float64
+    dt: float = 0.01
+
+    robot: Robot = PANDA
+    corners: Sequence[Sequence[float]] = T_CORNERS
+
+    sensing: Sensing = "camera"
+    camera: CameraOptions = CameraOptions()
+    touch: TouchOptions | None = TouchOptions()
+    joint_noise: float = 1e-4
+    pose_noise: float = 1 / 6000
+    drift: float = 1 / 40
+    stick_friction: float = 0.2
+    expected_place: tuple[float, float] = (0.54, 0.0)
+
+    contact: ContactOptions = CONTACT
+    limits: MotionLimitOptions = MotionLimitOptions()
+
+    height: float = 0.02
+    height_tolerance: float = 0.001
+    upright_tolerance: float | None = 0.02
+    workspace: SquaredHinge | None = WORKSPACE
+    ring: SquaredHinge | None = RING
+    joint_limits: SquaredHinge | None = JOINT_LIMITS
+    self_collision: SquaredHinge | None = SELF_COLLISION
+
+    lever: float = 0.2
+    pullback: Pullback = "natural"
+    damping: float = 0.02
+    delay: int = 0
+    watchdog: bool = True
+
+    @property
+    def parts(self) -> int:
+        """In how many parts a motion of the tip is followed: those of a step are short."""
+        return 1 if self.law.horizon is None else PARTS
+
+    @property
+    def is_late(self) -> bool:
+        """Whether readings that are late are made up for."""
+        return bool(self.delay or self.camera.delay)
+
+    def __post_init__(self) -> None:
+        """Check what the parts do not check themselves.
+
+        Raises:
+            OptionError: If one is not what it may be.
+        """
+        check_choice(self, "sensing", get_args(Sensing))
+        check_choice(self, "pullback", get_args(Pullback))
+        check_positive(
+            self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping")
+        )
+        check_not_negative(self, ("height_tolerance", "stick_friction"))
+
+        # What takes a sentence of its own.
+        if not isinstance(self.robot, Robot):
+            raise OptionError(
+                f"robot={self.robot!r}: expected a Robot, such as "
+                "Robot.from_description(env.unwrapped.description())."
+            )
+        check_steps(self, "delay")

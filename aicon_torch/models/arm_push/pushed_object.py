@@ -1,0 +1,138 @@
+"""The object's estimators: its pose and the height of its top, seen and felt, or observed."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.arm_push.measurements import (
+    ObservedPose,
+    SeenKeypoints,
+    position_jacobian,
+    seen_middle,
+    seen_top,
+    top_jacobian,
+)
+from aicon_torch.models.arm_push.options import Options
+from aicon_torch.models.arm_push.perception import BLOB, KEYPOINTS
+from aicon_torch.models.arm_push.scene import Scene
+from aicon_torch.parts.camera import Visibility
+from aicon_torch.parts.pose import PoseMotion, pose_jacobian
+from aicon_torch.parts.touch import TouchedSide, TouchedTop
+
+UNSEEN_DEVIATION = (0.1, 1 / 6, 2.0)
+"""Standard deviation of the object's pose before it is seen, m, m and rad."""
+
+UNOBSERVED_DEVIATION = 1 / 600
+"""Standard deviation of its position before its pose is observed, m."""
+
+UNSEEN_TOP = 1e-4
+"""Variance of the height of its top before it is seen, m²."""
+
+TOP_DRIFT = 1e-9
+"""Variance of the change of that height in a step, m²."""
+
+TOP_NOISE = 1e-6
+"""Variance of that height as the camera sees it, m²."""
+
+
+def pushed_object(scene: Scene) -> list[Estimator]:
+    """The object's pose, its keypoints there, and where it is to be."""
+    pose = seen_pose(scene) if scene.options.sensing == "camera" else observed_pose(scene)
+    keypoints = Interconnection(scene.body.keypoints_at, inputs=["x_pose"])
+    target = Interconnection(scene.body.pose_of_frame, inputs=["z_target"])
+    return [pose, Deterministic("x_keypoints", keypoints), Deterministic("x_target", target)]
+
+
+def observed_pose(scene: Scene) -> EKF:
+    """x_pose, corrected by a pose that is observed."""
+    observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION)
+    residual = Interconnection(observed, x_pose=pose_jacobian)
+    reading = Measurement(residual, pose_variances(scene, scene.options.pose_noise), size=3)
+    return _pushed_pose(
+        scene,
+        delay=scene.options.delay,
+        sensor="z_object",
+        initial=observed.prior,
+        size=3,
+        correct=[reading],
+    )
+
+
+def seen_pose(scene: Scene) -> EKF:
+    """x_pose, corrected by what the camera shows and the wrist feels."""
+    options = scene.options
+    visibility = Visibility(
+        options.robot.intrinsics,
+        variances=pose_variances(scene, options.camera.noise),
+        edge_growth=options.camera.edge_growth,
+        height=2 * options.height,
+    )
+
+    seen = Interconnection(SeenKeypoints(scene.body), x_pose=pose_jacobian)
+    middle = Interconnection(seen_middle, x_pose=position_jacobian)
+    shown = [
+        Measurement(seen, visibility, size=3),
+        Measurement(middle, options.camera.blob_noise**2, size=2),
+    ]
+    felt: list[Measurement] = []
+    if options.touch is not None:
+        radius, deviation = options.robot.stick_radius, options.touch.side_deviation
+        touched = TouchedSide(scene.body, radius, deviation, options.touch.side)
+        felt.append(Measurement(touched, touched.variance, size=1))
+
+    mean = (*options.expected_place, 0.0)
+    variances = [deviation**2 for deviation in UNSEEN_DEVIATION]
+    late: dict[str, Any] = {"delay": options.camera.delay, "sensor": (KEYPOINTS, BLOB)}
+    return _pushed_pose(scene, felt, **late, initial=(mean, variances), correct=shown)
+
+
+def _pushed_pose(scene: Scene, felt: Sequence[Measurement] = (), **belief: Any) -> EKF:
+    """x_pose, predicted from what the tip has pushed; how it begins and is corrected is given."""
+    options = scene.options
+    motion = PoseMotion(scene.dynamics, options.robot.stick_radius, options.stick_friction)
+    inputs = ["x_pose", "x_pusher", "d_pusher"]
+    deviation = options.drift * options.dt**0.5
+    moved_by = {"x_pusher": 2, "d_pusher": 2 * options.parts, "dt": 1}
+    if felt:
+        moved_by["x_force"] = 3
+
+    return ekf_with_delay(
+        "x_pose",
+        "P_pose",
+        moved_by=moved_by,
+        prompt=felt,
+        predict=Interconnection(motion, inputs, x_pose=pose_jacobian),
+        noise=pose_variances(scene, deviation),
+        **belief,
+    )
+
+
+def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]:
+    """Variances of x, y and θ, m², m² and rad².
+
+    Args:
+        scene: Whose object it is.
+        deviation: Standard deviation of the position, and of a point at the radius of gyration by
+            the rotation, m.
+    """
+    position = deviation**2
+    return position, position, position / scene.body.radius_of_gyration**2
+
+
+def object_top(options: Options) -> EKF:
+    """x_top: height of the object's top face, m, from the depth of its keypoints and by touch."""
+    seen = Interconnection(seen_top, x_top=top_jacobian)
+    correct = [Measurement(seen, TOP_NOISE, size=1)]
+    if options.touch is not None:
+        touched = TouchedTop(options.touch.top_deviation, options.touch.top)
+        correct.append(Measurement(touched, touched.variance, size=1))
+
+    return EKF(
+        "x_top",
+        "P_top",
+        predict=Affine(x_top=1.0),
+        noise=TOP_DRIFT,
+        initial=((2 * options.height,), UNSEEN_TOP),
+        correct=correct,
+    )

@@ -1,0 +1,118 @@
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from _inputs.arm import panda, postures
+
+from aicon_torch import OptionError, make_policy
+from aicon_torch.models.arm_push import PANDA, Options, Robot, end_effector
+from aicon_torch.parts.camera import Intrinsics
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision
+
+ROWS = np.eye(4).tolist()
+PLAIN = {
+    "frames": [ROWS, ROWS],
+    "tool": ROWS,
+    "camera": ROWS,
+    "intrinsics": (80.0, 1.0, 2.0, 3.0, 4.0),
+    "low": (-1.0, -1.0),
+    "high": (1.0, 1.0),
+    "speed": (2.0, 2.0),
+    "capsules": [(0, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.1)],
+    "stick_length": 0.3,
+    "stick_radius": 0.01,
+    "tool_mass": 0.2,
+    "reach": 0.8,
+    "nearest": 0.3,
+}
+"""A robot of two joints as an environment describes it."""
+
+
+def test_the_robot_is_that_of_the_physics():
+    arm_push = pytest.importorskip("aicon_envs.arm_push")
+    robot = Robot.from_description(arm_push.ArmPushEnv(obs_type="pose").description())
+    for name in ("frames", "tool", "camera", "intrinsics", "low", "high", "speed"):
+        np.testing.assert_allclose(getattr(robot, name), getattr(PANDA, name), atol=1e-6)
+    assert robot.tool_mass == PANDA.tool_mass and len(robot.capsules) == len(PANDA.capsules)
+    assert robot.reach == PANDA.reach and robot.pairs is None
+
+
+def test_the_tip_and_the_gap_of_the_body_are_those_of_the_physics():
+    arm_push = pytest.importorskip("aicon_envs.arm_push")
+    import mujoco
+
+    env = arm_push.ArmPushEnv(obs_type="pose")
+    robot = Robot.from_description(env.description())
+    simulation, arm = env._simulation, panda()
+    segments = CapsuleSegments(arm.chain, robot.capsules)
+    goal = SelfCollision(robot.capsules, SquaredHinge(margin=0.05, weight=1.0))
+    for q in postures(5):
+        simulation.data.qpos[:7] = q.numpy()
+        mujoco.mj_kinematics(simulation.model, simulation.data)
+        np.testing.assert_allclose(arm(q)[:3], simulation.data.site("tip").xpos, atol=1e-9)
+        gap = goal.distances(segments(q)).min()
+        np.testing.assert_allclose(gap, simulation.self_distance, atol=1e-8)
+
+
+@pytest.mark.slow
+def test_the_tip_of_another_arm_is_that_of_the_physics_and_its_capsules_enclose_its_shape():
+    arm_push = pytest.importorskip("aicon_envs.arm_push")
+    pytest.importorskip("trimesh")
+    pytest.importorskip("pytorch_kinematics")
+    import mujoco
+    import torch
+
+    env = arm_push.ArmPushEnv("ur5", obs_type="pose")
+    robot = Robot.from_description(env.description())
+    assert {capsule.link for capsule in robot.capsules} == set(range(8))
+
+    simulation, arm = env._simulation, end_effector(Options(robot=robot))
+    segments = CapsuleSegments(arm.chain, robot.capsules)
+    goal = SelfCollision(robot.capsules, SquaredHinge(margin=0.05, weight=1.0), robot.pairs)
+    for seed in range(20):
+        q = 2.0 * torch.randn(6, generator=torch.Generator().manual_seed(seed)).double()
+        simulation.data.qpos[:6] = q.numpy()
+        mujoco.mj_kinematics(simulation.model, simulation.data)
+        np.testing.assert_allclose(arm(q)[:3], simulation.data.site("tip").xpos, atol=1e-9)
+        seen = goal.distances(segments(q)).min().clamp(max=0.05)  # as far as the physics look
+        assert seen <= simulation.self_distance + 1e-3
+
+
+def test_a_description_gives_plain_numbers():
+    robot = Robot.from_description(PLAIN)
+    assert len(robot.frames) == 2 and len(robot.tool) == 3
+    assert isinstance(robot.intrinsics, Intrinsics) and isinstance(robot.capsules[0], Capsule)
+    assert robot.low == (-1.0, -1.0) and robot.axes is None
+
+
+def test_joints_turn_about_their_axes():
+    quarter = np.array([np.pi / 2, 0.0])
+    about_z, about_x = (
+        replace(Robot.from_description(PLAIN), axes=axes).chain()
+        for axes in (None, ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    )
+    q = about_z.low.new_tensor(quarter)
+    np.testing.assert_allclose(about_z(q)[:3, 0], [0.0, 1.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(about_x(q)[:3, 1], [0.0, 0.0, 1.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"reach": None}, "description of the robot lacks 'reach'"),
+        ({"payload": 3.0}, "description of the robot has 'payload': expected 'frames', 'tool'"),
+        ({"low": (-1.0,)}, "robot.low has 1 of them: expected 2, as robot.frames"),
+        ({"axes": ((0.0, 0.0, 1.0),)}, "robot.axes has 1 of them: expected 2"),
+    ],
+)
+def test_what_a_description_lacks_is_named(changes, message):
+    description = {key: value for key, value in (PLAIN | changes).items() if value is not None}
+    with pytest.raises(OptionError, match=re.escape(message)):
+        Robot.from_description(description)
+
+
+def test_a_robot_that_is_none_is_named():
+    with pytest.raises(OptionError, match="robot='ur5': expected a Robot, such as Robot.from_desc"):
+        make_policy("arm_push", robot="ur5", sensing="pose")
