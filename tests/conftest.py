@@ -9,6 +9,8 @@ import torch
 from gymnasium.error import DependencyNotInstalled
 from hypothesis import HealthCheck, settings
 
+from aicon_torch.export.codegen import compiler
+
 with suppress(DependencyNotInstalled):
     import aicon_envs.arm_push  # noqa: F401  # chooses how to render before MuJoCo is imported
 
@@ -26,6 +28,12 @@ settings.register_profile(
     "thorough", settings.get_profile("default"), derandomize=False, max_examples=500
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Without the slow tests C is not optimized: the same bits, compiled ten times as soon."""
+    if config.option.markexpr == "not slow":
+        compiler.FLAGS = ("-O0", *compiler.FLAGS[1:])
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -17,6 +17,7 @@ from _inputs.gradients import (
     lengths,
     pair,
 )
+from _inputs.loops import for_each
 from _inputs.navigation import (
     as_arrays,
     drifting,
@@ -113,6 +114,7 @@ __all__ = [
     "exploring_memory",
     "far",
     "follow",
+    "for_each",
     "fresh",
     "gradient_stack",
     "graphs",

@@ -3,15 +3,14 @@
 import re
 from pathlib import Path
 
-import pytest
-from _documents import DOCUMENTS, NAMES, ROOT, headings
+from _documents import DOCUMENTS, ROOT, headings
+from _inputs import for_each
 
-every_document = pytest.mark.parametrize("document", DOCUMENTS, ids=NAMES)
-every_present_document = pytest.mark.parametrize(
-    "document",
-    [path for path in DOCUMENTS if path.name != "CHANGELOG.md"],
-    ids=lambda path: path.name,
-)
+NAMED = {str(path.relative_to(ROOT)): path for path in DOCUMENTS}
+PRESENT = {name: path for name, path in NAMED.items() if path.name != "CHANGELOG.md"}
+
+every_document = for_each("document", NAMED)
+every_present_document = for_each("document", PRESENT)
 
 # Files are named from the root, or from where the code of the library lies.
 FOLDERS = (ROOT, ROOT / "aicon_torch", ROOT / "baselines" / "aicon_baselines")

@@ -12,6 +12,7 @@ import pytest
 import torch
 from _asserts import assert_same_memory
 from _inputs import drifting, observation_with
+from _inputs.following import follower, wandering
 
 from aicon_torch import ExportedPolicy, Foresight, Policy, load_exported, make_policy
 from aicon_torch.export.codegen import has_compiler
@@ -74,10 +75,10 @@ def test_a_copied_memory_is_its_own(policy: Any) -> None:
 
 def test_a_pickled_policy_needs_no_file(tmp_path: Path) -> None:
     path = tmp_path / "policy.so"
-    make_policy("nav2d", law=Foresight(iterations=1)).export(path, task="some task")
+    follower().export(path, task="some task")
     kept = pickle.dumps(load_exported(path))
     path.unlink()
 
     policy = pickle.loads(kept)
     assert policy.metadata["description"] == {"task": "some task"}
-    policy.act(observation_with())
+    policy.act(wandering(1)[0])

@@ -32,6 +32,8 @@ pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compil
 
 Pair = tuple[Policy, ExportedPolicy]
 
+NAVIGATION = make_policy("nav2d", law=Foresight(iterations=2))
+
 
 def exported(policy: Policy, folder: Path) -> ExportedPolicy:
     """The policy, exported and loaded."""
@@ -40,9 +42,17 @@ def exported(policy: Policy, folder: Path) -> ExportedPolicy:
 
 
 @pytest.fixture(scope="module")
-def pair(tmp_path_factory: pytest.TempPathFactory) -> Pair:
-    policy = make_policy("nav2d", law=Foresight(iterations=2))
-    return policy, exported(policy, tmp_path_factory.mktemp("exported"))
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The navigation's policy as a library, beside its source."""
+    folder = tmp_path_factory.mktemp("good")
+    for name in ("good.so", "good.c"):
+        NAVIGATION.export(folder / name, task="some task")
+    return folder / "good.so"
+
+
+@pytest.fixture(scope="module")
+def pair(good: Path) -> Pair:
+    return NAVIGATION, load_exported(good)
 
 
 def test_it_takes_the_same_steps(pair: Pair) -> None:
@@ -201,9 +211,8 @@ def test_it_says_what_it_is(pair: Pair) -> None:
     assert [sensor["key"] for sensor in metadata["sensors"]] == ["bearing", "range", "elapsed"]
 
 
-def test_a_source_is_complete(pair: Pair, tmp_path: Path) -> None:
-    pair[0].export(tmp_path / "policy.c")
-    text = (tmp_path / "policy.c").read_text()
+def test_a_source_is_complete(good: Path) -> None:
+    text = good.with_suffix(".c").read_text()
     assert "aicon_step" in text and "torch/" not in text
     assert {line for line in text.splitlines() if line.startswith("#include")} == {
         "#include <math.h>",
@@ -214,14 +223,6 @@ def test_a_source_is_complete(pair: Pair, tmp_path: Path) -> None:
 def test_the_name_tells_what_to_write(tmp_path: Path) -> None:
     with pytest.raises(OptionError, match=r"policy.pt2.*ends in \.so"):
         make_policy("nav2d").export(tmp_path / "policy.pt2")
-
-
-@pytest.fixture(scope="module")
-def good(pair: Pair, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("good")
-    for name in ("good.so", "good.c"):
-        pair[0].export(folder / name)
-    return folder / "good.so"
 
 
 @pytest.mark.parametrize(("name", "words"), REFUSED.items())
@@ -235,4 +236,4 @@ def test_wrong_files_are_refused(name: str, words: str, good: Path, tmp_path: Pa
 def test_without_a_compiler_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(OptionError, match="no C compiler 'no-such-compiler'"):
-        make_policy("nav2d", law=Foresight(iterations=1)).export(tmp_path / "policy.so")
+        NAVIGATION.export(tmp_path / "policy.so")

@@ -10,6 +10,7 @@ from _inputs import (
     PROJECTORS,
     RANDOM,
     STACKS,
+    for_each,
     fresh,
     gradient_stack,
     lengths,
@@ -38,8 +39,8 @@ RULES = PURSUING | PROJECTED | EXPLORING
 
 every_rule = pytest.mark.parametrize("rule", RULES.values(), ids=RULES.keys())
 every_pursuing_rule = pytest.mark.parametrize("rule", PURSUING.values(), ids=PURSUING.keys())
-every_stack = pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
-every_random_stack = pytest.mark.parametrize("stack", RANDOM.values(), ids=RANDOM.keys())
+every_stack = for_each("stack", STACKS)
+every_random_stack = for_each("stack", RANDOM)
 
 
 @every_rule

@@ -12,6 +12,7 @@ from _inputs import (
     RANDOM,
     STACKS,
     direction,
+    for_each,
     lengths,
     normal,
     projection_in_paper,
@@ -25,7 +26,7 @@ from torch import Tensor
 from aicon_torch import Escape, NullspaceProjection, OptionError, SteepestPath
 
 
-@pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
+@for_each("stack", STACKS)
 @pytest.mark.parametrize("projector", PROJECTORS)
 def test_resolved_gradients_are_mutually_orthogonal(stack: Tensor, projector: Any) -> None:
     vectors, _ = selected(unweighted(projector=projector), stack)
@@ -39,7 +40,7 @@ def test_resolved_gradients_are_mutually_orthogonal(stack: Tensor, projector: An
         assert_orthogonal(vectors, length.unsqueeze(-1) * length.unsqueeze(-2))
 
 
-@pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
+@for_each("stack", STACKS)
 def test_a_gradient_never_changes_what_those_before_it_decided(stack: Tensor) -> None:
     """What rank i adds is orthogonal to every *original* gradient of a higher rank.
 
@@ -64,7 +65,7 @@ def test_a_gradient_never_changes_what_those_before_it_decided(stack: Tensor) ->
         assert (part >= -1e-12 * scale**2).all()
 
 
-@pytest.mark.parametrize("stack", RANDOM.values(), ids=RANDOM.keys())
+@for_each("stack", RANDOM)
 @pytest.mark.parametrize("margin", [0.0, 0.1])
 def test_selection_agrees_with_plain_loops(stack: Tensor, margin: float) -> None:
     """Eq. 7-8 written out, projecting onto the complement of a span by least squares."""

@@ -4,11 +4,11 @@ from typing import Any
 
 import pytest
 import torch
-from _inputs import PROJECTORS, STACKS, normal, resolved, unweighted, weighted
+from _inputs import PROJECTORS, STACKS, for_each, normal, resolved, unweighted, weighted
 from torch import Tensor
 
 
-@pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
+@for_each("stack", STACKS)
 @pytest.mark.parametrize("rule", [weighted, unweighted])
 def test_the_three_projectors_are_equal(stack: Tensor, rule: Any) -> None:
     orthogonal, qr, pinv = (resolved(rule(projector=name), stack) for name in PROJECTORS)

@@ -1,14 +1,13 @@
 """The steepest path: the rule of the original AICON."""
 
-import pytest
 import torch
-from _inputs import RANDOM, lengths, resolved
+from _inputs import RANDOM, for_each, lengths, resolved
 from torch import Tensor
 
 from aicon_torch import SteepestPath
 
 
-@pytest.mark.parametrize("stack", RANDOM.values(), ids=RANDOM.keys())
+@for_each("stack", RANDOM)
 def test_steepest_path_takes_the_longest(stack: Tensor) -> None:
     longest = resolved(SteepestPath(), stack)
 

@@ -8,6 +8,7 @@ from _inputs import (
     DEGENERATE,
     DTYPES,
     RANDOM,
+    for_each,
     fresh,
     gradient_stack,
     lengths,
@@ -27,10 +28,8 @@ RELATIVE = {
 }
 
 every_relative_rule = pytest.mark.parametrize("rule", RELATIVE.values(), ids=RELATIVE.keys())
-every_random_stack = pytest.mark.parametrize("stack", RANDOM.values(), ids=RANDOM.keys())
-every_degenerate_stack = pytest.mark.parametrize(
-    "stack", DEGENERATE.values(), ids=DEGENERATE.keys()
-)
+every_random_stack = for_each("stack", RANDOM)
+every_degenerate_stack = for_each("stack", DEGENERATE)
 
 
 # --- softmax

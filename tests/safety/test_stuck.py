@@ -1,10 +1,12 @@
 """Where constraints bring an actuator to rest short of its goal, the mechanism finds a way out."""
 
 import dataclasses
+import functools
 import math
 
 import pytest
 import torch
+from _inputs import quick
 from _inputs.walls import place
 from torch import Tensor
 
@@ -32,6 +34,7 @@ def angle_to_target(q: Tensor, z_target: Tensor) -> Tensor:
     return torch.atan2(sine.abs(), cosine)[..., 0]
 
 
+@functools.cache
 def hand(escape: ConstraintEscape | None, speed: float = 1.0, dt: float = DT) -> Policy:
     """A hand that turns between two stops, so that one of the two ways to a target is closed."""
     stops = JointLimits((-STOP,), (STOP,), SquaredHinge(0.02, 1.0))
@@ -55,7 +58,7 @@ def hand(escape: ConstraintEscape | None, speed: float = 1.0, dt: float = DT) ->
         dt=dt,
         dtype=torch.float64,
     )
-    return Policy(model, law=DirectDescent(smoothing=0.0))
+    return quick(Policy(model, law=DirectDescent(smoothing=0.0)))
 
 
 def turn(policy: Policy, start: float, target: float, steps: int) -> tuple[Tensor, Tensor]:
