@@ -65,6 +65,7 @@ from aicon_torch.parts.pose import (
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.recent import Recent
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
+from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import (
     Capsule,
     CapsuleSegments,
@@ -127,6 +128,7 @@ __all__ = [
     "Recent",
     "RigidObject",
     "RigidShape",
+    "Robot",
     "Rod",
     "SelfCollision",
     "Servo",
