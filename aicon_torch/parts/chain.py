@@ -129,6 +129,18 @@ class Chain(nn.Module):
         _check_equal(chain, path)
         return chain
 
+    def postures(self, count: int) -> Tensor:
+        """Random postures within the limits, ``(count, n)``, rad or m; always the same ones.
+
+        Joints without limits turn within ±π, or slide within ±1 m.
+        """
+        widest = torch.where(self.turns.squeeze(-1), torch.pi, 1.0).to(self.low)
+        low, high = torch.maximum(self.low, -widest), torch.minimum(self.high, widest)
+
+        generator = torch.Generator().manual_seed(0)
+        share = torch.rand(count, len(self.names), generator=generator, dtype=torch.float64)
+        return low + share.to(low) * (high - low)
+
     def forward(self, x_joints: Tensor) -> Tensor:
         """The transform of the tip, ``(*B, 4, 4)``, m, at q ``(*B, n)``, rad or m."""
         return self.frames(x_joints)[..., -1, :, :]

@@ -9,40 +9,22 @@ from aicon_torch.safety import SafeAction
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.vectors import unit
 
-# All times are multiples of the dampers' time constant, so a faster robot needs no new number.
+# Shares of the cost, and times in the dampers' time constant: a faster robot needs no new number.
+PROGRESS = 0.1  # by which the cost must fall, or rise, to count as changed
+PATIENCE = 2.0  # for how long it may fail to fall
+JUMP = 2.0  # a cost that grows by more than so many steps at full speed is that of other goals
+OPPOSITION = 0.1  # share of the wish that the constraints must take away to oppose it
 
-PROGRESS = 0.1
-"""Share by which the cost must fall, or rise, to count as changed."""
+# Of a push along the force.
+TRIES = 2  # number of escapes, from the last best cost on, after which the force leads nowhere
+BACK = 0.7  # cosine of the angle to the last push reversed, within which a force points back
+SHORTEST, LONGEST = 1.5, 15.0  # its duration
+DESCENT = 0.5  # share of the climb that must be undone
+BLOCKED = 0.05  # share of the actuator's limit below which a motion counts as blocked
 
-PATIENCE = 2.0
-"""For how long it may fail to fall."""
-
-JUMP = 2.0
-"""A cost that grows by more than so many steps at full speed is that of other goals."""
-
-OPPOSITION = 0.1
-"""Share of the wish that the constraints must take away to oppose it."""
-
-TRIES = 2
-"""Number of escapes along the force, from the last best cost on."""
-
-BACK = 0.7
-"""Cosine of the angle to the last escape reversed, within which a force points back."""
-
-SHORTEST, LONGEST = 1.5, 15.0
-"""Least and largest duration of an escape along the force."""
-
-DESCENT = 0.5
-"""Share of the climb that must be undone."""
-
-BLOCKED = 0.05
-"""Share of the actuator's limit below which a motion counts as blocked."""
-
-MIDDLE = 0.5
-"""Share of each component's range, about its middle, that the places of detours are in."""
-
-DETOUR = 6.0
-"""Where a component has no range, a detour goes as far as it comes in this time, at most."""
+# Of a detour.
+MIDDLE = 0.5  # share of each component's range, about its middle, that the places are in
+DETOUR = 6.0  # where a component has no range, it goes as far as it comes in this time, at most
 
 
 def initial_escape(size: int) -> Memory:
