@@ -11,6 +11,13 @@ def unit(vectors: Tensor) -> Tensor:
     return directions
 
 
+def shorten(vectors: Tensor, longest: float | Tensor) -> Tensor:
+    """The vectors ``(*B, d)``, those that are longer than a length ``(*B, 1)`` brought to it."""
+    lengths = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
+    shortened: Tensor = vectors * (longest / lengths.clamp(min=longest))
+    return shortened
+
+
 def reject(vectors: Tensor, direction: Tensor) -> Tensor:
     """(I − vvᵀ) x: vectors ``(*B, d)`` without their component along a unit vector v."""
     rejected: Tensor = vectors - (vectors * direction).sum(-1, keepdim=True) * direction

@@ -169,7 +169,7 @@ def _arm_push(generator: np.random.Generator, count: int) -> Readings:
 
     near, far = np.array([0.4, -0.2, -np.pi]), np.array([0.7, 0.2, np.pi])
     return {
-        "q": generator.uniform(PANDA.low, PANDA.high, (count, 7)),
+        "q": generator.uniform(PANDA.chain.low, PANDA.chain.high, (count, 7)),
         "target": generator.uniform(near, far, (count, 3)),
         "object_pose": generator.uniform(near, far, (count, 3)),
         **_told(arm_push.Options().dt, count),

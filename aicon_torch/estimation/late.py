@@ -141,28 +141,32 @@ class LateEKF(EKF):
 
     def _new_lag(self, values: Values, moves: Tensor) -> Tensor:
         """How many steps ago the last reading was taken, ``(*B, 1)``."""
-        lag = cast(Tensor, values[self.lag]) + 1
-        age, is_present = self._read(values, self.sensors[0])
-        for sensor in self.sensors[1:]:
-            other_age, other_is_present = self._read(values, sensor)
-            age = torch.where(other_is_present, other_age, age)
-            is_present = is_present | other_is_present
+        lag_of_last = cast(Tensor, values[self.lag]) + 1
+        age, is_present = self._newest(values)
+        lag_of_new = self._steps_within(age, values, moves)
 
-        # As many steps were more than half over when it was taken.
-        since, began = torch.zeros_like(lag), torch.zeros_like(lag)
+        # One that is older than the last counts as taken with it.
+        new_lag = torch.where(is_present, lag_of_new, lag_of_last.clamp(max=self.steps))
+        return torch.minimum(new_lag, lag_of_last)
+
+    def _newest(self, values: Values) -> tuple[Tensor, Tensor]:
+        """How old the reading is that came, s, and whether one did, ``(*B, 1)`` both."""
+        first, *others = self.sensors
+        age, is_present = cast(Tensor, values[first + AGE]), cast(Tensor, values[first + PRESENT])
+        for other in others:  # no two at a time
+            is_of_other = cast(Tensor, values[other + PRESENT])
+            age = torch.where(is_of_other, cast(Tensor, values[other + AGE]), age)
+            is_present = is_present | is_of_other
+        return age.unsqueeze(-1), is_present.unsqueeze(-1)
+
+    def _steps_within(self, age: Tensor, values: Values, moves: Tensor) -> Tensor:
+        """How many steps an age ``(*B, 1)``, s, is, to the nearest beginning of one."""
+        count, until = torch.zeros_like(age), torch.zeros_like(age)
         for _, step in reversed(list(self._steps(moves))[1:]):
             duration = cast(Tensor, {**values, **step}["dt"])
-            since = since + (age > began + duration / 2)
-            began = began + duration
-
-        new_lag = torch.where(is_present, since, lag.clamp(max=self.steps))
-        return torch.minimum(new_lag, lag)
-
-    @staticmethod
-    def _read(values: Values, sensor: str) -> tuple[Tensor, Tensor]:
-        """How old a sensor's reading is, s, and whether there is one, ``(*B, 1)``."""
-        age, is_present = cast(Tensor, values[sensor + AGE]), cast(Tensor, values[sensor + PRESENT])
-        return age.unsqueeze(-1), is_present.unsqueeze(-1)
+            count = count + (age > until + duration / 2)
+            until = until + duration
+        return count
 
     def _remembered_moves(self, values: Values) -> Tensor:
         """What moved it in the last L + 1 steps, oldest first, ``(*B, (L + 1) m)``."""

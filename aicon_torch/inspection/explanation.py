@@ -9,7 +9,8 @@ from torch import Tensor
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.inspection.trace import UNUSED, QuantityTrace, trace
 from aicon_torch.quantities import AGE, FROZEN, PRESENT, SILENCE
-from aicon_torch.readings.validation import BEGINS, NEVER
+from aicon_torch.readings.sensor_validation import NEVER
+from aicon_torch.readings.validation import BEGINS
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.watchdog import confidence
 

@@ -14,7 +14,6 @@ from aicon_torch.parts.chain import Chain, Joint
 from aicon_torch.parts.clearance import (
     Clearance,
     ClearanceLimits,
-    ClearancePrior,
     CollisionLikelihood,
     direction_residual,
     range_residual,
@@ -44,14 +43,13 @@ from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.landmark import (
     BearingPrior,
     Landmark,
-    PositionPrior,
     approach,
     bearing_jacobian,
     bearing_residual,
     expected_distance,
 )
 from aicon_torch.parts.moving_obstacle import MovingObstacle
-from aicon_torch.parts.obstacle import Box, MotionPrior, Obstacle, Rod, Sphere, moving_point
+from aicon_torch.parts.obstacle import Box, Obstacle, Rod, Sphere, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate, wrap_angle
 from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import (
@@ -63,8 +61,10 @@ from aicon_torch.parts.pose import (
     resting_pose,
 )
 from aicon_torch.parts.pose_reach import PoseReach
+from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.recent import Recent
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
+from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import (
     Capsule,
     CapsuleSegments,
@@ -93,7 +93,6 @@ __all__ = [
     "Chain",
     "Clearance",
     "ClearanceLimits",
-    "ClearancePrior",
     "CollisionLikelihood",
     "ContactDynamics",
     "ContactForce",
@@ -113,20 +112,20 @@ __all__ = [
     "KeypointOffset",
     "KeypointRegistration",
     "Landmark",
-    "MotionPrior",
     "MovingObstacle",
     "Obstacle",
     "PlanarDither",
     "PoseDistance",
     "PoseMotion",
     "PoseReach",
-    "PositionPrior",
     "PositionTarget",
     "PusherMotion",
     "RGBDImage",
+    "ReadingPrior",
     "Recent",
     "RigidObject",
     "RigidShape",
+    "Robot",
     "Rod",
     "SelfCollision",
     "Servo",
@@ -152,6 +151,7 @@ __all__ = [
     "cross",
     "direction_residual",
     "expected_distance",
+    "first_belief",
     "fixed_closest_point",
     "inward_normal",
     "is_interior",

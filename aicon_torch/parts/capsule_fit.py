@@ -213,29 +213,45 @@ def _best_cut(triangles: NDArray[Any], hulls: _Hulls) -> list[NDArray[Any]]:
 def _smallest(
     points: NDArray[Any], axes: NDArray[Any], centers: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[Any], Segment]:
-    """The smallest of the capsules along D axes ``(D, 3)`` through D centers, with both.
+    """The smallest capsule about all points that lies on one of D lines, with that line.
 
-    A point at (s, ρ) along and across the axis is within R of the segment [t₀, t₁] if
-    t₁ ≥ s − √(R² − ρ²) and t₀ ≤ s + √(R² − ρ²).
+    Args:
+        points: ``(N, 3)``, m.
+        axes: Directions of the lines, ``(D, 3)``.
+        centers: A point on each, ``(D, 3)``, m.
     """
+    # Where the points are along each line, and how far from it, (D, N).
     offset = points.T[:, None] - centers.T[..., None]  # (3, D, N)
     along = _dot(offset, axes.T[..., None])
-    across = (_dot(offset, offset) - along**2).clip(min=0.0)
+    square_across = (_dot(offset, offset) - along**2).clip(min=0.0)
 
-    radii = np.sqrt(across.max(axis=1)) * np.array(WIDENING)[:, None]
-    reach = np.sqrt((radii[..., None] ** 2 - across).clip(min=0.0))
-    high, low = (along - reach).max(axis=-1), (along + reach).min(axis=-1)
+    # On each line the capsules of several radii, (R, D): the least that is possible, and wider.
+    least = np.sqrt(square_across.max(axis=1))
+    radii = least * np.array(WIDENING)[:, None]
+    start, end = _shortest_segments(along, square_across, radii)
+    volumes = _volume(radii, end - start)
 
-    # Where they have passed each other, any point between them is the middle of a sphere.
-    middle = (high + low) / 2.0
-    high, low = np.maximum(high, middle), np.minimum(low, middle)
-    volumes = _volume(radii, high - low)
     row, column = np.unravel_index(int(volumes.argmin()), volumes.shape)
-
     axis, center = axes[column], centers[column]
-    ends = center + low[row, column] * axis, center + high[row, column] * axis
+    ends = center + start[row, column] * axis, center + end[row, column] * axis
     rounding = 1e-9
     return axis, center, Segment(*ends, float(radii[row, column]) + rounding)
+
+
+def _shortest_segments(
+    along: NDArray[Any], square_across: NDArray[Any], radii: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Where the shortest segments [t₀, t₁] of some radii begin and end on their lines, ``(R, D)``.
+
+    A point at (s, ρ) along and across is within R of the segment if t₀ ≤ s + √(R² − ρ²) and
+    t₁ ≥ s − √(R² − ρ²).
+    """
+    reach = np.sqrt((radii[..., None] ** 2 - square_across).clip(min=0.0))
+    start, end = (along + reach).min(axis=-1), (along - reach).max(axis=-1)
+
+    # Where they have passed each other, any point between them is the middle of a sphere.
+    middle = (end + start) / 2.0
+    return np.minimum(start, middle), np.maximum(end, middle)
 
 
 def _circle_centers(points: NDArray[Any], axes: NDArray[Any], rounds: int = 60) -> NDArray[Any]:

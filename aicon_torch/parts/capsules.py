@@ -199,7 +199,7 @@ def _that_can_meet(
     largest, largest_of_links = -least, -least
 
     # In parts, since many pairs take much memory.
-    for q in torch.split(_postures(chain), 256):
+    for q in torch.split(chain.postures(SAMPLES), 256):
         distances = compared.distances(segments(q))
         least = torch.minimum(least, distances.amin(0))
         largest = torch.maximum(largest, distances.amax(0))
@@ -216,13 +216,3 @@ def _numbered(names: Sequence[frozenset[str]]) -> Tensor:
     """The same number for the same names, ``(len(names),)``."""
     numbers = {name: number for number, name in enumerate(dict.fromkeys(names))}
     return torch.tensor([numbers[name] for name in names])
-
-
-def _postures(chain: Chain) -> Tensor:
-    """Random postures within the limits, ``(SAMPLES, n)``; without limits within ±π or ±1 m."""
-    widest = torch.where(chain.turns.squeeze(-1), torch.pi, 1.0).to(chain.low)
-    low, high = torch.maximum(chain.low, -widest), torch.minimum(chain.high, widest)
-
-    generator = torch.Generator().manual_seed(0)
-    share = torch.rand(SAMPLES, len(chain.names), generator=generator, dtype=low.dtype)
-    return low + share * (high - low)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -12,13 +12,10 @@ from torch import Tensor, nn
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.descriptions import JointDescription, read_mjcf, read_urdf
 from aicon_torch.parts.joint_product import JointProduct, Transform
-from aicon_torch.parts.library_chain import LibraryChain
-
-Kinematics = Literal["closed", "pytorch_kinematics"]
-"""What computes the frames: our product in closed form, or the library itself."""
+from aicon_torch.parts.library_chain import library_kinematics
 
 LARGEST_DIFFERENCE = 1e-11
-"""Between the two, relative to the size of the robot; rounding is some 1e-15."""
+"""From pytorch-kinematics, relative to the size of the robot; rounding is some 1e-15."""
 
 
 class Joint(NamedTuple):
@@ -48,10 +45,8 @@ class Chain(nn.Module):
     the motion of the joint, and the tip, which is fixed to the last link, at Tₙ F_tool.
     :meth:`from_urdf` and :meth:`from_mjcf` read a robot from its description.
 
-    pytorch-kinematics loads every robot that is read. The frames then come from a product in closed
-    form, which applies to every serial chain of such joints and is several times faster; it is
-    compared with pytorch-kinematics when the chain is built. ``kinematics="pytorch_kinematics"``
-    leaves the step to the library.
+    The frames come from a product in closed form. pytorch-kinematics, which is ten times as slow,
+    loads every robot that is read as well, and both are compared when the chain is built.
 
     Args:
         fixed: Fᵢ for each of the n joints.
@@ -87,7 +82,6 @@ class Chain(nn.Module):
         names, axes, slides, low, high, speed = zip(*joints, strict=True)
         self.names: tuple[str, ...] = names
         self.product = JointProduct(fixed, tool, axes, slides)
-        self.library: LibraryChain | None = None
 
         for name, values in (("low", low), ("high", high), ("speed", speed), ("axes", axes)):
             self.register_buffer(name, torch.tensor(values, dtype=torch.float64))
@@ -95,11 +89,7 @@ class Chain(nn.Module):
 
     @classmethod
     def from_urdf(
-        cls,
-        source: str | Path,
-        tip: str | None = None,
-        base: str | None = None,
-        kinematics: Kinematics = "closed",
+        cls, source: str | Path, tip: str | None = None, base: str | None = None
     ) -> "Chain":
         """The chain of a robot that a URDF describes.
 
@@ -108,51 +98,48 @@ class Chain(nn.Module):
             tip: The link at the end; may be left out if the robot does not branch and has no
                 gripper.
             base: The link in whose frame everything is; the root by default.
-            kinematics: What computes the frames.
 
         Raises:
             ModuleNotFoundError: If pytorch-kinematics is missing.
             OptionError: If the description is none, there are no such links, or a joint between
                 them mimics another one or has more than one degree of freedom.
         """
-        return cls.from_path(read_urdf(source).path(tip, base), kinematics)
+        return cls.from_path(read_urdf(source).path(tip, base))
 
     @classmethod
     def from_mjcf(
-        cls,
-        source: str | Path,
-        tip: str | None = None,
-        base: str | None = None,
-        kinematics: Kinematics = "closed",
+        cls, source: str | Path, tip: str | None = None, base: str | None = None
     ) -> "Chain":
         """The chain of a model of MuJoCo's: links are bodies, and ``tip`` may be a site.
 
         Args and errors are those of :meth:`from_urdf`; MJCF has no limits of speed.
         """
-        return cls.from_path(read_mjcf(source).path(tip, base), kinematics)
+        return cls.from_path(read_mjcf(source).path(tip, base))
 
     @classmethod
-    def from_path(
-        cls, path: Sequence[JointDescription], kinematics: Kinematics = "closed"
-    ) -> "Chain":
+    def from_path(cls, path: Sequence[JointDescription]) -> "Chain":
         """The chain of the joints between two links of a robot that was read.
 
         Raises:
-            ModuleNotFoundError: If pytorch-kinematics is missing.
-            OptionError: If there are no such kinematics.
+            ArithmeticError: If pytorch-kinematics finds another one.
+            ModuleNotFoundError: If it is missing.
         """
-        if kinematics not in get_args(Kinematics):
-            valid = choices(get_args(Kinematics))
-            raise OptionError(f"kinematics={kinematics!r}: expected one of {valid}.")
-
         fixed, tool = _merge_fixed_joints(path)
         chain = cls(fixed, tool, [_joint(joint) for joint in path if joint.moves])
-
-        library = LibraryChain(path)
-        _check_equal(chain, library)
-        if kinematics == "pytorch_kinematics":
-            chain.library = library
+        _check_equal(chain, path)
         return chain
+
+    def postures(self, count: int) -> Tensor:
+        """Random postures within the limits, ``(count, n)``, rad or m; always the same ones.
+
+        Joints without limits turn within ±π, or slide within ±1 m.
+        """
+        widest = torch.where(self.turns.squeeze(-1), torch.pi, 1.0).to(self.low)
+        low, high = torch.maximum(self.low, -widest), torch.minimum(self.high, widest)
+
+        generator = torch.Generator().manual_seed(0)
+        share = torch.rand(count, len(self.names), generator=generator, dtype=torch.float64)
+        return low + share.to(low) * (high - low)
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """The transform of the tip, ``(*B, 4, 4)``, m, at q ``(*B, n)``, rad or m."""
@@ -167,8 +154,7 @@ class Chain(nn.Module):
         Returns:
             ``(*B, n + 1, 4, 4)`` in the frame of the base, m.
         """
-        kinematics = self.product if self.library is None else self.library
-        frames: Tensor = kinematics(x_joints)
+        frames: Tensor = self.product(x_joints)
         return frames
 
     def jacobian(self, x_joints: Tensor) -> Tensor:
@@ -181,9 +167,6 @@ class Chain(nn.Module):
             J, ``(*B, 6, n)``: J q̇ is the velocity of the tip (m/s) above its angular velocity
             (rad/s).
         """
-        if self.library is not None:
-            return self.library.jacobian(x_joints)
-
         frames = self.frames(x_joints)
         return self.jacobian_at(frames, frames[..., -1, :3, 3])
 
@@ -232,19 +215,17 @@ def _merge_fixed_joints(path: Sequence[JointDescription]) -> tuple[list[Transfor
     return fixed, transform.tolist()
 
 
-def _check_equal(chain: Chain, library: LibraryChain) -> None:
+def _check_equal(chain: Chain, path: Sequence[JointDescription]) -> None:
     """Compare the closed form with pytorch-kinematics at several postures.
 
     Raises:
         ArithmeticError: If they differ.
     """
-    count = len(chain.names)
     generator = torch.Generator().manual_seed(0)
-    q = 3.0 * torch.randn(8, count, generator=generator, dtype=torch.float64)
-
-    frames, jacobian = chain.frames(q), chain.jacobian(q)
+    q = 3.0 * torch.randn(8, len(chain.names), generator=generator, dtype=torch.float64)
+    frames, jacobian = library_kinematics(path, q)
     difference = torch.maximum(
-        (frames - library(q)).abs().max(), (jacobian - library.jacobian(q)).abs().max()
+        (chain.frames(q) - frames).abs().max(), (chain.jacobian(q) - jacobian).abs().max()
     )
 
     if not difference <= LARGEST_DIFFERENCE * frames.abs().max():  # NaN is none

@@ -3,7 +3,6 @@
 The sensor feels d alone. ∇d is estimated from how d changes with the robot's motion.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import cast
 
@@ -12,8 +11,9 @@ from torch import Tensor
 
 from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_delay
 from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.validation import check_not_negative, check_positive
-from aicon_torch.vectors import unit
+from aicon_torch.vectors import shorten, unit
 
 UNIT_GRADIENT_VARIANCE = 0.05
 """Variance of |∇d| − 1: near a corner a clearance grows by less than one metre a metre."""
@@ -80,24 +80,6 @@ def direction_residual(x_obs: Tensor, z_dir: Tensor) -> Tensor:
 
 
 @dataclass(frozen=True)
-class ClearancePrior:
-    """The clearance at first: as it is felt, with no idea of its direction.
-
-    Attributes:
-        noise: Standard deviation of a reading, m.
-    """
-
-    noise: float
-
-    def __call__(self, z_obs: Tensor) -> tuple[Tensor, Tensor]:
-        """Mean ``(*B, 3)`` and covariance ``(3, 3)`` by the first reading ``(*B, 1)``, m."""
-        unknown = torch.zeros_like(z_obs)
-        variances = (self.noise**2, DIRECTION_VARIANCE, DIRECTION_VARIANCE)
-        mean = torch.cat((z_obs, unknown, unknown), dim=-1)
-        return mean, torch.diag(z_obs.new_tensor(variances))
-
-
-@dataclass(frozen=True)
 class CollisionLikelihood:
     """g₂ = p_collision = exp(−d/ℓ): its gradient keeps growing toward contact.
 
@@ -158,9 +140,7 @@ class ClearanceLimits:
         time = self.time + age
 
         # No faster than what is left allows.
-        speed = torch.linalg.vector_norm(a, dim=-1, keepdim=True)
-        fastest = (certain / time).clamp(min=self.slowest)
-        slowed = a * (fastest / torch.maximum(speed, fastest))
+        slowed = shorten(a, (certain / time).clamp(min=self.slowest))
 
         # Away from the obstacle where it is too near.
         away = unit(x_obs[..., 1:])
@@ -225,7 +205,7 @@ class Clearance:
     def estimator(self) -> EKF:
         """The filter of the clearance and its direction."""
         slid = Interconnection(slide_jacobian, [self.motion])
-        prior = cast(Callable[..., Tensor], ClearancePrior(self.noise))  # mean and covariance
+        prior = ReadingPrior((self.noise**2, DIRECTION_VARIANCE, DIRECTION_VARIANCE))
         turn_variance = TURN_RATE * self.dt
 
         return ekf_with_delay(
@@ -236,7 +216,7 @@ class Clearance:
             moved_by={self.motion: 2, "dt": 1},
             predict=Interconnection(slide, [self.name, self.motion], **{self.name: slid}),
             noise=(self.motion_noise**2, turn_variance, turn_variance),
-            initial=Interconnection(prior, [self.range]),
+            initial=first_belief(prior, self.range),
             size=3,
             correct=self._measurements(),
         )

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-import torch
 from torch import Tensor
 
 from aicon_torch.parts.validation import check_not_negative, check_positive
+from aicon_torch.vectors import shorten
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,7 @@ class ForceServo:
             v_robot: The velocity now, ``(*B, d)``, m/s.
         """
         force = self.mass / self.time * (a - v_robot) + self.drag * v_robot
-        size = torch.linalg.vector_norm(force, dim=-1, keepdim=True)
-        shortened: Tensor = force * (self.largest / size.clamp(min=self.largest))
-        return shortened
+        return shorten(force, self.largest)
 
     def displacement(self, a: Tensor, v_robot: Tensor, dt: float) -> Tensor:
         """V dt + (a − v) dt²/(2τ): how far the mass goes in a step, ``(*B, d)``, m.

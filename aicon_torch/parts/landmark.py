@@ -4,7 +4,6 @@ The axes are those of the world, and only the origin moves with the robot; those
 wheels are its own, and turn with it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, cast, get_args
@@ -15,6 +14,7 @@ from torch import Tensor
 from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_delay
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.planar import quarter_turn, wrap_angle
+from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
 from aicon_torch.parts.wheels import Wheels
 
@@ -86,22 +86,6 @@ def expected_distance(p_tar: Tensor, P_tar: Tensor) -> Tensor:
     distance = torch.linalg.vector_norm(p_tar, dim=-1)
     uncertainty = P_tar.diagonal(dim1=-2, dim2=-1).sum(-1)
     return cast(Tensor, distance + uncertainty)
-
-
-@dataclass(frozen=True)
-class PositionPrior:
-    """Where a landmark is believed at first: where it is seen.
-
-    Attributes:
-        noise: Standard deviation of a reading, m.
-    """
-
-    noise: float
-
-    def __call__(self, position: Tensor) -> tuple[Tensor, Tensor]:
-        """Mean ``(*B, 2)``, m, and covariance ``(2, 2)``, m², by a position ``(*B, 2)``, m."""
-        identity = torch.eye(2, dtype=position.dtype, device=position.device)
-        return position, self.noise**2 * identity
 
 
 @dataclass(frozen=True)
@@ -203,9 +187,9 @@ class Landmark:
 
     def _first_belief(self) -> Interconnection:
         """Where it is believed by the first reading."""
-        prior = self.prior if self.sees == "bearing" else PositionPrior(self.noise)
-        function = cast(Callable[..., Tensor], prior)  # an EKF takes mean and covariance
-        return Interconnection(function, [self.reading])
+        if self.sees == "bearing":
+            return first_belief(self.prior, self.reading)
+        return first_belief(ReadingPrior((self.noise**2,) * 2), self.reading)
 
     def _measurement(self) -> Measurement:
         """What a reading says of it."""

@@ -1,78 +1,44 @@
-"""A chain of pytorch-kinematics (https://github.com/UM-ARM-Lab/pytorch_kinematics), in float64."""
+"""What pytorch-kinematics (https://github.com/UM-ARM-Lab/pytorch_kinematics) makes of a chain."""
 
-import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 from xml.etree import ElementTree
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from aicon_torch.extras import import_extra
 from aicon_torch.parts.descriptions import JointDescription
 
 
-class LibraryChain(nn.Module):
-    """Forward kinematics and Jacobian of pytorch-kinematics.
-
-    The library loads the joints from base to tip, and is then given their numbers: its own reader
-    rounds them to float32 and takes z, not x, for an axis that a URDF does not name. It reads no
-    branches, since other joints than those of the chain may be of kinds that it does not know.
+def library_kinematics(path: Sequence[JointDescription], q: Tensor) -> tuple[Tensor, Tensor]:
+    """The frames and the Jacobian of a chain, by pytorch-kinematics in float64.
 
     Args:
         path: The joints from base to tip.
+        q: Of those that move, ``(N, n)``, rad or m.
+
+    Returns:
+        The n links and the tip, ``(N, n + 1, 4, 4)``, m; the geometric Jacobian ``(N, 6, n)``.
 
     Raises:
         ModuleNotFoundError: If pytorch-kinematics is missing.
     """
-
-    def __init__(self, path: Sequence[JointDescription]) -> None:
-        super().__init__()
-        chain = _load(path)
-
-        moved = [joint.child for joint in path if joint.moves]
-        self.rows = [chain.frame_to_idx[link] for link in (*moved, path[-1].child)]
-
-        # The chain of each precision exists before a step that is compiled.
-        self.chains = {
-            dtype: copy.deepcopy(chain).to(dtype=dtype) for dtype in (torch.float64, torch.float32)
-        }
-
-    def forward(self, x_joints: Tensor) -> Tensor:
-        """The n links and the tip, ``(*B, n + 1, 4, 4)``, m, at q ``(*B, n)``, rad or m."""
-        frames = self._all_frames(x_joints)[self.rows]
-        return frames.movedim(0, 1).reshape(*x_joints.shape[:-1], -1, 4, 4)
-
-    def jacobian(self, x_joints: Tensor) -> Tensor:
-        """The geometric Jacobian at the tip, ``(*B, 6, n)``, at q ``(*B, n)``."""
-        frames = self._all_frames(x_joints)
-        chain = self.chains[x_joints.dtype]
-        jacobian: Tensor = chain.jacobian_tensor(_flat(x_joints), all_transforms=frames)
-        return jacobian.reshape(*x_joints.shape[:-1], *jacobian.shape[1:])
-
-    def _all_frames(self, x_joints: Tensor) -> Tensor:
-        """The links of all joints, fixed ones included, ``(links, prod(B), 4, 4)``."""
-        # Its own backward would be the first derivative only, and wrong in the second.
-        chain = self.chains[x_joints.dtype]
-        frames: Tensor = chain.forward_kinematics_tensor(_flat(x_joints), analytical_grad=False)
-        return frames
-
-    def _apply(self, fn: Callable[[Tensor], Tensor], recurse: bool = True) -> "LibraryChain":
-        """Follow ``module.to(device)``: the library's chains are no modules."""
-        super()._apply(fn, recurse)  # type: ignore[no-untyped-call]  # torch's is untyped
-        device = fn(torch.zeros(())).device
-        for chain in self.chains.values():
-            chain.to(device=device)
-        return self
-
-
-def _flat(x_joints: Tensor) -> Tensor:
-    """The only shape that the library takes: q as ``(prod(B), n)``."""
-    return x_joints.reshape(-1, x_joints.shape[-1])
+    chain = _load(path)
+    moved = [joint.child for joint in path if joint.moves]
+    rows = [chain.frame_to_idx[link] for link in (*moved, path[-1].child)]
+    frames: Tensor = chain.forward_kinematics_tensor(q)
+    jacobian: Tensor = chain.jacobian_tensor(q, all_transforms=frames)
+    return frames[rows].movedim(0, 1), jacobian
 
 
 def _load(path: Sequence[JointDescription]) -> Any:
-    """The library's chain, with our numbers."""
+    """The library's chain, with our numbers.
+
+    Its own reader rounds them to float32 and takes z, not x, for an axis that a URDF does not name.
+    It reads no branches, since other joints than those of the chain may be of kinds that it does
+    not know.
+    """
     library = import_extra("pytorch_kinematics", "robots")
     chain = library.build_chain_from_urdf(_as_urdf(path))
 

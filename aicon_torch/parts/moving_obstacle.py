@@ -1,8 +1,6 @@
 """An obstacle that may move, seen by range and bearing: where it is, and where it will be."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -12,6 +10,7 @@ from aicon_torch.interconnections import Interconnection
 from aicon_torch.parts.clearance import CollisionLikelihood
 from aicon_torch.parts.landmark import bearing_jacobian, bearing_residual
 from aicon_torch.parts.planar import norm, rotate
+from aicon_torch.parts.prior import first_belief
 from aicon_torch.parts.self_collision import segment_distance
 from aicon_torch.parts.validation import check_not_negative, check_positive
 from aicon_torch.parts.wheels import Wheels
@@ -78,12 +77,13 @@ class MovingObstacle:
         """The filter of its position and velocity."""
         moved = Interconnection(self._transition, [self.motion, "dt"])
         inputs = [self.name, self.motion, "dt"]
+        prior = RangeBearingPrior(self.range_noise, self.bearing_noise, self.speed)
         return EKF(
             self.name,
             self.covariance,
             predict=Interconnection(self._moved, inputs, **{self.name: moved}),
             noise=Interconnection(self._drift, [self.name]),
-            initial=Interconnection(self._first_belief(), [self.reading]),
+            initial=first_belief(prior, self.reading),
             size=4,
             correct=[self._measurement()],
         )
@@ -133,11 +133,6 @@ class MovingObstacle:
         by_itself = (self.acceleration * self.dt**2 / 2) ** 2
         of_velocity = torch.full_like(by_robot, (self.acceleration * self.dt) ** 2)
         return torch.cat((by_robot + by_itself, of_velocity), dim=-1)
-
-    def _first_belief(self) -> Callable[..., Tensor]:
-        """It is where it is seen, and rests."""
-        prior = RangeBearingPrior(self.range_noise, self.bearing_noise, self.speed)
-        return cast(Callable[..., Tensor], prior)  # an EKF takes mean and covariance
 
     def _measurement(self) -> Measurement:
         """What a reading says of it."""

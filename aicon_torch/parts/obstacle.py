@@ -1,6 +1,6 @@
 """Obstacles, still or moving, and how far a robot's capsules are from them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, cast
 
@@ -11,6 +11,7 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.planar import norm
+from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.self_collision import Capsule, segment_distance
 
 SECTIONS = 24
@@ -150,25 +151,6 @@ class Obstacle(nn.Module):
         return self.shape.distance(start - origin, end - origin) - self.radii.to(x_body)
 
 
-@dataclass(frozen=True)
-class MotionPrior:
-    """What is believed of a moving point at first: it is where it is seen, and rests.
-
-    Attributes:
-        noise: Standard deviation of a reading, m.
-        speed: Standard deviation of each component of the velocity, m/s.
-    """
-
-    noise: float
-    speed: float
-
-    def __call__(self, position: Tensor) -> tuple[Tensor, Tensor]:
-        """Mean ``(*B, 6)`` and covariance ``(6, 6)`` by the first reading ``(*B, 3)``, m."""
-        mean = torch.cat((position, torch.zeros_like(position)), dim=-1)
-        variances = [self.noise**2] * 3 + [self.speed**2] * 3
-        return mean, torch.diag(position.new_tensor(variances))
-
-
 def moved_evenly(x: Tensor, dt: float | Tensor) -> Tensor:
     """(p + v dt, v): position and velocity ``(*B, 6)``, m and m/s, after a time dt, s."""
     position, velocity = x[..., :3], x[..., 3:]
@@ -217,15 +199,13 @@ def moving_point(
 
     drift = [(acceleration * dt**2 / 2) ** 2] * 3 + [(acceleration * dt) ** 2] * 3
     difference: dict[str, float | Tensor] = {name: position, reading: -1.0}
-    prior = cast(
-        Callable[..., Tensor], MotionPrior(noise, speed)
-    )  # an EKF takes mean and covariance
+    prior = ReadingPrior((noise**2,) * 3 + (speed**2,) * 3)
     return EKF(
         name,
         covariance_name(name),
         predict=Interconnection(moved_evenly, [name, "dt"], **{name: Transition()}),
         noise=drift,
-        initial=Interconnection(prior, inputs=[reading]),
+        initial=first_belief(prior, reading),
         correct=[Measurement(Affine(**difference), noise**2, size=3)],
         size=6,
     )

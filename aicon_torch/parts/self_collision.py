@@ -101,7 +101,7 @@ class SelfCollision(nn.Module):
         _check_sizes(capsules)
         self.cost = cost
         if pairs is None:
-            pairs = _distant_pairs(capsules)
+            pairs = distant_pairs(capsules)
         self.first = [first for first, _ in pairs]
         self.second = [second for _, second in pairs]
 
@@ -133,7 +133,7 @@ def _check_sizes(capsules: Sequence[Capsule]) -> None:
             )
 
 
-def _distant_pairs(capsules: Sequence[Capsule]) -> list[tuple[int, int]]:
+def distant_pairs(capsules: Sequence[Capsule]) -> list[tuple[int, int]]:
     """The pairs on links that are no neighbours."""
     pairs: list[tuple[int, int]] = []
     for i, capsule in enumerate(capsules):

@@ -10,9 +10,8 @@ left),
 with the way s and the turn θ, is where gradients meet; ℓ follows from the robot.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -20,6 +19,7 @@ from torch import Tensor
 from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.parts.planar import pose_error, rotate
+from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.validation import check_positive
 
 
@@ -126,14 +126,13 @@ class Wheels:
             motion: The quantity x_rob.
         """
         variances = [deviation**2 for deviation in noise]
-        prior = cast(Callable[..., Tensor], PosePrior(tuple(variances)))  # mean and covariance
         agreement = Interconnection(_pose_residual, [name, reading])
         return EKF(
             name,
             covariance_name(name),
             predict=Interconnection(self.moved, [name, motion]),
             noise=(motion_noise**2, motion_noise**2, (motion_noise / self.ahead) ** 2),
-            initial=Interconnection(prior, [reading]),
+            initial=first_belief(ReadingPrior(tuple(variances)), reading),
             size=3,
             correct=[Measurement(agreement, variances, size=3)],
         )
@@ -220,21 +219,6 @@ class Bicycle(Wheels):
         """(v, ω), ``(*B, 2)``, m/s and rad/s, of (v, δ) ``(*B, 2)``, m/s and rad."""
         v, angle = a.unbind(-1)
         return torch.stack((v, v * torch.tan(angle) / self.wheelbase), dim=-1)
-
-
-@dataclass(frozen=True)
-class PosePrior:
-    """The pose is believed where it is read at first.
-
-    Attributes:
-        variances: Of a reading, m², m² and rad².
-    """
-
-    variances: tuple[float, ...]
-
-    def __call__(self, pose: Tensor) -> tuple[Tensor, Tensor]:
-        """Mean ``(*B, 3)`` and covariance ``(3, 3)`` by the first reading ``(*B, 3)``."""
-        return pose, torch.diag(pose.new_tensor(self.variances))
 
 
 def _pose_residual(x_pose: Tensor, z_pose: Tensor) -> Tensor:

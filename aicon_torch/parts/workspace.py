@@ -35,15 +35,10 @@ class Workspace:
         """The workspace of an arm: as far from the base's axis as its tip came in random postures.
 
         Args:
-            chain: The arm; joints without limits turn within ±π, or slide within ±1 m.
+            chain: The arm.
             cost: Margin m₀ (m) and weight w.
         """
-        widest = torch.where(chain.turns.squeeze(-1), torch.pi, 1.0).to(chain.low)
-        low, high = torch.maximum(chain.low, -widest), torch.minimum(chain.high, widest)
-
-        generator = torch.Generator().manual_seed(0)
-        share = torch.rand(SAMPLES, len(low), generator=generator, dtype=torch.float64)
-        tips = chain(low + share.to(low) * (high - low))[..., :2, 3]
+        tips = chain(chain.postures(SAMPLES))[..., :2, 3]
         return cls(float(torch.linalg.vector_norm(tips, dim=-1).max()), cost)
 
     def __call__(self, x_ee: Tensor) -> Tensor:

@@ -18,6 +18,12 @@ from aicon_torch.safety.task_cost import FollowedCost
 FARTHEST = 1e3
 """A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
 
+MOST_GAPS = 8
+"""Of each goal as many gaps are considered, the smallest."""
+
+SWEEPS = 12
+"""Number of sweeps of the solver."""
+
 
 class ActuatorSafety:
     """What keeps the safety goals at one actuator (see :class:`aicon_torch.Goal`).
@@ -46,16 +52,13 @@ class ActuatorSafety:
             )
 
         self.model, self.actuator, self.goals = model, actuator, goals
-        self.options = declared.dampers
         self.limits = limits
-        self.time = self.options.braking / float(limits.median())
+        self.time = declared.dampers.braking / float(limits.median())
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
-        self._boxed: list[str] = []
-        self._boxed.extend([goal.name for goal in goals if self._is_box(goal)])
-
+        self._boxed = [goal.name for goal in goals if self._is_box(goal)]
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
 
-        escape = self.options.escape
+        escape = declared.dampers.escape
         self.stalemate = None if escape is None else Stalemate(escape, limits, model.dt, self.time)
 
     def __call__(
@@ -76,10 +79,10 @@ class ActuatorSafety:
         Returns:
             The action ``(*B, n)``, and what is remembered of it.
         """
-        within, sweeps = self.bounds(values, goal_factors), self.options.sweeps
+        within = self.bounds(values, goal_factors)
         inverse = self._inverse_metric(values)
         if self.stalemate is None:
-            return nearest_safe(wish, within, sweeps, inverse).action, {}
+            return nearest_safe(wish, within, SWEEPS, inverse).action, {}
 
         # While escaping, the direction of the escape stands for the wish, and serves no goal: all
         # components count alike.
@@ -89,10 +92,8 @@ class ActuatorSafety:
             escaping = own["escaping"][..., None, None]
             identity = torch.eye(wish.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
-        safe = nearest_safe(self.stalemate.aim(wish, own), within, sweeps, inverse)
-        action = self.model.actuators[self.actuator].clip(
-            safe.action
-        )  # its norm, if that is limited
+        safe = nearest_safe(self.stalemate.aim(wish, own), within, SWEEPS, inverse)
+        action = self.model.actuators[self.actuator].clip(safe.action)  # its norm, if limited
 
         cost = FollowedCost(self.model, self.actuator, values, goal_factors)
         remembered = self.stalemate.judge(cost, wish, safe, self._room(values), own)
@@ -130,37 +131,65 @@ class ActuatorSafety:
         slopes, bounds = [at_rest.unsqueeze(-2)[..., :0, :]], [at_rest[..., :0]]
 
         for goal in self.goals:
-            slope, bound = self._rows_of(goal, values)
+            is_box = goal.name in self._boxed
+            slope, bound = self._rows_of(goal, values, most=None if is_box else MOST_GAPS)
             is_on = goal_factors[..., names.index(goal.name), None] != 0
             bound = torch.where(is_on, bound, -FARTHEST / self.model.dt)
-            if goal.name in self._boxed:
+            if is_box:
                 low, high = _narrowed(low, high, slope, bound)
             else:
                 slopes.append(slope)
                 bounds.append(bound)
         return SafetyBounds(torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1), low, high)
 
-    def _rows_of(self, goal: Goal, values: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
-        """The rows of one goal: d(t + dt) ≈ d₀ + C a, and ≥ e^(−dt/T) d(t)."""
-        # The smallest gaps now.
-        gaps = goal.gaps(self._with_dt(values)).clamp(max=FARTHEST)
-        is_box = goal.name in self._boxed
-        count = gaps.shape[-1] if is_box else min(self.options.gaps, gaps.shape[-1])
-        smallest = gaps.topk(count, dim=-1, largest=False).indices
-        now = gaps.gather(-1, smallest)
+    def _rows_of(
+        self, goal: Goal, values: Mapping[str, Tensor], most: int | None = None
+    ) -> tuple[Tensor, Tensor]:
+        """The rows c·a ≥ b of a goal's smallest gaps.
 
-        # What they would be in a step at rest, and how the action changes it: a copy of the values
-        # for each of them, since one derivative is needed for each.
+        One step ahead a gap is d⁺(a) ≈ d⁺(0) + (∂d⁺/∂a)·a, and shall be e^(−dt/T) d or more, so
+
+            c = (∂d⁺/∂a)/dt,   b = (e^(−dt/T) d − d⁺(0))/dt.
+
+        Args:
+            goal: The goal.
+            values: Values after the new readings.
+            most: So many gaps at most; None for all.
+
+        Returns:
+            c ``(*B, m, n)`` and b ``(*B, m)``.
+        """
+        gaps = goal.gaps(self._with_dt(values)).clamp(max=FARTHEST)
+        count = gaps.shape[-1] if most is None else min(most, gaps.shape[-1])
+        smallest = gaps.topk(count, dim=-1, largest=False).indices
+
+        least = math.exp(-self.model.dt / self.time) * gaps.gather(-1, smallest)
+        at_rest, slopes = self._ahead(goal, values, smallest)
+        return slopes / self.model.dt, (least - at_rest) / self.model.dt
+
+    def _ahead(
+        self, goal: Goal, values: Mapping[str, Tensor], which: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """Some gaps ``(*B, m)`` after a step at rest, and their slopes by the action.
+
+        A backward pass yields one derivative for each row of a batch, so each gap gets a copy of
+        the values of its own.
+
+        Returns:
+            d⁺(0) ``(*B, m)`` and ∂d⁺/∂a ``(*B, m, n)``.
+        """
+        count = which.shape[-1]
         copies = {name: value.expand(count, *value.shape) for name, value in values.items()}
+        gap_of_copy = which.movedim(-1, 0).unsqueeze(-1)
+
         with torch.enable_grad():
             action = torch.zeros_like(copies[self.actuator]).requires_grad_()
-            ahead = self._gaps_ahead(goal, {**copies, self.actuator: action})
-            own = ahead.gather(-1, smallest.movedim(-1, 0).unsqueeze(-1)).squeeze(-1)
-            (slopes,) = torch.autograd.grad(own.sum(), action)
+            all_gaps = self._gaps_ahead(goal, {**copies, self.actuator: action})
+            gaps = all_gaps.gather(-1, gap_of_copy).squeeze(-1)
+            (slopes,) = torch.autograd.grad(gaps.sum(), action)
 
-        at_rest = own.detach().movedim(0, -1)  # a bound is a number
-        keeps = math.exp(-self.model.dt / self.time)
-        return slopes.movedim(0, -2) / self.model.dt, (keeps * now - at_rest) / self.model.dt
+        at_rest = gaps.detach()  # a bound is a number
+        return at_rest.movedim(0, -1), slopes.movedim(0, -2)
 
     def _gaps_ahead(self, goal: Goal, values: Mapping[str, Tensor]) -> Tensor:
         """The gaps one step ahead, ``(*B, m)``: every estimate is anticipated once."""

@@ -59,96 +59,93 @@ def nearest_safe(
     Returns:
         The action and the force of the bounds.
     """
-    normals, bounds = _normalised(within)
-    if inverse is None:
-        action, force = _projected(wish, normals, bounds, within, sweeps)
-    else:
-        action, force = _projected_in(inverse, wish, normals, bounds, within, sweeps)
-    retreat, _ = _projected(torch.zeros_like(wish), normals, bounds, within, sweeps)
-    return SafeAction(_drawn_back(action, retreat, normals, bounds, within), force)
+    rows = _normalised(within)
+    action, force = _projected(wish, rows, within, sweeps, inverse)
+    retreat, _ = _projected(torch.zeros_like(wish), rows, within, sweeps)
+    return SafeAction(_drawn_back(action, retreat, rows, within), force)
+
+
+class _Rows(NamedTuple):
+    """Rows of length one: n·a ≥ b.
+
+    Attributes:
+        normals: n, ``(*B, m, n)``.
+        bounds: b, ``(*B, m)``, in the action's unit.
+    """
+
+    normals: Tensor
+    bounds: Tensor
 
 
 def _projected(
-    wish: Tensor, normals: Tensor, bounds: Tensor, within: SafetyBounds, sweeps: int
+    wish: Tensor, rows: _Rows, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
 ) -> SafeAction:
     """The nearest action, as far as the sweeps converge.
 
     Hildreth's method (1957): one row after the other is satisfied by the least change, and what an
-    earlier sweep changed too much is taken back; the box is one more set to project on.
+    earlier sweep changed too much is taken back. The least change for a row n is along M⁻¹n, and
+    brings n·a forward by nᵀM⁻¹n.
     """
-    normal_of, bound_of = normals.unbind(-2), bounds.unbind(-1)
-    action = wish
-    beyond = torch.zeros_like(wish)  # what the box took away
-    multipliers = [torch.zeros_like(bound) for bound in bound_of]
+    changes = rows.normals if inverse is None else rows.normals @ inverse
+    effects = (changes * rows.normals).sum(-1)
+    effects = torch.ones_like(effects) if inverse is None else effects.where(effects > 0.0, 1.0)
+    normal_of, change_of = rows.normals.unbind(-2), changes.unbind(-2)
+    bound_of, effect_of = rows.bounds.unbind(-1), effects.unbind(-1)
 
+    action, push = wish, torch.zeros_like(wish)
+    multipliers = [torch.zeros_like(bound) for bound in bound_of]
     for _ in range(sweeps):
         # Each row: the least multiplier ≥ 0 that satisfies it.
-        for index, (normal, bound) in enumerate(zip(normal_of, bound_of, strict=True)):
-            missing = bound - (normal * action).sum(-1)
-            multiplier = (multipliers[index] + missing).clamp(min=0.0)
-            change = multiplier - multipliers[index]
-            action = action + change.unsqueeze(-1) * normal
+        for index, normal in enumerate(normal_of):
+            missing = bound_of[index] - (normal * action).sum(-1)
+            multiplier = (multipliers[index] + missing / effect_of[index]).clamp(min=0.0)
+            more = multiplier - multipliers[index]
+            action = action + more.unsqueeze(-1) * change_of[index]
             multipliers[index] = multiplier
 
-        # The box: the nearest action within.
-        unbounded = action + beyond
-        action = torch.minimum(torch.maximum(unbounded, within.low), within.high)
-        beyond = unbounded - action
+        # The box is the last one, and pushes each component by a multiplier of its own.
+        action, push = _into_box(action, push, within, inverse)
 
-    force = -beyond
+    force = push
     for normal, multiplier in zip(normal_of, multipliers, strict=True):
         force = force + multiplier.unsqueeze(-1) * normal
-    return SafeAction(action, force)
+    return SafeAction(_clamped(action, within), force)
 
 
-def _projected_in(
-    inverse: Tensor,
-    wish: Tensor,
-    normals: Tensor,
-    bounds: Tensor,
-    within: SafetyBounds,
-    sweeps: int,
-) -> SafeAction:
-    """The nearest action in a metric M, likewise: the least change for a row c is along M⁻¹c.
+def _into_box(
+    action: Tensor, push: Tensor, within: SafetyBounds, inverse: Tensor | None
+) -> tuple[Tensor, Tensor]:
+    """The action within the box, and what pushes it there now, ``(*B, n)`` both.
 
-    In a metric a bound on one component moves the others as well, so that each side of the box is
-    a row of its own.
+    Args:
+        action: a.
+        push: What pushed it there in the sweep before, and is taken back.
+        within: The bounds, with the box.
+        inverse: M⁻¹; None for M = I.
     """
-    changes = normals @ inverse  # the rows (M⁻¹c)ᵀ, since M is symmetric
-    effects = (changes * normals).sum(-1)  # cᵀM⁻¹c, by how much each changes its own row
-    effects = torch.where(effects > 0.0, effects, 1.0)
-    rows = [values.unbind(-2) for values in (normals, changes)]
-    numbers = [values.unbind(-1) for values in (bounds, effects)]
+    if inverse is None:
+        free = action - push
+        kept = _clamped(free, within)
+        return kept, kept - free
 
-    sides = [values.unbind(-1) for values in (within.low, within.high, inverse.diagonal(0, -2, -1))]
-    columns = inverse.unbind(-1)
-    multipliers = [torch.zeros_like(bound) for bound in numbers[0]]
-    pushes = [torch.zeros_like(side) for side in sides[0]]
-
-    action = wish
-    for _ in range(sweeps):
-        # Each row: the least multiplier ≥ 0 that satisfies it.
-        for index, (normal, along, bound, effect) in enumerate(zip(*rows, *numbers, strict=True)):
-            missing = bound - (normal * action).sum(-1)
-            multiplier = (multipliers[index] + missing / effect).clamp(min=0.0)
-            change = multiplier - multipliers[index]
-            action = action + change.unsqueeze(-1) * along
-            multipliers[index] = multiplier
-
-        # Each component: the least push that brings it within the box.
-        for index, (low, high, effect) in enumerate(zip(*sides, strict=True)):
-            free = action[..., index] - pushes[index] * effect
-            push = (torch.minimum(torch.maximum(free, low), high) - free) / effect
-            action = action + (push - pushes[index]).unsqueeze(-1) * columns[index]
-            pushes[index] = push
-
-    force = torch.stack(pushes, dim=-1)
-    for normal, multiplier in zip(rows[0], multipliers, strict=True):
-        force = force + multiplier.unsqueeze(-1) * normal
-    return SafeAction(torch.minimum(torch.maximum(action, within.low), within.high), force)
+    # In a metric a push of one component moves the others as well: one after the other.
+    sides = zip(within.low.unbind(-1), within.high.unbind(-1), strict=True)
+    pushes = list(push.unbind(-1))
+    for index, (low, high) in enumerate(sides):
+        effect = inverse[..., index, index]
+        free = action[..., index] - pushes[index] * effect
+        needed = (torch.minimum(torch.maximum(free, low), high) - free) / effect
+        action = action + (needed - pushes[index]).unsqueeze(-1) * inverse[..., index]
+        pushes[index] = needed
+    return action, torch.stack(pushes, dim=-1)
 
 
-def _normalised(within: SafetyBounds) -> tuple[Tensor, Tensor]:
+def _clamped(action: Tensor, within: SafetyBounds) -> Tensor:
+    """The nearest action in the box where all components count alike."""
+    return torch.minimum(torch.maximum(action, within.low), within.high)
+
+
+def _normalised(within: SafetyBounds) -> _Rows:
     """Rows of length one; those that no action changes ask for nothing."""
     lengths = torch.linalg.vector_norm(within.slopes, dim=-1)
     matters = lengths > torch.finfo(lengths.dtype).eps
@@ -156,15 +153,15 @@ def _normalised(within: SafetyBounds) -> tuple[Tensor, Tensor]:
     divisor = torch.where(matters, lengths, 1.0)
     normals = torch.where(matters.unsqueeze(-1), within.slopes / divisor.unsqueeze(-1), 0.0)
     bounds = torch.where(matters, within.bounds / divisor, -1.0)
-    return normals, bounds
+    return _Rows(normals, bounds)
 
 
-def _drawn_back(
-    action: Tensor, retreat: Tensor, normals: Tensor, bounds: Tensor, within: SafetyBounds
-) -> Tensor:
+def _drawn_back(action: Tensor, retreat: Tensor, rows: _Rows, within: SafetyBounds) -> Tensor:
     """The action nearest to the wish, on the way to it from the retreat, that keeps every row."""
+    normals, bounds = rows
     if normals.shape[-2] == 0:
         return action
+
     slack = SLACK * (within.high - within.low).amax(-1, keepdim=True)
     closing = -(normals * (action - retreat).unsqueeze(-2)).sum(-1)
     kept = (normals * retreat.unsqueeze(-2)).sum(-1) - bounds

@@ -9,12 +9,26 @@ from aicon_torch.safety import SafeAction
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.vectors import unit
 
-JUMP = 2.0
-"""A cost that grows by more than so many steps at full speed is that of other goals."""
+# Shares of the cost, and times in the dampers' time constant: a faster robot needs no new number.
+PROGRESS = 0.1  # by which the cost must fall, or rise, to count as changed
+PATIENCE = 2.0  # for how long it may fail to fall
+JUMP = 2.0  # a cost that grows by more than so many steps at full speed is that of other goals
+OPPOSITION = 0.1  # share of the wish that the constraints must take away to oppose it
+
+# Of a push along the force.
+TRIES = 2  # number of escapes, from the last best cost on, after which the force leads nowhere
+BACK = 0.7  # cosine of the angle to the last push reversed, within which a force points back
+SHORTEST, LONGEST = 1.5, 15.0  # its duration
+DESCENT = 0.5  # share of the climb that must be undone
+BLOCKED = 0.05  # share of the actuator's limit below which a motion counts as blocked
+
+# Of a detour.
+MIDDLE = 0.5  # share of each component's range, about its middle, that the places are in
+DETOUR = 6.0  # where a component has no range, it goes as far as it comes in this time, at most
 
 
 def initial_escape(size: int) -> Memory:
-    """Not escaping, and nothing was reached yet: what is remembered, without batch dimensions.
+    """FREE, and nothing was reached yet: what is remembered, without batch dimensions.
 
     Args:
         size: Number n of components of the actuator.
@@ -34,12 +48,34 @@ def initial_escape(size: int) -> Memory:
 
 
 class Stalemate:
-    """Detects that an actuator is held up, and moves it along the constraints' force.
+    """Detects that an actuator is held up, and moves it to where its goals are tried anew.
 
-    See :class:`aicon_torch.dampers.ConstraintEscape`.
+    Three states and what leads from one to another:
+
+    ======  =========================================================  ======
+    FREE    a stalemate, and the constraints' force leads out of it    PUSHED
+    FREE    a stalemate, and it does not                               DETOUR
+    PUSHED  the crest of the cost is passed, or the motion is blocked  FREE
+    DETOUR  the place is reached, or the motion is blocked             FREE
+    any     the goals are other ones                                   FREE
+    ======  =========================================================  ======
+
+    A *stalemate* is that the cost of the goals has not fallen for a while, although the constraints
+    oppose the wish or the cost has not risen either. (One that comes and goes while nothing is in
+    the way is the noise of the readings.)
+
+    PUSHED, the actuator moves along the constraints' force f = Σ μᵢcᵢ, what they add to the wish to
+    make it the action where all components count alike, in the direction that f had at the
+    stalemate. The cost climbs on the way, and the push ends well over the crest, or else the
+    actuator would slide back.
+
+    The force leads nowhere where the constraints do not oppose the wish, as at a singularity, where
+    a few pushes have led to no better cost, and where it points back against the last push, as
+    between two stops of one joint. A DETOUR goes straight to a place instead: the next of a
+    sequence that fills the middle of the components' ranges evenly.
 
     Args:
-        options: When an escape begins and ends.
+        options: From which cost on the actuator may stay where it is.
         limits: Of the actuator, ``(n,)``.
         dt: The time step, s.
         time: The dampers' time constant, s.
@@ -57,7 +93,7 @@ class Stalemate:
             memory: What was remembered.
         """
         direction = memory["direction"]
-        excess = (direction.abs() / self.limits.to(wish)).amax(-1, keepdim=True)
+        excess = self._time_of(direction).unsqueeze(-1)
         fastest = direction / excess.clamp(min=torch.finfo(wish.dtype).tiny ** 0.5)
         return torch.where(memory["escaping"].unsqueeze(-1), fastest, wish)
 
@@ -78,42 +114,37 @@ class Stalemate:
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
-        now, share = cost.at_rest, 1.0 - self.options.progress
-        was_escaping, clock = memory["escaping"], memory["clock"] + self.step
+        now = cost.at_rest
+        clock, highest = memory["clock"] + self.step, torch.maximum(now, memory["highest"])
+        is_free = ~memory["escaping"]
 
-        # Begin where the cost has not fallen for long; end over the crest.
-        falls = now < share * memory["lowest"]
-        is_stuck = ~falls & (clock >= self.options.patience) & (now > self.options.near)
-
-        # What comes and goes while nothing opposes it is noise: the actuator is where it can be.
-        highest = torch.maximum(now, memory["highest"])
-        is_steady = highest < (1.0 + self.options.progress) * memory["lowest"]
-        is_opposed = self._is_opposed(wish, safe.action)
-        begins = ~was_escaping & is_stuck & (is_steady | is_opposed)
-        is_out = self._is_out(cost, safe.action, clock, highest, memory)
-
-        # A cost that grows by more than a step can do is that of other goals: all begins anew.
-        limits, before = self.limits.to(wish), memory["before"]
-        by_motion = JUMP * cost.steepness(limits) * torch.linalg.vector_norm(limits)
-        is_other = now > before + torch.maximum(by_motion, self.options.progress * before)
-        begins = begins & ~is_other
-        ends = was_escaping & (is_out | is_other)
-
-        # Every escape without a new best cost is one more try.
-        is_best = is_other | (~was_escaping & (now < share * memory["best"]))
+        # What counts since the goals are these: the best cost, and escapes that led to no better.
+        is_other = self._is_other(cost, memory)
+        is_best = is_other | (is_free & _falls(now, memory["best"]))
         tries = torch.where(is_best, 0, memory["tries"])
-        force = unit(safe.force)
-        leads_on = ~self._points_back(force, memory)
-        by_force = is_opposed & leads_on & (tries < self.options.forced)
         escapes = torch.where(is_other, 0, memory["escapes"])
-        detour = self._way_to_a_place(escapes, room)
-        way_out = torch.where(by_force.unsqueeze(-1), force, detour)
 
-        # The clock begins anew with every escape, attempt and progress.
-        restarts = begins | ends | is_other | (~was_escaping & falls)
+        # From FREE to PUSHED or DETOUR.
+        is_opposed = _is_opposed(wish, safe.action)
+        is_held_up = self._is_held_up(now, clock, highest, is_opposed, memory)
+        begins = is_free & is_held_up & ~is_other
+        force = unit(safe.force)
+        leads_out = is_opposed & ~_points_back(force, memory) & (tries < TRIES)
+        detour = self._way_to_a_place(escapes, room)
+        way_out = torch.where(leads_out.unsqueeze(-1), force, detour)
+
+        # Back to FREE.
+        is_blocked = self._time_of(safe.action) < BLOCKED
+        is_past = self._is_past_the_crest(cost, safe.action, clock, highest, is_blocked, memory)
+        is_there = self._is_there(clock, is_blocked, memory)
+        is_over = torch.where(memory["by_force"], is_past, is_there)
+        ends = ~is_free & (is_over | is_other)
+
+        # The clock begins anew with every state, with other goals, and with progress.
+        restarts = begins | ends | is_other | (is_free & _falls(now, memory["lowest"]))
         return {
-            "escaping": (was_escaping | begins) & ~ends,
-            "by_force": torch.where(begins, by_force, memory["by_force"] & ~is_other),
+            "escaping": (~is_free | begins) & ~ends,
+            "by_force": torch.where(begins, leads_out, memory["by_force"] & ~is_other),
             "direction": torch.where(begins.unsqueeze(-1), way_out, memory["direction"]),
             "clock": torch.where(restarts, 0.0, clock),
             "lowest": torch.where(restarts, now, memory["lowest"]),
@@ -124,24 +155,40 @@ class Stalemate:
             "before": now,
         }
 
-    def _is_out(
-        self, cost: FollowedCost, action: Tensor, clock: Tensor, highest: Tensor, memory: Memory
+    def _is_other(self, cost: FollowedCost, memory: Memory) -> Tensor:
+        """Whether the goals are other ones, ``(*B,)``: no step can raise a cost by so much."""
+        limits, before = self.limits.to(cost.at_rest), memory["before"]
+        by_motion = JUMP * cost.steepness(limits) * torch.linalg.vector_norm(limits)
+        return cost.at_rest > before + torch.maximum(by_motion, PROGRESS * before)
+
+    def _is_held_up(
+        self, now: Tensor, clock: Tensor, highest: Tensor, is_opposed: Tensor, memory: Memory
     ) -> Tensor:
-        """Whether an escape is over, ``(*B,)``."""
-        options, now, entry = self.options, cost.at_rest, memory["lowest"]
-        is_undone = now < highest - options.descent * (highest - entry)
-        is_past_crest = now < (1.0 - options.progress) * highest
-        rises_again = is_past_crest & (cost.fall_along(action) < 0.0)
-        is_blocked = (action.abs() / self.limits.to(action)).amax(-1) < options.blocked
+        """Whether the cost has not fallen for long, for a reason other than noise, ``(*B,)``."""
+        is_late = ~_falls(now, memory["lowest"]) & (clock >= PATIENCE)
+        is_steady = highest < (1.0 + PROGRESS) * memory["lowest"]
+        return is_late & (now > self.options.near) & (is_steady | is_opposed)
 
-        may_end = (clock >= options.shortest) & (is_undone | rises_again | is_blocked)
-        by_force = may_end | (clock >= options.longest)
+    def _is_past_the_crest(
+        self,
+        cost: FollowedCost,
+        action: Tensor,
+        clock: Tensor,
+        highest: Tensor,
+        is_blocked: Tensor,
+        memory: Memory,
+    ) -> Tensor:
+        """Whether a push is over, ``(*B,)``: the climb is undone, or no more of it can be."""
+        climb = highest - memory["lowest"]
+        is_undone = cost.at_rest < highest - DESCENT * climb
+        rises_again = _falls(cost.at_rest, highest) & (cost.fall_along(action) < 0.0)
+        may_end = (clock >= SHORTEST) & (is_undone | rises_again | is_blocked)
+        return may_end | (clock >= LONGEST)
 
-        # A detour is over at its place, or where the motion is blocked.
-        way = (memory["direction"].abs() / self.limits.to(action)).amax(-1)  # s, at full speed
-        is_there = clock >= way / self.time
-        is_stopped = (clock >= options.shortest) & is_blocked
-        return torch.where(memory["by_force"], by_force, is_there | is_stopped)
+    def _is_there(self, clock: Tensor, is_blocked: Tensor, memory: Memory) -> Tensor:
+        """Whether a detour is over, ``(*B,)``: at its place, or where the motion is blocked."""
+        is_at_its_place = clock >= self._time_of(memory["direction"]) / self.time
+        return is_at_its_place | ((clock >= SHORTEST) & is_blocked)
 
     def _way_to_a_place(self, number: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
         """The way to a place in the middle of the ranges, ``(*B, n)``.
@@ -150,20 +197,31 @@ class Stalemate:
             number: Which of the sequence of places, ``(*B,)``.
             room: How far each component may go down and up, ``(*B, n)`` both.
         """
-        share, farthest = self.options.middle, self.options.detour * self.time * self.limits
-        down, up = (torch.where(side.isfinite(), side, farthest.to(side) / share) for side in room)
+        farthest = DETOUR * self.time * self.limits
+        down, up = (torch.where(side.isfinite(), side, farthest.to(side) / MIDDLE) for side in room)
         middle, half = (up - down) / 2.0, (up + down) / 2.0
-        return middle + share * half * spread(number, middle)
+        return middle + MIDDLE * half * spread(number, middle)
 
-    def _points_back(self, force: Tensor, memory: Memory) -> Tensor:
-        """Whether a force of length one leads back along the last escape by a force, ``(*B,)``."""
-        along = (force * memory["direction"]).sum(-1)
-        return memory["by_force"] & (along < -self.options.back)
+    def _time_of(self, way: Tensor) -> Tensor:
+        """How long a way ``(*B, n)`` takes at full speed, ``(*B,)``, s; of a velocity its share."""
+        return (way.abs() / self.limits.to(way)).amax(-1)
 
-    def _is_opposed(self, wish: Tensor, action: Tensor) -> Tensor:
-        """Whether the constraints take away a good share of the wish, ``(*B,)``."""
-        opposition = ((wish - action) * wish).sum(-1)
-        return opposition > self.options.opposition * (wish * wish).sum(-1)
+
+def _falls(now: Tensor, before: Tensor) -> Tensor:
+    """Whether a cost is less than another by more than noise, ``(*B,)``."""
+    return now < (1.0 - PROGRESS) * before
+
+
+def _points_back(force: Tensor, memory: Memory) -> Tensor:
+    """Whether a force of length one leads back along the last push, ``(*B,)``."""
+    along = (force * memory["direction"]).sum(-1)
+    return memory["by_force"] & (along < -BACK)
+
+
+def _is_opposed(wish: Tensor, action: Tensor) -> Tensor:
+    """Whether the constraints take away a good share of the wish, ``(*B,)``."""
+    opposition = ((wish - action) * wish).sum(-1)
+    return opposition > OPPOSITION * (wish * wish).sum(-1)
 
 
 def spread(index: Tensor, like: Tensor) -> Tensor:

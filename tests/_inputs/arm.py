@@ -1,5 +1,6 @@
 """An arm, its postures, and what it is told."""
 
+import copy
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ def postures(count: int, seed: int = 0) -> Tensor:
 
 
 def panda_chain() -> Chain:
-    return Chain(PANDA.frames, PANDA.tool)
+    return copy.deepcopy(PANDA.chain)
 
 
 def tool_pose() -> ToolPose:

@@ -50,9 +50,9 @@ def robot_file(name: str) -> Path:
     raise FileNotFoundError(name)
 
 
-def read_chain(name: str, **options: Any) -> Chain:
+def read_chain(name: str) -> Chain:
     robot = ROBOTS[name]
-    return Chain.from_urdf(robot_file(robot.urdf), tip=robot.tip, **options)
+    return Chain.from_urdf(robot_file(robot.urdf), tip=robot.tip)
 
 
 def mujoco_model(urdf: Path, keep_collisions: bool = False) -> Any:

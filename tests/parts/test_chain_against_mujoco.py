@@ -15,8 +15,6 @@ from torch import Tensor
 pytest.importorskip("pytorch_kinematics")
 mujoco = pytest.importorskip("mujoco")
 
-KINEMATICS = ("closed", "pytorch_kinematics")
-
 
 @pytest.fixture(scope="module", params=ROBOTS)
 def name(request: pytest.FixtureRequest) -> str:
@@ -44,12 +42,11 @@ def expected(physics: Physics, q: Tensor, tip: str) -> tuple[Tensor, Tensor]:
     )
 
 
-@pytest.mark.parametrize("kinematics", KINEMATICS)
 @pytest.mark.parametrize("batch", [(), (3,), (2, 3)], ids=str)
 def test_frames_and_jacobian_are_those_of_the_physics(
-    name: str, physics: Physics, batch: tuple[int, ...], kinematics: str
+    name: str, physics: Physics, batch: tuple[int, ...]
 ) -> None:
-    chain, tip = read_chain(name, kinematics=kinematics), ROBOTS[name].tip
+    chain, tip = read_chain(name), ROBOTS[name].tip
     q = random_postures(chain, 6)[: max(1, torch.Size(batch).numel())]
     q = q.reshape(*batch, -1)
     frames, jacobian = expected(physics, q, tip)
@@ -63,9 +60,8 @@ def test_frames_and_jacobian_are_those_of_the_physics(
         torch.testing.assert_close(found, wanted, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("kinematics", KINEMATICS)
-def test_in_single_precision_too(name: str, kinematics: str) -> None:
-    chain = read_chain(name, kinematics=kinematics)
+def test_in_single_precision_too(name: str) -> None:
+    chain = read_chain(name)
     q = random_postures(chain, 5)
 
     for function in (chain, chain.frames, chain.jacobian):

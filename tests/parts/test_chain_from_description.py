@@ -13,8 +13,6 @@ from aicon_torch.parts.chain import Chain, Joint
 
 pytest.importorskip("pytorch_kinematics")
 
-KINEMATICS = ("closed", "pytorch_kinematics")
-
 LIFT = """
 <robot name="lift">
   <link name="base"/><link name="carriage"/><link name="arm"/>
@@ -42,9 +40,8 @@ def traced(chain: Chain) -> Any:
 
 
 @pytest.mark.parametrize("batch", [(), (4,)], ids=str)
-@pytest.mark.parametrize("kinematics", KINEMATICS)
-def test_a_step_is_traced_into_one_graph(kinematics: str, batch: tuple[int, ...]) -> None:
-    chain = Chain.from_urdf(LIFT, kinematics=kinematics)
+def test_a_step_is_traced_into_one_graph(batch: tuple[int, ...]) -> None:
+    chain = Chain.from_urdf(LIFT)
     here = torch.tensor([0.2, 0.7], dtype=torch.float64).expand(*batch, 2)
     there = torch.tensor([0.4, -2.0], dtype=torch.float64).expand(*batch, 2)
 
@@ -70,9 +67,8 @@ def test_the_traced_step_of_every_robot_is_the_untraced(name: str, batch: tuple[
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("error")  # a fallback would warn
-@pytest.mark.parametrize("kinematics", KINEMATICS)
-def test_a_compiled_policy_does_what_the_uncompiled_does(kinematics: str) -> None:
-    chain = read_chain("ur5", kinematics=kinematics)
+def test_a_compiled_policy_does_what_the_uncompiled_does() -> None:
+    chain = read_chain("ur5")
 
     def moved(z_q: torch.Tensor, a: torch.Tensor, dt: float) -> torch.Tensor:
         return z_q + a * dt
@@ -104,16 +100,14 @@ def test_a_compiled_policy_does_what_the_uncompiled_does(kinematics: str) -> Non
 
 
 def test_the_second_derivative_is_that_of_the_frames() -> None:
-    for kinematics in KINEMATICS:
-        chain = Chain.from_urdf(LIFT, kinematics=kinematics)
-        q = torch.tensor([0.2, 0.7], dtype=torch.float64, requires_grad=True)
-        assert torch.autograd.gradcheck(chain, q)
-        assert torch.autograd.gradgradcheck(chain, q)
+    chain = Chain.from_urdf(LIFT)
+    q = torch.tensor([0.2, 0.7], dtype=torch.float64, requires_grad=True)
+    assert torch.autograd.gradcheck(chain, q)
+    assert torch.autograd.gradgradcheck(chain, q)
 
 
-@pytest.mark.parametrize("kinematics", KINEMATICS)
-def test_a_velocity_of_the_joints_moves_the_tip_by_the_jacobian(kinematics: str) -> None:
-    chain = Chain.from_urdf(LIFT, kinematics=kinematics)
+def test_a_velocity_of_the_joints_moves_the_tip_by_the_jacobian() -> None:
+    chain = Chain.from_urdf(LIFT)
     q = torch.tensor([[0.2, 0.7], [0.4, -2.0]], dtype=torch.float64)
     speed, dt = torch.tensor([0.3, -0.8], dtype=torch.float64), 1e-6
 
@@ -134,9 +128,8 @@ def test_a_chain_knows_its_joints() -> None:
     assert chain.speed.tolist() == [0.5, torch.inf]
 
 
-@pytest.mark.parametrize("kinematics", KINEMATICS)
-def test_a_chain_can_be_copied_and_moved(kinematics: str) -> None:
-    chain = Chain.from_urdf(LIFT, kinematics=kinematics)
+def test_a_chain_can_be_copied_and_moved() -> None:
+    chain = Chain.from_urdf(LIFT)
     q = torch.tensor([0.2, 0.7], dtype=torch.float64)
     torch.testing.assert_close(copy.deepcopy(chain).to("cpu")(q), chain(q))
     assert chain.to("meta")(q.to("meta")).device.type == "meta"
@@ -164,11 +157,6 @@ def test_joints_must_be_as_many_as_the_transforms() -> None:
     identity = torch.eye(4).tolist()
     with pytest.raises(OptionError, match="joints has 1 of them: expected 2, as fixed"):
         Chain([identity, identity], identity, [Joint("only")])
-
-
-def test_unknown_kinematics_are_an_error() -> None:
-    with pytest.raises(OptionError, match="kinematics='x': expected one of 'closed'"):
-        Chain.from_urdf(LIFT, kinematics="x")  # type: ignore[arg-type]
 
 
 def test_a_product_that_differs_from_the_library_is_an_error(

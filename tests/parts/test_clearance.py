@@ -12,7 +12,6 @@ from aicon_torch import Interconnection, OptionError
 from aicon_torch.parts import (
     Clearance,
     ClearanceLimits,
-    ClearancePrior,
     CollisionLikelihood,
     direction_residual,
     range_residual,
@@ -60,7 +59,8 @@ def test_without_a_direction_the_unit_gradient_has_no_slope() -> None:
 
 
 def test_the_prior_is_the_first_reading_in_any_direction() -> None:
-    mean, covariance = ClearancePrior(noise=0.01)(at(0.7))
+    walls = Clearance("x_obs", "z_obs", noise=0.01, motion_noise=0.001, dt=0.05)
+    mean, covariance = walls.estimator().initial({"z_obs": at(0.7)}).values()
     assert mean.tolist() == [0.7, 0.0, 0.0]
     assert covariance.diagonal().tolist() == pytest.approx([1e-4, 0.5, 0.5])
 

@@ -1,6 +1,5 @@
 """Where constraints bring an actuator to rest short of its goal, the mechanism finds a way out."""
 
-import dataclasses
 import functools
 import math
 
@@ -24,6 +23,7 @@ from aicon_torch import (
 )
 from aicon_torch.dampers import ConstraintEscape, VelocityDampers
 from aicon_torch.parts import JointLimits, SquaredHinge
+from aicon_torch.safety import stuck
 
 DT, STOP = 0.05, 3.0
 
@@ -128,10 +128,11 @@ def test_it_is_half_way_down_from_the_crest_before_it_turns_to_the_target_again(
     assert float(way[left]) - target == pytest.approx((at_entry + at_crest) / 2, abs=0.1)
 
 
-def test_where_the_cost_rises_again_it_ends_as_well() -> None:
+def test_where_the_cost_rises_again_it_ends_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
     """Twice the climb is more than there is to come down, so it ends at the target."""
-    far_down = dataclasses.replace(ConstraintEscape(), descent=2.0, longest=30.0)
-    way, escaping = turn(hand(far_down), start=2.5, target=-2.0, steps=200)
+    monkeypatch.setattr(stuck, "DESCENT", 2.0)
+    monkeypatch.setattr(stuck, "LONGEST", 30.0)
+    way, escaping = turn(hand(ConstraintEscape()), start=2.5, target=-2.0, steps=200)
     left = int(escaping.nonzero()[-1])
     assert way[left] == pytest.approx(-2.0, abs=0.1)
 
@@ -170,9 +171,10 @@ def test_a_robot_as_many_times_as_fast_escapes_alike(factor: int) -> None:
     torch.testing.assert_close(*ways, rtol=0, atol=1e-6)
 
 
-def test_it_gives_up_an_escape_after_its_largest_duration() -> None:
-    brief = dataclasses.replace(ConstraintEscape(), longest=2.0, shortest=1.0, detour=2.0)
-    _, escaping = turn(hand(brief), start=2.5, target=-2.8, steps=60)
+def test_it_gives_up_an_escape_after_its_largest_duration(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, time in (("LONGEST", 2.0), ("SHORTEST", 1.0), ("DETOUR", 2.0)):
+        monkeypatch.setattr(stuck, name, time)
+    _, escaping = turn(hand(ConstraintEscape()), start=2.5, target=-2.8, steps=60)
     started = int(escaping.nonzero()[0])
     time_constant = VelocityDampers().braking / 1.0
     duration = int((~escaping[started:]).nonzero()[0]) * DT

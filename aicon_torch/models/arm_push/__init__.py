@@ -9,7 +9,7 @@ from aicon_torch.models.arm_push.options import (
 )
 from aicon_torch.models.arm_push.perception import CameraPerception
 from aicon_torch.models.arm_push.presets import PRESETS
-from aicon_torch.models.arm_push.robot import PANDA, Robot
+from aicon_torch.models.arm_push.robot import PANDA, PushingRobot
 from aicon_torch.models.arm_push.scene import end_effector
 
 __all__ = [
@@ -19,7 +19,7 @@ __all__ = [
     "CameraPerception",
     "MotionLimitOptions",
     "Options",
-    "Robot",
+    "PushingRobot",
     "TouchOptions",
     "build",
     "camera_perception",

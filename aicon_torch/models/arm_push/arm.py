@@ -47,7 +47,7 @@ def arm(scene: Scene) -> list[Estimator]:
         Deterministic("d_pusher", motion),
     ]
     if options.self_collision is not None:
-        segments = CapsuleSegments(scene.end_effector.chain, options.robot.capsules)
+        segments = CapsuleSegments(scene.end_effector.chain, options.robot.shape.capsules)
         estimators.append(Deterministic("x_body", segments))
     return estimators
 
@@ -72,7 +72,7 @@ def hand(scene: Scene) -> list[Estimator]:
 
 def lag(options: Options) -> list[Estimator]:
     """v_joints, where readings are late: prompt ones correct at every step what a lag did."""
-    return [VelocityLag(len(options.robot.frames), REACTION)] if options.is_late else []
+    return [VelocityLag(len(options.robot.chain.names), REACTION)] if options.is_late else []
 
 
 def moved_by(options: Options) -> str:
@@ -83,8 +83,8 @@ def moved_by(options: Options) -> str:
 def joints(options: Options) -> EKF:
     """x_joints: the encoders, filtered."""
     velocity = moved_by(options)
-    low, high = options.robot.low, options.robot.high
-    middle = [(lower + upper) / 2 for lower, upper in zip(low, high, strict=True)]
+    chain = options.robot.chain
+    middle = ((chain.low + chain.high) / 2).tolist()
     agreement = Affine(x_joints=1.0, z_joints=-1.0)
     belief: dict[str, Any] = {
         "predict": Affine(x_joints=1.0, **{velocity: "dt"}),

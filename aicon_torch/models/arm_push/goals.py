@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.models.arm_push.robot import Robot
+from aicon_torch.models.arm_push.robot import PushingRobot
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
@@ -33,7 +33,7 @@ class Ring:
     cost: SquaredHinge
 
     @classmethod
-    def within_reach(cls, robot: Robot, body: RigidObject, cost: SquaredHinge) -> "Ring":
+    def within_reach(cls, robot: PushingRobot, body: RigidObject, cost: SquaredHinge) -> "Ring":
         """The ring of an object around which the stick of a robot gets.
 
         Its edges are where the tip gets to, less the farthest corner of the object and the radius

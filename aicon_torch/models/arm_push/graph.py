@@ -5,6 +5,7 @@ the goals of height, joint limits and self-collision. All gradients reach the jo
 kinematics.
 """
 
+import copy
 from collections.abc import Callable
 from typing import Any
 
@@ -67,7 +68,7 @@ def camera_perception(options: Options) -> CameraPerception:
     corners = np.array(options.corners, dtype=np.float64)
     registration = ImageRegistration(corners, robot.intrinsics)
     trust, dt = options.camera.trust, options.dt
-    return CameraPerception(registration, robot.chain(), robot.camera, trust, dt)
+    return CameraPerception(registration, copy.deepcopy(robot.chain), robot.camera, trust, dt)
 
 
 def world_model(options: Options) -> WorldModel:
@@ -94,11 +95,11 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         gap = MAX_GAP * options.dt
         prompt = {"max_age": gap}
         watched |= {"max_age": latency + gap, "max_gap": gap}
-        moving = {"rate_limit": JUMP * max(options.robot.speed), "driven_by": "a"}
+        moving = {"rate_limit": JUMP * float(options.robot.chain.speed.max()), "driven_by": "a"}
     moving |= watched
     sensors = {
         "z_elapsed": clock(options.dt),
-        "z_joints": Sensor(len(options.robot.frames), "rad", key="q", range=TURNS, **moving),
+        "z_joints": Sensor(len(options.robot.chain.names), "rad", key="q", range=TURNS, **moving),
         "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS, **prompt),
     }
     if options.sensing == "pose":
@@ -120,11 +121,11 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 def _actuator(scene: Scene) -> Actuator:
     """The velocities of the joints, within their limits and those of the tip."""
     options, robot = scene.options, scene.options.robot
-    limits = ArmLimits(scene.end_effector, robot.speed, options.limits)
+    limits = ArmLimits(scene.end_effector, robot.chain.speed.tolist(), options.limits)
     speed = options.limits.joint_speed
     dither = PlanarDither(scene.end_effector, options.limits.tip_speed)
     return Actuator(
-        len(robot.frames),
+        len(robot.chain.names),
         "rad/s",
         limit=speed,
         constraints=[limits],
@@ -164,10 +165,12 @@ def _goals(scene: Scene) -> list[Goal]:
     if options.workspace is not None:
         goals.append(Goal("workspace", Workspace(robot.reach, options.workspace)))
     if options.joint_limits is not None:
-        limits = JointLimits(robot.low, robot.high, options.joint_limits)
+        limits = JointLimits(
+            robot.chain.low.tolist(), robot.chain.high.tolist(), options.joint_limits
+        )
         goals.append(Goal("joint_limits", limits))
     if options.self_collision is not None:
-        collision = SelfCollision(robot.capsules, options.self_collision, robot.pairs)
+        collision = SelfCollision(robot.shape.capsules, options.self_collision, robot.shape.pairs)
         goals.append(Goal("self_collision", collision))
     return goals
 

@@ -11,6 +11,7 @@ from torch import Tensor, nn
 
 from aicon_torch.models.arm_push.options import MotionLimitOptions
 from aicon_torch.parts.end_effector import EndEffector
+from aicon_torch.vectors import shorten
 
 
 class ArmLimits(nn.Module):
@@ -71,10 +72,3 @@ class ArmLimits(nn.Module):
         arrival = -x_heights / self.settling_time
         slower = torch.minimum(rise.abs(), arrival.abs()) * rise.sign()
         return torch.where(arrival * rise > 0, slower, rise)
-
-
-def shorten(vectors: Tensor, longest: float) -> Tensor:
-    """The vectors ``(*B, d)``, those that are longer than a length brought to it."""
-    length = torch.linalg.vector_norm(vectors, dim=-1, keepdim=True)
-    shortened: Tensor = vectors * (longest / length.clamp(min=longest))
-    return shortened

@@ -8,7 +8,7 @@ import torch
 
 from aicon_torch.control import ActionLaw, Foresight
 from aicon_torch.errors import OptionError
-from aicon_torch.models.arm_push.robot import PANDA, Robot
+from aicon_torch.models.arm_push.robot import PANDA, PushingRobot
 from aicon_torch.parts.camera import Steering
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import Pullback
@@ -203,7 +203,7 @@ class Options:
     dtype: torch.dtype = torch.float64
     dt: float = 0.01
 
-    robot: Robot = PANDA
+    robot: PushingRobot = PANDA
     corners: Sequence[Sequence[float]] = T_CORNERS
 
     sensing: Sensing = "camera"
@@ -256,9 +256,9 @@ class Options:
         check_not_negative(self, ("height_tolerance", "stick_friction"))
 
         # What takes a sentence of its own.
-        if not isinstance(self.robot, Robot):
+        if not isinstance(self.robot, PushingRobot):
             raise OptionError(
-                f"robot={self.robot!r}: expected a Robot, such as "
-                "Robot.from_description(env.unwrapped.description())."
+                f"robot={self.robot!r}: expected a PushingRobot, such as "
+                "PushingRobot.from_description(env.unwrapped.description())."
             )
         check_steps(self, "delay")

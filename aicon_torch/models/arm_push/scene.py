@@ -1,5 +1,6 @@
 """What the estimators of one graph share: options, object, arm, and what a push does."""
 
+import copy
 from dataclasses import dataclass
 
 from aicon_torch.models.arm_push.options import Options
@@ -35,4 +36,4 @@ def end_effector(options: Options) -> EndEffector:
     """The arm, from the joints to x_ee."""
     robot = options.robot
     pose = ToolPose(robot.stick_length, options.lever)
-    return EndEffector(robot.chain(), pose, options.pullback, options.damping)
+    return EndEffector(copy.deepcopy(robot.chain), pose, options.pullback, options.damping)

@@ -3,6 +3,6 @@
 from aicon_torch.models.reach.graph import build, world_model
 from aicon_torch.models.reach.options import Options
 from aicon_torch.models.reach.presets import PRESETS
-from aicon_torch.models.reach.robot import Robot
+from aicon_torch.parts.robot import Robot
 
 __all__ = ["PRESETS", "Options", "Robot", "build", "world_model"]

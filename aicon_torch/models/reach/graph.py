@@ -20,7 +20,6 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.reach.options import Options
-from aicon_torch.models.reach.robot import Robot
 from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.clock import clock
@@ -28,6 +27,7 @@ from aicon_torch.parts.end_effector import EndEffector
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
 from aicon_torch.parts.pose_reach import PoseReach
+from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose

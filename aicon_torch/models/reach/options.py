@@ -7,8 +7,8 @@ import torch
 
 from aicon_torch.control import ActionLaw, DirectDescent
 from aicon_torch.dampers import VelocityDampers
-from aicon_torch.models.reach.robot import Robot
 from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.tip_pose import Orientation
 from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
 from aicon_torch.resolution import NullspaceProjection, Resolution

@@ -66,7 +66,7 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
-    from aicon_torch.models.arm_push import Robot
+    from aicon_torch.models.arm_push import PushingRobot
 
     arguments = _ARGUMENTS[at_once(condition)[0]]
     env = ArmPushEnv(**arguments)
@@ -74,7 +74,7 @@ def _policy_options(condition: str) -> dict[str, Any]:
     return {
         **late,
         "camera.delay": round(arguments.get("image_delay", 0.0) / _FAULTS.dt),
-        "robot": Robot.from_description(env.description()),
+        "robot": PushingRobot.from_description(env.description()),
         "corners": tuple((float(x), float(y)) for x, y in env.object.corners),
         "sensing": "pose" if env.obs_type == "pose" else "camera",
     }

@@ -31,7 +31,7 @@ def test_every_preset_acts_within_the_limits(preset):
     policy, memory = lean("arm_push", preset=preset, sensing="pose"), None
     for _ in range(3):
         action, memory = policy.predict(pose_observation(), memory)
-    assert action.isfinite().all() and (action.abs() <= torch.tensor(PANDA.speed)).all()
+    assert action.isfinite().all() and (action.abs() <= PANDA.chain.speed).all()
     assert action.norm() > 0.01
 
 
@@ -51,10 +51,10 @@ def test_height_is_a_goal_of_its_own():
 
 def test_near_a_limit_the_joint_turns_back():
     q = HOME.clone()
-    q[6] = PANDA.high[6] - 0.02
+    q[6] = PANDA.chain.high[6] - 0.02
     last_joint = run(compiled(), q, 100)[:, 6]
-    assert (last_joint < PANDA.high[6]).all()
-    assert last_joint[-1] < PANDA.high[6] - 0.04
+    assert (last_joint < PANDA.chain.high[6]).all()
+    assert last_joint[-1] < PANDA.chain.high[6] - 0.04
 
 
 @pytest.mark.parametrize(

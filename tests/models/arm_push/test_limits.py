@@ -12,7 +12,7 @@ OPTIONS = MotionLimitOptions()
 def limited(a, q, height=0.01):
     """The velocity within the limits, and the motion of the end effector by it."""
     arm = panda(damping=1e-6)
-    limits = ArmLimits(arm, PANDA.speed, OPTIONS)
+    limits = ArmLimits(arm, PANDA.chain.speed.tolist(), OPTIONS)
     kept = limits(a, q, torch.full_like(q[..., :1], height))
     return kept, (arm.jacobian(q) @ kept.unsqueeze(-1)).squeeze(-1)
 
@@ -32,7 +32,7 @@ def test_no_component_of_the_end_effector_is_faster_than_it_may_be():
 def test_no_joint_is_faster_than_its_limit_and_the_direction_is_kept():
     null = torch.linalg.svd(panda().jacobian(postures(4)))[2][:, -1]  # moves the joints alone
     kept, _ = limited(10.0 * null, postures(4))
-    assert (kept.abs() <= torch.tensor(PANDA.speed, dtype=torch.float64) + 1e-12).all()
+    assert (kept.abs() <= PANDA.chain.speed + 1e-12).all()
     cosine = (kept * null).sum(-1) / kept.norm(dim=-1)
     torch.testing.assert_close(cosine, torch.ones_like(cosine))
 

@@ -1,12 +1,11 @@
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from _inputs.arm import panda, postures
 
 from aicon_torch import OptionError, make_policy
-from aicon_torch.models.arm_push import PANDA, Options, Robot, end_effector
+from aicon_torch.models.arm_push import PANDA, Options, PushingRobot, end_effector
 from aicon_torch.parts.camera import Intrinsics
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision
@@ -32,11 +31,13 @@ PLAIN = {
 
 def test_the_robot_is_that_of_the_physics():
     arm_push = pytest.importorskip("aicon_envs.arm_push")
-    robot = Robot.from_description(arm_push.ArmPushEnv(obs_type="pose").description())
-    for name in ("frames", "tool", "camera", "intrinsics", "low", "high", "speed"):
+    robot = PushingRobot.from_description(arm_push.ArmPushEnv(obs_type="pose").description())
+    for name, value in robot.chain.state_dict().items():
+        np.testing.assert_allclose(value, PANDA.chain.state_dict()[name], atol=1e-6)
+    for name in ("camera", "intrinsics"):
         np.testing.assert_allclose(getattr(robot, name), getattr(PANDA, name), atol=1e-6)
-    assert robot.tool_mass == PANDA.tool_mass and len(robot.capsules) == len(PANDA.capsules)
-    assert robot.reach == PANDA.reach and robot.pairs is None
+    assert robot.tool_mass == PANDA.tool_mass and robot.shape.pairs == PANDA.shape.pairs
+    assert robot.reach == PANDA.reach
 
 
 def test_the_tip_and_the_gap_of_the_body_are_those_of_the_physics():
@@ -44,10 +45,10 @@ def test_the_tip_and_the_gap_of_the_body_are_those_of_the_physics():
     import mujoco
 
     env = arm_push.ArmPushEnv(obs_type="pose")
-    robot = Robot.from_description(env.description())
+    robot = PushingRobot.from_description(env.description())
     simulation, arm = env._simulation, panda()
-    segments = CapsuleSegments(arm.chain, robot.capsules)
-    goal = SelfCollision(robot.capsules, SquaredHinge(margin=0.05, weight=1.0))
+    segments = CapsuleSegments(arm.chain, robot.shape.capsules)
+    goal = SelfCollision(robot.shape.capsules, SquaredHinge(margin=0.05, weight=1.0))
     for q in postures(5):
         simulation.data.qpos[:7] = q.numpy()
         mujoco.mj_kinematics(simulation.model, simulation.data)
@@ -65,12 +66,14 @@ def test_the_tip_of_another_arm_is_that_of_the_physics_and_its_capsules_enclose_
     import torch
 
     env = arm_push.ArmPushEnv("ur5", obs_type="pose")
-    robot = Robot.from_description(env.description())
-    assert {capsule.link for capsule in robot.capsules} == set(range(8))
+    robot = PushingRobot.from_description(env.description())
+    assert {capsule.link for capsule in robot.shape.capsules} == set(range(8))
 
     simulation, arm = env._simulation, end_effector(Options(robot=robot))
-    segments = CapsuleSegments(arm.chain, robot.capsules)
-    goal = SelfCollision(robot.capsules, SquaredHinge(margin=0.05, weight=1.0), robot.pairs)
+    segments = CapsuleSegments(arm.chain, robot.shape.capsules)
+    goal = SelfCollision(
+        robot.shape.capsules, SquaredHinge(margin=0.05, weight=1.0), robot.shape.pairs
+    )
     for seed in range(20):
         q = 2.0 * torch.randn(6, generator=torch.Generator().manual_seed(seed)).double()
         simulation.data.qpos[:6] = q.numpy()
@@ -81,16 +84,16 @@ def test_the_tip_of_another_arm_is_that_of_the_physics_and_its_capsules_enclose_
 
 
 def test_a_description_gives_plain_numbers():
-    robot = Robot.from_description(PLAIN)
-    assert len(robot.frames) == 2 and len(robot.tool) == 3
-    assert isinstance(robot.intrinsics, Intrinsics) and isinstance(robot.capsules[0], Capsule)
-    assert robot.low == (-1.0, -1.0) and robot.axes is None
+    robot = PushingRobot.from_description(PLAIN)
+    assert robot.chain.names == ("joint_1", "joint_2")
+    assert isinstance(robot.intrinsics, Intrinsics) and isinstance(robot.shape.capsules[0], Capsule)
+    assert robot.chain.low.tolist() == [-1.0, -1.0]
 
 
 def test_joints_turn_about_their_axes():
     quarter = np.array([np.pi / 2, 0.0])
     about_z, about_x = (
-        replace(Robot.from_description(PLAIN), axes=axes).chain()
+        PushingRobot.from_description(PLAIN | {"axes": axes}).chain
         for axes in (None, ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     )
     q = about_z.low.new_tensor(quarter)
@@ -102,7 +105,7 @@ def test_joints_turn_about_their_axes():
     ("changes", "message"),
     [
         ({"reach": None}, "description of the robot lacks 'reach'"),
-        ({"payload": 3.0}, "description of the robot has 'payload': expected 'frames', 'tool'"),
+        ({"payload": 3.0}, "description of the robot has 'payload': expected 'frames', 'low'"),
         ({"low": (-1.0,)}, "robot.low has 1 of them: expected 2, as robot.frames"),
         ({"axes": ((0.0, 0.0, 1.0),)}, "robot.axes has 1 of them: expected 2"),
     ],
@@ -110,9 +113,9 @@ def test_joints_turn_about_their_axes():
 def test_what_a_description_lacks_is_named(changes, message):
     description = {key: value for key, value in (PLAIN | changes).items() if value is not None}
     with pytest.raises(OptionError, match=re.escape(message)):
-        Robot.from_description(description)
+        PushingRobot.from_description(description)
 
 
 def test_a_robot_that_is_none_is_named():
-    with pytest.raises(OptionError, match="robot='ur5': expected a Robot, such as Robot.from_desc"):
+    with pytest.raises(OptionError, match="robot='ur5': expected a PushingRobot, such as Pushing"):
         make_policy("arm_push", robot="ur5", sensing="pose")

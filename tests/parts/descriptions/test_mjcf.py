@@ -30,9 +30,8 @@ ARM = """
 </mujoco>"""
 
 
-@pytest.mark.parametrize("kinematics", ["closed", "pytorch_kinematics"])
-def test_links_are_where_the_physics_has_them(kinematics: str) -> None:
-    chain = Chain.from_mjcf(ARM, tip="hand", kinematics=kinematics)
+def test_links_are_where_the_physics_has_them() -> None:
+    chain = Chain.from_mjcf(ARM, tip="hand")
     physics = Physics(mujoco.MjModel.from_xml_string(ARM), chain.names)
     assert chain.names == ("x", "turn", "elbow")
 

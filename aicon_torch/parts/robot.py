@@ -1,4 +1,4 @@
-"""What the model knows of a robot: its joints and its shape, read from its description."""
+"""A robot: its joints and its shape, read from its description."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,21 +7,25 @@ from aicon_torch.parts.capsules import Capsules
 from aicon_torch.parts.chain import Chain
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Robot:
-    """An arm. Build one with :meth:`from_urdf`.
+    """An arm, and all that most graphs know of one. :meth:`from_urdf` reads it.
 
     Attributes:
-        chain: Its joints, with their limits and speeds.
+        chain: Its joints, with their limits and speeds, up to its tip.
         shape: Its capsules; None for an arm that need not avoid itself.
+
+    Example:
+        >>> arm = Robot.from_urdf("ur5.urdf", tip="tool0", srdf="ur5.srdf")
+        >>> end_effector = EndEffector(arm.chain, TipPose("full", lever=0.2))
+        >>> goal = SelfCollision(arm.shape.capsules, SquaredHinge(0.05, 1.0), arm.shape.pairs)
     """
 
     chain: Chain
     shape: Capsules | None = None
 
-    @classmethod
+    @staticmethod
     def from_urdf(
-        cls,
         source: str | Path,
         tip: str | None = None,
         base: str | None = None,
@@ -44,5 +48,5 @@ class Robot:
         """
         chain = Chain.from_urdf(source, tip, base)
         if not collisions:
-            return cls(chain)
-        return cls(chain, Capsules.from_urdf(source, srdf, tip, base))
+            return Robot(chain)
+        return Robot(chain, Capsules.from_urdf(source, srdf, tip, base))
