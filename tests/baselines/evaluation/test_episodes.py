@@ -1,5 +1,6 @@
 """The loop of an episode."""
 
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -49,13 +50,13 @@ def steps_of_points(policy: Walker | None = None) -> list[Step]:
 def test_each_episode_runs_until_it_ends_and_ends_once() -> None:
     steps = steps_of_points()
     assert (np.sum([step.ended for step in steps], axis=0) == 1).all()
-    for now, then in zip(steps, steps[1:], strict=False):
+    for now, then in pairwise(steps):
         np.testing.assert_array_equal(then.running, now.running & ~now.ended)
 
 
 def test_a_step_begins_where_the_last_one_led() -> None:
     steps = steps_of_points()
-    for now, then in zip(steps, steps[1:], strict=False):
+    for now, then in pairwise(steps):
         assert then.before is now.info
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
-from aicon_baselines.figures.concepts import drawing
-from aicon_baselines.figures.concepts.world import MEETING, make_policy
+from concepts import drawing
+from concepts.world import MEETING, make_policy
 
 _WIDTH, _HEIGHT = 1.5, 0.56
 
