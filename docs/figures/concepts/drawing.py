@@ -10,21 +10,14 @@ from matplotlib.patches import FancyArrowPatch
 
 from aicon_baselines.figures.recording import FloatArray, to_array
 from aicon_baselines.figures.rendering import save_picture
-from aicon_baselines.figures.style import (
-    EXPLORING,
-    OBJECT,
-    OBSTACLE,
-    ROBOT,
-    TARGET,
-    TARGET_MARK,
-)
+from aicon_baselines.figures.style import TARGET_MARK
+from aicon_baselines.palette import EXPLORING, INK, OBJECT, OBSTACLE, ROBOT, TARGET
 from aicon_torch.inspection import QuantityTrace
 from concepts.world import Wall
 
 REACH, AVOID, RESULT, EXPLORES = TARGET, OBSTACLE, ROBOT, EXPLORING
 """Colours: what the goals "reach" and "avoid" want, what comes of it, and exploration."""
 
-INK, PALE = "#1d2127", "#8a919c"
 PATHS = {"reach": REACH, "avoid": AVOID}
 
 

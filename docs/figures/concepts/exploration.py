@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
+from aicon_baselines import palette
 from aicon_baselines.figures.recording import true_intervals
 from aicon_baselines.figures.timeline import SHADE, simplify
 from aicon_torch import DirectDescent, Exploration
@@ -51,7 +52,7 @@ def _draw_moment(axes: Axes, way: Way) -> None:
 def _draw_cosine(axes: Axes, way: Way) -> None:
     """The cosine of the two, and where a conflict begins and ends."""
     times = DT * np.arange(len(way.meetings))
-    axes.plot(times, [float(meeting.cosine) for meeting in way.meetings], color=drawing.INK)
+    axes.plot(times, [float(meeting.cosine) for meeting in way.meetings], color=palette.INK)
     for begin, end in true_intervals(np.array(way.exploring)):
         axes.axvspan(DT * begin, DT * end, **SHADE)
 
@@ -60,7 +61,7 @@ def _draw_cosine(axes: Axes, way: Way) -> None:
         (bounds.enter_cosine, "a conflict begins below"),
         (bounds.exit_cosine, "and ends above"),
     ):
-        axes.axhline(bound, color=drawing.PALE, linewidth=1, linestyle=(0, (3, 2)))
+        axes.axhline(bound, color=palette.PALE, linewidth=1, linestyle=(0, (3, 2)))
         axes.text(
             times[-1] - 0.1,
             bound + 0.04,

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
+from aicon_baselines import palette
 from aicon_baselines.figures.recording import FloatArray
 from concepts import drawing
 from concepts.world import Wall, meeting_at
@@ -39,13 +40,13 @@ def draw(path: Path) -> None:
     _arrow(second, strong, strong_color)
     _arrow(second, weak, weak_color, alpha=0.25)
     _arrow(second, left, weak_color, "what is left of it", (0.08, -0.06))
-    drawing.draw_arrow(second, weak, -along, drawing.PALE, width=1.2, linestyle=(0, (3, 2)))
-    drawing.label(second, weak - (0.3, 0.18), "along the stronger one: gone", drawing.PALE)
+    drawing.draw_arrow(second, weak, -along, palette.PALE, width=1.2, linestyle=(0, (3, 2)))
+    drawing.label(second, weak - (0.3, 0.18), "along the stronger one: gone", palette.PALE)
 
     # 3. The sum without projection and with it, and how much of the stronger one they keep.
     plain, projected = strong + weak, strong + left
     _arrow(third, strong, strong_color, alpha=0.3)
-    _arrow(third, plain, drawing.PALE, "plain sum", (0.02, -0.14))
+    _arrow(third, plain, palette.PALE, "plain sum", (0.02, -0.14))
     _arrow(third, projected, drawing.RESULT, "projected sum", (-0.25, 0.12))
     kept = [100 * (total @ strong) / (strong @ strong) for total in (plain, projected)]
     drawing.note(
