@@ -7,7 +7,7 @@ with pip install "aicon-torch[lerobot]", the others with "aicon-torch[peers]".
 import json
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from itertools import cycle
+from itertools import cycle, islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -19,6 +19,7 @@ import torch
 import aicon_envs  # noqa: F401  # registers the environments
 from aicon_baselines.agents.registry import compiled, factory, import_sb3
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
 from aicon_torch import NullspaceProjection, OptionError, make_policy
 from aicon_torch.inspection import QuantityTrace
@@ -184,14 +185,8 @@ def _mink() -> Step:
 def _record(name: str, task: str, obs_type: str, **options: Any) -> list[dict[str, Any]]:
     """What an episode of AICON observes at first."""
     env, policy = gym.make(name, obs_type=obs_type), make_policy(task, **options)
-    observation, _ = env.reset(seed=SEED)
-    observations, memory = [], None
-
-    for _ in range(RECORDED):
-        observations.append(observation)
-        action, memory = policy.predict(observation, memory)
-        observation, *_ = env.step(action)
-    return observations
+    taken = islice(run_episodes(policy, env, env.reset(seed=SEED)), RECORDED)
+    return [step.observation for step in taken]
 
 
 def _arrivals_at_pusher() -> list[QuantityTrace]:

@@ -8,12 +8,14 @@ Example: python scripts/standing.py --task nav2d --faults gone gone+late --episo
 
 import argparse
 import dataclasses
+from itertools import islice
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
 from aicon_baselines.tasks.faults import at_once, disturbed
@@ -72,27 +74,25 @@ def rest(policy: Policy, task: Task, fault: str, seeds: list[int], horizon: int)
     """Run episodes until the horizon; those that end before the fault begins do not count."""
     episodes = [task.episode(seed) for seed in seeds]
     env = task.make_env(len(episodes), fault, horizon)
-    observation, info = env.reset(**task.reset_arguments(episodes))
+    start = env.reset(**task.reset_arguments(episodes))
     wrong = disturbed(env, next(name for name in FAULTS if name in at_once(fault)))
 
-    running, starts, memory = np.ones(len(episodes), bool), np.ones(len(episodes), bool), None
-    met, collided = ~running, ~running
+    met, collided = np.zeros((2, len(episodes)), bool)
     times: NDArray[np.int64] = np.zeros(len(episodes), np.int64)
+    since = wrong.since.copy()
 
-    for _ in range(horizon):
-        is_met = running & (wrong.since >= 0)
-        if (wrong.since >= wrong.pause).all():
-            break
-        action, memory = policy.predict(observation, memory, starts)
-        moves = is_met & (wrong.since < wrong.pause) & (memory["a"] != 0).any(-1).numpy()
+    for step in islice(run_episodes(policy, env, start), horizon):
+        is_met = step.running & (since >= 0)
+        moves = is_met & (since < wrong.pause) & (step.memory["a"] != 0).any(-1).numpy()
 
         # What it does in this step, it does to its end.
-        observation, _, terminated, truncated, info = env.step(action)
         times = np.where(moves, wrong.since, times)
         met |= is_met
-        collided |= is_met & np.asarray(info["collision"], bool)
-        running = running & ~(terminated | truncated)
-        starts = np.zeros(len(episodes), bool)
+        collided |= is_met & np.asarray(step.info["collision"], bool)
+
+        since = wrong.since.copy()
+        if (since >= wrong.pause).all():
+            break
     env.close()
     return Met(times[met], int(collided.sum()))
 

@@ -8,6 +8,8 @@ the times are those of the processor, so that a busy machine slows both alike.
 """
 
 import argparse
+from contextlib import closing
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import make
 from aicon_baselines.cli.command_line import Command
+from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
 from aicon_baselines.tasks import load, names
@@ -86,20 +89,11 @@ def record_observations(
     if policy is None:
         to_compile: Any = make(task, "aicon", condition)
         policy = to_compile.compile()
-    env = content.make_env(1, condition, steps)
 
-    try:
-        observation, _ = env.reset(**content.reset_arguments([content.episode(seed)]))
-        observations, memory = [], None
-        for _ in range(steps):
-            observations.append(observation)
-            action, memory = policy.predict(observation, memory)
-            observation, _, terminated, truncated, _ = env.step(action)
-            if (terminated | truncated).all():
-                break
-        return observations
-    finally:
-        env.close()
+    with closing(content.make_env(1, condition, steps)) as env:
+        start = env.reset(**content.reset_arguments([content.episode(seed)]))
+        taken = islice(run_episodes(policy, env, start), steps)
+        return [step.observation for step in taken]
 
 
 def observations_of_one(task: str, condition: str, steps: int) -> list[dict[str, NDArray[Any]]]:

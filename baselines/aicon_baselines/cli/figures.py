@@ -7,9 +7,8 @@ figure's numbers) and the film nav2d_rollout.mp4. pusht saves the same as pusht_
 of an episode, and the gradients that arrive at the pusher. arm_push saves arm_push_film.mp4, an
 episode of the arm from outside and from its hand above the strengths of its gradients, and
 arm_push_film.png, a picture from the middle of it. reach saves reach.png, moments of three arms'
-episodes beside their errors and gaps, and reach.mp4, one of them with a ball in its way. concepts
-saves the idea in six pictures, concept_path.png and so on, from what a policy of a small world
-computes. With --video webp or gif a film is a small moving picture for a page.
+episodes beside their errors and gaps, and reach.mp4, one of them with a ball in its way. With
+--video webp or gif a film is a small moving picture for a page.
 """
 
 import argparse
@@ -19,13 +18,11 @@ from typing import Any
 
 from aicon_baselines.cli.command_line import Command
 
-_CONCEPTS = "concepts"
 _FIGURES = {
     "nav2d": "2D navigation: the evolving potential",
     "pusht": "pushing: the gradients that arrive at the pusher",
     "arm_push": "pushing with an arm: its views and its gradients",
     "reach": "reaching with three arms: moments, errors and gaps",
-    _CONCEPTS: "the idea in six pictures",
 }
 
 
@@ -37,8 +34,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         figure.add_argument(
             "--out", type=Path, default=Path("runs/figures"), help="default: runs/figures"
         )
-        if name == _CONCEPTS:  # no episode, and nothing that moves
-            continue
         figure.add_argument(
             "--seed", type=int, help="seed of the episode (default: one that shows it all)"
         )

@@ -13,11 +13,10 @@ from aicon_baselines.diagnosis.history import BoolArray, FloatArray, History
 from aicon_baselines.diagnosis.surroundings import Surroundings
 from aicon_baselines.figures.recording import true_intervals
 from aicon_baselines.figures.rendering import save_picture
-from aicon_baselines.figures.style import GOAL, OBJECT, OBSTACLE, OUTLINE, ROBOT, TARGET_MARK
+from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.figures.timeline import SHADE, simplify
+from aicon_baselines.palette import CURVES, GOAL, OBJECT, OBSTACLE, OUTLINE, PALE, ROBOT
 
-_COLORS = (ROBOT, "#d55e00", "#009268", "#c99700", "#56b4e9", "#3c4048", "#c4122f")
-_BEFORE, _OTHERS = "#b9bfc9", "#8a919c"
 _WIDTH = 165
 """Letters in a line of the text."""
 
@@ -101,9 +100,9 @@ def _draw_places(axes: Axes, history: History, found: Diagnosis, places: FloatAr
         way, labels = places[:, :2], ("x", "y")
     since = min(round(found.behaviour.begin / history.dt), len(way) - 1)
 
-    axes.plot(*way[: since + 1].T, color=_BEFORE, linewidth=1.4, label="before")
+    axes.plot(*way[: since + 1].T, color=OBJECT, linewidth=1.4, label="before")
     axes.plot(*way[since:].T, color=ROBOT, linewidth=1.1, label="in the end")
-    axes.plot(*way[0], "o", color=_OTHERS, markersize=7, markeredgecolor="white", label="start")
+    axes.plot(*way[0], "o", color=PALE, markersize=7, markeredgecolor="white", label="start")
     axes.plot(*way[-1], "s", color=ROBOT, markersize=8, markeredgecolor="white", label="end")
 
     axes.set_xlabel(labels[0])
@@ -124,7 +123,7 @@ def _draw_places(axes: Axes, history: History, found: Diagnosis, places: FloatAr
 
 def _draw_costs(axes: Axes, history: History) -> None:
     followed = {name: curve for name, curve in history.goals.items() if not curve.safety}
-    for color, (name, curve) in zip(_COLORS, followed.items(), strict=False):
+    for color, (name, curve) in zip(CURVES, followed.items(), strict=False):
         axes.plot(history.times, curve.cost, color=color, linewidth=1.3, label=name)
     axes.set_ylabel("cost")
 
@@ -132,7 +131,7 @@ def _draw_costs(axes: Axes, history: History) -> None:
 def _draw_cosines(axes: Axes, history: History) -> None:
     """How much the leading gradient is opposed, and where a quantity explores."""
     explores = np.zeros(history.steps, dtype=np.bool_)
-    for color, (name, curve) in zip(_COLORS, history.meetings.items(), strict=False):
+    for color, (name, curve) in zip(CURVES, history.meetings.items(), strict=False):
         axes.plot(history.times, curve.cosine, color=color, linewidth=0.9, label=f"at {name}")
         explores |= curve.exploring
 
@@ -145,7 +144,7 @@ def _draw_cosines(axes: Axes, history: History) -> None:
 def _draw_actions(axes: Axes, history: History) -> None:
     """The largest share of its limit that each actuator used."""
     escapes = np.zeros(history.steps, dtype=np.bool_)
-    for color, (name, curve) in zip(_COLORS, history.actuators.items(), strict=False):
+    for color, (name, curve) in zip(CURVES, history.actuators.items(), strict=False):
         axes.plot(history.times, curve.share.max(axis=1), color=color, linewidth=0.9, label=name)
         escapes |= curve.escaping
 

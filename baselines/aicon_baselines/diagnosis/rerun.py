@@ -1,6 +1,8 @@
 """An episode of a comparison, run again and recorded."""
 
+from contextlib import closing
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ from aicon_baselines.agents.registry import compiled, factory, own_policy
 from aicon_baselines.diagnosis.history import FloatArray, History
 from aicon_baselines.diagnosis.surroundings import Surroundings, surroundings
 from aicon_baselines.evaluation.config import Config
+from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.row import Row
@@ -114,24 +117,18 @@ def _factory(task: Task, name: str) -> Factory:
 def _record(task: Task, row: Row, policy: Policy) -> Rerun:
     """Run the episode of a row."""
     torch.set_num_threads(1)
-    env = task.make_env(1, row.condition, task.horizon)
-    observation, info = env.reset(**task.reset_arguments([task.episode(row.seed, row.repeat)]))
     memories: list[Memory] = []
     places: list[FloatArray] = []
-    memory, ended = None, False
 
-    while not ended and len(memories) < task.horizon:
-        action, memory = policy.predict(observation, memory)
-        memories.append({key: value[0].clone() for key, value in memory.items()})
-        places.append(np.array(info["position"][0], dtype=np.float64))
+    with closing(task.make_env(1, row.condition, task.horizon)) as env:
+        start = env.reset(**task.reset_arguments([task.episode(row.seed, row.repeat)]))
+        for step in islice(run_episodes(policy, env, start), task.horizon):
+            memories.append({key: value[0].clone() for key, value in step.memory.items()})
+            places.append(np.array(step.before["position"][0], dtype=np.float64))
+        around = surroundings(task.name, env, step.next_observation, step.info)
 
-        observation, _, terminated, truncated, info = env.step(action)
-        ended = bool(terminated[0] or truncated[0])
-    around = surroundings(task.name, env, observation, info)
-    env.close()
-
-    history = History.of(policy, memories, success=bool(info["is_success"][0]))
-    distance = float(info["distance"][0])
+    history = History.of(policy, memories, success=bool(step.info["is_success"][0]))
+    distance = float(step.info["distance"][0])
     return Rerun(row, history, np.array(places), distance, task.length_unit, around)
 
 

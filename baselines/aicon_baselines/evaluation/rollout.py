@@ -1,13 +1,14 @@
 """Running one chunk of episodes as a batch with one policy."""
 
-import copy
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
+from contextlib import closing
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
-from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
+from aicon_baselines.evaluation.episodes import Step, run_episodes
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.evaluation.task import Episode, Measure, Task
 
@@ -64,69 +65,26 @@ def rollout(
         The outcome of each episode.
     """
     options = getattr(policy, "env_options", {})
-    is_wanted = np.isin([episode.seed for episode in episodes], list(wanted))
+    wanted_rows = np.isin([episode.seed for episode in episodes], list(wanted))
 
-    env = task.make_env(len(episodes), condition, task.horizon, **options)
-    try:
-        return _step_until_ended(policy, env, task, episodes, is_wanted, on_ended)
-    finally:
-        env.close()
+    with closing(task.make_env(len(episodes), condition, task.horizon, **options)) as env:
+        start = env.reset(**task.reset_arguments(episodes))
+        outcome = _begin(len(episodes), start[1], task.measures)
 
+        waited_for = wanted_rows
+        for step in islice(run_episodes(policy, env, start), task.horizon):
+            _record(outcome, step, task.measures)
 
-def _step_until_ended(
-    policy: Predictor,
-    env: VectorEnv[Any, Any, Any],
-    task: Task,
-    episodes: list[Episode],
-    wanted: NDArray[np.bool_],
-    on_ended: OnEnded,
-) -> Outcome:
-    observation, info = env.reset(**task.reset_arguments(episodes))
-    outcome = _begin(len(episodes), info, task.measures)
-    position = np.array(info["position"], np.float64)
-
-    first = copy.deepcopy(observation)
-
-    # All episodes start, and none is known to have ended.
-    running = np.ones(len(episodes), np.bool_)
-    starts, state = running, None
-
-    for _ in range(task.horizon):
-        if not (running & wanted).any():
-            break
-
-        action, state = policy.predict(
-            observation, state=state, episode_start=starts, deterministic=True
-        )
-        observation, _, terminated, truncated, info = env.step(action)
-        _record(outcome, running, position, info, task.measures)
-        position = np.array(info["position"], np.float64)
-
-        ended = running & (terminated | truncated)
-        running = running & ~ended
-
-        # An ended episode stays in the batch; it begins afresh at every step, so that its memory
-        # cannot run away. An episode cannot begin without a reading: one that is lost is the first.
-        starts = ~running
-        observation = _completed(observation, first, starts)
-
-        if (ended & wanted).any():
-            on_ended(outcome, np.flatnonzero(ended & wanted))
+            waited_for = wanted_rows & step.running & ~step.ended
+            if (step.ended & wanted_rows).any():
+                on_ended(outcome, np.flatnonzero(step.ended & wanted_rows))
+            if not waited_for.any():
+                break
 
     # The others have come to the horizon.
-    if (running & wanted).any():
-        on_ended(outcome, np.flatnonzero(running & wanted))
+    if waited_for.any():
+        on_ended(outcome, np.flatnonzero(waited_for))
     return outcome
-
-
-def _completed(observation: Any, first: Any, rows: NDArray[np.bool_]) -> Any:
-    """Return a batch of observations that in some rows (B,) has no NaN where the first had none."""
-    if isinstance(observation, Mapping):
-        return {key: _completed(observation[key], first[key], rows) for key in observation}
-
-    in_row = rows.reshape(-1, *[1] * (observation.ndim - 1))
-    lost = np.isnan(observation) & in_row
-    return np.where(lost, first, observation) if lost.any() else observation
 
 
 def _begin(count: int, info: dict[str, Any], measures: tuple[Measure, ...]) -> Outcome:
@@ -142,20 +100,16 @@ def _begin(count: int, info: dict[str, Any], measures: tuple[Measure, ...]) -> O
     )
 
 
-def _record(
-    outcome: Outcome,
-    running: NDArray[np.bool_],
-    position: NDArray[np.float64],
-    info: dict[str, Any],
-    measures: tuple[Measure, ...],
-) -> None:
-    """Add one step to the episodes still running; `position` (B, 2) is that before the step."""
+def _record(outcome: Outcome, step: Step, measures: tuple[Measure, ...]) -> None:
+    """Add one step to the episodes still running."""
+    running, info = step.running, step.info
+
     # What adds up, and what only the latest step says.
-    lengths = np.linalg.norm(info["position"] - position, axis=-1)
+    way = np.subtract(info["position"], step.before["position"], dtype=np.float64)
     outcome.steps[running] += 1
     outcome.success[running] = info["is_success"][running]
     outcome.collision[running] |= info["collision"][running]
-    outcome.path_length[running] += lengths[running]
+    outcome.path_length[running] += np.linalg.norm(way, axis=-1)[running]
     outcome.distance[running] = info["distance"][running]
 
     # Of some measures the least of the episode counts.

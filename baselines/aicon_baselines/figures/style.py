@@ -1,4 +1,4 @@
-"""Colours that the figures of several tasks share."""
+"""Marks and tints that the figures of several tasks share."""
 
 from typing import Any
 
@@ -7,12 +7,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import ArrayLike
 
 from aicon_baselines.figures.recording import FloatArray
-
-# Colours that colour-blind readers can tell apart (after Okabe and Ito, "Color Universal Design",
-# 2008), as in the styles of the tasks.
-ROBOT, EXPLORING = "#0059a8", "#a3569b"
-TARGET, OBSTACLE = "#c4122f", "#3c4048"
-OBJECT, OUTLINE, GOAL = "#c3c8d0", "#5c636e", "#5fb545"
+from aicon_baselines.palette import TARGET
 
 TARGET_MARK: dict[str, Any] = {
     "marker": "*",

@@ -10,7 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from aicon_baselines.figures.recording import FloatArray, Recording
-from aicon_baselines.figures.style import EXPLORING, TIMELINE_TINT
+from aicon_baselines.figures.style import TIMELINE_TINT
+from aicon_baselines.palette import EXPLORING
 
 SHADE: Mapping[str, Any] = MappingProxyType(
     {"color": EXPLORING, "alpha": TIMELINE_TINT, "linewidth": 0}

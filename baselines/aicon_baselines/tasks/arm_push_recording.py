@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Collection
+from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +12,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.task import Episode
 from aicon_baselines.tasks.arm_push import TASK
 from aicon_baselines.tasks.arm_push_numbers import EpisodeNumbers
@@ -62,35 +64,26 @@ def watch(
     found: dict[int, EpisodeNumbers] = {}
 
     arm = end_effector(Options(robot=TASK.policy_options(condition)["robot"]))
-    env = TASK.make_env(len(episodes), condition, horizon)
-    try:
-        observation, info = env.reset(**TASK.reset_arguments(episodes))
+    with closing(TASK.make_env(len(episodes), condition, horizon)) as env:
+        start = env.reset(**TASK.reset_arguments(episodes))
         for number, history in enumerate(histories):
-            history.add_margins({name: values[number] for name, values in info.items()})
-        memory, ended = None, np.zeros(len(episodes), np.bool_)
-        starts = ~ended
+            history.add_margins({name: values[number] for name, values in start[1].items()})
 
-        while missing - set(found):
-            action, memory = policy.predict(observation, memory, starts)
-            facts = read_facts(policy.trace(memory), arm)
-            observation, _, terminated, truncated, info = env.step(action)
+        for step in run_episodes(policy, env, start):
+            facts = read_facts(policy.trace(step.memory), arm)
 
             # Each episode that was still going on takes its numbers of this step.
-            for row in np.flatnonzero(~ended):
-                own_info = {name: values[row] for name, values in info.items()}
+            for row in np.flatnonzero(step.running):
+                own_info = {name: values[row] for name, values in step.info.items()}
                 histories[row].add(own_info, facts, int(row))
 
-                if terminated[row] or truncated[row]:
+                if step.ended[row]:
                     numbers = histories[row].sum_up(own_info)
                     if numbers.seed in missing:
                         found[numbers.seed] = numbers
                         on_finished(numbers)
-
-            # An ended episode stays in the batch, with a memory that begins afresh at every step.
-            ended = ended | terminated | truncated
-            starts = ended
-    finally:
-        env.close()
+            if missing <= set(found):
+                break
     return [found[seed] for seed in sorted(found)]
 
 

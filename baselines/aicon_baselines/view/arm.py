@@ -1,8 +1,8 @@
 """What the worlds of arms have in common: the body as the policy knows it."""
 
-from aicon_baselines.view.scene import FloatArray
+from aicon_baselines.palette import BODY
+from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.space import MuJoCoScene
-from aicon_baselines.view.style import BODY
 from aicon_torch.parts.self_collision import CapsuleSegments
 
 _OPACITY = 0.15

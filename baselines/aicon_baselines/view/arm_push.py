@@ -6,10 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from aicon_baselines.view.arm import ArmScene
-from aicon_baselines.view.pusht import side_of
-from aicon_baselines.view.scene import FloatArray, GradientArrow, Handle
-from aicon_baselines.view.style import (
+from aicon_baselines.palette import (
     AWAY,
     BELIEF,
     BODY,
@@ -18,8 +15,11 @@ from aicon_baselines.view.style import (
     OBJECT_RED,
     RESOLVED,
     TOWARDS,
-    Color,
 )
+from aicon_baselines.view.arm import ArmScene
+from aicon_baselines.view.marks import FloatArray
+from aicon_baselines.view.pusht import side_of
+from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_envs.arm_push.objects import THICKNESS
 from aicon_envs.arm_push.scene import TARGET_GROUP
 
@@ -35,7 +35,7 @@ class ArmPushScene(ArmScene):
         "it would bring the object nearer to the target, or take it away. The arm keeps its "
         "height, its stick upright, its limits, and off itself."
     )
-    legend: ClassVar[Mapping[str, Color]] = {
+    legend: ClassVar[Mapping[str, str]] = {
         "object": OBJECT_RED,
         "target": GOAL,
         "where it believes the object (2σ)": BELIEF,
@@ -45,7 +45,7 @@ class ArmPushScene(ArmScene):
         "motion of the tip, descending": RESOLVED,
         "motion of the tip, exploring": EXPLORING,
     }
-    remaining_curves: ClassVar[Mapping[str, Color]] = {"distance": GOAL, "angle": BELIEF}
+    remaining_curves: ClassVar[Mapping[str, str]] = {"distance": GOAL, "angle": BELIEF}
     hint: ClassVar[str] = "Drag the arrows at the target or at the object to put it elsewhere."
     can_kick: ClassVar[bool] = True
     camera: ClassVar[tuple[FloatArray, FloatArray]] = (
@@ -61,7 +61,7 @@ class ArmPushScene(ArmScene):
 
         corners = values["x_keypoints"][0].numpy(force=True)
         outline = np.pad(corners, ((0, 0), (0, 1)), constant_values=_ABOVE)
-        self.shapes.line("belief", outline, BELIEF, closed=True)
+        self.shapes.polyline("belief", outline, BELIEF, closed=True)
 
         # A flat ellipsoid: the position on the table.
         spread = np.zeros((3, 3))

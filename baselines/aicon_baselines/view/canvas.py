@@ -1,17 +1,13 @@
 """Drawing in the plane, on viser's three-dimensional scene: shapes by name, drawn anew or moved."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_baselines.view.mesh import add_mesh
+from aicon_baselines.view.marks import FloatArray, Marks
 from aicon_baselines.view.outlines import arrow_outline, circle, triangulate
 from aicon_baselines.view.server import viser
-from aicon_baselines.view.style import Color
-
-FloatArray = NDArray[np.float64]
 
 HEIGHT = 10.0
 """Height of the part of the scene that is seen at first."""
@@ -22,10 +18,10 @@ _LAYER = 0.01  # distance between two layers
 _ARROW_FACES = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6]])
 
 
-class Canvas:
+class Canvas(Marks):
     """A plane seen from above, on which every shape has a name.
 
-    A shape that is drawn again moves; nothing is sent twice. Higher layers cover lower ones.
+    Higher layers cover lower ones.
 
     Args:
         server: The server of the page.
@@ -36,11 +32,11 @@ class Canvas:
     """
 
     def __init__(self, server: viser.ViserServer, flipped: bool = False) -> None:
-        self._scene = server.scene
+        super().__init__(server.scene)
         self._flip = np.array([1.0, -1.0 if flipped else 1.0])
         self._center, self.scale = np.zeros(2), 1.0
-        self._handles: dict[str, Any] = {}
         self._sizes: dict[str, list[int]] = {}
+        self._faces: dict[str, NDArray[np.int_]] = {}
 
         # Straight from above; with +y up, the mouse turns the view as one expects.
         distance = 0.5 * 1.08 * HEIGHT / np.tan(0.5 * _FIELD_OF_VIEW)
@@ -62,9 +58,7 @@ class Canvas:
 
     def clear(self) -> None:
         """Remove all shapes."""
-        for handle in self._handles.values():
-            handle.remove()
-        self._handles.clear()
+        super().clear()
         self._sizes.clear()
 
     def to_scene(self, points: ArrayLike, layer: float = 0.0) -> FloatArray:
@@ -84,7 +78,7 @@ class Canvas:
         self,
         name: str,
         rings: Sequence[FloatArray],
-        color: Color,
+        color: str,
         layer: float,
         opacity: float | None = None,
     ) -> None:
@@ -93,20 +87,19 @@ class Canvas:
         if not sizes:
             return
         vertices = self.to_scene(np.concatenate(rings), layer)
-        if self._sizes.get(name) == sizes:
-            self._move(name, vertices, color)
-            return
 
-        self._sizes[name] = sizes
-        faces = triangulate(rings)
-        self._handles[name] = add_mesh(self._scene, name, vertices, faces, color, opacity)
+        # Other polygons have other triangles.
+        if self._sizes.get(name) != sizes:
+            self._sizes[name], self._faces[name] = sizes, triangulate(rings)
+            self._handles.pop(name, None)
+        self.mesh(name, vertices, self._faces[name], color, opacity)
 
     def ellipse(
         self,
         name: str,
         center: ArrayLike,
         covariance: ArrayLike,
-        color: Color,
+        color: str,
         layer: float,
         opacity: float | None = None,
     ) -> None:
@@ -121,7 +114,7 @@ class Canvas:
         name: str,
         center: ArrayLike,
         radius: float,
-        color: Color,
+        color: str,
         layer: float,
         opacity: float | None = None,
     ) -> None:
@@ -133,32 +126,20 @@ class Canvas:
         self,
         name: str,
         points: ArrayLike,
-        color: Color,
+        color: str,
         layer: float,
         thickness: float = 2.0,
         closed: bool = False,
     ) -> None:
         """Draw a line through points (N, 2), its thickness in pixels of the screen."""
-        placed = self.to_scene(points, layer)
-        if len(placed) < 2:
-            placed = np.repeat(placed, 2, axis=0)
-        ends = np.roll(placed, -1, axis=0)
-        segments = np.stack([placed, ends], axis=1)[: None if closed else -1].astype(np.float32)
-
-        if name in self._handles:
-            self._handles[name].points = segments
-            self._handles[name].visible = True
-            return
-        self._handles[name] = self._scene.add_line_segments(
-            f"/{name}", segments, color, thickness=thickness, thickness_units="screen"
-        )
+        self.polyline(name, self.to_scene(points, layer), color, thickness, closed)
 
     def arrow(
         self,
         name: str,
         tail: ArrayLike,
         direction: ArrayLike,
-        color: Color,
+        color: str,
         layer: float,
         length: float,
         width: float,
@@ -175,33 +156,4 @@ class Canvas:
         start = self.to_scene(tail, layer)
         corners = arrow_outline(length, width) @ np.stack([along, across])
         vertices = start + np.pad(corners, ((0, 0), (0, 1)))
-        if name in self._handles:
-            self._move(name, vertices, color)
-            return
-        self._handles[name] = add_mesh(self._scene, name, vertices, _ARROW_FACES, color)
-
-    def text(self, name: str, text: str, position: FloatArray, scale: float = 1.0) -> None:
-        """Write a text centred above a point (3,) of the scene."""
-        if name in self._handles:
-            handle = self._handles[name]
-            handle.text, handle.position, handle.visible = text, position, True
-            return
-        self._handles[name] = self._scene.add_label(
-            f"/{name}",
-            text,
-            position=position,
-            anchor="bottom-center",
-            font_screen_scale=scale,
-        )
-
-    def hide(self, name: str) -> None:
-        """Hide a shape, if it is there."""
-        if name in self._handles and self._handles[name].visible:
-            self._handles[name].visible = False
-
-    def _move(self, name: str, vertices: FloatArray, color: Color) -> None:
-        handle = self._handles[name]
-        handle.vertices = vertices.astype(np.float32)
-        handle.visible = True
-        if tuple(handle.color) != color:
-            handle.color = color
+        self.mesh(name, vertices, _ARROW_FACES, color)

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
-from aicon_baselines.view.style import EXPLORING, OUTLINE, RESOLVED, Color, to_hex
+from aicon_baselines.palette import EXPLORING, OUTLINE, RESOLVED
 from aicon_torch import StepTrace
 from aicon_torch.graph import WorldModel
 
@@ -16,7 +16,7 @@ _WIDTH, _ROW = 380.0, 50.0  # of the picture and from row to row, px
 _CROWDED = 4  # nodes in a row from which on every other one is lower
 _LOWER = 22.0  # px
 _WIDEST = 6.0  # px
-_PALE: Color = (214, 216, 220)
+_PALE = "#d6d8dc"
 
 
 class GraphPicture:
@@ -27,7 +27,7 @@ class GraphPicture:
         goal_colors: The colour of each goal.
     """
 
-    def __init__(self, model: WorldModel, goal_colors: Mapping[str, Color]) -> None:
+    def __init__(self, model: WorldModel, goal_colors: Mapping[str, str]) -> None:
         self._goal_colors = goal_colors
         self._edges = [(name, edge.source) for name in model.edges for edge in model.edges[name]]
         self._places = _places(model, self._edges)
@@ -58,7 +58,7 @@ class GraphPicture:
         width = 1.0 + (_WIDEST - 1.0) * share**0.5
         return (
             f'<line x1="{x1:.0f}" y1="{y1:.0f}" x2="{x2:.0f}" y2="{y2:.0f}" '
-            f'stroke="{to_hex(color)}" stroke-width="{width:.1f}" '
+            f'stroke="{color}" stroke-width="{width:.1f}" '
             f'opacity="{1.0 if leads or share == 0.0 else 0.55}"/>'
         )
 
@@ -70,7 +70,7 @@ class GraphPicture:
         fill = "#f3e3f1" if explores else "#ffffff"
         return (
             f'<rect x="{x - width / 2:.0f}" y="{y - 10:.0f}" width="{width:.0f}" height="20" '
-            f'rx="6" fill="{fill}" stroke="{to_hex(edge)}" stroke-width="1.6"/>'
+            f'rx="6" fill="{fill}" stroke="{edge}" stroke-width="1.6"/>'
             f'<text x="{x:.0f}" y="{y + 4:.0f}" text-anchor="middle">{html.escape(name)}</text>'
         )
 

@@ -5,10 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from aicon_baselines.view.canvas import FloatArray
-from aicon_baselines.view.plane import PlaneScene
-from aicon_baselines.view.scene import GradientArrow, Handle
-from aicon_baselines.view.style import (
+from aicon_baselines.palette import (
     AWAY,
     BELIEF,
     CERTAINTY,
@@ -20,8 +17,10 @@ from aicon_baselines.view.style import (
     TARGET,
     TOWARDS,
     TRAIL,
-    Color,
 )
+from aicon_baselines.view.marks import FloatArray
+from aicon_baselines.view.plane import PlaneScene
+from aicon_baselines.view.scene import GradientArrow, Handle
 
 _MARGIN = 0.9  # m of ground around what there is
 _ARRIVAL = 0.2  # m
@@ -40,7 +39,7 @@ class NavigationScene(PlaneScene):
         "A robot looks for its target. It knows neither a map nor where it is: it sees the "
         "direction of the target and feels how near the next wall is."
     )
-    legend: ClassVar[dict[str, Color]] = {
+    legend: ClassVar[dict[str, str]] = {
         "robot": ROBOT,
         "target": TARGET,
         "where it believes the target (2σ)": BELIEF,
@@ -51,8 +50,8 @@ class NavigationScene(PlaneScene):
         "motion, descending": RESOLVED,
         "motion, exploring": EXPLORING,
     }
-    curves: ClassVar[Mapping[str, Color]] = {label: color for label, color in _LOOKS.values()}
-    remaining_curves: ClassVar[Mapping[str, Color]] = {"distance": TARGET}
+    curves: ClassVar[Mapping[str, str]] = {label: color for label, color in _LOOKS.values()}
+    remaining_curves: ClassVar[Mapping[str, str]] = {"distance": TARGET}
     hint: ClassVar[str] = (
         "Drag the arrows at the target or at the nearest wall to put it elsewhere."
     )

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from aicon_baselines.palette import GOAL, RESOLVED
 from aicon_baselines.view.graph_picture import GraphPicture
 from aicon_baselines.view.scene import Scene
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.status import legend, status
 from aicon_baselines.view.strips import Strip
-from aicon_baselines.view.style import GOAL, RESOLVED
 
 _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)
 _HEAVIEST = 3.0  # factor of a goal

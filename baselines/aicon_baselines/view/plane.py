@@ -7,11 +7,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from aicon_baselines.view.canvas import HEIGHT, Canvas, FloatArray
+from aicon_baselines.view.canvas import HEIGHT, Canvas
 from aicon_baselines.view.episode import LiveEpisode
-from aicon_baselines.view.scene import FAINT, GradientArrow, Handle, Scene
+from aicon_baselines.view.marks import FloatArray
+from aicon_baselines.view.scene import GradientArrow, Handle, Scene
 from aicon_baselines.view.server import viser
-from aicon_baselines.view.style import EXPLORING, RESOLVED, Color
 
 _LONGEST = 0.15 * HEIGHT  # length of an arrow
 _WIDEST = 0.16  # width of the strongest
@@ -37,13 +37,13 @@ class PlaneScene(Scene):
     """Whether y points down."""
 
     def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
-        super().__init__(server, episode)
         self.canvas = Canvas(server, self.flipped)
+        super().__init__(server, episode, self.canvas)
         self._trail: list[FloatArray] = []
 
     def clear(self) -> None:
         """Remove everything that was drawn."""
-        self.canvas.clear()
+        super().clear()
         self._trail = []
 
     @abstractmethod
@@ -61,64 +61,30 @@ class PlaneScene(Scene):
             move=lambda position: move(self.canvas.to_world(position)),
         )
 
-    def draw_arrows(self, position: ArrayLike) -> None:
-        """Draw the gradients, and what becomes of them, where they act."""
-        arrows, labelled = self.arrows(), self.labelled()
-        strongest = max((arrow.strength for arrow in arrows), default=0.0)
-
-        for index, arrow in enumerate(arrows):
-            name = f"gradient.{index}"
-            share = arrow.strength / strongest if strongest else 0.0
-            shown = share > FAINT
-            if shown:
-                self._draw_arrow(name, position, arrow, share, index in labelled)
-            else:
-                self.canvas.hide(name)
-                self.canvas.hide(f"{name}.source")
-            if not shown or index not in labelled:
-                self.canvas.hide(f"{name}.label")
-        self._draw_resolved(position)
-
-    def draw_trail(self, position: ArrayLike, color: Color, layer: float) -> None:
+    def draw_trail(self, position: ArrayLike, color: str, layer: float) -> None:
         """Draw where something has been since the start."""
         self._trail.append(np.array(position, np.float64))
         latest = self._trail[-self.trail_length :]
         self.canvas.line("trail", np.stack(latest), color, layer, thickness=3.0)
 
-    def _draw_arrow(
-        self,
-        name: str,
-        position: ArrayLike,
-        arrow: GradientArrow,
-        share: float,
-        labelled: bool,
-    ) -> None:
-        """Draw a gradient, its label at the tip; its width is by its share of the strongest."""
+    def draw_arrow(
+        self, name: str, tail: ArrayLike, arrow: GradientArrow, share: float
+    ) -> FloatArray:
+        """Draw a gradient, all of one length; stronger ones cover weaker ones."""
         width = max(_WIDEST * share**0.5, 0.03)
         layer = _ARROW_LAYER + 1.0 - share
-        self.canvas.arrow(name, position, arrow.direction, arrow.color, layer, _LONGEST, width)
+        self.canvas.arrow(name, tail, arrow.direction, arrow.color, layer, _LONGEST, width)
 
         if arrow.source is not None:
             radius = 0.09 / self.canvas.scale
             self.canvas.disc(f"{name}.source", arrow.source, radius, arrow.color, layer)
-        if not labelled:
-            return
 
-        flip = np.array([1.0, -1.0 if self.flipped else 1.0])
-        along = arrow.direction[:2] * flip / np.linalg.norm(arrow.direction[:2])
-        tip = self.canvas.to_scene(position, _ARROW_LAYER + 5)
-        tip[:2] += 1.12 * _LONGEST * along
-        self.canvas.text(f"{name}.label", arrow.label, tip)
+        # Beyond the tip.
+        way = np.array(arrow.direction[:2]) / np.linalg.norm(arrow.direction[:2])
+        tip = np.asarray(tail) + 1.12 * _LONGEST / self.canvas.scale * way
+        return self.canvas.to_scene(tip, _ARROW_LAYER + 5)
 
-    def _draw_resolved(self, position: ArrayLike) -> None:
-        """Draw the motion that comes out, in another colour while it explores."""
-        trace = self.episode.trace
-        actuator = next(iter(self.episode.policy.model.actuators))
-        action = trace.values[actuator][0].numpy(force=True)
-        exploring = bool(self.episode.meeting.exploring[0])
-
-        shown, other = ("exploring", "descending") if exploring else ("descending", "exploring")
-        color = EXPLORING if exploring else RESOLVED
-        layer = _ARROW_LAYER + 3
-        self.canvas.hide(f"motion.{other}")
-        self.canvas.arrow(f"motion.{shown}", position, action, color, layer, 1.25 * _LONGEST, 0.05)
+    def draw_motion(self, tail: ArrayLike, action: FloatArray, color: str) -> None:
+        """Draw the motion that an action is, thin and above the gradients."""
+        layer, length = _ARROW_LAYER + 3, 1.25 * _LONGEST
+        self.canvas.arrow("motion", tail, action, color, layer, length, width=0.05)

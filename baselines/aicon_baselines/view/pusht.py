@@ -6,10 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from aicon_baselines.view.canvas import FloatArray
-from aicon_baselines.view.plane import PlaneScene
-from aicon_baselines.view.scene import GradientArrow, Handle
-from aicon_baselines.view.style import (
+from aicon_baselines.palette import (
     AWAY,
     BELIEF,
     EXPLORING,
@@ -21,8 +18,10 @@ from aicon_baselines.view.style import (
     ROBOT,
     TOWARDS,
     TRAIL,
-    Color,
 )
+from aicon_baselines.view.marks import FloatArray
+from aicon_baselines.view.plane import PlaneScene
+from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_envs.pusht.disturbances import draw_kicked_pose
 from aicon_envs.pusht.geometry import place
 from aicon_envs.pusht.simulation import PUSHER_RADIUS, SIZE
@@ -37,7 +36,7 @@ class PushScene(PlaneScene):
         "it would bring the object nearer to the goal, or take it away."
     )
     flipped: ClassVar[bool] = True
-    legend: ClassVar[dict[str, Color]] = {
+    legend: ClassVar[dict[str, str]] = {
         "pusher": ROBOT,
         "object": OBJECT,
         "goal": GOAL,
@@ -47,9 +46,9 @@ class PushScene(PlaneScene):
         "motion, descending": RESOLVED,
         "motion, exploring": EXPLORING,
     }
-    curves: ClassVar[Mapping[str, Color]] = {"strongest to touch": TOWARDS, "to leave": AWAY}
+    curves: ClassVar[Mapping[str, str]] = {"strongest to touch": TOWARDS, "to leave": AWAY}
     trail_length: ClassVar[int] = 25
-    remaining_curves: ClassVar[Mapping[str, Color]] = {"coverage": GOAL}
+    remaining_curves: ClassVar[Mapping[str, str]] = {"coverage": GOAL}
     hint: ClassVar[str] = "Drag the arrows at the goal or at the object to put it elsewhere."
     can_kick: ClassVar[bool] = True
 

@@ -5,9 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from aicon_baselines.view.arm import ArmScene
-from aicon_baselines.view.scene import FloatArray, Handle
-from aicon_baselines.view.style import (
+from aicon_baselines.palette import (
     AWAY,
     BELIEF,
     BODY,
@@ -15,8 +13,10 @@ from aicon_baselines.view.style import (
     RESOLVED,
     TARGET,
     TOWARDS,
-    Color,
 )
+from aicon_baselines.view.arm import ArmScene
+from aicon_baselines.view.marks import FloatArray
+from aicon_baselines.view.scene import Handle
 
 _RADIUS = 0.015  # m; the target as a ball
 
@@ -28,7 +28,7 @@ class ReachScene(ArmScene):
         "An arm reaches for a pose. Its goals are the target and, before that, its joints' "
         "limits and the gaps to itself and to the ball."
     )
-    legend: ClassVar[Mapping[str, Color]] = {
+    legend: ClassVar[Mapping[str, str]] = {
         "target": TARGET,
         "the body as it knows it": BODY,
         "the ball as it believes it (2σ)": BELIEF,
@@ -37,7 +37,7 @@ class ReachScene(ArmScene):
         "motion of the tip, descending": RESOLVED,
         "motion of the tip, exploring": EXPLORING,
     }
-    remaining_curves: ClassVar[Mapping[str, Color]] = {"distance": TARGET, "angle": BELIEF}
+    remaining_curves: ClassVar[Mapping[str, str]] = {"distance": TARGET, "angle": BELIEF}
     hint: ClassVar[str] = "Drag the arrows at the target or at the ball to put it elsewhere."
 
     def draw_beliefs(self) -> None:
@@ -92,7 +92,7 @@ class ReachScene(ArmScene):
 
         points = starts + shares[:, np.newaxis] * ways
         nearest = np.linalg.norm(points - ball, axis=1).argmin()
-        self.shapes.line(name, [points[nearest], ball], AWAY)
+        self.shapes.polyline(name, [points[nearest], ball], AWAY)
 
     @property
     def _balls(self) -> int:

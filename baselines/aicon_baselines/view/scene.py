@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from aicon_baselines.palette import EXPLORING, GOALS, RESOLVED
 from aicon_baselines.view.episode import LiveEpisode
+from aicon_baselines.view.marks import FloatArray, Marks
 from aicon_baselines.view.server import viser
-from aicon_baselines.view.style import GOALS, Color
 
-FloatArray = NDArray[np.float64]
 Request = Callable[[Callable[[], None]], None]
 """Has something done between two steps."""
 
@@ -35,7 +35,7 @@ class GradientArrow:
     """
 
     label: str
-    color: Color
+    color: str
     direction: FloatArray
     strength: float
     source: FloatArray | None = None
@@ -65,18 +65,19 @@ class Scene(ABC):
     Args:
         server: The server of the page.
         episode: The episode, started.
+        marks: What it is drawn with.
     """
 
     title: ClassVar[str] = ""
     """What happens in this world, in a sentence."""
 
-    legend: ClassVar[Mapping[str, Color]] = {}
+    legend: ClassVar[Mapping[str, str]] = {}
     """What each colour says."""
 
-    curves: ClassVar[Mapping[str, Color]] = {}
+    curves: ClassVar[Mapping[str, str]] = {}
     """The curves of strengths, with their colours; by default one for each goal."""
 
-    remaining_curves: ClassVar[Mapping[str, Color]] = {}
+    remaining_curves: ClassVar[Mapping[str, str]] = {}
     """The curves of what is left to do; by default the distance that the environment tells."""
 
     hint: ClassVar[str] = ""
@@ -86,14 +87,14 @@ class Scene(ABC):
     handle_size: ClassVar[float] = 0.9
     """Size of a handle, in units of the scene."""
 
-    def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
-        self.server, self.episode = server, episode
+    def __init__(self, server: viser.ViserServer, episode: LiveEpisode, marks: Marks) -> None:
+        self.server, self.episode, self._marks = server, episode, marks
         self._grips: dict[str, viser.TransformControlsHandle] = {}
         self._dragged: set[str] = set()
 
-    @abstractmethod
     def clear(self) -> None:
         """Remove everything that was drawn."""
+        self._marks.clear()
 
     @abstractmethod
     def draw_world(self) -> None:
@@ -102,6 +103,20 @@ class Scene(ABC):
     @abstractmethod
     def draw_moving(self) -> None:
         """Draw what moves: robot, object, beliefs, gradients."""
+
+    @abstractmethod
+    def draw_arrow(
+        self, name: str, tail: ArrayLike, arrow: GradientArrow, share: float
+    ) -> FloatArray | None:
+        """Draw a gradient from a point of the world on, as wide as its share of the strongest.
+
+        Returns:
+            Where its label stands in the scene, (3,); None if it has no direction.
+        """
+
+    @abstractmethod
+    def draw_motion(self, tail: ArrayLike, action: FloatArray, color: str) -> None:
+        """Draw the motion that an action is."""
 
     @abstractmethod
     def write(self, words: str) -> None:
@@ -119,6 +134,30 @@ class Scene(ABC):
             self.draw_moving()
             self._place_grips()
 
+    def draw_arrows(self, tail: ArrayLike) -> None:
+        """Draw the gradients, and what becomes of them, where they act."""
+        arrows, labelled = self.arrows(), self.labelled()
+        strongest = max((arrow.strength for arrow in arrows), default=0.0)
+
+        for index, arrow in enumerate(arrows):
+            name = f"gradient.{index}"
+            share = arrow.strength / strongest if strongest else 0.0
+            label = self.draw_arrow(name, tail, arrow, share) if share > FAINT else None
+
+            if label is None:
+                self._marks.hide(name, f"{name}.label", f"{name}.source")
+            elif index in labelled:
+                self._marks.text(f"{name}.label", arrow.label, label)
+            else:
+                self._marks.hide(f"{name}.label")
+
+        # The motion that comes out, in another colour while it explores.
+        trace = self.episode.trace
+        actuator = next(iter(self.episode.policy.model.actuators))
+        exploring = any(bool(quantity.exploring[0]) for quantity in trace.quantities.values())
+        action = trace.values[actuator][0].numpy(force=True)
+        self.draw_motion(tail, action, EXPLORING if exploring else RESOLVED)
+
     def arrows(self) -> list[GradientArrow]:
         """The gradients that meet; by default each goal has its colour."""
         meeting = self.episode.meeting
@@ -132,11 +171,11 @@ class Scene(ABC):
             found.append(GradientArrow(" + ".join(goals), color, -gradient, strengths[index]))
         return found
 
-    def goal_color(self, goal: str) -> Color:
+    def goal_color(self, goal: str) -> str:
         """The colour of a goal, by its number."""
         return GOALS[list(self.episode.policy.model.goals).index(goal) % len(GOALS)]
 
-    def strength_curves(self) -> Mapping[str, Color]:
+    def strength_curves(self) -> Mapping[str, str]:
         """The curves of strengths, with their colours."""
         if self.curves:
             return self.curves

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 
 from aicon_baselines.view.bodies import MuJoCoBodies
 from aicon_baselines.view.episode import LiveEpisode
-from aicon_baselines.view.scene import FAINT, FloatArray, Scene
+from aicon_baselines.view.marks import FloatArray
+from aicon_baselines.view.scene import GradientArrow, Scene
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.shapes import Shapes
-from aicon_baselines.view.style import EXPLORING, RESOLVED
 
 _THINNEST = 0.15  # of the thickest arrow
 
@@ -51,11 +51,11 @@ class MuJoCoScene(Scene):
     handle_size: ClassVar[float] = 0.15
 
     def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
-        super().__init__(server, episode)
+        self.shapes = Shapes(server.scene)
+        super().__init__(server, episode, self.shapes)
         self.env: Any = episode.env.unwrapped.envs[0].unwrapped  # type: ignore[attr-defined]
         self.model: mujoco.MjModel = self.env.model
         self.data: mujoco.MjData = self.env.data
-        self.shapes = Shapes(server.scene)
         self._bodies: MuJoCoBodies | None = None
 
         position, target = self.camera
@@ -68,10 +68,6 @@ class MuJoCoScene(Scene):
         server.scene.add_light_directional(
             "/light/sun", intensity=1.0, position=(1.0, -2.0, 4.0), cast_shadow=False
         )
-
-    def clear(self) -> None:
-        """Remove what an episode drew; the bodies stay, and move."""
-        self.shapes.clear()
 
     def draw_world(self) -> None:
         """Draw the bodies, once."""
@@ -92,7 +88,7 @@ class MuJoCoScene(Scene):
     def write(self, words: str) -> None:
         """Write a line above the world."""
         _, target = self.camera
-        self.shapes.text("words", words, target + np.array([0.0, 0.0, 0.6]))
+        self.shapes.text("words", words, target + np.array([0.0, 0.0, 0.6]), scale=0.9)
 
     def direction(self, quantity: str, gradient: FloatArray) -> FloatArray:
         """The direction (3,) in space of descending a gradient at a quantity."""
@@ -111,53 +107,42 @@ class MuJoCoScene(Scene):
         columns: FloatArray = full[:, self.model.jnt_dofadr[joints]]
         return columns
 
-    def draw_arrows(self, position: ArrayLike) -> None:
-        """Draw the gradients, and what becomes of them, where they act."""
-        tail, quantity = np.array(position, np.float64), self.episode.meeting.name
-        arrows, labelled = self.arrows(), self.labelled()
-        strongest = max((arrow.strength for arrow in arrows), default=0.0)
+    def draw_arrow(
+        self, name: str, tail: ArrayLike, arrow: GradientArrow, share: float
+    ) -> FloatArray | None:
+        """Draw a gradient as the way that descending it gives the tip, all of one length."""
+        start = np.array(tail, np.float64)
+        along = self.direction(self.episode.meeting.name, -arrow.direction)
+        norm = float(np.linalg.norm(along))
+        if norm == 0.0:
+            return None
 
-        for index, arrow in enumerate(arrows):
-            name = f"gradient.{index}"
-            share = arrow.strength / strongest if strongest else 0.0
-            along = self.direction(quantity, -arrow.direction)
-            norm = float(np.linalg.norm(along))
-            if share <= FAINT or norm == 0.0:
-                for part in (name, f"{name}.label", f"{name}.source"):
-                    self.shapes.hide(part)
-                continue
+        along *= self.arrow_length / norm
+        width = self.arrow_width * max(share**0.5, _THINNEST)
+        self.shapes.arrow(name, start, along, arrow.color, width)
+        if arrow.source is not None:
+            self.shapes.ball(f"{name}.source", arrow.source, 0.006, arrow.color)
+        return start + 1.15 * along
 
-            along *= self.arrow_length / norm
-            width = self.arrow_width * max(share**0.5, _THINNEST)
-            self.shapes.arrow(name, tail, along, arrow.color, width)
-            if arrow.source is not None:
-                self.shapes.ball(f"{name}.source", arrow.source, 0.006, arrow.color)
-            if index in labelled:
-                self.shapes.text(f"{name}.label", arrow.label, tail + 1.15 * along)
-            else:
-                self.shapes.hide(f"{name}.label")
-        self._draw_resolved(tail)
+    def draw_motion(self, tail: ArrayLike, action: FloatArray, color: str) -> None:
+        """Draw the motion that an action gives the tip, thin."""
+        (actuator,) = self.episode.policy.model.actuators
+        motion = self.direction(actuator, -action)
+        norm = float(np.linalg.norm(motion))
+        if norm < 1e-9:
+            self.shapes.hide("motion")
+            return
+
+        along = motion * 1.25 * self.arrow_length / norm
+        self.shapes.arrow(
+            "motion", np.array(tail, np.float64), along, color, 0.4 * self.arrow_width
+        )
 
     def ellipsoid_axes(self, covariance: ArrayLike) -> FloatArray:
         """Two standard deviations along the axes of a covariance (3, 3), as columns."""
         variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
         axes: FloatArray = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
         return axes
-
-    def _draw_resolved(self, tail: FloatArray) -> None:
-        """Draw the motion that comes out, in another colour while it explores."""
-        trace = self.episode.trace
-        (actuator,) = self.episode.policy.model.actuators
-        motion = self.direction(actuator, -trace.values[actuator][0].numpy(force=True))
-        norm = float(np.linalg.norm(motion))
-        if norm < 1e-9:
-            self.shapes.hide("motion")
-            return
-
-        exploring = any(bool(quantity.exploring[0]) for quantity in trace.quantities.values())
-        color = EXPLORING if exploring else RESOLVED
-        along = motion * 1.25 * self.arrow_length / norm
-        self.shapes.arrow("motion", tail, along, color, 0.4 * self.arrow_width)
 
     @property
     def _tip(self) -> int:

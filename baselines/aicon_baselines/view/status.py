@@ -3,8 +3,8 @@
 import html
 from collections.abc import Mapping
 
+from aicon_baselines.palette import EXPLORING, GOAL, OUTLINE, RESOLVED, TARGET
 from aicon_baselines.view.scene import Scene
-from aicon_baselines.view.style import EXPLORING, GOAL, OUTLINE, RESOLVED, Color, to_hex
 
 
 def status(scene: Scene, note: str) -> str:
@@ -22,15 +22,15 @@ def status(scene: Scene, note: str) -> str:
 
     lines = [
         f'<div style="padding:0.4em 1em"><div style="font-weight:700;font-size:1.15em;'
-        f'color:{to_hex(_color(scene))}">{html.escape(scene.headline())}</div>',
+        f'color:{_color(scene)}">{html.escape(scene.headline())}</div>',
         f"<div>{html.escape(shown)}</div>",
     ]
     if note:
-        lines.append(f'<div style="color:#c4122f">{html.escape(note)}</div>')
+        lines.append(f'<div style="color:{TARGET}">{html.escape(note)}</div>')
     return "".join([*lines, "</div>"])
 
 
-def legend(title: str, meanings: Mapping[str, Color]) -> str:
+def legend(title: str, meanings: Mapping[str, str]) -> str:
     """What the world is, and each colour with its meaning."""
     rows = [
         f'<div style="padding:0.2em 1em 0.6em;font-size:0.88em;line-height:1.45">'
@@ -39,13 +39,13 @@ def legend(title: str, meanings: Mapping[str, Color]) -> str:
     for meaning, color in meanings.items():
         swatch = (
             f'<span style="display:inline-block;width:0.9em;height:0.9em;border-radius:3px;'
-            f'margin-right:0.5em;vertical-align:-0.1em;background:{to_hex(color)}"></span>'
+            f'margin-right:0.5em;vertical-align:-0.1em;background:{color}"></span>'
         )
         rows.append(f"<div>{swatch}{html.escape(meaning)}</div>")
     return "".join([*rows, "</div>"])
 
 
-def _color(scene: Scene) -> Color:
+def _color(scene: Scene) -> str:
     """The colour of the headline."""
     if scene.episode.succeeded:
         return GOAL

@@ -5,9 +5,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from aicon_baselines.view.canvas import FloatArray
+from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.server import viser
-from aicon_baselines.view.style import Color, to_hex
 
 _KEPT = 400  # moments that a strip shows
 
@@ -21,13 +20,13 @@ class Strip:
         curves: The curves with their colours.
     """
 
-    def __init__(self, gui: viser.GuiApi, title: str, curves: Mapping[str, Color]) -> None:
+    def __init__(self, gui: viser.GuiApi, title: str, curves: Mapping[str, str]) -> None:
         self._names = tuple(curves)
         self._moments: deque[list[float]] = deque(maxlen=_KEPT)
 
         series: list[viser.uplot.Series] = [{"label": "s"}]
         for name, color in curves.items():
-            series.append({"label": name, "stroke": to_hex(color), "width": 1.5})
+            series.append({"label": name, "stroke": color, "width": 1.5})
 
         self._plot = gui.add_uplot(
             self._data(),

@@ -43,7 +43,7 @@ def test_triangles_cover_polygons_that_are_not_convex() -> None:
 
 def test_an_arrow_without_a_direction_is_not_shown(canvas: Canvas) -> None:
     for direction in ((1.0, 0.0), (0.0, 0.0), (0.0, 1.0)):
-        canvas.arrow("way", (0.0, 0.0), direction, (0, 0, 0), 1.0, 1.0, 0.1)
+        canvas.arrow("way", (0.0, 0.0), direction, "#000000", 1.0, 1.0, 0.1)
     canvas.clear()
     canvas.hide("way")  # there is none, which is no error
 

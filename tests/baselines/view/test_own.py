@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.palette import ROBOT
 from aicon_baselines.view import PlaneScene, open_own, serve, watch
 from aicon_baselines.view.live import LiveView
 from aicon_torch import Actuator, Affine, Deterministic, Goal, Policy, Sensor, WorldModel
@@ -42,7 +43,7 @@ class CorridorScene(PlaneScene):
 
     def draw_moving(self) -> None:
         place = self.episode.trace.values["x"][0].numpy(force=True)
-        self.canvas.disc("robot", place, 0.1, (0, 89, 168), 1)
+        self.canvas.disc("robot", place, 0.1, ROBOT, 1)
         self.draw_arrows(place)
 
 

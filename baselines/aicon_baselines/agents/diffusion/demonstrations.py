@@ -10,6 +10,7 @@ from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PI
 from aicon_baselines.agents.diffusion.keypoint_observation import KeypointObservation
 from aicon_baselines.agents.diffusion.recording_config import CHUNK_SIZE, RecordingConfig
 from aicon_baselines.agents.diffusion.start_states import reset_options
+from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_envs.pusht import PushTVectorEnv
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
@@ -35,24 +36,17 @@ def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
     first_seed = config.seed + index * CHUNK_SIZE
     seeds = range(first_seed, first_seed + CHUNK_SIZE)
     starts = [reset_options(seed, config.near) for seed in seeds]
-    observation, info = env.reset(seed=first_seed, options={"per_env": starts})
+    start = env.reset(seed=first_seed, options={"per_env": starts})
 
     # 2. Note what the teacher sees and does, until all have ended.
-    memory: Any = None
-    ended: NDArray[np.bool_] = np.zeros(CHUNK_SIZE, np.bool_)
-    while not ended.all():
-        action, memory = teacher.predict(observation, memory, ended)
-        action = np.asarray(action, np.float32)
-
-        for row in np.flatnonzero(~ended).tolist():
-            frames[row].append(_make_frame(config, observation, action, row))
-
-        observation, _, terminated, truncated, info = env.step(action)
-        ended = terminated | truncated
+    for step in run_episodes(teacher, env, start):
+        action = np.asarray(step.action, np.float32)
+        for row in np.flatnonzero(step.running).tolist():
+            frames[row].append(_make_frame(config, step.observation, action, row))
     env.close()
 
     # 3. Keep the successes.
-    return [_stack_frames(frames[row]) for row in np.flatnonzero(info["is_success"])]
+    return [_stack_frames(frames[row]) for row in np.flatnonzero(step.info["is_success"])]
 
 
 def _make_env(config: RecordingConfig, index: int) -> PushTVectorEnv:

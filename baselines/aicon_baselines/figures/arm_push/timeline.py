@@ -6,11 +6,8 @@ from matplotlib.figure import Figure
 
 from aicon_baselines.figures.arm_push.recording import ArmRecording
 from aicon_baselines.figures.timeline import add_curve_legend, gaps_at_zero, prepare_timeline
+from aicon_baselines.palette import ANGLE, DISTANCE, GOALS, TOWARDS
 
-# Colours that colour-blind readers can tell apart (after Okabe and Ito, "Color Universal Design",
-# 2008), and a grey.
-_COLORS = ("#0072B2", "#56B4E9", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#555555")
-_DISTANCE, _ANGLE, _HEIGHT = "#0072B2", "#D55E00", "#009E73"
 _SHADE = {"color": "0.9"}
 _LEGEND = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.05), "fontsize": 7.5}
 
@@ -33,7 +30,7 @@ def _draw_strengths(axes: Axes, recording: ArmRecording) -> None:
     axes.set(yscale="log")
 
     gradients = recording.strengths
-    colors = _COLORS[: len(gradients)]
+    colors = GOALS[: len(gradients)]
     for (label, strengths), color in zip(gradients.items(), colors, strict=True):
         shown = gaps_at_zero(strengths)
         axes.plot(recording.times, shown, ".", color=color, label=label, markersize=3)
@@ -46,9 +43,9 @@ def _draw_errors(axes: Axes, recording: ArmRecording) -> None:
     """Draw distance and angle to the target, and the height of the tip, over time."""
     axes.set(yscale="log", xlim=(0, recording.times[-1]))
     curves = (
-        ("distance, mm", _DISTANCE, recording.distance),
-        ("angle, degrees", _ANGLE, recording.angle),
-        ("height of the tip, mm", _HEIGHT, recording.height),
+        ("distance, mm", DISTANCE, recording.distance),
+        ("angle, degrees", ANGLE, recording.angle),
+        ("height of the tip, mm", TOWARDS, recording.height),
     )
     for label, color, values in curves:
         shown = np.maximum(values, 0.1)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from aicon_baselines import palette
 from aicon_baselines.figures.film import Film
 from aicon_baselines.figures.nav2d import style
 from aicon_baselines.figures.nav2d.grid import Grid, grid_around
@@ -51,7 +52,7 @@ class NavigationFilm(Film):
             fontsize=8,
             columnspacing=1.4,
         )
-        self._cursor = TimeCursor([timeline], style.AGENT)
+        self._cursor = TimeCursor([timeline], palette.ROBOT)
 
     def show(self, step: int) -> None:
         """Bring the world and the cursor to a step, 1 or later."""
@@ -110,21 +111,23 @@ def _palette() -> FloatArray:
     """The colours of a gif: the heights, tinted ones where it would explore, and the marks."""
     # The ground: heights, and the same where it would explore.
     heights = style.HEIGHT(np.linspace(0, 1, 40))[:, :3]
-    tinted = blend(style.EXPLORING, style.TINT, heights)
+    tinted = blend(palette.EXPLORING, style.TINT, heights)
 
     # The timeline.
     white = np.ones(3)
-    colors = [white, blend(style.EXPLORING, TIMELINE_TINT)]
+    colors = [white, blend(palette.EXPLORING, TIMELINE_TINT)]
 
     # The soft edges of the marks lie half-way to what is behind them.
     marks = (
-        style.AGENT,
-        style.TARGET,
-        style.BELIEF,
-        style.OBSTACLE,
-        style.EXPLORING,
+        palette.ROBOT,
+        palette.TARGET,
+        palette.BELIEF,
+        palette.OBSTACLE,
+        palette.EXPLORING,
         style.ARROW,
-        style.CERTAINTY,
+        palette.TOWARDS,
+        palette.CERTAINTY,
+        palette.AWAY,
         "black",
     )
     for mark in marks:

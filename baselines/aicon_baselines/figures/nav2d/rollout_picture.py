@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from aicon_baselines import palette
 from aicon_baselines.figures.nav2d import style
 from aicon_baselines.figures.nav2d.grid import grid_around
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
@@ -23,6 +24,7 @@ from aicon_baselines.figures.panels import (
     mark_panels,
 )
 from aicon_baselines.figures.rendering import save_picture
+from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.figures.timeline import add_curve_legend
 
 _PANELS = {
@@ -89,11 +91,11 @@ def draw_rollout(
 
 def _legend_entries() -> dict[str, Any]:
     """Label and handle of what the panels show."""
-    trail = Line2D([], [], color=style.AGENT, linewidth=2.2)
+    trail = Line2D([], [], color=palette.ROBOT, linewidth=2.2)
     disc = Line2D(
         [],
         [],
-        color=style.AGENT,
+        color=palette.ROBOT,
         marker="o",
         markersize=8,
         markeredgecolor="white",
@@ -103,21 +105,21 @@ def _legend_entries() -> dict[str, Any]:
     ellipse = Line2D(
         [],
         [],
-        color=style.BELIEF,
+        color=palette.BELIEF,
         marker="o",
         markersize=13,
-        markerfacecolor=to_rgba(style.BELIEF, 0.15),
+        markerfacecolor=to_rgba(palette.BELIEF, 0.15),
         linestyle="none",
     )
     mean = Line2D([], [], **style.MEAN_MARK)
-    tint = to_rgba(style.EXPLORING, style.TINT)
+    tint = to_rgba(palette.EXPLORING, style.TINT)
 
     return {
         "agent and its way": (trail, disc),
-        "target": Line2D([], [], **style.TARGET_MARK),
+        "target": Line2D([], [], **TARGET_MARK),
         "believed target (2σ)": (ellipse, mean),
-        "obstacle": Patch(color=style.OBSTACLE),
-        "where it would explore": Patch(facecolor=tint, edgecolor=style.EXPLORING),
+        "obstacle": Patch(color=palette.OBSTACLE),
+        "where it would explore": Patch(facecolor=tint, edgecolor=palette.EXPLORING),
         "potential high": Patch(facecolor=style.HEIGHT(0.85)),
         "potential low": Patch(facecolor=style.HEIGHT(0.05), edgecolor="0.7"),
     }

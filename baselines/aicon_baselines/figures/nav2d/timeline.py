@@ -6,13 +6,13 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.nav2d.style import BELIEF, CERTAINTY, OBSTACLE, TARGET
 from aicon_baselines.figures.timeline import prepare_timeline, simplify
+from aicon_baselines.palette import AWAY, BELIEF, CERTAINTY, TOWARDS
 
 _PATH_LOOKS: dict[str, dict[str, Any]] = {
-    "p1": {"color": TARGET, "linewidth": 1.8, "label": "p₁ nearer to the target"},
+    "p1": {"color": TOWARDS, "linewidth": 1.8, "label": "p₁ nearer to the target"},
     "p2": {"color": CERTAINTY, "linewidth": 1.4, "label": "p₂ less uncertainty"},
-    "p3": {"color": OBSTACLE, "linewidth": 1.4, "label": "p₃ clear of obstacles"},
+    "p3": {"color": AWAY, "linewidth": 1.4, "label": "p₃ clear of obstacles"},
 }
 _UNCERTAINTY_LOOK: dict[str, Any] = {
     "color": BELIEF,

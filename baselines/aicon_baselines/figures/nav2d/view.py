@@ -10,11 +10,13 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Circle, Ellipse
 from matplotlib.quiver import Quiver
 
+from aicon_baselines import palette
 from aicon_baselines.figures.nav2d import style
 from aicon_baselines.figures.nav2d.field import Field, clearance, sample
 from aicon_baselines.figures.nav2d.grid import Grid
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
 from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.figures.view import WorldView
 
 _ARROWS_PER_ROW = 27
@@ -39,7 +41,7 @@ class NavigationView(WorldView):
         axes.set(xlim=(left, right), ylim=(bottom, top))
 
         # The potential, and a tint where the agent would explore.
-        clear, tint = to_rgba(style.EXPLORING, 0.0), to_rgba(style.EXPLORING, style.TINT)
+        clear, tint = to_rgba(palette.EXPLORING, 0.0), to_rgba(palette.EXPLORING, style.TINT)
         self._heights = self._add_layer(style.HEIGHT, zorder=0)
         self._tint = self._add_layer(
             LinearSegmentedColormap.from_list("tint", [clear, tint]), zorder=1
@@ -92,24 +94,22 @@ class NavigationView(WorldView):
         world = self._recording.world
         for vertices in world.obstacles:
             x, y = np.transpose(vertices)
-            self.axes.fill(
-                x, y, facecolor=style.OBSTACLE, edgecolor=style.OBSTACLE, linewidth=1.0, zorder=3
-            )
-        self.axes.plot(*world.target, **style.TARGET_MARK, zorder=7)
+            self.axes.fill(x, y, color=palette.OBSTACLE, linewidth=1.0, zorder=3)
+        self.axes.plot(*world.target, **TARGET_MARK, zorder=7)
 
     def _add_agent(self) -> None:
         """Add the agent, its trajectory with a white edge, and where it believes the target."""
         axes = self.axes
         (edge,) = axes.plot([], [], color="white", linewidth=4.2, solid_capstyle="round", zorder=4)
         (trail,) = axes.plot(
-            [], [], color=style.AGENT, linewidth=2.2, solid_capstyle="round", zorder=5
+            [], [], color=palette.ROBOT, linewidth=2.2, solid_capstyle="round", zorder=5
         )
         self._trajectory = (edge, trail)
 
         # Mean and ellipse of the belief.
-        fill = to_rgba(style.BELIEF, 0.13)
+        fill = to_rgba(palette.BELIEF, 0.13)
         self._ellipse = Ellipse(
-            (0, 0), 1, 1, facecolor=fill, edgecolor=style.BELIEF, linewidth=1.8, zorder=6
+            (0, 0), 1, 1, facecolor=fill, edgecolor=palette.BELIEF, linewidth=1.8, zorder=6
         )
         axes.add_patch(self._ellipse)
         (self._mean,) = axes.plot([], [], **style.MEAN_MARK, zorder=8)
@@ -118,7 +118,7 @@ class NavigationView(WorldView):
         self._agent = Circle(
             (0, 0),
             self._recording.radius,
-            facecolor=style.AGENT,
+            facecolor=palette.ROBOT,
             edgecolor="white",
             linewidth=1.2,
             zorder=9,
@@ -167,7 +167,7 @@ class NavigationView(WorldView):
                 exploring,
                 [0.5],
                 extent=self._grid.extent,
-                colors=style.EXPLORING,
+                colors=palette.EXPLORING,
                 linewidths=0.9,
                 zorder=1,
             )

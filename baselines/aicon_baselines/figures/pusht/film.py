@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from aicon_baselines import palette
 from aicon_baselines.figures.film import Film
-from aicon_baselines.figures.pusht import style
 from aicon_baselines.figures.pusht.panels import phase
 from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.pusht.timeline import add_timelines
-from aicon_baselines.figures.pusht.view import PushView
+from aicon_baselines.figures.pusht.view import GOAL_TINT, GROUND_TINT, PushView
 from aicon_baselines.figures.recording import FloatArray, track
 from aicon_baselines.figures.rendering import is_moving_picture, save_video
 from aicon_baselines.figures.style import TIMELINE_TINT, blend
@@ -44,7 +44,7 @@ class PushFilm(Film):
         add_curve_legend(
             strengths, loc="lower right", bbox_to_anchor=(1.01, 2.25), ncols=3, fontsize=8.5
         )
-        self._cursor = TimeCursor(timelines, style.PUSHER)
+        self._cursor = TimeCursor(timelines, palette.ROBOT)
 
     def show(self, step: int) -> None:
         """Bring the world and the cursors to a moment."""
@@ -78,16 +78,16 @@ def draw_film(recording: PushRecording, path: Path, *, progress: bool = False) -
 def _palette() -> FloatArray:
     """The colours of a gif: the marks on white, with their soft edges, pale areas and greys."""
     marks = (
-        style.PUSHER,
-        style.USEFUL,
-        style.DETRIMENTAL,
-        style.EXPLORING,
-        style.OBJECT,
-        style.OUTLINE,
-        style.GOAL,
-        style.COST,
-        style.INK,
-        style.MOTION,
+        palette.ROBOT,
+        palette.TOWARDS,
+        palette.AWAY,
+        palette.EXPLORING,
+        palette.OBJECT,
+        palette.OUTLINE,
+        palette.GOAL,
+        palette.OBSTACLE,
+        palette.INK,
+        palette.MOTION,
     )
     # From opaque to almost white, as the edges of the marks are.
     colors = []
@@ -97,10 +97,10 @@ def _palette() -> FloatArray:
 
     # Large areas need their very colour.
     areas = [
-        blend(style.EXPLORING, TIMELINE_TINT),
-        blend(style.EXPLORING, style.GROUND_TINT),
-        blend(style.GOAL, style.GOAL_TINT),
-        blend(style.WALL, 1.0),
+        blend(palette.EXPLORING, TIMELINE_TINT),
+        blend(palette.EXPLORING, GROUND_TINT),
+        blend(palette.GOAL, GOAL_TINT),
+        blend(palette.WALL, 1.0),
     ]
     greys = np.linspace(0, 1, 24)[:, np.newaxis].repeat(3, axis=1)
     return np.concatenate([colors, areas, greys])

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from aicon_baselines import palette
 from aicon_baselines.figures.panels import (
     Panel,
     add_caption,
@@ -17,10 +18,9 @@ from aicon_baselines.figures.panels import (
     draw_panels,
     mark_panels,
 )
-from aicon_baselines.figures.pusht import style
 from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.pusht.timeline import add_timelines
-from aicon_baselines.figures.pusht.view import PushView
+from aicon_baselines.figures.pusht.view import GOAL_TINT, PushView
 from aicon_baselines.figures.rendering import save_picture
 from aicon_baselines.figures.timeline import add_curve_legend
 
@@ -85,16 +85,16 @@ def draw_rollout(
 
 def _legend_entries() -> dict[str, Any]:
     """Label and handle of what the panels show."""
-    trail = Line2D([], [], color=to_rgba(style.PUSHER, 0.6), linewidth=2.2)
-    goal_area = to_rgba(style.GOAL, style.GOAL_TINT)
+    trail = Line2D([], [], color=to_rgba(palette.ROBOT, 0.6), linewidth=2.2)
+    goal_area = to_rgba(palette.GOAL, GOAL_TINT)
 
     return {
-        "pusher and its way": (trail, _dot(style.PUSHER, 10)),
-        "object": Patch(facecolor=style.OBJECT, edgecolor=style.OUTLINE),
-        "goal pose": Patch(facecolor=goal_area, edgecolor=style.GOAL, linewidth=2),
-        "useful contact, its gradient": _contact(style.USEFUL),
-        "detrimental contact, its gradient": _contact(style.DETRIMENTAL),
-        "commanded motion": Patch(facecolor=style.MOTION, edgecolor=style.INK, linewidth=1.5),
+        "pusher and its way": (trail, _dot(palette.ROBOT, 10)),
+        "object": Patch(facecolor=palette.OBJECT, edgecolor=palette.OUTLINE),
+        "goal pose": Patch(facecolor=goal_area, edgecolor=palette.GOAL, linewidth=2),
+        "useful contact, its gradient": _contact(palette.TOWARDS),
+        "detrimental contact, its gradient": _contact(palette.AWAY),
+        "commanded motion": Patch(facecolor=palette.MOTION, edgecolor=palette.INK, linewidth=1.5),
     }
 
 

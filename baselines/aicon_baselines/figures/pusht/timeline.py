@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from aicon_baselines.figures.pusht.recording import PushRecording
-from aicon_baselines.figures.pusht.style import COST, DETRIMENTAL, USEFUL
 from aicon_baselines.figures.timeline import gaps_at_zero, prepare_timeline, simplify
+from aicon_baselines.palette import AWAY, OBSTACLE, TOWARDS
 
 Rectangle = tuple[float, float, float, float]
 
@@ -31,7 +31,7 @@ def add_timelines(
 def _draw_cost(axes: Axes, recording: PushRecording) -> None:
     """Draw the pose error over time."""
     prepare_timeline(axes, recording)
-    axes.plot(recording.times, recording.costs, color=COST, linewidth=1.8)
+    axes.plot(recording.times, recording.costs, color=OBSTACLE, linewidth=1.8)
 
     axes.set(ylim=(0, 1.08 * recording.costs.max()))
     axes.set_ylabel("pose error\ng (px)")
@@ -46,9 +46,9 @@ def _draw_strengths(axes: Axes, recording: PushRecording) -> None:
 
     times = recording.times
     label = "strongest gradient of a useful contact"
-    axes.plot(times, useful, color=USEFUL, linewidth=1.6, label=label)
+    axes.plot(times, useful, color=TOWARDS, linewidth=1.6, label=label)
     label = "strongest gradient of a detrimental contact"
-    axes.plot(times, detrimental, color=DETRIMENTAL, linewidth=1.6, label=label)
+    axes.plot(times, detrimental, color=AWAY, linewidth=1.6, label=label)
 
     # The likelihood of a far contact is tiny: what is below the limit acts on nothing.
     axes.set(yscale="log", ylim=(3e-5, 1.6 * recording.strengths.max()), xlabel="time (s)")

@@ -8,13 +8,16 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, FancyArrow, Polygon
 
-from aicon_baselines.figures.pusht import style
+from aicon_baselines import palette
 from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.recording import FloatArray
 from aicon_baselines.figures.style import blend
 from aicon_baselines.figures.view import WorldView, rectangle_around
 from aicon_envs.pusht.geometry import place
 from aicon_envs.pusht.simulation import PUSHER_RADIUS, WALL_HIGH, WALL_LOW
+
+GOAL_TINT, GROUND_TINT = 0.14, 0.08
+"""Opacity of the goal's area, and of the ground that says "exploring"."""
 
 _ASPECT = 1.5  # width of a view over its height
 _MARGIN = 10.0  # px around what is shown
@@ -39,7 +42,7 @@ class PushView(WorldView):
 
         # The walls are what is left of the axes; y points down.
         (left, top), (right, bottom) = _limits(recording)
-        axes.set(xlim=(left, right), ylim=(bottom, top), facecolor=style.WALL)
+        axes.set(xlim=(left, right), ylim=(bottom, top), facecolor=palette.WALL)
         floor = [
             (WALL_LOW, WALL_LOW),
             (WALL_HIGH, WALL_LOW),
@@ -51,9 +54,9 @@ class PushView(WorldView):
 
         # The goal: its area below the object, its edge above.
         goal = place(recording.outline, recording.goal)
-        area_color = blend(style.GOAL, style.GOAL_TINT)
+        area_color = blend(palette.GOAL, GOAL_TINT)
         axes.add_patch(Polygon(goal, facecolor=area_color, edgecolor="none", zorder=1))
-        edge = Polygon(goal, fill=False, edgecolor=style.GOAL, linewidth=2.2, joinstyle="round")
+        edge = Polygon(goal, fill=False, edgecolor=palette.GOAL, linewidth=2.2, joinstyle="round")
         edge.set_zorder(4)
         axes.add_patch(edge)
 
@@ -67,7 +70,7 @@ class PushView(WorldView):
         recording = self._recording
         ended = step == recording.steps
         exploring = bool(recording.exploring[step]) and not ended
-        ground = blend(style.EXPLORING, style.GROUND_TINT) if exploring else "white"
+        ground = blend(palette.EXPLORING, GROUND_TINT) if exploring else "white"
         self._floor.set(facecolor=ground)
         self.set_time(recording.times[step], size=11)
 
@@ -92,20 +95,24 @@ class PushView(WorldView):
     def _add_object(self, moment: int) -> None:
         """The object in its true pose."""
         corners = self._recording.corners(moment)
-        polygon = Polygon(corners, facecolor=style.OBJECT, edgecolor=style.OUTLINE, linewidth=1.4)
-        self._add(polygon, zorder=2)
+        looks: dict[str, Any] = {
+            "facecolor": palette.OBJECT,
+            "edgecolor": palette.OUTLINE,
+            "linewidth": 1.4,
+        }
+        self._add(Polygon(corners, **looks), zorder=2)
 
     def _add_pusher(self, moment: int) -> None:
         """The pusher at its true position."""
         center = _point(self._recording.pushers[moment])
-        disc = Circle(center, PUSHER_RADIUS, facecolor=style.PUSHER, edgecolor="white")
+        disc = Circle(center, PUSHER_RADIUS, facecolor=palette.ROBOT, edgecolor="white")
         self._add(disc, zorder=8)
 
     def _add_trajectory(self, moment: int) -> None:
         """Where the pusher has been so far, the paler the longer ago."""
         ages = np.arange(moment)[::-1]
         opacities = 0.2 + 0.6 * np.clip(1 - ages / _FADING, 0, 1)
-        colors = [blend(style.PUSHER, opacity) for opacity in opacities]
+        colors = [blend(palette.ROBOT, opacity) for opacity in opacities]
 
         pieces = list(self._recording.trajectory[:moment])
         lines = LineCollection(
@@ -119,7 +126,7 @@ class PushView(WorldView):
         length = float(np.linalg.norm(motion))
         shown = motion / max(length, 1e-9) * max(length, _SHORTEST)
 
-        looks = {"facecolor": style.MOTION, "edgecolor": style.INK, "linewidth": 1.5}
+        looks = {"facecolor": palette.MOTION, "edgecolor": palette.INK, "linewidth": 1.5}
         self._add_arrow(moment, shown, width=15.0, zorder=7, looks=looks)
 
     def _add_gradients(self, moment: int) -> None:
@@ -144,7 +151,7 @@ class PushView(WorldView):
         """
         recording = self._recording
         useful = recording.useful[moment, side]
-        color = style.USEFUL if useful else style.DETRIMENTAL
+        color = palette.TOWARDS if useful else palette.AWAY
 
         # Length and width grow with the strength.
         direction = recording.descents[moment, side] / recording.strengths[moment, side]
@@ -189,7 +196,7 @@ class PushView(WorldView):
         """Whether the pusher explores or descends."""
         box = {
             "boxstyle": "round,pad=0.32,rounding_size=0.7",
-            "facecolor": style.EXPLORING if exploring else style.BADGE,
+            "facecolor": palette.EXPLORING if exploring else palette.BADGE,
             "edgecolor": "none",
         }
         text = "exploring" if exploring else "descending"

@@ -9,12 +9,12 @@ from PIL import Image, ImageDraw
 from aicon_baselines.figures.reach.picture import ZOOM
 from aicon_baselines.figures.reach.recording import ReachRecording
 from aicon_baselines.figures.rendering import Frame, is_moving_picture, save_video
+from aicon_baselines.palette import EXPLORING, INK
 from aicon_envs.reach.simulation import CONTROL_STEP
 
 _RATE = 25  # pictures a second, as they are recorded
 _REST = 15  # pictures that the last one stands
 _SIDE = 320  # of a moving picture, px
-_INK, _EXPLORING = "#141820", "#a3569b"
 
 _PALETTE = np.stack(np.meshgrid(*[np.linspace(0, 1, 6)] * 3), axis=-1).reshape(-1, 3)
 """The colours of a gif: six levels of red, green and blue each."""
@@ -52,7 +52,7 @@ def captioned(recording: ReachRecording, stride: int = 1) -> Iterator[Frame]:
 
         picture = Image.fromarray(recording.frames[number][ZOOM, ZOOM])
         words = f"{recording.robot}   {step * CONTROL_STEP:.1f} s   {doing}"
-        color = _EXPLORING if explores and number < last else _INK
+        color = EXPLORING if explores and number < last else INK
         ImageDraw.Draw(picture).text((12, 8), words, fill=color, font_size=21)
         yield np.asarray(picture)
 

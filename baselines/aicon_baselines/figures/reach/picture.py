@@ -9,14 +9,13 @@ from matplotlib.figure import Figure
 
 from aicon_baselines.figures.reach.recording import ReachRecording
 from aicon_baselines.figures.rendering import save_picture
+from aicon_baselines.palette import ANGLE, AWAY, DISTANCE, EXPLORING
 
 MOMENTS = (0.0, 1 / 3, 2 / 3, 1.0)
 """What is shown of an episode, as shares of its pictures."""
 
 ZOOM = slice(45, 435)
 """What is shown of a picture, in both directions, px."""
-
-DISTANCE, ANGLE, GAP, STOP = "#0059a8", "#56b4e9", "#d55e00", "#a3569b"
 
 
 def draw_picture(recordings: Sequence[ReachRecording], path: Path) -> None:
@@ -58,8 +57,8 @@ def _draw_curves(axes: Axes, recording: ReachRecording) -> None:
     curves = {
         "distance to the target, m": (recording.distance, DISTANCE),
         "angle to the target, rad": (recording.angle, ANGLE),
-        "gap to itself (up to 0.05), m": (recording.self_gap, GAP),
-        "joint to its stop, rad": (recording.limit_margin, STOP),
+        "gap to itself (up to 0.05), m": (recording.self_gap, AWAY),
+        "joint to its stop, rad": (recording.limit_margin, EXPLORING),
     }
     for label, (values, color) in curves.items():
         axes.plot(times, np.maximum(values, 1e-4), color=color, label=label, linewidth=1.3)

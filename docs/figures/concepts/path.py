@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
-from aicon_baselines.figures.concepts import drawing
-from aicon_baselines.figures.concepts.world import MEETING, make_policy
+from aicon_baselines import palette
+from concepts import drawing
+from concepts.world import MEETING, make_policy
 
 _WIDTH, _HEIGHT = 1.5, 0.56
 
@@ -60,7 +61,7 @@ def draw(path: Path) -> None:
 
 def _draw_box(axes: Axes, box: _Box, *, meets: bool) -> None:
     corner = (box.x - _WIDTH / 2, box.y - _HEIGHT / 2)
-    edge = drawing.RESULT if meets else drawing.PALE
+    edge = drawing.RESULT if meets else palette.PALE
     axes.add_patch(
         FancyBboxPatch(
             corner,

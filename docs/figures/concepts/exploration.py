@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from aicon_baselines.figures.concepts import drawing
-from aicon_baselines.figures.concepts.conflict import START, TARGET, WALL
-from aicon_baselines.figures.concepts.world import DT, Way, make_policy, run
-from aicon_baselines.figures.recording import to_array, true_intervals
+from aicon_baselines import palette
+from aicon_baselines.figures.recording import true_intervals
 from aicon_baselines.figures.timeline import SHADE, simplify
 from aicon_torch import DirectDescent, Exploration
+from concepts import drawing
+from concepts.conflict import AREA, START, TARGET, WALL
+from concepts.world import DT, Way, make_policy, run
 
 
 def draw(path: Path) -> None:
@@ -18,11 +19,8 @@ def draw(path: Path) -> None:
     world, curves = drawing.new_figure(2, height=3.9, widths=(1.45, 1), below=0.5)
     way = run(make_policy(law=DirectDescent()), START, TARGET, WALL, steps=300)
 
-    drawing.as_world(
-        world, x=(-1.85, 1.6), y=(-1.15, 1.4), title="Explore where they cancel: it gets around"
-    )
-    drawing.draw_wall(world, WALL)
-    drawing.draw_target(world, TARGET)
+    title = "Explore where they cancel: it gets around"
+    drawing.as_world(world, WALL, TARGET, **AREA, title=title)
     _draw_way(world, way)
     _draw_moment(world, way)
     _draw_cosine(curves, way)
@@ -44,8 +42,7 @@ def _draw_moment(axes: Axes, way: Way) -> None:
     explored = np.flatnonzero(way.exploring)
     step = int(explored[len(explored) // 2])
     place, meeting = way.places[step], way.meetings[step]
-    for goals, descent in zip(meeting.goals, -to_array(meeting.gradients), strict=True):
-        drawing.draw_arrow(axes, place, 0.4 * descent, drawing.PATHS[goals[0]], width=2.2)
+    drawing.draw_wants(axes, place, meeting, length=0.4, width=2.2)
 
     motion = way.places[step + 1] - place
     drawing.draw_arrow(axes, place, 0.5 * motion / np.linalg.norm(motion), drawing.EXPLORES)
@@ -55,7 +52,7 @@ def _draw_moment(axes: Axes, way: Way) -> None:
 def _draw_cosine(axes: Axes, way: Way) -> None:
     """The cosine of the two, and where a conflict begins and ends."""
     times = DT * np.arange(len(way.meetings))
-    axes.plot(times, [float(meeting.cosine) for meeting in way.meetings], color=drawing.INK)
+    axes.plot(times, [float(meeting.cosine) for meeting in way.meetings], color=palette.INK)
     for begin, end in true_intervals(np.array(way.exploring)):
         axes.axvspan(DT * begin, DT * end, **SHADE)
 
@@ -64,7 +61,7 @@ def _draw_cosine(axes: Axes, way: Way) -> None:
         (bounds.enter_cosine, "a conflict begins below"),
         (bounds.exit_cosine, "and ends above"),
     ):
-        axes.axhline(bound, color=drawing.PALE, linewidth=1, linestyle=(0, (3, 2)))
+        axes.axhline(bound, color=palette.PALE, linewidth=1, linestyle=(0, (3, 2)))
         axes.text(
             times[-1] - 0.1,
             bound + 0.04,

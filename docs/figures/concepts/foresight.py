@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from aicon_baselines.figures.concepts import drawing
-from aicon_baselines.figures.concepts.world import DT, SPEED, Wall, make_policy, readings
+from aicon_baselines import palette
 from aicon_baselines.figures.recording import FloatArray, to_array
 from aicon_baselines.figures.timeline import simplify
 from aicon_torch import ActionLaw, DirectDescent, Foresight
+from concepts import drawing
+from concepts.world import DT, SPEED, Wall, make_policy, readings
 
 PLACE, TARGET = np.array([0.0, 0.0]), (0.048, 0.026)
 FAR_AWAY = Wall((9.0, 9.0), (9.5, 9.0))
@@ -36,14 +37,13 @@ def draw(path: Path) -> None:
 def _draw_step(axes: Axes, title: str) -> None:
     """The target, and how far one step can lead."""
     reach = SPEED * DT
-    drawing.as_world(axes, x=(-0.02, 0.112), y=(-0.03, 0.085), title=title)
+    drawing.as_world(axes, None, TARGET, x=(-0.02, 0.112), y=(-0.03, 0.085), title=title)
     angle = np.linspace(-0.5, 1.2, 100)
     circle = reach * np.stack((np.cos(angle), np.sin(angle)))
-    axes.plot(*circle, color=drawing.PALE, linewidth=1, linestyle=(0, (3, 3)))
+    axes.plot(*circle, color=palette.PALE, linewidth=1, linestyle=(0, (3, 3)))
     drawing.label(
-        axes, np.array([0.1, -0.022]), "one step\nat most", drawing.PALE, ha="right", fontsize=9
+        axes, np.array([0.1, -0.022]), "one step\nat most", palette.PALE, ha="right", fontsize=9
     )
-    drawing.draw_target(axes, TARGET)
     drawing.draw_robot(axes, PLACE)
 
 
@@ -64,12 +64,12 @@ def _draw_costs(axes: Axes, foreseen: FloatArray, full: FloatArray) -> None:
     distances = np.linalg.norm(foreseen - TARGET, axis=1)
     axes.plot(range(STEPS + 1), 100 * distances, "o-", color=drawing.RESULT, markersize=4)
     after_full_speed = 100 * float(np.linalg.norm(full - TARGET))
-    axes.axhline(after_full_speed, color=drawing.PALE, linestyle=(0, (3, 3)))
+    axes.axhline(after_full_speed, color=palette.PALE, linestyle=(0, (3, 3)))
     drawing.label(
         axes,
         np.array([STEPS, after_full_speed + 0.12]),
         "after one step at full speed",
-        drawing.PALE,
+        palette.PALE,
         ha="right",
         fontsize=9,
     )

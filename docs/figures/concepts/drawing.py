@@ -8,16 +8,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
-from aicon_baselines.figures.concepts.world import Wall
-from aicon_baselines.figures.nav2d.style import OBSTACLE, TARGET, TARGET_MARK
-from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.figures.recording import FloatArray, to_array
 from aicon_baselines.figures.rendering import save_picture
-from aicon_baselines.figures.style import EXPLORING, ROBOT
+from aicon_baselines.figures.style import TARGET_MARK
+from aicon_baselines.palette import EXPLORING, INK, OBJECT, OBSTACLE, ROBOT, TARGET
+from aicon_torch.inspection import QuantityTrace
+from concepts.world import Wall
 
 REACH, AVOID, RESULT, EXPLORES = TARGET, OBSTACLE, ROBOT, EXPLORING
 """Colours: what the goals "reach" and "avoid" want, what comes of it, and exploration."""
 
-INK, PALE = "#1d2127", "#8a919c"
 PATHS = {"reach": REACH, "avoid": AVOID}
 
 
@@ -46,12 +46,24 @@ def new_figure(
     return [figure.add_subplot(grid[column]) for column in range(columns)]
 
 
-def as_world(axes: Axes, *, x: tuple[float, float], y: tuple[float, float], title: str) -> None:
-    """Let axes show a part of the world, without ticks."""
+def as_world(
+    axes: Axes,
+    wall: Wall | None,
+    target: tuple[float, float],
+    *,
+    x: tuple[float, float],
+    y: tuple[float, float],
+    title: str,
+) -> None:
+    """Let axes show a part of the world, without ticks: its wall and its target."""
     axes.set(xlim=x, ylim=y, aspect="equal", xticks=[], yticks=[])
     axes.set_title(title, fontsize=11, loc="left", color=INK)
-    for spine in axes.spines.values():
-        spine.set_color("#c3c8d0")
+    axes.spines[:].set_color(OBJECT)
+
+    axes.plot(*target, **TARGET_MARK, zorder=6)
+    if wall is not None:
+        ends = np.array([wall.start, wall.end])
+        axes.plot(*ends.T, color=OBSTACLE, linewidth=9, solid_capstyle="round", zorder=3)
 
 
 def draw_robot(axes: Axes, place: FloatArray) -> None:
@@ -59,15 +71,18 @@ def draw_robot(axes: Axes, place: FloatArray) -> None:
     axes.plot(*place, "o", color=ROBOT, markersize=13, markeredgecolor="white", zorder=6)
 
 
-def draw_target(axes: Axes, place: tuple[float, float]) -> None:
-    """The target."""
-    axes.plot(*place, **TARGET_MARK, zorder=6)
+def wants_of(meeting: QuantityTrace) -> dict[str, FloatArray]:
+    """What each goal wants where two gradients meet: the negative of its gradient, (2,)."""
+    descents = -to_array(meeting.gradients)
+    return {goal: descent for (goal,), descent in zip(meeting.goals, descents, strict=True)}
 
 
-def draw_wall(axes: Axes, wall: Wall) -> None:
-    """The wall."""
-    ends = np.array([wall.start, wall.end])
-    axes.plot(*ends.T, color=OBSTACLE, linewidth=9, solid_capstyle="round", zorder=3)
+def draw_wants(
+    axes: Axes, place: FloatArray, meeting: QuantityTrace, *, length: float, width: float = 3.0
+) -> None:
+    """What each goal wants at a place (2,), by arrows so long at strength 1, m."""
+    for goal, descent in wants_of(meeting).items():
+        draw_arrow(axes, place, length * descent, PATHS[goal], width=width)
 
 
 def draw_arrow(

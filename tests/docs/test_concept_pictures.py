@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from _documents import ROOT
 
-from aicon_baselines.figures.concepts import PICTURES, conflict, foresight, meeting
-from aicon_baselines.figures.concepts.world import make_policy, meeting_at, run
 from aicon_torch import DirectDescent, Sum
+from concepts import conflict, foresight, meeting
+from concepts.world import make_policy, meeting_at, run
+from draw_concepts import PICTURES
 
 
 def test_the_documents_show_each_of_them() -> None:

@@ -1,0 +1,44 @@
+"""Draw the six pictures of docs/concepts.md, from what the policy of a small world computes.
+
+Example: python docs/figures/draw_concepts.py --out docs/images
+"""
+
+import argparse
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from aicon_baselines.cli.command_line import Command, run_command
+from concepts import conflict, exploration, foresight, meeting, path, projection
+
+PICTURES: Mapping[str, Callable[[Path], None]] = MappingProxyType(
+    {
+        "path": path.draw,
+        "meeting": meeting.draw,
+        "projection": projection.draw,
+        "conflict": conflict.draw,
+        "exploration": exploration.draw,
+        "foresight": foresight.draw,
+    }
+)
+"""What draws each picture."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the folder."""
+    parser.add_argument(
+        "--out", type=Path, default=Path("docs/images"), help="default: docs/images"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Draw the pictures, each into a file of its own."""
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    for name, draw in PICTURES.items():
+        draw(arguments.out / f"concept_{name}.png")
+
+
+COMMAND = Command(__doc__, add_arguments, run)
+
+if __name__ == "__main__":
+    run_command(COMMAND)
