@@ -1,6 +1,7 @@
 """Policies by name: a model, a preset, and options that override it."""
 
 import importlib
+from types import ModuleType
 from typing import Any
 
 import torch
@@ -21,7 +22,7 @@ ALIASES = {"panda_push": "arm_push"}
 """Names that a model had before."""
 
 
-def presets(name: str) -> tuple[str, ...]:
+def presets(name: str | ModuleType) -> tuple[str, ...]:
     """The presets of a model, ``"aicon"`` first.
 
     Raises:
@@ -30,11 +31,12 @@ def presets(name: str) -> tuple[str, ...]:
     return tuple(_package(name).PRESETS)
 
 
-def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
+def make_policy(name: str | ModuleType, *, preset: str = "aicon", **options: Any) -> Policy:
     """Build one of the paper's policies.
 
     Args:
-        name: Name of the model, such as ``"nav2d"``.
+        name: Name of the model, such as ``"nav2d"``, or a module of your own that is like one: with
+            ``Options``, ``PRESETS`` and ``build(options)``.
         preset: A named set of options: ``"aicon"``, ``"paper_literal"`` (nearest to the text; the
             model's presets say what is left of ours) or a baseline; :func:`presets` lists them.
         **options: Fields of the model's ``Options``, which override the preset. A field of a field
@@ -47,18 +49,22 @@ def make_policy(name: str, *, preset: str = "aicon", **options: Any) -> Policy:
         >>> policy = make_policy("nav2d", max_speed=0.3, **{"resolution.exploration": None})
     """
     package = _package(name)
+    owner = repr(name if isinstance(name, str) else name.__name__)
     if preset not in package.PRESETS:
         valid = choices(package.PRESETS)
-        raise OptionError(f"{name!r} has no preset {preset!r}. Presets: {valid}.")
+        raise OptionError(f"{owner} has no preset {preset!r}. Presets: {valid}.")
 
-    chosen = replace_options(package.Options(), package.PRESETS[preset], repr(name))
-    chosen = replace_options(chosen, options, repr(name))
+    chosen = replace_options(package.Options(), package.PRESETS[preset], owner)
+    chosen = replace_options(chosen, options, owner)
     with torch.device("cpu"):  # whatever device is torch's default
         policy: Policy = package.build(chosen)
     return policy
 
 
-def _package(name: str) -> Any:
+def _package(name: str | ModuleType) -> Any:
+    if isinstance(name, ModuleType):
+        return name
+
     known = ALIASES.get(name, name)
     if known not in MODELS:
         raise OptionError(f"No model is named {name!r}. Models: {choices(MODELS)}.")

@@ -17,13 +17,13 @@ register(
 )
 
 register(
-    id="aicon/PandaPush-v0",  # the name that it had before
+    id="aicon/ArmPush-v0",
     entry_point="aicon_envs.arm_push.environment:ArmPushEnv",
     max_episode_steps=18_000,
 )
 
 register(
-    id="aicon/ArmPush-v0",
+    id="aicon/PandaPush-v0",  # the name that it had before
     entry_point="aicon_envs.arm_push.environment:ArmPushEnv",
     max_episode_steps=18_000,
 )

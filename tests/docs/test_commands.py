@@ -66,6 +66,8 @@ def load_program(name: str) -> Command:
 def check_names(arguments: argparse.Namespace) -> None:
     """Policies, variants and conditions are there in the task of a command."""
     task = getattr(arguments, "task", "arm_push")
+    if ":" in task:  # one that a page makes: test_tutorials.py
+        return
     assert set(getattr(arguments, "policies", ())) <= {*registry.names(task), *TRAINED}
 
     for condition in getattr(arguments, "conditions", None) or ():

@@ -5,11 +5,14 @@ import importlib.util
 import io
 import os
 import re
+import sys
+import types
 from pathlib import Path
 
 import pytest
 from _documents import ROOT
 
+from aicon_baselines.cli.main import main
 from notebooks import NOTEBOOKS, PAGES, run_notebook, to_notebook
 
 NEEDED = {
@@ -18,6 +21,7 @@ NEEDED = {
     "shield": ("matplotlib",),
     "network": ("matplotlib",),
     "wheels": ("matplotlib",),
+    "task": (),
 }
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
@@ -42,6 +46,26 @@ def test_the_program_of_a_tutorial_runs_and_prints_what_it_says(name: str) -> No
     check_what_is_printed(page, run_page(page))
 
 
+def test_the_task_of_a_tutorial_is_compared_by_its_module(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = ROOT / "docs" / "tutorials" / "task.md"
+    blocks = [code for language, code in BLOCK.findall(page.read_text()) if language == "python"]
+    (tmp_path / "dock.py").write_text("\n".join(blocks[:-1]))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+
+    policies = ["--policies", "aicon", "not_told_of_wind", "--conditions", "windy", "--no-compile"]
+    episodes = ["--episodes", "2", "--horizon", "3", "--out", "out"]
+    main(["compare", "--task", "dock:TASK", *policies, *episodes])
+    main(["run", "--task", "dock:TASK", "--horizon", "3", "--no-compile"])
+
+    printed = capsys.readouterr().out
+    assert "not_told_of_wind" in printed and "no success after 0.3 s" in printed
+    rows = (tmp_path / "out" / "episodes.csv").read_text().splitlines()
+    assert len(rows) == 1 + 2 * 2
+
+
 def test_what_stands_on_the_first_page_runs_in_its_order_and_prints_what_it_says() -> None:
     pytest.importorskip("pymunk")
     page = ROOT / "docs" / "start.md"
@@ -49,12 +73,13 @@ def test_what_stands_on_the_first_page_runs_in_its_order_and_prints_what_it_says
 
 
 def run_page(page: Path) -> str:
-    """Run the blocks of a page one after the other, and return what they print."""
-    names: dict[str, object] = {"__name__": "__main__"}
+    """Run the blocks of a page one after the other, as a module, and return what they print."""
+    module = types.ModuleType(f"page_{page.stem}")
+    sys.modules[module.__name__] = module
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         for language, code in BLOCK.findall(page.read_text()):
             if language == "python":
-                exec(compile(code, str(page), "exec"), names)
+                exec(compile(code, str(page), "exec"), module.__dict__)
     return printed.getvalue()
 
 

@@ -1,34 +1,31 @@
 """Ablations of the arm's policy."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
-from aicon_torch.control import DirectDescent, Foresight
+from aicon_baselines.named import Later
 
-ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        # How a gradient goes from the end effector to the joints, and how conflicts are resolved.
-        "transpose": {"pullback": "transpose"},
-        "without_exploration": {"resolution.exploration": None},
-        "without_projection": {"resolution.projector": "none"},
-        "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
-        # What keeps the tip from pushing too far, and the object within reach.
-        "without_foresight": {"law": DirectDescent()},
-        "foresight_of_a_step": {"law": Foresight(dither=0.0)},
-        "without_friction": {"stick_friction": 0.0},
-        "without_inset": {"contact.inset": 0.0},
-        "without_ring": {"ring": None},
-        # What seeing the object well is worth, and what the wrist feels of it.
-        "without_trace": {"camera.trace_weight": 0.0},
-        "tenfold_trace_weight": {"camera.trace_weight": 600.0},
-        "without_touch": {"touch": None},
-        # The goals of the arm.
-        "without_upright": {"upright_tolerance": None},
-        "without_workspace": {"workspace": None},
-        "without_joint_limits": {"joint_limits": None},
-        "without_self_collision": {"self_collision": None},
-        "without_limit_goals": {"workspace": None, "joint_limits": None, "self_collision": None},
-    }
-)
+ABLATIONS: Mapping[str, Mapping[str, Any]] = {
+    # How a gradient goes from the end effector to the joints, and how conflicts are resolved.
+    "transpose": {"pullback": "transpose"},
+    "without_exploration": {"resolution.exploration": None},
+    "without_projection": {"resolution.projector": "none"},
+    "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
+    # What keeps the tip from pushing too far, and the object within reach.
+    "without_foresight": {"law": Later("aicon_torch.control:DirectDescent")},
+    "foresight_of_a_step": {"law": Later("aicon_torch.control:Foresight", {"dither": 0.0})},
+    "without_friction": {"stick_friction": 0.0},
+    "without_inset": {"contact.inset": 0.0},
+    "without_ring": {"ring": None},
+    # What seeing the object well is worth, and what the wrist feels of it.
+    "without_trace": {"camera.trace_weight": 0.0},
+    "tenfold_trace_weight": {"camera.trace_weight": 600.0},
+    "without_touch": {"touch": None},
+    # The goals of the arm.
+    "without_upright": {"upright_tolerance": None},
+    "without_workspace": {"workspace": None},
+    "without_joint_limits": {"joint_limits": None},
+    "without_self_collision": {"self_collision": None},
+    "without_limit_goals": {"workspace": None, "joint_limits": None, "self_collision": None},
+}
 """Options by name, on top of the preset ``"aicon"``."""

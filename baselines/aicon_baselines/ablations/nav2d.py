@@ -1,27 +1,24 @@
 """Ablations of the navigation policy."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
-ABLATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        # The escape from traps: what ends exploration, at which level it moves, and along what.
-        "without_progress_exit": {"resolution.exploration.escape.progress": None},
-        "without_level_hold": {"resolution.exploration.escape.hold": None},
-        "without_obstacle_nullspace": {"resolution.exploration.escape.along": None},
-        # The resolution of conflicts.
-        "without_projection": {"resolution.projector": "none"},
-        "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
-        "without_exploration": {"resolution.exploration": None},
-        "without_softmax": {"resolution.temperature": None},
-        "without_hysteresis": {"resolution.margin": 0.0},
-        "mechanism_as_in_paper": {
-            "resolution.relative": False,
-            "resolution.exploration.partner": "second",
-            "resolution.exploration.ratio_of": "weights",
-            "resolution.exploration.average_time": 1.0,
-        },
-    }
-)
+ABLATIONS: Mapping[str, Mapping[str, Any]] = {
+    # The escape from traps: what ends exploration, at which level it moves, and along what.
+    "without_progress_exit": {"resolution.exploration.escape.progress": None},
+    "without_level_hold": {"resolution.exploration.escape.hold": None},
+    "without_obstacle_nullspace": {"resolution.exploration.escape.along": None},
+    # The resolution of conflicts.
+    "without_projection": {"resolution.projector": "none"},
+    "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
+    "without_exploration": {"resolution.exploration": None},
+    "without_softmax": {"resolution.temperature": None},
+    "without_hysteresis": {"resolution.margin": 0.0},
+    "mechanism_as_in_paper": {
+        "resolution.relative": False,
+        "resolution.exploration.partner": "second",
+        "resolution.exploration.ratio_of": "weights",
+        "resolution.exploration.average_time": 1.0,
+    },
+}
 """Options by name, on top of the preset ``"aicon"``."""

@@ -5,89 +5,98 @@ ablations of the task (ours without one part) and its opponents (what others wou
 planners, too, which need an extra; agents that were trained come from their folder.
 """
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory, Predictor
+from aicon_baselines.evaluation.task import Task
 from aicon_baselines.extras import pip_command
-from aicon_baselines.tasks.registry import check_name, load
+from aicon_baselines.named import find, made
+from aicon_baselines.tasks.registry import load
 
 PLANNERS = ("mppi", "mppi_small")
 """The planners of pushT, presets of `aicon_baselines.agents.mppi`."""
 
+AGGREGATIONS: Mapping[str, str] = MappingProxyType(
+    {
+        "pcgrad": "aicon_baselines.resolutions:PCGrad",
+        "upgrad": "aicon_baselines.resolutions:UPGrad",
+        "cagrad": "aicon_baselines.resolutions:CAGrad",
+    }
+)
+"""Rules for gradients in conflict: in every task, in place of ours and with all else as it is."""
 
-def ablations(task: str) -> Mapping[str, Mapping[str, Any]]:
+
+TaskOrName = str | Task
+"""A task, or the name that loads it."""
+
+
+def ablations(task: TaskOrName) -> Mapping[str, Mapping[str, Any]]:
     """Return the ablations of a task: the options that each changes in the preset "aicon"."""
-    check_name(task)
-    module = import_module(f"aicon_baselines.ablations.{task}")
-    by_name: Mapping[str, Mapping[str, Any]] = module.ABLATIONS
-    return by_name
+    return {name: made(options) for name, options in _loaded(task).ablations.items()}
 
 
-def opponents(task: str) -> tuple[str, ...]:
+def opponents(task: TaskOrName) -> tuple[str, ...]:
     """List the opponents of a task: rules for gradients in conflict, then agents of its own."""
-    check_name(task)
-    module = import_module("aicon_baselines.agents.opponent_classes")
-    return (*module.AGGREGATIONS, *module.AGENTS[task])
+    content = _loaded(task)
+    rules = tuple(AGGREGATIONS) if content.model else ()
+    return (*rules, *content.agents)
 
 
-def names(task: str) -> tuple[str, ...]:
+def names(task: TaskOrName) -> tuple[str, ...]:
     """List the policies of a task: the presets of its model, its ablations, then its opponents.
 
     An unknown task is an error that lists the tasks.
     """
-    from aicon_torch import presets
-
-    check_name(task)
-    return (*presets(task), *ablations(task), *opponents(task))
+    content = _loaded(task)
+    return (*content.presets, *content.ablations, *opponents(content))
 
 
-def factory(task: str, name: str, **options: Any) -> Factory:
+def factory(task: TaskOrName, name: str, **options: Any) -> Factory:
     """Return what builds a policy, without building it.
 
     Args:
-        task: Name of the task; an unknown one is an error that lists the tasks.
+        task: The task, or its name; an unknown one is an error that lists the tasks.
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
             Planners of pushT are named as well.
         **options: Options of the policy, by name or dotted path (`**{"law.step": 0.5}`); they
             override those of its name and of the condition.
     """
-    if name in PLANNERS and task == "pusht":
+    content = _loaded(task)
+    if name in PLANNERS and content.name == "pusht":
         planner: Factory = import_mppi().Planner(name, options)
         return planner
-    if name not in names(task):
-        valid = ", ".join(names(task))
-        raise ComparisonError(f"unknown policy {name!r} for task {task!r}; valid policies: {valid}")
+    if name not in names(content):
+        valid = ", ".join(names(content))
+        raise ComparisonError(
+            f"unknown policy {name!r} for task {content.name!r}; valid policies: {valid}"
+        )
 
     # An ablation changes options of ours; a preset is named as it is.
-    if name in ablations(task):
-        return ModelPolicy(task, "aicon", {**ablations(task)[name], **options})
-    if name in opponents(task):
-        return _opponent(task, name, options)
-    return ModelPolicy(task, name, options)
+    if name in content.ablations:
+        return ModelPolicy(task, "aicon", {**made(content.ablations[name]), **options})
+    if name in content.presets:
+        return ModelPolicy(task, name, options)
+
+    # A rule for gradients in conflict takes the place of ours, and all else stays. It and an agent
+    # are made once here, so that what is not installed is an error before anything runs.
+    if name in AGGREGATIONS:
+        return ModelPolicy(task, "aicon", {"resolution": find(AGGREGATIONS[name])(), **options})
+    agent = PlainAgent(find(content.agents[name]), task, options)
+    agent.make()
+    return agent
 
 
-def _opponent(task: str, name: str, options: Mapping[str, Any]) -> Factory:
-    """Return what builds an opponent.
+def model_of(task: Task) -> str | ModuleType:
+    """Return the name of a task's model in the library, or the module of one of its own."""
+    from aicon_torch.models.factory import MODELS
 
-    It is made once here, so that what is not installed is an error before anything runs.
-    """
-    module = import_module("aicon_baselines.agents.opponent_classes")
-
-    # A rule for gradients in conflict takes the place of ours, and all else stays.
-    if name in module.AGGREGATIONS:
-        resolution = module.AGGREGATIONS[name]()
-        return ModelPolicy(task, "aicon", {"resolution": resolution, **options})
-
-    build = PlainAgent(module.AGENTS[task][name], task, options)
-    build.make()
-    return build
+    return task.model if task.model in MODELS else import_module(task.model)
 
 
 def own_policy(source: str) -> Factory:
@@ -99,7 +108,7 @@ def own_policy(source: str) -> Factory:
         source: "module:function", the function being a :data:`Factory`: it takes the name of the
             condition and returns a policy with `predict`. The module may lie in this folder.
     """
-    build = OwnPolicy(*source.split(":", 1))
+    build = OwnPolicy(source)
     build.find()
     return build
 
@@ -128,24 +137,27 @@ def can_be_compiled(build: Factory) -> bool:
     return not isinstance(build.options.get("resolution"), Aggregation)
 
 
-def make(task: str, name: str, condition: str | None = None) -> Predictor:
+def make(task: TaskOrName, name: str, condition: str | None = None) -> Predictor:
     """Build a policy, for example `make("nav2d", "aicon")`.
 
     Args:
-        task: Name of the task; an unknown one is an error that lists the tasks.
+        task: The task, or its name; an unknown one is an error that lists the tasks.
         name: Name of the policy; an unknown one is an error that lists the policies of the task.
         condition: The task's condition that the policy is for; by default the usual one.
     """
     build = factory(task, name)
-    return build(condition or load(task).conditions[0])
+    return build(condition or _loaded(task).conditions[0])
+
+
+def _loaded(task: TaskOrName) -> Task:
+    return load(task) if isinstance(task, str) else task
 
 
 @dataclass(frozen=True)
 class OwnPolicy:
     """Builds a policy of the user's own: see :func:`own_policy`."""
 
-    module: str
-    function: str
+    source: str
 
     def find(self) -> Factory:
         """Import what builds it.
@@ -153,15 +165,12 @@ class OwnPolicy:
         Raises:
             ComparisonError: If there is no such module or function.
         """
-        here = str(Path.cwd())
-        if here not in sys.path:
-            sys.path.append(here)
         try:
-            build: Factory = getattr(import_module(self.module), self.function)
-        except (ImportError, AttributeError) as error:
+            build: Factory = find(self.source)
+        except (ComparisonError, ImportError) as error:
             raise ComparisonError(
-                f"policy '{self.module}:{self.function}': {error}; expected MODULE:FUNCTION, a "
-                "function of the condition that returns a policy"
+                f"policy {error}; expected MODULE:FUNCTION, a function of the condition that "
+                "returns a policy"
             ) from error
         return build
 
@@ -174,7 +183,7 @@ class OwnPolicy:
 class ModelPolicy:
     """Builds a policy of one of the library's models for a condition of its task."""
 
-    task: str
+    task: TaskOrName
     preset: str
     options: Mapping[str, Any] = field(default_factory=dict)
 
@@ -182,8 +191,9 @@ class ModelPolicy:
         """Build it, with what the task tells a policy about the condition."""
         from aicon_torch import make_policy
 
-        told = load(self.task).policy_options(condition)
-        return make_policy(self.task, preset=self.preset, **{**told, **self.options})
+        task = _loaded(self.task)
+        told = task.policy_options(condition)
+        return make_policy(model_of(task), preset=self.preset, **{**told, **self.options})
 
 
 @dataclass(frozen=True)
@@ -194,7 +204,7 @@ class PlainAgent:
     """
 
     agent: Any
-    task: str
+    task: TaskOrName
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def make(self, **told: Any) -> Predictor:
@@ -208,7 +218,7 @@ class PlainAgent:
     def __call__(self, condition: str) -> Predictor:
         """Build it for a condition."""
         own = {option.name for option in fields(self.agent)}
-        told = load(self.task).policy_options(condition)
+        told = _loaded(self.task).policy_options(condition)
         return self.make(**{name: value for name, value in told.items() if name in own})
 
 

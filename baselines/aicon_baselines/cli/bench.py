@@ -20,9 +20,8 @@ from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
-from aicon_baselines.tasks import load, names
+from aicon_baselines.tasks import choices, load
 
-_CONDITIONS = {"arm_push": "true_pose"}  # elsewhere the task's first
 _RECORDED_STEPS = 100
 
 
@@ -31,9 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tasks",
         nargs="+",
-        choices=names(),
         default=["nav2d", "pusht"],
-        help="default: the 2D ones",
+        metavar="TASK",
+        help=f"of {choices()} (default: the 2D ones)",
     )
     parser.add_argument(
         "--rounds", type=int, default=30, help="rounds in which the two take turns (default: 30)"
@@ -61,7 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def time_steps(task: str, rounds: int, steps: int) -> dict[str, list[float]]:
     """Return the seconds per step in each round, "uncompiled" and "compiled"."""
-    condition = _CONDITIONS.get(task, load(task).conditions[0])
+    condition = load(task).timed_condition or load(task).conditions[0]
     observations = observations_of_one(task, condition, _RECORDED_STEPS)
 
     policy: Any = make(task, "aicon", condition)

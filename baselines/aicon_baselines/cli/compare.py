@@ -26,12 +26,12 @@ from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.tables import list_failures
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks import load
+from aicon_baselines.tasks import choices, load
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the policies, the episodes and how to run them."""
-    parser.add_argument("--task", required=True, help="name of the task; see aicon list")
+    parser.add_argument("--task", required=True, metavar="TASK", help=choices())
     _add_policies(parser.add_argument_group("policies"))
     _add_episodes(parser.add_argument_group("episodes"))
     _add_execution(parser.add_argument_group("execution"))

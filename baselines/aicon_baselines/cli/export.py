@@ -23,12 +23,12 @@ from typing import Any
 
 from aicon_baselines.agents.registry import make
 from aicon_baselines.cli.command_line import Command
-from aicon_baselines.tasks import load, names
+from aicon_baselines.tasks import choices, load
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the task, the file and the machine."""
-    parser.add_argument("task", choices=names())
+    parser.add_argument("task", metavar="TASK", help=choices())
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="FILE", help="ends in .so or .c"
     )

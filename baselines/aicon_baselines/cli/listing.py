@@ -8,8 +8,7 @@ from collections.abc import Iterable
 import gymnasium
 
 import aicon_envs  # noqa: F401  # registers the environments
-from aicon_baselines import extras, tasks
-from aicon_baselines.agents.catalogue import CATALOGUE
+from aicon_baselines import agents, extras, tasks
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.errors import ComparisonError
 
@@ -37,18 +36,24 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _print_task(name: str) -> None:
     """Print the policies and conditions of a task, or what it needs."""
-    for kind, names in CATALOGUE[name]._asdict().items():
-        if names:
-            _print_line(kind, names)
     try:
         task = tasks.load(name)
-        _print_line("conditions", task.patterns or task.conditions)
     except ComparisonError as error:
         _print_line("", [str(error)])
+        return
+
+    _print_line("presets", task.presets)
+    _print_line("ablations", task.ablations)
+    _print_line("opponents", agents.opponents(name))
+    _print_line("conditions", task.patterns or task.conditions)
 
 
 def _print_line(title: str, entries: Iterable[str]) -> None:
-    """Print entries beside their title, as wide as the terminal."""
+    """Print entries, if there are any, beside their title, as wide as the terminal."""
+    entries = tuple(entries)
+    if not entries:
+        return
+
     width = shutil.get_terminal_size().columns
     text = ", ".join(entries)
     wrapped = textwrap.fill(

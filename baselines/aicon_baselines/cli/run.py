@@ -28,14 +28,14 @@ from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.extras import missing_extra
 from aicon_baselines.files import replacing
-from aicon_baselines.tasks import load
+from aicon_baselines.tasks import choices, load
 
 _PICTURES_PER_SECOND = 20  # of a video, at most; it runs as fast as the episode did
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the episode, the policy and what to save."""
-    parser.add_argument("--task", required=True, help="name of the task; see aicon list")
+    parser.add_argument("--task", required=True, metavar="TASK", help=choices())
     parser.add_argument(
         "--policy",
         default=REFERENCE,

@@ -19,7 +19,7 @@ from aicon_baselines.agents.variants import REFERENCE
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing, writing
-from aicon_baselines.tasks.registry import check_name, names
+from aicon_baselines.tasks.registry import check_name, choices
 
 if TYPE_CHECKING:
     from aicon_baselines.view.opening import Opening
@@ -30,7 +30,7 @@ _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the episode, the policy and the page."""
-    parser.add_argument("task", metavar="TASK", help=f"one of {', '.join(names())}")
+    parser.add_argument("task", metavar="TASK", help=choices())
     parser.add_argument(
         "--policy",
         default=REFERENCE,

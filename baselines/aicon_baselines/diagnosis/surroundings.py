@@ -1,12 +1,14 @@
 """What lies around the robot in the world of a task, seen from above, for the picture."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from aicon_baselines.diagnosis.history import FloatArray
+from aicon_baselines.named import find
+from aicon_baselines.tasks import load
 
 
 @dataclass(frozen=True)
@@ -40,24 +42,32 @@ def surroundings(
         info: Likewise.
 
     Returns:
-        Nothing around the robot for a task that is not known here.
+        Nothing around the robot for a task that names nothing.
     """
-    look = _LOOKS.get(task)
-    return Surroundings() if look is None else look(env, observation, info)
+    source = load(task).look.surroundings
+    if not source:
+        return Surroundings()
+    around: Surroundings = find(source)(env, observation, info)
+    return around
 
 
-def _navigation(env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Surroundings:
+def navigation(env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Surroundings:
+    """The walls and the target."""
     walls = tuple(np.asarray(wall, dtype=np.float64) for wall in env.unwrapped.maps[0].obstacles)
     return Surroundings(walls, target=info["target"][0])
 
 
-def _pusht(env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Surroundings:
+def pushing(env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Surroundings:
+    """The object and where it shall lie."""
     outline = env.unwrapped.envs[0].unwrapped.object.outline
     thing, goal = _placed(outline, info["block_pose"]), _placed(outline, info["goal_pose"])
     return Surroundings(thing=thing, goal=goal, flipped=True)
 
 
-def _arm(env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Surroundings:
+def pushing_with_an_arm(
+    env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]
+) -> Surroundings:
+    """The object and where it shall lie."""
     corners = np.asarray(env.unwrapped.envs[0].unwrapped.object.corners, dtype=np.float64)
     thing, goal = _placed(corners, info["object_pose"]), _placed(corners, info["target_pose"])
     return Surroundings(thing=thing, goal=goal)
@@ -70,13 +80,6 @@ def _placed(outline: FloatArray, poses: FloatArray) -> FloatArray:
     return place(outline, poses[0])
 
 
-def _reach(env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Surroundings:
+def reaching(env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Surroundings:
+    """The target."""
     return Surroundings(target=np.asarray(observation["target_position"][0][:2]))
-
-
-_LOOKS: dict[str, Callable[[Any, Mapping[str, Any], Mapping[str, Any]], Surroundings]] = {
-    "nav2d": _navigation,
-    "pusht": _pusht,
-    "arm_push": _arm,
-    "reach": _reach,
-}

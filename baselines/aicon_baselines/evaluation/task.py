@@ -1,7 +1,7 @@
 """What an evaluation task is: how a seed becomes an episode, and how episodes become a batch."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -50,11 +50,35 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Task:
-    """An evaluation task.
+class Look:
+    """How a task is shown. What is named, as "module:name", is imported when it is needed.
 
     Attributes:
-        name: Name of the task, also that of its policies.
+        scene: Makes its scene in the live view, from a server and an episode: a subclass of
+            :class:`aicon_baselines.view.Scene`.
+        surroundings: Says what lies around the robot in the picture of a diagnosis, from the
+            environment of one episode, its last observation and its last info.
+        condition: The condition that is watched where none is named; by default the usual one.
+        options: Of the environment and of the policy, where more is to be seen than usually.
+    """
+
+    scene: str = ""
+    surroundings: str = ""
+    condition: str = ""
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Task:
+    """An evaluation task: all that the commands know of it.
+
+    It is registered by its name in :mod:`aicon_baselines.tasks`, by an entry point of the group
+    ``aicon.tasks``, or named MODULE:TASK; :func:`aicon_baselines.tasks.check_task` says what a new
+    one lacks. Its module loads no torch, so that `aicon list` is quick: what does is named, as
+    "module:name", and imported when it is needed.
+
+    Attributes:
+        name: Name of the task, by which it is loaded again.
         time_step: Duration of one control step, s.
         horizon: Steps after which an episode ends without success.
         chunk_size: Number of episodes stepped as one batch; a constant, see `chunk`.
@@ -76,6 +100,14 @@ class Task:
         patterns: The conditions as patterns of a shell, such as "{a,b}_{c,d}", where they are many.
         shortest_path_length: Length of the shortest collision-free path of an episode, in
             `length_unit`; None where a path has no such bound and nothing to collide with.
+        model: Name of the library's model of the task, or the name of a module like one: with
+            `Options`, `PRESETS` and `build`. Empty where there is none.
+        presets: The presets of the model that are compared, ours first.
+        ablations: Ours without a part: for each name the options that differ.
+        agents: Policies of others, each named: a dataclass with `predict`, whose fields are its
+            options and which needs none of them.
+        timed_condition: The condition that `aicon bench` times; by default the usual one.
+        look: How it is shown.
     """
 
     name: str
@@ -95,6 +127,12 @@ class Task:
     measures: tuple[Measure, ...] = ()
     patterns: tuple[str, ...] = ()
     shortest_path_length: Callable[[Episode], float] | None = None
+    model: str = ""
+    presets: tuple[str, ...] = ()
+    ablations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    agents: Mapping[str, str] = field(default_factory=dict)
+    timed_condition: str = ""
+    look: Look = Look()
 
     @property
     def time_scale(self) -> float:

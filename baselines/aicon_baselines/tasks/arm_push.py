@@ -11,12 +11,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import gymnasium
-from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector import VectorEnv
 
-from aicon_baselines.evaluation.task import Episode, Measure, Task
+from aicon_baselines.ablations.arm_push import ABLATIONS
+from aicon_baselines.evaluation.task import Episode, Look, Measure, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
-from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
+from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_envs.arm_push import ArmPushEnv
 
 # The arguments of the environment in each condition. Near the base the arm meets its joint limits
@@ -50,12 +50,10 @@ _FAULTS = Faults(
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
-    def make_one() -> gymnasium.Env[Any, Any]:
-        env = ArmPushEnv(**{**_ARGUMENTS[at_once(condition)[0]], **options})
-        limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=longest(condition, horizon))
-        return StandStillAfterEnd(limited)
+    def make_one() -> ArmPushEnv:
+        return ArmPushEnv(**{**_ARGUMENTS[at_once(condition)[0]], **options})
 
-    env = SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
+    env = side_by_side(make_one, count, longest(condition, horizon))
     return _FAULTS.wrap(env, condition) if are_faults(condition) else env
 
 
@@ -102,5 +100,13 @@ TASK = Task(
             scale=1e3,
             least=True,
         ),
+    ),
+    model="arm_push",
+    presets=("aicon", "steepest", "potential_field"),
+    ablations=ABLATIONS,
+    timed_condition="true_pose",  # so that no image is read
+    look=Look(
+        scene="aicon_baselines.view.arm_push:ArmPushScene",
+        surroundings="aicon_baselines.diagnosis.surroundings:pushing_with_an_arm",
     ),
 )

@@ -9,7 +9,8 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.ablations.nav2d import ABLATIONS
+from aicon_baselines.evaluation.task import Episode, Look, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, longest
 from aicon_envs.nav2d import Physics, make_map, shortest_path_length
 
@@ -100,4 +101,15 @@ TASK = Task(
     reset_arguments=_reset_arguments,
     policy_options=_policy_options,
     shortest_path_length=_shortest_path_length,
+    model="nav2d",
+    presets=("aicon", "paper_literal", "steepest", "potential_field"),
+    ablations=ABLATIONS,
+    agents={
+        "bug2": "aicon_baselines.agents.nav2d:Bug2",
+        "wall_follower": "aicon_baselines.agents.nav2d:WallFollower",
+    },
+    look=Look(
+        scene="aicon_baselines.view.nav2d:NavigationScene",
+        surroundings="aicon_baselines.diagnosis.surroundings:navigation",
+    ),
 )

@@ -11,14 +11,12 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.ablations.pusht import ABLATIONS, PIXEL
+from aicon_baselines.evaluation.task import Episode, Look, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTVectorEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
-
-PIXEL = 0.5 / 512
-"""Length of a pixel, m: that of `aicon_torch.models.pusht`, whose import would load torch."""
 
 _UPSTREAM = "upstream"
 _SPEED = 800.0  # the usual speed limit of the policy, px/s; the benchmark has none
@@ -130,4 +128,13 @@ TASK = Task(
     length_unit="px",
     time_unit="steps",
     milestones=(200, 250, 300),
+    model="pusht",
+    presets=("aicon", "paper_literal", "steepest", "potential_field"),
+    ablations=ABLATIONS,
+    # Where the goal can be dragged, the policy has to see it.
+    look=Look(
+        scene="aicon_baselines.view.pusht:PushScene",
+        surroundings="aicon_baselines.diagnosis.surroundings:pushing",
+        options={"observe_goal": True},
+    ),
 )

@@ -9,11 +9,10 @@ from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
-import gymnasium
-from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector import VectorEnv
 
-from aicon_baselines.evaluation.task import Episode, Measure, Task
-from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
+from aicon_baselines.evaluation.task import Episode, Look, Measure, Task
+from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_envs.reach import ReachEnv
 
 ROBOTS = ("panda", "ur5", "xarm7")
@@ -48,12 +47,10 @@ _ARGUMENTS = _arguments()
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
-    def make_one() -> gymnasium.Env[Any, Any]:
-        env = ReachEnv(**{**_ARGUMENTS[condition], **options})
-        limited = gymnasium.wrappers.TimeLimit(env, max_episode_steps=horizon)
-        return StandStillAfterEnd(limited)
+    def make_one() -> ReachEnv:
+        return ReachEnv(**{**_ARGUMENTS[condition], **options})
 
-    return SideBySide([make_one] * count, autoreset_mode=AutoresetMode.DISABLED)
+    return side_by_side(make_one, count, horizon)
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -99,5 +96,16 @@ TASK = Task(
         Measure("limit_margin", "least distance to a joint's stop", "{:.3f} rad", least=True),
         Measure("self_gap", "least gap of the robot to itself", "{:.0f} mm", 1e3, least=True),
         Measure("ball_gap", "least gap to a ball", "{:.0f} mm", 1e3, least=True),
+    ),
+    model="reach",
+    presets=("aicon", "without_escape", "steepest", "potential_field"),
+    agents={
+        "damped_least_squares": "aicon_baselines.agents.reach:DampedLeastSquares",
+        "mink": "aicon_baselines.agents.reach:Mink",
+    },
+    look=Look(
+        scene="aicon_baselines.view.reach:ReachScene",
+        surroundings="aicon_baselines.diagnosis.surroundings:reaching",
+        condition="panda_pose_home_ball",  # where there is something to keep off
     ),
 )

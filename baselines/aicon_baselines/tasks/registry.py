@@ -1,45 +1,74 @@
-"""The evaluation tasks, by name."""
+"""The evaluation tasks, by name: the one place where a task is registered."""
 
-from importlib import import_module
+from dataclasses import replace
+from functools import cache
+from importlib.metadata import entry_points
 
 from gymnasium.error import DependencyNotInstalled
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.extras import pip_command
+from aicon_baselines.extras import missing_extra
+from aicon_baselines.named import find
 
-_MODULES = {
-    "nav2d": "aicon_baselines.tasks.nav2d",
-    "pusht": "aicon_baselines.tasks.pusht",
-    "arm_push": "aicon_baselines.tasks.arm_push",
-    "reach": "aicon_baselines.tasks.reach",
+_TASKS = {
+    "nav2d": "aicon_baselines.tasks.nav2d:TASK",
+    "pusht": "aicon_baselines.tasks.pusht:TASK",
+    "arm_push": "aicon_baselines.tasks.arm_push:TASK",
+    "reach": "aicon_baselines.tasks.reach:TASK",
 }
-_EXTRAS = {"pusht": "pusht", "arm_push": "panda", "reach": "reach"}
+
+_ALIASES = {"panda_push": "arm_push"}
+"""Names that a task had before."""
+
+_GROUP = "aicon.tasks"
 
 
 def names() -> tuple[str, ...]:
-    """List the tasks, installed or not."""
-    return tuple(_MODULES)
+    """List the tasks, installed or not: ours, then those of other packages."""
+    return tuple(_sources())
 
 
 def load(name: str) -> Task:
-    """Return the task of this name, importing its environment.
+    """Return a task, importing its environment.
 
-    An unknown name is an error that lists the names; where the environment is not installed, the
-    error says what to install.
+    Args:
+        name: One of `names()`, a name that such a task had before, or "module:name" of a task of
+            your own; the module may lie in this folder. The task goes by the name that loads it.
+
+    Raises:
+        ComparisonError: If there is no such task, with those that there are; if its environment is
+            not installed, with what to install.
     """
     check_name(name)
+    name = _ALIASES.get(name, name)
+    source = _sources().get(name, name)
+
     try:
-        task: Task = import_module(_MODULES[name]).TASK
+        task = find(source)
     except DependencyNotInstalled as error:
         raise ComparisonError(str(error)) from error  # the environment says how to get it
     except ModuleNotFoundError as error:
-        needed = pip_command(_EXTRAS[name])
-        raise ComparisonError(f"{error}; the task {name!r} needs: {needed}") from error
-    return task
+        raise ComparisonError(f"task {name!r}: {missing_extra(error)}") from error
+
+    if not isinstance(task, Task):
+        raise ComparisonError(f"{source!r} is a {type(task).__name__}; expected a Task")
+    return replace(task, name=name)
 
 
 def check_name(name: str) -> None:
-    """Refuse a name that is none of a task, with the list of those that are."""
-    if name not in _MODULES:
-        raise ComparisonError(f"unknown task {name!r}; valid tasks: {', '.join(_MODULES)}")
+    """Refuse a name that cannot be one of a task, with the list of those that are."""
+    if ":" not in name and name not in _sources() and name not in _ALIASES:
+        raise ComparisonError(f"unknown task {name!r}; valid tasks: {choices()}")
+
+
+def choices() -> str:
+    """Say which tasks can be named."""
+    return f"{', '.join(names())}, or MODULE:TASK of your own"
+
+
+@cache
+def _sources() -> dict[str, str]:
+    """What each name stands for, as "module:name"."""
+    others = {entry.name: entry.value for entry in entry_points(group=_GROUP)}
+    return _TASKS | {name: source for name, source in others.items() if name not in _TASKS}

@@ -1,12 +1,31 @@
 """Environments without a vectorized form of their own, side by side as one."""
 
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.vector import SyncVectorEnv
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.wrappers import TimeLimit
 
 _Step = tuple[Any, Any, bool, bool, dict[str, Any]]
+
+
+def side_by_side(
+    make_one: Callable[[], gymnasium.Env[Any, Any]], count: int, horizon: int
+) -> "SideBySide":
+    """Put environments side by side, as a task needs them.
+
+    Args:
+        make_one: Makes one of them.
+        count: How many.
+        horizon: Steps after which an episode ends. One that has ended stands still.
+    """
+
+    def make() -> gymnasium.Env[Any, Any]:
+        return StandStillAfterEnd(TimeLimit(make_one(), max_episode_steps=horizon))
+
+    return SideBySide([make] * count, autoreset_mode=AutoresetMode.DISABLED)
 
 
 class StandStillAfterEnd(gymnasium.Wrapper[Any, Any, Any, Any]):

@@ -14,11 +14,6 @@ from aicon_baselines.view.episode import LiveEpisode
 
 _LOGGER = logging.getLogger(__name__)
 
-# Where the goal can be dragged, the policy has to see it; and there is something to keep off.
-_ENVIRONMENT: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
-_CONDITION = {"reach": "panda_pose_home_ball"}
-_POLICY: dict[str, dict[str, Any]] = {"pusht": {"observe_goal": True}}
-
 
 @dataclass(frozen=True)
 class Opening:
@@ -43,7 +38,7 @@ class Opening:
         """What :func:`open_episode` opens; arguments and errors are the same."""
         # The names are checked as in a comparison.
         task = load(task_name)
-        condition = condition or _CONDITION.get(task.name)
+        condition = condition or task.look.condition
         conditions = [condition] if condition else None
         config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
         task, condition = config.apply(task), config.conditions[0]
@@ -59,8 +54,8 @@ class Opening:
                 f"the policy {name!r} has no gradients to show; aicon watch shows policies of the "
                 "library, such as aicon, steepest or potential_field"
             )
-        shown = _POLICY.get(task.name, {})
-        return cls(task, condition, replace(build, options={**shown, **build.options}), seed)
+        options = {**task.look.options, **build.options}
+        return cls(task, condition, replace(build, options=options), seed)
 
     def open(self) -> LiveEpisode:
         """Build the policy and its world, and start the episode."""
@@ -69,7 +64,7 @@ class Opening:
         policy: Any = self.build(self.condition)
 
         _LOGGER.info("Building the world.")
-        env = task.make_env(1, self.condition, task.horizon, **_ENVIRONMENT.get(task.name, {}))
+        env = task.make_env(1, self.condition, task.horizon, **task.look.options)
 
         def start_arguments(seed: int) -> dict[str, Any]:
             return task.reset_arguments([task.episode(seed)])

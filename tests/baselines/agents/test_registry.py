@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from aicon_baselines import agents, tasks
-from aicon_baselines.agents.opponent_classes import AGGREGATIONS
+from aicon_baselines.agents.registry import AGGREGATIONS
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.named import find
 from aicon_baselines.resolutions import PCGrad
 from aicon_torch import Policy, presets
 
@@ -23,6 +24,7 @@ TASKS = [
 
 @pytest.mark.parametrize("task", TASKS)
 def test_policies_of_a_task_are_presets_ablations_and_opponents(task: str) -> None:
+    assert tasks.load(task).presets == presets(task)
     expected = (*presets(task), *agents.ablations(task), *agents.opponents(task))
     assert agents.names(task) == expected
     assert expected[0] == "aicon" and "without_exploration" in expected
@@ -48,8 +50,8 @@ def _installed(task: str) -> list[str]:
     """The policies of a task but for those that need what is not installed."""
     missing = {
         name
-        for name, rule in AGGREGATIONS.items()
-        if any(find_spec(module) is None for module in rule.modules)
+        for name, source in AGGREGATIONS.items()
+        if any(find_spec(module) is None for module in find(source).modules)
     }
     return [name for name in agents.names(task) if name not in missing]
 

@@ -44,7 +44,3 @@ def test_an_arm_that_reaches_has_a_target() -> None:
     pytest.importorskip("trimesh")
     found = around("reach", "panda_pose_home")
     assert found.target is not None and found.target.shape == (2,)
-
-
-def test_a_task_that_is_not_known_has_nothing_around() -> None:
-    assert surroundings("flight", None, {}, {}) == Surroundings()

@@ -1,15 +1,14 @@
-"""Tasks by name, and what every task promises."""
+"""Tasks by name: ours, those of other packages, and your own."""
 
-from dataclasses import replace
+import sys
+from importlib.metadata import EntryPoint
 from importlib.util import find_spec
+from pathlib import Path
 
-import numpy as np
 import pytest
 
-from aicon_baselines import tasks
-from aicon_baselines.agents import factory
+from aicon_baselines import agents, tasks
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.evaluation.rollout import rollout
 from aicon_baselines.tasks import registry
 
 TASKS = [
@@ -26,49 +25,48 @@ def test_unknown_names_list_the_valid_ones() -> None:
     assert tasks.names() == ("nav2d", "pusht", "arm_push", "reach")
 
 
-@pytest.mark.parametrize(
-    ("task", "extra"),
-    [("pusht", "pusht"), ("arm_push", "panda"), ("reach", "reach")],
-)
-def test_a_task_says_what_it_needs(task: str, extra: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(registry._MODULES, task, "no_such_module")
-    message = f"'no_such_module'; the task '{task}' needs: pip install 'aicon-torch.{extra}.'"
-    with pytest.raises(ComparisonError, match=message):
-        tasks.load(task)
+def test_a_task_goes_by_a_name_that_it_had_before() -> None:
+    pytest.importorskip("mujoco")
+    assert tasks.load("panda_push") == tasks.load("arm_push")
+    assert agents.names("panda_push") == agents.names("arm_push")
 
 
-@pytest.mark.parametrize("name", TASKS)
-def test_every_condition_can_be_run(name: str) -> None:
-    task = replace(tasks.load(name), chunk_size=2, horizon=4)
-    assert set(task.noiseless) <= set(task.conditions)
+OWN = """
+from dataclasses import replace
+from aicon_baselines.tasks.nav2d import TASK
 
-    for condition in task.conditions:
-        if condition == "upstream":
-            pytest.importorskip("gym_pusht")
-        policy = factory(name, "aicon", **{"law.iterations": 2})(condition)
-        episodes = task.chunk(0, repeat=0)
-        first = rollout(policy, task, condition, episodes, range(2))
-        again = rollout(policy, task, condition, episodes, range(2))
-
-        assert (first.steps == 4).all() and (first.path_length > 0).all(), condition
-        np.testing.assert_array_equal(first.path_length, again.path_length)
+OWN = replace(TASK, name="mine", agents={})
+"""
 
 
-@pytest.mark.parametrize("name", TASKS)
-def test_a_task_leaves_ended_episodes_alone(name: str) -> None:
-    task = tasks.load(name)
-    env = task.make_env(2, task.conditions[0], 3)
-    env.reset(**task.reset_arguments(task.chunk(0, repeat=0)[:2]))
-    actions = 0.5 * np.ones((2, 2), np.float32)
+def test_a_task_of_your_own_is_named_by_its_module(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "task_of_mine.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
 
-    for _ in range(3):
-        *_, truncated, info = env.step(actions)
-    assert truncated.all()
+    task = tasks.load("task_of_mine:OWN")
+    assert task.name == "task_of_mine:OWN" and not task.agents
+    assert agents.factory(task.name, "steepest")("range") is not None
 
-    *_, truncated, later = env.step(actions)
-    assert truncated.all()
-    np.testing.assert_array_equal(info["position"], later["position"])
-    env.close()
+    for name in ("task_of_mine:OTHER", "nowhere:OWN"):
+        with pytest.raises(ComparisonError, match=f"'{name}': .*(OTHER|nowhere)"):
+            tasks.load(name)
+    with pytest.raises(ComparisonError, match="'math:pi' is a float; expected a Task"):
+        tasks.load("math:pi")
+
+
+def test_another_package_can_register_a_task(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = EntryPoint("theirs", "aicon_baselines.tasks.nav2d:TASK", "aicon.tasks")
+    monkeypatch.setattr(registry, "entry_points", lambda group: [entry])
+    registry._sources.cache_clear()
+    try:
+        assert tasks.names() == ("nav2d", "pusht", "arm_push", "reach", "theirs")
+        assert tasks.load("theirs").name == "theirs"
+    finally:
+        monkeypatch.undo()
+        registry._sources.cache_clear()
 
 
 @pytest.mark.parametrize("name", TASKS)

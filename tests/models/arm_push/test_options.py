@@ -1,10 +1,10 @@
 import pytest
 
+from aicon_baselines import agents
 from aicon_torch import NullspaceProjection, OptionError, SteepestPath, Sum, make_policy
 from aicon_torch.models.arm_push import CameraOptions, MotionLimitOptions, Options, TouchOptions
 
 pytest.importorskip("gymnasium")
-from aicon_baselines.ablations.arm_push import ABLATIONS
 
 WIDE = ((-0.25, -0.25), (0.25, -0.25), (0.25, 0.25), (-0.25, 0.25))
 
@@ -23,6 +23,9 @@ def test_the_presets_are_ours_and_the_baselines():
     for preset, kind in resolutions.items():
         policy = make_policy("arm_push", preset=preset, sensing="pose")
         assert type(policy.resolution) is kind
+
+
+ABLATIONS = agents.ablations("arm_push")
 
 
 @pytest.mark.parametrize("name", ABLATIONS)
