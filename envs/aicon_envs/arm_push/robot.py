@@ -151,6 +151,8 @@ def _add_tool(spec: mujoco.MjSpec, flange: str) -> mujoco.MjsBody:
     tool.add_site(name="wrench", size=[0.005, 0.0, 0.0], rgba=_INVISIBLE)
     tool.add_site(name="tip", pos=[0, 0, STICK_LENGTH], size=[0.004, 0.0, 0.0], rgba=_INVISIBLE)
 
+    # With a higher priority than all others the friction at the stick is its own; of two equals
+    # MuJoCo would take the larger.
     tool.add_geom(
         name="stick",
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -160,7 +162,7 @@ def _add_tool(spec: mujoco.MjSpec, flange: str) -> mujoco.MjsBody:
         contype=groups.ROBOT,
         conaffinity=groups.ROBOT | groups.OBJECT | groups.TABLE,
         friction=[0.2, 0.005, 0.0001],
-        priority=1,
+        priority=2,
         condim=4,
     )
 

@@ -64,3 +64,22 @@ def test_a_joint_that_was_blocked_turns_back_at_once(env: ArmPushEnv) -> None:
 
     after, *_ = [env.step(-down) for _ in range(30)][-1]
     assert after["q"][1] < blocked["q"][1] - 0.05
+
+
+@pytest.mark.parametrize("friction", [0.175, 0.525])
+def test_the_friction_at_the_stick_is_its_own_whatever_the_objects(friction: float) -> None:
+    env = ArmPushEnv(obs_type="pose", friction=friction)
+    env.reset(seed=0)
+    simulation = env._simulation
+    assert frictions_at(env, "table") == {friction}
+
+    x, y, _ = simulation.data.site("tip").xpos
+    simulation.place((x, y, 0.0))  # into the stick
+    assert frictions_at(env, "stick") == {0.2}
+
+
+def frictions_at(env: ArmPushEnv, geom: str) -> set[float]:
+    """Coefficients of sliding friction where a shape touches others."""
+    simulation = env._simulation
+    shape = simulation.model.geom(geom).id
+    return {float(c.friction[0]) for c in simulation.data.contact if shape in c.geom}
