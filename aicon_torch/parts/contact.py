@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.parts.planar import norm, quarter_turn
+from aicon_torch.vectors import select
 
 END_TOLERANCE = 1e-6
 """Distance from the end of a side within which a point counts as that end, m: what single precision
@@ -47,9 +48,21 @@ def closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
 
 def fixed_closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
     """x_contact as a constant, ``(*B, 2)``, m, which leaves out p₂, the path over its position."""
-    return closest_point(
-        x_pusher, x_side
-    ).detach()  # stops the gradient by the position of the contact
+    contact = closest_point(x_pusher, x_side)
+    return contact.detach()  # stops the gradient by the position of the contact
+
+
+def nearest_point(x_pusher: Tensor, sides: Tensor) -> tuple[Tensor, Tensor]:
+    """The point of an object with K sides ``(*B, K, 4)`` that is closest to the pusher ``(*B, 2)``.
+
+    Returns:
+        The point ``(*B, 2)``, m, and its distance ``(*B, 1)``, m.
+    """
+    pusher = x_pusher.unsqueeze(-2)
+    points = closest_point(pusher, sides)
+    distances = norm(points - pusher)
+    nearest = distances.argmin(-1, keepdim=True)
+    return select(points, nearest), distances.gather(-1, nearest)
 
 
 def is_interior(point: Tensor, x_side: Tensor) -> Tensor:

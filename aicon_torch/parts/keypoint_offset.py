@@ -12,10 +12,10 @@ import torch
 from torch import Tensor
 from torch.nn.functional import pad
 
-from aicon_torch.parts.contact import closest_point
+from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
-from aicon_torch.vectors import select, unit
+from aicon_torch.vectors import unit
 
 DEPTH_SHARE = 0.05
 """Depth to which a pusher gets into an object, by how far the object moves in the step."""
@@ -107,10 +107,9 @@ class KeypointOffset:
 
     def _from_object(self, x_offset: Tensor, z_keypoints: Tensor, z_pusher: Tensor) -> Tensor:
         """From the nearest point of the object to the pusher, ``(*B, 2)``, m."""
-        pusher = (z_pusher + x_offset[..., :2]).unsqueeze(-2)
-        sides = self.body.sides(_points(z_keypoints))
-        away = pusher - closest_point(pusher, sides)
-        return select(away, norm(away).argmin(-1, keepdim=True))
+        pusher = z_pusher + x_offset[..., :2]
+        point, _ = nearest_point(pusher, self.body.sides(_points(z_keypoints)))
+        return pusher - point
 
 
 def _points(z_keypoints: Tensor) -> Tensor:

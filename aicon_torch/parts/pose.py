@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from aicon_torch.parts.contact import closest_point
+from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn
 from aicon_torch.parts.rigid_object import RigidObject
-from aicon_torch.vectors import select
 
 NO_FORCE = 1e-12
 """Motion along the normal that counts as none, m."""
@@ -66,11 +65,8 @@ class PoseMotion:
         """The object's motion ``(*B, 3)`` while the pusher makes a short motion ``(*B, 2)``."""
         # The nearest side before the motion.
         body = self.dynamics.body
-        points = closest_point(pusher.unsqueeze(-2), body.sides(body.keypoints_at(pose)))
-        distances = norm(points - pusher.unsqueeze(-2))
-        nearest = distances.argmin(-1, keepdim=True)
-        point = select(points, nearest)
-        gap = distances.gather(-1, nearest).squeeze(-1) - self.radius
+        point, distance = nearest_point(pusher, body.sides(body.keypoints_at(pose)))
+        gap = distance.squeeze(-1) - self.radius
 
         # How far the pusher went beyond it, and what that does.
         normal = (point - pusher) / (gap + self.radius).unsqueeze(-1)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.parts.contact import closest_point
+from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.rigid_object import RigidObject
@@ -81,15 +81,9 @@ class TouchedSide:
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor) -> Tensor:
         """The gap ``(*B, 1)``, m, between an object at ``(*B, 3)`` and a tool at ``(*B, 2)``."""
-        pusher = (
-            x_pusher.detach()
-        )  # the pose of the object is to follow from the touch, not the tool
-        sides = self.body.sides(self.body.keypoints_at(x_pose))
-        points = closest_point(pusher.unsqueeze(-2), sides)
-
-        distances = norm(points - pusher.unsqueeze(-2))
-        nearest = distances.argmin(-1, keepdim=True)
-        return distances.gather(-1, nearest) - self.radius
+        pusher = x_pusher.detach()  # the object's pose is to follow from the touch, not the tool
+        _, distance = nearest_point(pusher, self.body.sides(self.body.keypoints_at(x_pose)))
+        return distance - self.radius
 
     def variance(self, x_force: Tensor) -> Tensor:
         """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²: of no use where there is none."""

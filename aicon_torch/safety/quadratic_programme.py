@@ -1,5 +1,6 @@
 """The action nearest to a wish that keeps linear bounds: a quadratic programme in fixed sweeps."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
@@ -86,11 +87,13 @@ def _projected(
     earlier sweep changed too much is taken back. The least change for a row n is along M⁻¹n, and
     brings n·a forward by nᵀM⁻¹n.
     """
-    changes = rows.normals if inverse is None else rows.normals @ inverse
-    effects = (changes * rows.normals).sum(-1)
-    effects = torch.ones_like(effects) if inverse is None else effects.where(effects > 0.0, 1.0)
-    normal_of, change_of = rows.normals.unbind(-2), changes.unbind(-2)
-    bound_of, effect_of = rows.bounds.unbind(-1), effects.unbind(-1)
+    normal_of, bound_of = rows.normals.unbind(-2), rows.bounds.unbind(-1)
+    change_of: Sequence[Tensor] = normal_of
+    effect_of: Sequence[float | Tensor] = (1.0,) * len(normal_of)
+    if inverse is not None:
+        changes = rows.normals @ inverse
+        effects = (changes * rows.normals).sum(-1)
+        change_of, effect_of = changes.unbind(-2), effects.where(effects > 0.0, 1.0).unbind(-1)
 
     action, push = wish, torch.zeros_like(wish)
     multipliers = [torch.zeros_like(bound) for bound in bound_of]

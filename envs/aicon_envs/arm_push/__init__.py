@@ -1,7 +1,7 @@
 """Pushing an object to a pose with an arm, simulated by MuJoCo."""
 
 import aicon_envs.arm_push.opengl  # noqa: F401  # before MuJoCo is imported
-from aicon_envs.arm_push.arms import ARMS, Arm
+from aicon_envs.arm_push.arms import ARMS
 from aicon_envs.arm_push.description import describe
 from aicon_envs.arm_push.environment import ArmPushEnv
 from aicon_envs.arm_push.objects import (
@@ -15,7 +15,6 @@ __all__ = [
     "ARMS",
     "OBJECT_NAMES",
     "PIXELS_PER_METRE",
-    "Arm",
     "ArmPushEnv",
     "Prism",
     "describe",

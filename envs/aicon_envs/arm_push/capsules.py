@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.arm_push import robot
-from aicon_envs.arm_push.arms import Arm
 from aicon_envs.reach.description_checks import link_name
-from aicon_envs.reach.robots import find_file
+from aicon_envs.reach.robots import Robot, find_file
 
 FloatArray = NDArray[np.float64]
 
@@ -20,7 +19,7 @@ Capsule = tuple[int, Vector, Vector, float]
 """Link (0: base, i: after joint i, n + 1: tool), both ends in its frame (m), radius (m)."""
 
 
-def robot_capsules(arm: Arm, joints: Sequence[str]) -> list[Capsule]:
+def robot_capsules(arm: Robot, joints: Sequence[str]) -> list[Capsule]:
     """Return the capsules of an arm's description and those of the tool.
 
     Args:

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.arm_push.arms import Arm, resolve_arm
+from aicon_envs.arm_push.arms import ARMS
 from aicon_envs.arm_push.capsules import robot_capsules
 from aicon_envs.arm_push.description import describe
 from aicon_envs.arm_push.hand_camera import HandCamera
@@ -41,6 +41,7 @@ from aicon_envs.checks import (
     check_numbers,
     check_render_mode,
 )
+from aicon_envs.reach.robots import Robot, resolve_robot
 
 SUCCESS_DISTANCE = 0.01
 """Largest distance between object and target for success, m."""
@@ -100,7 +101,7 @@ class ArmPushEnv(gym.Env[Observation, Action]):
     ## Arguments
     | argument | meaning |
     |---|---|
-    | `robot` | "panda", "ur5" or an `Arm` |
+    | `robot` | "panda", "ur5" or a `Robot` |
     | `obs_type` | "rgbd" or "pose" |
     | `render_mode` | None or "rgb_array" |
     | `render_camera` | "outside" or "hand" |
@@ -136,7 +137,7 @@ class ArmPushEnv(gym.Env[Observation, Action]):
 
     def __init__(
         self,
-        robot: str | Arm = "panda",
+        robot: str | Robot = "panda",
         obs_type: ObsType = "rgbd",
         render_mode: str | None = None,
         render_camera: str = "outside",
@@ -166,7 +167,7 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         check_number("mass", mass, positive=True)
         check_number("friction", friction, positive=True)
 
-        self.robot = resolve_arm(robot)
+        self.robot = resolve_robot(robot, ARMS)
         self.object = resolve_object(object)
         self.obs_type = obs_type
         self.render_mode = check_render_mode(render_mode)

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.arm_push.arms import Arm
 from aicon_envs.checks import check_numbers
+from aicon_envs.reach.robots import Robot
 
 FloatArray = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ _TOO_FAR = 4000
 """Where no arm reaches, mm."""
 
 
-def find_home(model: mujoco.MjModel, arm: Arm) -> FloatArray:
+def find_home(model: mujoco.MjModel, arm: Robot) -> FloatArray:
     """Return an arm's home, ``(n,)``, rad; by default the middles of its joints' limits.
 
     Raises:

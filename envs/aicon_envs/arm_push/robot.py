@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.arm_push import collision_groups as groups
-from aicon_envs.arm_push.arms import Arm
 from aicon_envs.arm_push.urdf import load_arm
 from aicon_envs.reach.contacts import SAMPLES, excluded_pairs
+from aicon_envs.reach.robots import Robot
 from aicon_envs.reach.scene import draw_postures
 from aicon_envs.reach.urdf import Description
 
@@ -47,7 +47,7 @@ _LAG = 0.1
 _INVISIBLE = [0, 0, 0, 0]
 
 
-def equip_robot(spec: mujoco.MjSpec, arm: Arm, description: Description) -> None:
+def equip_robot(spec: mujoco.MjSpec, arm: Robot, description: Description) -> None:
     """Make the arm of a description a robot: bodies, servos, tool, camera and sensors.
 
     Raises:
@@ -207,7 +207,7 @@ def _add_wrist_sensor(spec: mujoco.MjSpec) -> None:
 
 
 @lru_cache(maxsize=8)  # what is pushed changes nothing of it
-def _excluded_contacts(arm: Arm) -> list[tuple[str, str]]:
+def _excluded_contacts(arm: Robot) -> list[tuple[str, str]]:
     """Return the pairs of links whose contacts mean nothing, those with the tool among them."""
     description = load_arm(arm)
     spec = mujoco.MjSpec.from_string(description.text, assets=dict(description.assets))

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.arm_push import collision_groups as groups
-from aicon_envs.arm_push.arms import Arm
 from aicon_envs.arm_push.objects import THICKNESS, Prism
 from aicon_envs.arm_push.robot import equip_robot
 from aicon_envs.arm_push.urdf import load_arm
+from aicon_envs.reach.robots import Robot
 
 TABLE = ((0.25, 0.95), (-0.55, 0.55))
 """Extent of the table in x and y, m."""
@@ -25,7 +25,7 @@ TARGET_HEIGHT = -THICKNESS / 2 + 0.001
 
 
 def build_scene(
-    arm: Arm,
+    arm: Robot,
     object: Prism,
     mass: float = 0.5,
     friction: float = 0.35,

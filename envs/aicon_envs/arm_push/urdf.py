@@ -3,13 +3,13 @@
 from functools import lru_cache
 from xml.etree import ElementTree
 
-from aicon_envs.arm_push.arms import Arm
 from aicon_envs.reach.description_checks import link_name
+from aicon_envs.reach.robots import Robot
 from aicon_envs.reach.urdf import Description, read_description
 
 
 @lru_cache(maxsize=8)
-def load_arm(arm: Arm) -> Description:
+def load_arm(arm: Robot) -> Description:
     """Return the description of an arm whose flange is free.
 
     Raises:

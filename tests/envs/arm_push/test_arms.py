@@ -9,8 +9,8 @@ import pytest
 
 pytest.importorskip("aicon_envs.arm_push")
 
-from aicon_envs.arm_push import ARMS, Arm, ArmPushEnv
-from aicon_envs.reach import ROBOTS
+from aicon_envs.arm_push import ARMS, ArmPushEnv
+from aicon_envs.reach import ROBOTS, Robot
 
 UR5 = ARMS["ur5"]
 
@@ -83,16 +83,18 @@ def test_a_robot_that_touches_itself_has_no_gap(env: ArmPushEnv) -> None:
 @pytest.mark.parametrize(
     ("robot", "message"),
     [
-        ("pr2", "robot must be an Arm or one of panda, ur5, got 'pr2'"),
-        (ROBOTS["ur5"], "robot must be an Arm"),
+        ("pr2", "robot must be a Robot or one of panda, ur5, got 'pr2'"),
         (replace(UR5, tip="hand"), "tip must be a link of ur5_joint_limited_robot.urdf"),
         (replace(UR5, home=(0.0, 1.0)), "home must be 6 finite numbers within the limits"),
         (replace(UR5, home=(9.0,) * 6), "home must be 6 finite numbers within the limits"),
         (replace(UR5, gains=((1.0, 1.0),)), "gains must be one pair for each of 6 joints"),
         (replace(UR5, capsules=ARMS["panda"].capsules), "capsules must be a URDF with the joint"),
-        (Arm(ROBOTS["so101"].urdf, ROBOTS["so101"].tip), "must be moved by 6 joints or more"),
-        (Arm(ROBOTS["kinova"].urdf, ROBOTS["kinova"].tip), "joint j2s6s200_joint_1 must have lim"),
-        (Arm(ROBOTS["tiago"].urdf, ROBOTS["tiago"].tip), "joint torso_lift_joint must turn"),
+        (Robot(ROBOTS["so101"].urdf, ROBOTS["so101"].tip), "must be moved by 6 joints or more"),
+        (
+            Robot(ROBOTS["kinova"].urdf, ROBOTS["kinova"].tip),
+            "joint j2s6s200_joint_1 must have lim",
+        ),
+        (Robot(ROBOTS["tiago"].urdf, ROBOTS["tiago"].tip), "joint torso_lift_joint must turn"),
     ],
 )
 def test_an_arm_that_cannot_push_says_why(robot: Any, message: str) -> None:
