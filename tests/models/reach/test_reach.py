@@ -29,7 +29,7 @@ def test_an_arm_reaches_positions_within_its_limits(name: str) -> None:
     policy = make_policy("reach", robot=robot, speed=1.5)
     start = (robot.chain.low.clamp(min=-3) + robot.chain.high.clamp(max=3)) / 2
 
-    way, _ = reach(policy, start.expand(6, -1), seconds=12, target_position=targets)
+    way, _ = reach(policy, start.expand(6, -1), seconds=8, target_position=targets)
     found = robot.chain(way[-1])[:, :3, 3]
     assert ((found - targets).norm(dim=-1) < 0.01).sum() >= 5
     assert (way > robot.chain.low).all()
@@ -98,7 +98,7 @@ def test_an_arm_as_many_times_as_fast_takes_the_same_way() -> None:
     torch.testing.assert_close(*ways, rtol=0, atol=1e-5)
 
 
-@pytest.mark.parametrize("ball_speed", [0.0, 0.3])
+@pytest.mark.parametrize("ball_speed", [pytest.param(0.0, marks=pytest.mark.slow), 0.3])
 def test_an_arm_gives_way_to_a_ball(ball_speed: float) -> None:
     robot = planar_arm()
     assert robot.shape is not None
