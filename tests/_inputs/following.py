@@ -23,6 +23,10 @@ from aicon_torch import (
 Readings = list[dict[str, Tensor]]
 
 
+def moved(a: Tensor, dt: Tensor) -> Tensor:
+    return a * dt
+
+
 def distance(p: Tensor) -> Tensor:
     return (p * p).sum(-1).sqrt()
 
@@ -40,7 +44,7 @@ def follower(cost: Callable[..., Tensor] = distance) -> Policy:
         sensors={"z": Sensor(2, "m", optional=True)},
         actuators={"a": Actuator(2, "m/s", limit=1.0)},
         estimators=[
-            Deterministic("x", lambda a, dt: a * dt, is_motion=True),
+            Deterministic("x", moved, is_motion=True),
             EKF(
                 "p",
                 "P",

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 import torch
-from _inputs import drifting
+from _inputs import drifting, lean
 from torch import Tensor
 
 from aicon_torch import (
@@ -17,7 +17,6 @@ from aicon_torch import (
     Policy,
     Sensor,
     WorldModel,
-    make_policy,
 )
 from aicon_torch.export.codegen import has_compiler
 from aicon_torch.parts import Landmark, clock
@@ -204,7 +203,7 @@ def test_another_memory_is_refused_as_ever() -> None:
 
 def test_the_navigation_takes_a_goal_in_the_middle_of_an_episode() -> None:
     """What it remembers of exploring and of its motion goes on with the rest."""
-    policy, memory = make_policy("nav2d"), None
+    policy, memory = lean("nav2d"), None
     readings = drifting(40)
     for reading in readings[:30]:
         _, memory = policy.predict(reading, memory)

@@ -16,12 +16,12 @@ from aicon_torch.models import presets
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
 def test_singles_are_rows_of_a_batch(preset: str) -> None:
-    assert_rows_stand_alone(navigation(preset), drifting(100, (3,)), rows=(0, 2))
+    assert_rows_stand_alone(navigation(preset), drifting(40, (3,)), rows=(0, 2))
 
 
 def test_singles_are_rows_of_a_batch_without_a_softmax() -> None:
     policy = with_rule(navigation(), temperature=None)
-    assert_rows_stand_alone(policy, drifting(100, (3,)), rows=(0, 2))
+    assert_rows_stand_alone(policy, drifting(40, (3,)), rows=(0, 2))
 
 
 def test_the_batch_may_have_any_number_of_dimensions() -> None:
@@ -40,16 +40,16 @@ def test_the_recorded_readings_make_it_explore() -> None:
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest"])
 def test_an_episode_goes_on_after_saving_and_loading(preset: str) -> None:
-    policy, recorded = navigation(preset), drifting(80)
+    policy, recorded = navigation(preset), drifting(40)
     straight = rollout(policy, recorded)
 
     saved = io.BytesIO()
-    torch.save(straight[39], saved)
+    torch.save(straight[19], saved)
     saved.seek(0)
     memory = torch.load(saved, weights_only=True)
 
     other = lean("nav2d", preset=preset)
-    for reading, expected in zip(recorded[40:], straight[40:], strict=True):
+    for reading, expected in zip(recorded[20:], straight[20:], strict=True):
         _, memory = other.predict(reading, memory)
         assert_same_memory(memory, expected, 0.0)
 

@@ -7,6 +7,7 @@ In a tutorial, and on the first page, the blocks follow on each other: test_tuto
 import contextlib
 import importlib.util
 import io
+from typing import Any
 
 import pytest
 from _documents import Block, all_blocks
@@ -19,6 +20,9 @@ BLOCKS = [
 ELSEWHERE = "aicon_envs.reach"  # README's arm takes a while: tests/models/reach/test_readme.py
 PROGRAMS = [block for block in BLOCKS if "import " in block.code and ELSEWHERE not in block.code]
 FRAGMENTS = [block for block in BLOCKS if "import " not in block.code] + all_blocks("py")
+
+LONG = ("aicon/ArmPush", "Capsules.from_urdf")
+"""What takes a while: a program with one of these runs with the slow tests."""
 
 NEEDED = {
     "aicon/PushT": "pymunk",
@@ -33,7 +37,12 @@ def test_a_fragment_is_python(block: Block) -> None:
     compile(block.code, str(block), "exec")
 
 
-@pytest.mark.parametrize("block", PROGRAMS, ids=str)
+def marked(block: Block) -> Any:
+    is_long = any(word in block.code for word in LONG)
+    return pytest.param(block, marks=[pytest.mark.slow] * is_long, id=str(block))
+
+
+@pytest.mark.parametrize("block", [marked(block) for block in PROGRAMS])
 def test_a_program_runs(block: Block) -> None:
     for environment, module in NEEDED.items():
         if environment in block.code and importlib.util.find_spec(module) is None:

@@ -7,7 +7,9 @@ import os
 import re
 import sys
 import types
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from _documents import ROOT
@@ -37,7 +39,15 @@ def test_each_tutorial_is_on_the_site_and_runs_one_way_or_the_other() -> None:
         assert f"tutorials/{name}\n" in contents
 
 
-@pytest.mark.parametrize("name", NEEDED)
+QUICK = ("shield",)
+"""The others take longer, and run with the slow tests."""
+
+
+def marked(names: Iterable[str]) -> list[Any]:
+    return [pytest.param(n, marks=[] if n in QUICK else pytest.mark.slow) for n in names]
+
+
+@pytest.mark.parametrize("name", marked(NEEDED))
 def test_the_program_of_a_tutorial_runs_and_prints_what_it_says(name: str) -> None:
     for module in NEEDED[name]:
         pytest.importorskip(module)
@@ -83,7 +93,7 @@ def run_page(page: Path) -> str:
     return printed.getvalue()
 
 
-@pytest.mark.parametrize("name", NOTEBOOKS)
+@pytest.mark.parametrize("name", marked(NOTEBOOKS))
 def test_a_notebook_runs_and_prints_what_its_page_says(name: str, tmp_path: Path) -> None:
     for module in ("jupytext", "nbclient", "ipykernel", "matplotlib"):
         if importlib.util.find_spec(module) is None:

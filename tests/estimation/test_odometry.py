@@ -2,6 +2,7 @@
 
 import pytest
 import torch
+from _inputs import quick
 from torch import Tensor
 
 from aicon_torch import (
@@ -81,7 +82,7 @@ def test_the_wheels_say_how_fast_it_was_and_the_model_how_it_can_be_changed() ->
 @pytest.mark.parametrize("is_motion", [True, False])
 def test_what_is_a_motion_is_averaged_as_it_is(is_motion: bool) -> None:
     """Of another quantity it is the change that counts, which at a constant speed is none."""
-    policy = policy_with(odometry(is_motion=is_motion))
+    policy = quick(policy_with(odometry(is_motion=is_motion)))
     assert policy.model.quantities["v"].is_motion == is_motion
 
     memory = None

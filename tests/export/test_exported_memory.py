@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_same_memory
-from _inputs import drifting, observation_with
 from _inputs.following import follower, wandering
 
-from aicon_torch import ExportedPolicy, Foresight, Policy, load_exported, make_policy
+from aicon_torch import ExportedPolicy, Policy, load_exported
 from aicon_torch.export.codegen import has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
@@ -33,7 +32,7 @@ def saved(value: Any) -> Any:
 
 @pytest.fixture(scope="module", params=["exported", "compiled"])
 def policy(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    readable = make_policy("nav2d", law=Foresight(iterations=2))
+    readable = follower()
     if request.param == "compiled":
         return readable.compile()
     path = tmp_path_factory.mktemp("exported") / "policy.so"
@@ -43,7 +42,7 @@ def policy(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 @pytest.mark.parametrize("copied", [saved, pickled, copy.copy, copy.deepcopy])
 def test_a_memory_goes_on_where_it_was(policy: Any, copied: Callable[[Any], Any]) -> None:
-    first, second = drifting(2, (3,))
+    first, second = wandering(2, (3,))
     _, memory = policy.predict(first)
     kept = copied(memory)
     assert_same_memory(kept, memory, 0.0)
@@ -55,7 +54,7 @@ def test_a_memory_goes_on_where_it_was(policy: Any, copied: Callable[[Any], Any]
 
 @pytest.mark.parametrize("copied", [pickled, copy.copy, copy.deepcopy])
 def test_a_policy_takes_the_same_steps(policy: Any, copied: Callable[[Any], Any]) -> None:
-    first, second = (observation_with(range=np.array([distance])) for distance in (1.0, 0.9))
+    first, second = wandering(2)
     _, memory = policy.predict(first)
     expected, _ = policy.predict(second, memory)
 
@@ -66,7 +65,7 @@ def test_a_policy_takes_the_same_steps(policy: Any, copied: Callable[[Any], Any]
 
 
 def test_a_copied_memory_is_its_own(policy: Any) -> None:
-    _, memory = policy.predict(observation_with())
+    _, memory = policy.predict(wandering(1)[0])
     kept = copy.deepcopy(memory)
     before = {name: value.clone() for name, value in memory.items()}
     kept.flat[:] = 0.0

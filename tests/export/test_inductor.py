@@ -43,6 +43,7 @@ def test_what_cannot_be_traced_runs_uncompiled() -> None:
     assert len(warned) == 1
 
 
+@pytest.mark.slow
 def test_without_a_compiler_it_runs_uncompiled(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -36,7 +36,7 @@ def assert_row_of_quantity(whole: QuantityTrace, alone: QuantityTrace, row: int)
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
 def test_a_batched_trace_is_the_traces_of_its_rows(preset: str) -> None:
-    policy, recorded = navigation(preset), drifting(40, (3,))
+    policy, recorded = navigation(preset), drifting(15, (3,))
     whole = policy.trace(rollout(policy, recorded)[-1])
 
     for row in range(3):

@@ -46,7 +46,10 @@ MODELS = {
 }
 """A policy, readings, and the number of steps after which it must stand."""
 
-each_model = pytest.mark.parametrize("name", MODELS)
+each_model = pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] * (n == "arm_push, late")) for n in MODELS],
+)
 
 
 def blind(reading: Reading, name: str) -> Reading:

@@ -55,7 +55,13 @@ def crossing(count: int, seed: int = 1000) -> tuple[Tensor, Tensor, Tensor]:
     return poses, meeting - velocity * time.unsqueeze(-1), velocity
 
 
-@pytest.mark.parametrize("wheels", [DRIVE, CAR], ids=["differential drive", "bicycle"])
+@pytest.mark.parametrize(
+    "wheels",
+    [
+        pytest.param(DRIVE, id="differential drive"),
+        pytest.param(CAR, id="bicycle", marks=pytest.mark.slow),
+    ],
+)
 def test_a_robot_arrives_and_touches_nobody_who_crosses_its_way(wheels: Wheels) -> None:
     poses, people, velocity = crossing(64)
     is_clear = spine_gap(wheels, poses, people) > 0.5

@@ -56,7 +56,13 @@ def test_without_a_point_ahead_most_do_not_arrive() -> None:
     assert arrived.sum() <= 2
 
 
-@pytest.mark.parametrize("wheels", [DRIVE, CAR], ids=["differential drive", "bicycle"])
+@pytest.mark.parametrize(
+    "wheels",
+    [
+        pytest.param(DRIVE, id="differential drive"),
+        pytest.param(CAR, id="bicycle", marks=pytest.mark.slow),
+    ],
+)
 def test_a_bearing_is_enough(wheels: Wheels) -> None:
     """Where the target is follows from how its bearing changes, in the robot's own axes."""
     poses = far_starts(count=64)

@@ -58,7 +58,7 @@ def check_rows(policy: Policy, hostile: list[tuple[float, float]], kind: Any) ->
 
 
 @pytest.mark.parametrize("kind", [np.asarray, torch.as_tensor])
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(hostile=STEPS)
 def test_one_bad_row_touches_no_other(kind: Any, hostile: list[tuple[float, float]]) -> None:
     check_rows(PROMPT, hostile, kind)
@@ -90,7 +90,7 @@ def test_a_memory_that_is_not_finite_heals_by_row() -> None:
 ARGUMENTS = st.none() | st.integers() | st.text(max_size=3) | st.lists(st.floats(), max_size=3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(bearing=ARGUMENTS, state=ARGUMENTS | st.dictionaries(st.text(max_size=2), st.integers()))
 def test_wrong_arguments_are_named(bearing: Any, state: Any) -> None:
     """What is no observation or no memory is an error of the library, never a bare one."""

@@ -19,8 +19,16 @@ def compiled(task: Task, condition: str) -> Policy:
     return make_policy(task.name, **task.policy_options(condition)).compile()
 
 
-@pytest.mark.parametrize(("name", "episodes", "horizon"), [("nav2d", 17, 250), ("pusht", 10, 80)])
-@pytest.mark.parametrize("besides", ["", "+late", "+jitter"])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    ("name", "episodes", "horizon"),
+    [("nav2d", 17, 250), pytest.param("pusht", 10, 80, marks=SLOW)],
+)
+@pytest.mark.parametrize(
+    "besides", ["", pytest.param("+late", marks=SLOW), pytest.param("+jitter", marks=SLOW)]
+)
 def test_it_rests_and_nothing_is_hit(
     name: str, episodes: int, horizon: int, besides: str, longest: float = 0.3
 ) -> None:

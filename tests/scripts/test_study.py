@@ -1,28 +1,28 @@
-"""The script that compares variants, as users start it."""
+"""The script that compares variants."""
 
-import subprocess
-import sys
 from pathlib import Path
 
-SCRIPT = Path(__file__).parents[2] / "scripts" / "study.py"
+import pytest
+
+import study
+from aicon_baselines.cli.command_line import run_command
+
+SHORT = ["--task", "nav2d", "--episodes", "2", "--horizon", "5", "--no-compile"]
 
 
-def test_it_saves_and_prints_the_results(tmp_path: Path) -> None:
-    command = [sys.executable, str(SCRIPT), "--task", "nav2d", "--episodes", "2"]
-    command += ["--horizon", "20", "--variants", "resolution.temperature=1.0"]
-    command += ["--out", str(tmp_path / "new")]
-    result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+def test_it_saves_and_prints_the_results(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "new"
+    words = ["--variants", "resolution.temperature=1.0", "--out", str(out)]
+    run_command(study.COMMAND, [*SHORT, *words])
 
-    assert result.returncode == 0, result.stderr
-    assert "| resolution.temperature=1.0 | 0.0% (0.0% to 65.8%) |" in result.stdout
-    files = {path.name for path in (tmp_path / "new").iterdir()}
+    assert "| resolution.temperature=1.0 | 0.0% (0.0% to 65.8%) |" in capsys.readouterr().out
+    files = {path.name for path in out.iterdir()}
     assert files == {".lock", "config.json", "episodes.csv", "study.json", "study.png"}
 
 
-def test_it_says_what_is_wrong(tmp_path: Path) -> None:
-    command = [sys.executable, str(SCRIPT), "--task", "nav2d", "--variants", "law.no_such=1"]
-    result = subprocess.run(
-        [*command, "--out", str(tmp_path)], capture_output=True, text=True, check=False, timeout=300
-    )
-    assert result.returncode == 2
-    assert "variant 'law.no_such=1'" in result.stderr
+def test_it_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        run_command(study.COMMAND, [*SHORT, "--variants", "law.no_such=1", "--out", str(tmp_path)])
+    assert "variant 'law.no_such=1'" in capsys.readouterr().err

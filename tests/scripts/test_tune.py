@@ -85,7 +85,17 @@ def test_a_candidate_is_what_its_name_says(name: str, law: ActionLaw) -> None:
 def test_results_are_saved_and_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["--steps", "0.5", "--speeds", "0.5", "--episodes", "1", "--out", str(tmp_path)]
+    words = [
+        "--no-compile",
+        "--steps",
+        "0.5",
+        "--speeds",
+        "0.5",
+        "--episodes",
+        "1",
+        "--out",
+        str(tmp_path),
+    ]
     load = tune.load
 
     def load_short_task(name: str) -> object:

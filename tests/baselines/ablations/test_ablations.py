@@ -4,11 +4,10 @@ import importlib
 
 import pytest
 from _asserts import rollout
-from _inputs import drifting
+from _inputs import drifting, lean
 from _inputs.pushing import wandering
 
 from aicon_baselines import agents
-from aicon_torch import make_policy
 from aicon_torch.models import presets, replace_options
 
 TASKS = ("nav2d", "pusht")
@@ -19,7 +18,7 @@ EVERY = [(task, name) for task in TASKS for name in agents.ablations(task)]
 
 @pytest.mark.parametrize(("task", "name"), EVERY)
 def test_every_ablation_builds_and_acts(task: str, name: str) -> None:
-    policy = make_policy(task, **agents.ablations(task)[name])
+    policy = lean(task, **agents.ablations(task)[name])
     observations = drifting(3, (2,)) if task == "nav2d" else wandering(3, 2)
     for memory in rollout(policy, observations):
         assert all(value.isfinite().all() for value in memory.values())

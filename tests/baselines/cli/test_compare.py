@@ -26,38 +26,42 @@ def aicon_compare(*words: str, task: str = "nav2d") -> subprocess.CompletedProce
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 
 
+SHORT = ["--policies", "aicon", "steepest", "--episodes", "2", "--horizon", "4", "--no-compile"]
+
+
 @pytest.mark.parametrize("task", TASKS)
-def test_it_saves_and_prints_the_results(tmp_path: Path, task: str) -> None:
-    words = [
-        "--policies",
-        "aicon",
-        "steepest",
-        "--episodes",
-        "2",
-        "--horizon",
-        "10",
-        "--no-compile",
-    ]
-    result = aicon_compare(*words, "--out", str(tmp_path), task=task)
-    assert result.returncode == 0, result.stderr
+def test_it_saves_and_prints_the_results(
+    tmp_path: Path, task: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["compare", "--task", task, *SHORT, "--out", str(tmp_path)])
+    printed = capsys.readouterr().out
 
     condition = tasks.load(task).conditions[0]
-    assert f"| {condition} | aicon | 0/2 = 0.0% (0.0% to 65.8%) |" in result.stdout
-    assert ", aicon: failed with seed 0 (" in result.stdout
+    assert f"| {condition} | aicon | 0/2 = 0.0% (0.0% to 65.8%) |" in printed
+    assert ", aicon: failed with seed 0 (" in printed
     files = {path.name for path in tmp_path.iterdir()}
     saved = {"config.json", "episodes.csv", "success_curve.png", "summary.json"}
     assert files == {".lock", *saved}
 
 
-def test_it_says_what_is_wrong(tmp_path: Path) -> None:
-    result = aicon_compare("--policies", "oracle", "--out", str(tmp_path / "new"))
-    assert result.returncode == 2
+def test_it_runs_in_a_process_of_its_own(tmp_path: Path) -> None:
+    result = aicon_compare(*SHORT, "--out", str(tmp_path))
+    assert result.returncode == 0, result.stderr
+    assert "| aicon | 0/2 = 0.0% (0.0% to 65.8%) |" in result.stdout
+
+
+def test_it_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wrong = ["--policies", "oracle", "--out", str(tmp_path / "new")]
+    with pytest.raises(SystemExit) as stopped:
+        main(["compare", "--task", "nav2d", *wrong])
+    assert stopped.value.code == 2
     message = "unknown policy 'oracle' for task 'nav2d'; valid policies: aicon, "
-    assert message in result.stderr
+    assert message in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
 
 
-@pytest.mark.parametrize("backend", ["loky", pytest.param("dask", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["loky", "dask"])
 def test_it_gives_the_same_rows_on_every_backend(backend: str, tmp_path: Path) -> None:
     """The real task, with workers that import everything themselves."""
     if backend == "dask":

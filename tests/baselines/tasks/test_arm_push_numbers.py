@@ -24,7 +24,7 @@ from aicon_baselines.tasks.arm_push_recording import count_turns, watch
 def test_the_numbers_of_episodes_are_a_row_each(tmp_path: Path) -> None:
     policy = factory("arm_push", "aicon", **{"law.iterations": 1})("true_pose")
     seen: list[EpisodeNumbers] = []
-    numbers = watch(policy, "true_pose", TASK.chunk(0, 0)[4:7], 30, seen.append, [4, 5])
+    numbers = watch(policy, "true_pose", TASK.chunk(0, 0)[4:7], 10, seen.append, [4, 5])
 
     assert [row.seed for row in numbers] == [4, 5] and sorted(seen) == numbers
     for row in numbers:
@@ -42,7 +42,7 @@ def test_the_numbers_of_episodes_are_a_row_each(tmp_path: Path) -> None:
 
 
 def test_episodes_are_those_of_a_comparison() -> None:
-    horizon, episodes = 40, TASK.chunk(0, 0)[:2]
+    horizon, episodes = 12, TASK.chunk(0, 0)[:2]
     policy = factory("arm_push", "aicon", **{"law.iterations": 1})("true_pose")
     task = replace(TASK, horizon=horizon)
     outcome = rollout(policy, task, "true_pose", episodes, [0, 1])

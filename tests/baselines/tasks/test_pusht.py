@@ -7,9 +7,8 @@ import pytest
 
 pytest.importorskip("pymunk")
 
-from _inputs import quick
+from _inputs import driven
 
-from aicon_baselines.agents.registry import make
 from aicon_baselines.evaluation.rollout import rollout
 from aicon_baselines.evaluation.task import Episode
 from aicon_baselines.tasks import pusht
@@ -53,16 +52,20 @@ def test_the_policy_is_told_lengths_in_metres() -> None:
     assert sorted(told["outline_order"]) == list(range(len(corners)))
 
 
-def test_aicon_pushes_the_t_in_place_where_sum_and_steepest_path_do_not() -> None:
+@pytest.mark.parametrize(
+    ("preset", "succeeds"),
+    [
+        ("aicon", True),
+        pytest.param("potential_field", False, marks=pytest.mark.slow),
+        pytest.param("steepest", False, marks=pytest.mark.slow),
+    ],
+)
+def test_aicon_pushes_the_t_in_place_where_sum_and_steepest_path_do_not(
+    preset: str, succeeds: bool
+) -> None:
     """Whole episodes, within 60 steps."""
     seeds = (1000, 1016, 1022)
     episodes = [Episode(seed, 0, "uniform") for seed in seeds]
     task = replace(TASK, horizon=60)
-
-    success = {}
-    for name in ("aicon", "potential_field", "steepest"):
-        outcome = rollout(quick(make("pusht", name)), task, "deterministic", episodes, seeds)
-        success[name] = outcome.success.tolist()
-
-    assert success["aicon"] == [True, True, True]
-    assert success["potential_field"] == success["steepest"] == [False, False, False]
+    outcome = rollout(driven("pusht", preset=preset), task, "deterministic", episodes, seeds)
+    assert outcome.success.tolist() == [succeeds] * 3

@@ -17,7 +17,7 @@ from aicon_baselines.view.space import MuJoCoScene
 CONDITIONS = {"arm_push": "true_pose", "reach": "panda_pose_home_ball"}
 
 
-@pytest.fixture(scope="module", params=CONDITIONS)
+@pytest.fixture(scope="module", params=["arm_push", pytest.param("reach", marks=pytest.mark.slow)])
 def scene(request: pytest.FixtureRequest) -> Iterator[MuJoCoScene]:
     """The scene of an episode that has just started."""
     server = serve("127.0.0.1", 0)

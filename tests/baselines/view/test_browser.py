@@ -22,14 +22,10 @@ WORLDS = {
 }
 
 
-@pytest.fixture(
-    scope="module",
-    params=[
-        "nav2d",
-        pytest.param("arm_push", marks=pytest.mark.slow),  # without a GPU a world in space
-        pytest.param("reach", marks=pytest.mark.slow),  # takes a minute to be painted
-    ],
-)
+pytestmark = pytest.mark.slow  # without a GPU a world in space takes a minute to be painted
+
+
+@pytest.fixture(scope="module", params=WORLDS)
 def view(request: pytest.FixtureRequest) -> LiveView:
     """A world that rests."""
     if request.param != "nav2d":

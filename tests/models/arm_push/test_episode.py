@@ -6,8 +6,9 @@ import pytest
 
 pytest.importorskip("aicon_envs.arm_push")
 
+from _inputs import driven
+
 from aicon_envs.arm_push import ArmPushEnv
-from aicon_torch import make_policy
 from aicon_torch.models.arm_push import PushingRobot
 
 SIDEWAYS: dict[str, Any] = {"object_pose": (0.52, 0.0, 1.57), "target_pose": (0.52, 0.04, 1.57)}
@@ -18,8 +19,8 @@ def push(name: str, steps: int, distance: float) -> dict[str, Any]:
     """What an arm has done when the object is so near its target, or after so many steps."""
     env = ArmPushEnv(name, obs_type="pose")
     observation, info = env.reset(seed=1000, options=SIDEWAYS)
-    robot = PushingRobot.from_description(env.description())
-    policy, memory = make_policy("arm_push", robot=robot, sensing="pose").compile(), None
+    other = {} if name == "panda" else {"robot": PushingRobot.from_description(env.description())}
+    policy, memory = driven("arm_push", sensing="pose", **other), None
 
     for _ in range(steps):
         action, memory = policy.predict(observation, memory)

@@ -35,7 +35,9 @@ def test_in_the_open_every_policy_arrives(preset: str) -> None:
     assert drive(driven("nav2d", preset=preset), [], 400) == (True, False)
 
 
-@pytest.mark.parametrize("dtype", [torch.float64, torch.float32], ids=str)
+@pytest.mark.parametrize(
+    "dtype", [torch.float64, pytest.param(torch.float32, marks=pytest.mark.slow)], ids=str
+)
 def test_aicon_gets_out_of_a_trap(dtype: torch.dtype) -> None:
     assert drive(driven("nav2d", dtype=dtype), TRAP, 1500) == (True, False)
 
@@ -62,7 +64,7 @@ def set_out(seed: int, **options: Any) -> tuple[float, float]:
     return sideways, float(memory["P_tar"].diagonal().sum())
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_it_triangulates_at_first(seed: int) -> None:
     """Panel (a) of the paper's figure: it leaves the straight line to learn the distance."""
     aside, certain = set_out(seed)

@@ -65,7 +65,8 @@ def test_equal_observations_are_equal_actions() -> None:
         observation, other = upstream.step(action)[0], ours.step(action)[0]
 
 
-@pytest.mark.parametrize("name", [pytest.param("L", marks=pytest.mark.slow), "Z"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["L", "Z"])
 def test_other_objects_are_pushed_too(name: str) -> None:
     there = OBJECTS[name]
     goal = (300.0, 220.0, -1.0)

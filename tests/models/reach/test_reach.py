@@ -11,7 +11,7 @@ from aicon_torch.models.reach import Robot
 from aicon_torch.parts import Obstacle, SelfCollision, Sphere, SquaredHinge
 from aicon_torch.parts.self_collision import CapsuleSegments
 
-ARMS = ("panda", "ur5", "xarm7")
+ARMS = ("panda", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ur5", "xarm7")))
 
 
 @functools.cache
@@ -29,7 +29,7 @@ def test_an_arm_reaches_positions_within_its_limits(name: str) -> None:
     policy = make_policy("reach", robot=robot, speed=1.5)
     start = (robot.chain.low.clamp(min=-3) + robot.chain.high.clamp(max=3)) / 2
 
-    way, _ = reach(policy, start.expand(6, -1), seconds=12, target_position=targets)
+    way, _ = reach(policy, start.expand(6, -1), seconds=8, target_position=targets)
     found = robot.chain(way[-1])[:, :3, 3]
     assert ((found - targets).norm(dim=-1) < 0.01).sum() >= 5
     assert (way > robot.chain.low).all()
@@ -37,7 +37,7 @@ def test_an_arm_reaches_positions_within_its_limits(name: str) -> None:
     assert (way.diff(dim=0).abs() <= 1.5 * DT + 1e-9).all()
 
 
-@pytest.mark.parametrize("name", ["panda", "ur5"])
+@pytest.mark.parametrize("name", [pytest.param("panda", marks=pytest.mark.slow), "ur5"])
 def test_an_arm_reaches_a_pose_near_by(name: str) -> None:
     pytest.importorskip("pytorch_kinematics")
     robot = arm(name)
@@ -83,7 +83,7 @@ def test_an_arm_never_touches_itself() -> None:
 
     start = torch.full((12, 5), 0.3, dtype=torch.float64)
     targets = targets_of(robot, 12, seed=1)[:, :3, 3]
-    way, _ = reach(policy, start, seconds=6, target_position=targets)
+    way, _ = reach(policy, start, seconds=4, target_position=targets)
     assert distance.distances(segments(way)).min() > 0.005
 
 
@@ -93,12 +93,12 @@ def test_an_arm_as_many_times_as_fast_takes_the_same_way() -> None:
     ways = []
     for factor in (1, 3):
         policy = make_policy("reach", robot=planar_arm(1.5 * factor), dt=DT / factor)
-        way, _ = reach(policy, start, 3.0 / factor, DT / factor, target_position=target)
+        way, _ = reach(policy, start, 1.5 / factor, DT / factor, target_position=target)
         ways.append(way)
     torch.testing.assert_close(*ways, rtol=0, atol=1e-5)
 
 
-@pytest.mark.parametrize("ball_speed", [0.0, 0.3])
+@pytest.mark.parametrize("ball_speed", [pytest.param(0.0, marks=pytest.mark.slow), 0.3])
 def test_an_arm_gives_way_to_a_ball(ball_speed: float) -> None:
     robot = planar_arm()
     assert robot.shape is not None

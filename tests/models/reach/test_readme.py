@@ -10,6 +10,7 @@ def test_they_are_ten_lines() -> None:
     assert sum(bool(line.strip()) for line in PROGRAM.code.splitlines()) <= 10
 
 
+@pytest.mark.slow
 def test_they_reach_the_target(capsys: pytest.CaptureFixture[str]) -> None:
     for module in ("pytorch_kinematics", "trimesh", "collada", "mujoco"):
         pytest.importorskip(module)

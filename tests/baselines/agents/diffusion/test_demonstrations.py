@@ -21,7 +21,10 @@ def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(demonstrations, "CHUNK_SIZE", 3)
 
 
-@pytest.mark.parametrize(("near", "speed"), [(0.0, 800.0), (1.0, 400.0)])
+@pytest.mark.parametrize(
+    ("near", "speed"),
+    [(0.0, 800.0), (1.0, 800.0), pytest.param(1.0, 400.0, marks=pytest.mark.slow)],
+)
 def test_a_demonstration_repeated_succeeds_at_its_last_step(near: float, speed: float) -> None:
     """Without noise, the recorded actions are all that the environment needs."""
     config = RecordingConfig(**QUICK | {"noises": (0.0,), "near": near, "max_speed": speed})

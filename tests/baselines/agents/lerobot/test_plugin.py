@@ -1,5 +1,6 @@
 """AICON inside LeRobot: its evaluator, on gym-pusht."""
 
+import functools
 from typing import Any
 
 import gymnasium as gym
@@ -11,7 +12,6 @@ pytest.importorskip("lerobot")
 pytest.importorskip("gym_pusht")
 pytest.importorskip("lerobot_policy_aicon")
 
-from _inputs import driven
 from lerobot.configs.policies import PreTrainedConfig
 from lerobot.envs.configs import PushtEnv
 from lerobot.envs.factory import make_env
@@ -20,10 +20,12 @@ from lerobot.policies.factory import make_pre_post_processors
 from lerobot.scripts.lerobot_eval import rollout
 
 import lerobot_policy_aicon
+from aicon_torch import make_policy
 
 KEYPOINTS = "environment_state_agent_pos"
 
 
+@functools.cache
 def build(**options: Any) -> Any:
     config = PreTrainedConfig.get_choice_class("aicon")(device="cpu", **options)
     return make_lerobot_policy(config, env_cfg=PushtEnv(obs_type=KEYPOINTS))
@@ -44,7 +46,11 @@ def test_the_distribution_registers_the_policy(plugin: Any) -> None:
     "options",
     [
         pytest.param({}, id="default"),
-        pytest.param({"preset": "paper_literal", "max_speed": 0.4}, id="preset and max_speed"),
+        pytest.param(
+            {"preset": "paper_literal", "max_speed": 0.4},
+            id="preset and max_speed",
+            marks=pytest.mark.slow,
+        ),
         pytest.param({"max_speed": 0.4}, id="max_speed", marks=pytest.mark.slow),
         pytest.param({"preset": "potential_field"}, id="preset", marks=pytest.mark.slow),
         pytest.param({"preset": "paper_literal"}, id="its own law", marks=pytest.mark.slow),
@@ -52,8 +58,8 @@ def test_the_distribution_registers_the_policy(plugin: Any) -> None:
 )
 def test_it_is_the_policy_of_the_library(options: dict[str, Any]) -> None:
     env = gym.make("gym_pusht:gym_pusht/PushT-v0", obs_type=KEYPOINTS, disable_env_checker=True)
-    plugin = build(**options)
-    reference, memory = driven("pusht", **options), None
+    plugin, reference, memory = build(**options), make_policy("pusht", **options), None
+    plugin.reset()
     observation, _ = env.reset(seed=1000)
 
     for _ in range(6):  # roundings grow along a chaotic run

@@ -63,6 +63,7 @@ def test_observations_are_shifted_by_standard_deviations(demos: Path, policy: Pa
         assert torch.allclose(seen[name].std(dim=0), torch.tensor(1.0), atol=1e-2)
 
 
+@pytest.mark.slow
 def test_training_lowers_the_loss(demos: Path, small: dict[str, Any], tmp_path: Path) -> None:
     config = TrainingConfig(200, **small | {"batch": 32}, learning_rate=3e-3)
     train(config, demos, tmp_path)

@@ -39,7 +39,10 @@ def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert all(path.exists() for path in summary.files)
 
 
-def test_summary_says_what_the_figure_shows(tmp_path: Path) -> None:
+def test_summary_says_what_the_figure_shows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, episode: PushRecording
+) -> None:
+    monkeypatch.setattr(figure, "record", lambda policy, seed: episode)
     summary = str(make_figure(tmp_path, video="none", progress=False))
     assert summary.startswith("arrival after")
     assert "(f)" in summary
