@@ -3,9 +3,7 @@
 The sensor feels d alone. ∇d is estimated from how d changes with the robot's motion.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -55,7 +53,8 @@ def range_residual(name: str = "x_obs", reading: str = "z_obs") -> Affine:
 def unit_gradient_residual(x_obs: Tensor) -> Tensor:
     """|∇d| − 1, ``(*B, 1)``, of (d, ∇d) ``(*B, 3)``: a clearance grows by one metre a metre."""
     gradient = x_obs[..., 1:]
-    return cast(Tensor, torch.linalg.vector_norm(gradient, dim=-1, keepdim=True) - 1.0)
+    norm: Tensor = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
+    return norm - 1.0
 
 
 def unit_gradient_jacobian(x_obs: Tensor) -> Tensor:
@@ -225,7 +224,7 @@ class Clearance:
     def estimator(self) -> EKF:
         """The filter of the clearance and its direction."""
         slid = Interconnection(slide_jacobian, [self.motion])
-        prior = cast(Callable[..., Tensor], ClearancePrior(self.noise))  # mean and covariance
+        prior = ClearancePrior(self.noise)
         turn_variance = TURN_RATE * self.dt
 
         return ekf_with_delay(
@@ -251,7 +250,7 @@ class Clearance:
         if not self.delay:
             return Interconnection(limits, belief)
 
-        def limited(a: Tensor, x_obs: Tensor, P_obs: Tensor, lag: Tensor, dt: float) -> Tensor:
+        def limited(a: Tensor, x_obs: Tensor, P_obs: Tensor, lag: Tensor, dt: Tensor) -> Tensor:
             return limits(a, x_obs, P_obs, age=lag * dt)
 
         return Interconnection(limited, [*belief, f"{self.name}_lag", "dt"])

@@ -54,7 +54,7 @@ class ForceServo:
         shortened: Tensor = force * (self.largest / size.clamp(min=self.largest))
         return shortened
 
-    def displacement(self, a: Tensor, v_robot: Tensor, dt: float) -> Tensor:
+    def displacement(self, a: Tensor, v_robot: Tensor, dt: Tensor) -> Tensor:
         """V dt + (a − v) dt²/(2τ): how far the mass goes in a step, ``(*B, d)``, m.
 
         Args:
@@ -85,6 +85,6 @@ class DisplacementCommand:
         """Check the number."""
         check_positive(self, ("unit",))
 
-    def __call__(self, a: Tensor, dt: float) -> Tensor:
+    def __call__(self, a: Tensor, dt: Tensor) -> Tensor:
         """The command ``(*B, d)`` for a velocity ``(*B, d)``, m/s, over a step of dt, s."""
         return (a * (dt / self.unit)).clamp(-1.0, 1.0)

@@ -4,10 +4,9 @@ The axes are those of the world, and only the origin moves with the robot; those
 wheels are its own, and turn with it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, cast, get_args
+from typing import Literal, get_args
 
 import torch
 from torch import Tensor
@@ -85,7 +84,8 @@ def expected_distance(p_tar: Tensor, P_tar: Tensor) -> Tensor:
     """
     distance = torch.linalg.vector_norm(p_tar, dim=-1)
     uncertainty = P_tar.diagonal(dim1=-2, dim2=-1).sum(-1)
-    return cast(Tensor, distance + uncertainty)
+    cost: Tensor = distance + uncertainty
+    return cost
 
 
 @dataclass(frozen=True)
@@ -204,8 +204,7 @@ class Landmark:
     def _first_belief(self) -> Interconnection:
         """Where it is believed by the first reading."""
         prior = self.prior if self.sees == "bearing" else PositionPrior(self.noise)
-        function = cast(Callable[..., Tensor], prior)  # an EKF takes mean and covariance
-        return Interconnection(function, [self.reading])
+        return Interconnection(prior, [self.reading])
 
     def _measurement(self) -> Measurement:
         """What a reading says of it."""

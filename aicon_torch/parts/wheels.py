@@ -10,9 +10,8 @@ left),
 with the way s and the turn θ, is where gradients meet; ℓ follows from the robot.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -31,7 +30,7 @@ class Wheels:
         """ℓ, how far ahead of the axle the point is, m."""
         raise NotImplementedError
 
-    def motion(self, a: Tensor, dt: float | Tensor) -> Tensor:
+    def motion(self, a: Tensor, dt: Tensor) -> Tensor:
         """x_rob = (s, ℓ θ), how the point ahead moves in a step, ``(*B, 2)``, m.
 
         Args:
@@ -126,7 +125,7 @@ class Wheels:
             motion: The quantity x_rob.
         """
         variances = [deviation**2 for deviation in noise]
-        prior = cast(Callable[..., Tensor], PosePrior(tuple(variances)))  # mean and covariance
+        prior = PosePrior(tuple(variances))
         agreement = Interconnection(_pose_residual, [name, reading])
         return EKF(
             name,

@@ -9,6 +9,7 @@ from torch import Tensor
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import copied
 from aicon_torch.quantities import AGE, PRESENT
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafetyBounds, nearest_safe
@@ -112,7 +113,7 @@ class ActuatorSafety:
         down = torch.full_like(values[self.actuator], torch.inf)
         up = down
         for goal in self._ranged:
-            to_low, to_high = goal.room(self._with_dt(values))
+            to_low, to_high = goal.room(values)
             down, up = torch.minimum(down, to_low), torch.minimum(up, to_high)
         return down, up
 
@@ -143,7 +144,7 @@ class ActuatorSafety:
     def _rows_of(self, goal: Goal, values: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
         """The rows of one goal: d(t + dt) ≈ d₀ + C a, and ≥ e^(−dt/T) d(t)."""
         # The smallest gaps now.
-        gaps = goal.gaps(self._with_dt(values)).clamp(max=FARTHEST)
+        gaps = goal.gaps(values).clamp(max=FARTHEST)
         is_box = goal.name in self._boxed
         count = gaps.shape[-1] if is_box else min(self.options.gaps, gaps.shape[-1])
         smallest = gaps.topk(count, dim=-1, largest=False).indices
@@ -151,7 +152,7 @@ class ActuatorSafety:
 
         # What they would be in a step at rest, and how the action changes it: a copy of the values
         # for each of them, since one derivative is needed for each.
-        copies = {name: value.expand(count, *value.shape) for name, value in values.items()}
+        copies = copied(values, count)
         with torch.enable_grad():
             action = torch.zeros_like(copies[self.actuator]).requires_grad_()
             ahead = self._gaps_ahead(goal, {**copies, self.actuator: action})
@@ -164,7 +165,7 @@ class ActuatorSafety:
 
     def _gaps_ahead(self, goal: Goal, values: Mapping[str, Tensor]) -> Tensor:
         """The gaps one step ahead, ``(*B, m)``: every estimate is anticipated once."""
-        inputs = self._with_dt(values)
+        inputs = dict(values)
         for name in self._upstream[goal.name]:
             inputs[name] = self.model.owners[name](inputs, name)
         return goal.gaps(inputs).clamp(max=FARTHEST)
@@ -186,9 +187,6 @@ class ActuatorSafety:
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _ = self._rows_of(goal, values)
         return bool(((slopes != 0).sum(-1) == 1).all())
-
-    def _with_dt(self, values: Mapping[str, Tensor]) -> dict[str, Tensor | float]:
-        return {**values, "dt": self.model.dt}
 
 
 def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:

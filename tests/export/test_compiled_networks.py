@@ -9,7 +9,7 @@ from _inputs import MOVE, normal, tracked_point, tracking_model
 from torch import Tensor, nn
 
 from aicon_torch import Actuator, DirectDescent, Goal, Measurement, Policy, Sum
-from aicon_torch.control import compiled as inductor
+from aicon_torch.export import inductor
 from aicon_torch.export.codegen import has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
@@ -74,7 +74,7 @@ def test_an_operation_without_a_translation_is_told_once_by_its_name(
     def refuses(*_: object) -> None:
         raise RuntimeError("this takes minutes")
 
-    monkeypatch.setattr(inductor, "_compile_step", refuses)
+    monkeypatch.setattr(inductor, "compile_stages", refuses)
     policy = seeing(nn.Softshrink()).compile()
     memory = None
     with pytest.warns(RuntimeWarning, match="runs uncompiled"):
