@@ -1,7 +1,6 @@
 """Goals: scalar costs on quantities, in any unit; the gradient of each is followed downhill."""
 
 from collections.abc import Callable
-from typing import Any, cast
 
 from torch import Tensor
 
@@ -54,15 +53,16 @@ class Goal(Node):
 
     def forward(self, values: Values) -> Tensor:
         """The cost, ``(*B,)``."""
-        cost = cast(Tensor, self.cost(values))
+        cost: Tensor = self.cost(values)
         return (cost - self.tolerance).clamp(min=0.0) if self.tolerance else cost
 
     def gaps(self, values: Values) -> Tensor:
         """What is left until it costs something, ``(*B, m)``; negative where it does."""
-        own = getattr(self.cost.function, "gaps", None)
+        own: Callable[..., Tensor] | None = getattr(self.cost.function, "gaps", None)
         if own is not None:
-            return cast(Tensor, own(*[values[name] for name in self.inputs]))
-        return self.tolerance - cast(Tensor, self.cost(values)).unsqueeze(-1)
+            return own(*self._read(values))
+        cost: Tensor = self.cost(values)
+        return self.tolerance - cost.unsqueeze(-1)
 
     @property
     def has_room(self) -> bool:
@@ -71,5 +71,9 @@ class Goal(Node):
 
     def room(self, values: Values) -> tuple[Tensor, Tensor]:
         """How far each component may go down and up, ``(*B, n)`` both."""
-        own = cast(Any, self.cost.function).room
-        return cast(tuple[Tensor, Tensor], own(*[values[name] for name in self.inputs]))
+        room: tuple[Tensor, Tensor] = self.cost.function.room(*self._read(values))
+        return room
+
+    def _read(self, values: Values) -> list[Tensor]:
+        """What the cost reads, in the order of its parameters."""
+        return [values[name] for name in self.inputs]

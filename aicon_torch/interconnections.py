@@ -2,17 +2,17 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, cast
+from typing import Any
 
 import torch
 from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices
 
-Values = Mapping[str, Tensor | float]
+Values = Mapping[str, Tensor]
 """Named values of one step: quantities of shape ``(*B, *shape)``, and the time step ``dt``, s.
 
-``dt`` is a number, or ``(*B, 1)`` where a clock tells how long the last step took.
+``dt`` is a scalar, or ``(*B, 1)`` where a clock tells how long the last step took.
 """
 
 
@@ -70,12 +70,12 @@ class Interconnection(Node):
 
     def __init__(
         self,
-        function: Callable[..., Tensor],
+        function: Callable[..., Any],
         inputs: Sequence[str] | None = None,
-        **jacobians: Callable[..., Tensor],
+        **jacobians: Callable[..., Any],
     ) -> None:
         super().__init__()
-        self.function = function
+        self.function: Any = function  # a cost may have methods besides
         self.inputs = wiring(function) if inputs is None else tuple(inputs)
 
         layers = function.modules() if isinstance(function, nn.Module) else ()
@@ -90,7 +90,7 @@ class Interconnection(Node):
             self.jacobians[name] = Interconnection.of(jacobian)
 
     @classmethod
-    def of(cls, function: "Callable[..., Tensor] | Interconnection") -> "Interconnection":
+    def of(cls, function: Callable[..., Any]) -> "Interconnection":
         """The function as an interconnection; one that is one stays what it is."""
         return function if isinstance(function, Interconnection) else cls(function)
 
@@ -99,7 +99,8 @@ class Interconnection(Node):
         inputs = [values[name] for name in self.inputs]
         if self._takes_one_batch:
             return _in_one_batch(self.function, inputs)
-        return self.function(*inputs)
+        value: Tensor = self.function(*inputs)
+        return value
 
     def linearize(
         self, values: Values, name: str, rows: int, differentiable: bool = False
@@ -119,8 +120,7 @@ class Interconnection(Node):
             return self(values), self.jacobian(values, name, rows, differentiable)
         if name not in self.inputs:
             value = self(values)
-            columns = cast(Tensor, values[name]).shape[-1]
-            return value, value.new_zeros(*value.shape, columns)
+            return value, value.new_zeros(*value.shape, values[name].shape[-1])
         return self.differentiate(values, name, rows, differentiable)
 
     def jacobian(
@@ -128,7 +128,8 @@ class Interconnection(Node):
     ) -> Tensor:
         """The Jacobian of :meth:`linearize` alone, ``(*B, m, n)``, where the value is of no use."""
         if name in self.jacobians:
-            return cast(Tensor, self.jacobians[name](values))
+            jacobian: Tensor = self.jacobians[name](values)
+            return jacobian
         return self.linearize(values, name, rows, differentiable)[1]
 
     def verify(self, values: Values, rows: int) -> None:
@@ -156,7 +157,7 @@ class Interconnection(Node):
         """:meth:`linearize` by autograd, all rows in one backward pass."""
         with torch.enable_grad():
             # A leaf of its own, unless the Jacobian must lead on to what the point depends on.
-            point = cast(Tensor, values[name])
+            point = values[name]
             if not (differentiable and point.requires_grad):
                 point = point.detach().requires_grad_()  # stops what led to the point
             inputs = {key: values[key] for key in self.inputs} | {name: point}
@@ -188,19 +189,16 @@ class Interconnection(Node):
         component i.
         """
         # One copy of every input for each component of the value.
-        copies: dict[str, Tensor | float] = {}
-        for key, value in inputs.items():
-            if isinstance(value, Tensor):
-                value = value.expand(rows, *value.shape)
-            copies[key] = value
-        variable = cast(Tensor, copies[name])
+        copies = copied(inputs, rows)
         outputs = self(copies)
 
         # Copy i of the output is asked for its component i.
         selector = torch.eye(rows, dtype=outputs.dtype, device=outputs.device)
         batch = (1,) * (outputs.dim() - 2)
         selector = selector.reshape(rows, *batch, rows).expand_as(outputs)
-        (jacobian,) = torch.autograd.grad(outputs, variable, selector, create_graph=differentiable)
+        (jacobian,) = torch.autograd.grad(
+            outputs, copies[name], selector, create_graph=differentiable
+        )
         return outputs[0], jacobian.movedim(0, -2)
 
 
@@ -244,15 +242,14 @@ class Affine(Interconnection):
         self, values: Values, name: str, rows: int, differentiable: bool = False
     ) -> tuple[Tensor, Tensor]:
         """Value ``(*B, m)`` and the Jacobian, ``(m, n)``; nothing is differentiated."""
-        point = cast(Tensor, values[name])
         value = self(values)
         if name not in self._quantities:
-            return value, point.new_zeros(rows, point.shape[-1])
+            return value, value.new_zeros(rows, values[name].shape[-1])
         return value, self._matrix(name, values)
 
     def _term(self, name: str, values: Values) -> Tensor:
         """M x, ``(*B, m)``."""
-        value = cast(Tensor, values[name])
+        value = values[name]
         if name in self.named_factors:
             return values[self.named_factors[name]] * value
         if name not in self.factors:
@@ -268,29 +265,38 @@ class Affine(Interconnection):
     def _matrix(self, name: str, values: Values) -> Tensor:
         """M, ``(m, n)``, or ``(*B, m, n)`` if it is a multiple that differs from row to row."""
         if name not in self.factors and name not in self.named_factors:
-            return cast(Tensor, getattr(self, f"matrix_{name}"))
+            matrix: Tensor = getattr(self, f"matrix_{name}")
+            return matrix
 
-        like = cast(Tensor, values[name])
+        like = values[name]
         identity = torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
         if name in self.factors:
             return self.factors[name] * identity
-        factor = values[self.named_factors[name]]
-        return (factor.unsqueeze(-1) if isinstance(factor, Tensor) else factor) * identity
+        return values[self.named_factors[name]].unsqueeze(-1) * identity
 
 
-def _in_one_batch(function: Callable[..., Tensor], inputs: Sequence[Tensor | float]) -> Tensor:
+def copied(values: Values, *count: int) -> dict[str, Tensor]:
+    """The values, copied along new leading dimensions; a scalar such as ``dt`` is one for all."""
+    copies: dict[str, Tensor] = {}
+    for name, value in values.items():
+        copies[name] = value.expand(*count, *value.shape) if value.dim() else value
+    return copies
+
+
+def _in_one_batch(function: Callable[..., Tensor], inputs: Sequence[Tensor]) -> Tensor:
     """What a function returns that takes one batch dimension; it reads a vector at least.
 
-    Vectors ``(*B, n)`` are given to it as ``(N, n)``, and matrices ``(*B, n, m)`` as ``(N, n, m)``.
+    Vectors ``(*B, n)`` are given to it as ``(N, n)``, and matrices ``(*B, n, m)`` as ``(N, n, m)``;
+    a scalar such as ``dt`` stays one.
     """
-    tensors = [value for value in inputs if isinstance(value, Tensor)]
-    leading = min(value.dim() for value in tensors) - 1
-    shapes = [value.shape[:leading] for value in tensors]
+    batched = [value for value in inputs if value.dim()]
+    leading = min(value.dim() for value in batched) - 1
+    shapes = [value.shape[:leading] for value in batched]
     batch = torch.broadcast_shapes(*shapes)  # type: ignore[no-untyped-call]  # torch's
 
-    flat: list[Tensor | float] = []
+    flat: list[Tensor] = []
     for value in inputs:
-        if isinstance(value, Tensor):
+        if value.dim():
             own = value.shape[leading:]
             value = value.expand(*batch, *own).reshape(-1, *own)
         flat.append(value)

@@ -16,12 +16,11 @@ from aicon_torch.control.memory import (
     GOAL_FACTORS,
     check_memory,
     grown,
-    initial_memory,
+    lasting,
     memory_shapes,
-    restart_rows,
     starting_rows,
 )
-from aicon_torch.control.step import ControlStep, last_values
+from aicon_torch.control.step import ControlStep
 from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.export.native import NativeSteps
@@ -149,8 +148,7 @@ class Policy(nn.Module):
 
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
-            admitted = self._step.admit(readings, memory)
-            values = self.model.update(last_values(self.model, memory) | admitted | executed)
+            values = lasting(self.model, self._step.estimate(memory, readings, executed))
             _, new_memory = keep_finite(self.model, {}, memory | values, memory)
         return new_memory
 
@@ -295,30 +293,24 @@ class Policy(nn.Module):
         """The memory with the rows that start anew, and the new readings."""
         if self.perception is not None:
             observation = self._perceive(self.perception, observation, state, episode_start)
-        model, admission = self.model, self._step.admit
+        model = self.model
         readings = read(observation, model.sensors, model.actuators, model.like)
         batch = tuple(readings[next(iter(model.sensors))].shape[:-1])
 
         # An episode of all rows begins.
         if state is None:
-            first = admission.first(readings)
-            return initial_memory(self.backward_pass, admission, first, batch), readings
+            (fresh,) = self._step.start(readings)
+            return fresh, readings
 
         # The memory of a policy with less in it goes on.
         shapes = self._earlier(state)
         check_memory(state, self._shapes if shapes is None else shapes, batch)
         if shapes is not None:
-            state = self._grown_memory(state, shapes, readings, batch)
+            state = self._grown_memory(state, shapes, readings)
 
         # Some rows begin, and some wait for the reading that they begin with.
         starts = starting_rows(episode_start, batch, model.like.device)
-        starts = state[BEGINS] if starts is None else starts | state[BEGINS]
-        if starts.device.type == "cpu" and not starts.any():  # elsewhere this would wait
-            return state, readings
-
-        first = admission.first(readings)
-        fresh = initial_memory(self.backward_pass, admission, first, batch)
-        return restart_rows(state, fresh, starts), readings
+        return self._step.restarted(state, readings, starts), readings
 
     def _grown(self, model: WorldModel) -> "Policy":
         """This policy with more in its model."""
@@ -344,12 +336,9 @@ class Policy(nn.Module):
         state: Memory,
         shapes: Mapping[str, tuple[int, ...]],
         readings: Mapping[str, Tensor],
-        batch: tuple[int, ...],
     ) -> Memory:
         """A memory of a policy that this one was made of, as it goes on here."""
-        admission = self._step.admit
-        fresh = initial_memory(self.backward_pass, admission, admission.first(readings), batch)
-
+        (fresh,) = self._step.start(readings)
         lacks = torch.zeros_like(state[BEGINS])
         for name in self.model.graph.first_readings:
             if name not in shapes:

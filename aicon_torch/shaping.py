@@ -1,6 +1,6 @@
 """Gradient shaping: tensors whose value comes from one place and whose gradient from another."""
 
-from typing import Any, cast
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -40,7 +40,8 @@ def by_sign(positive: Tensor, negative: Tensor) -> Tensor:
         positive: ``(*B, n)``, differentiated where the quantity is to be reduced.
         negative: ``(*B, n)``, differentiated where it is to be increased, and the value.
     """
-    return cast(Tensor, _BySign.apply(positive, negative))  # type: ignore[no-untyped-call]  # torch leaves apply untyped
+    chosen: Tensor = _BySign.apply(positive, negative)  # type: ignore[no-untyped-call]  # torch leaves apply untyped
+    return chosen
 
 
 class _BySign(torch.autograd.Function):
@@ -71,8 +72,8 @@ def by_gain(effects: Tensor, sought: Tensor, incidental: Tensor, softness: float
         ``(*B, d)``.
     """
     weigh = _ByGain.apply
-    motion = weigh(effects, sought, incidental, softness)  # type: ignore[no-untyped-call]  # as above
-    return cast(Tensor, motion)
+    motion: Tensor = weigh(effects, sought, incidental, softness)  # type: ignore[no-untyped-call]  # as above
+    return motion
 
 
 class _ByGain(torch.autograd.Function):

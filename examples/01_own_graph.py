@@ -34,7 +34,7 @@ SIGHT_NOISE = 0.05  # standard deviation, m
 # The graph. The parameter names of a function are its wiring: `move` reads the quantity `v`.
 
 
-def move(v: Tensor, dt: float) -> Tensor:
+def move(v: Tensor, dt: Tensor) -> Tensor:
     """How far the robot gets in one step, m."""
     return v * dt
 

@@ -28,7 +28,7 @@ from aicon_torch import (
 )
 
 
-def move(v: Tensor, dt: float) -> Tensor:
+def move(v: Tensor, dt: Tensor) -> Tensor:
     """How far the robot gets in one step, m."""
     return v * dt
 

@@ -159,8 +159,9 @@ def test_affine_matrices_follow_the_precision() -> None:
     assert relation({"x": torch.ones(2)}).dtype == torch.float32
 
 
-@pytest.mark.parametrize("dt", [0.1, torch.tensor([[0.1], [0.3]], dtype=torch.float64)])
+@pytest.mark.parametrize("dt", [0.1, [[0.1], [0.3]]])
 def test_a_multiple_may_be_the_time_step(dt: Any) -> None:
+    dt = torch.tensor(dt, dtype=torch.float64)
     motion, start, velocity = Affine(x=1.0, a="dt"), normal(2, 3), normal(2, 3, seed=1)
     values = {"x": start, "a": velocity, "dt": dt}
     assert motion.inputs == ("x", "a", "dt")

@@ -9,6 +9,7 @@ from torch import Tensor
 
 from aicon_torch.control.backward import BackwardPass
 from aicon_torch.errors import ObservationError, choices
+from aicon_torch.graph import WorldModel
 from aicon_torch.readings.observation import is_dense, tensor_kind
 from aicon_torch.readings.validation import BEGINS, Admission
 from aicon_torch.resolution import Memory
@@ -17,6 +18,9 @@ from aicon_torch.safety.watchdog import sent_memory
 
 GOAL_FACTORS = "goals/active"
 """Key of the factor of each goal, ``(*B, goals)``."""
+
+OUTLASTS_EPISODES = (GOAL_FACTORS,)
+"""Keys of factors, one by default, that stay where an episode begins anew."""
 
 STEPS = "steps"
 """Key of the number of steps since the episode began, ``(*B,)``."""
@@ -56,7 +60,7 @@ def initial_memory(
         batch: The leading dimensions B.
     """
     model = backward.model
-    memory = model.initial(readings, batch)
+    memory = lasting(model, model.initial(readings, batch))
 
     for key, value in constant_memory(backward, admission).items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype
@@ -65,17 +69,22 @@ def initial_memory(
     return memory
 
 
+def lasting(model: WorldModel, values: Mapping[str, Tensor]) -> Memory:
+    """Those of a step's values that live on: all but ``dt`` and the costs of the goals."""
+    passing = ("dt", *model.goals)
+    return {name: value for name, value in values.items() if name not in passing}
+
+
 def restart_rows(memory: Memory, fresh: Memory, starts: Tensor) -> Memory:
     """The memory, begun anew in the rows ``(*B,)`` that start an episode.
 
-    Which goals are switched on is a setting, not an estimate: it stays.
+    What outlasts an episode stays.
     """
     restarted: Memory = {}
     for key, value in memory.items():
         own_dimensions = (None,) * (value.dim() - starts.dim())
         restarted[key] = torch.where(starts[(..., *own_dimensions)], fresh[key], value)
-    restarted[GOAL_FACTORS] = memory[GOAL_FACTORS]
-    return restarted
+    return restarted | {key: memory[key] for key in OUTLASTS_EPISODES}
 
 
 def grown(memory: Memory, fresh: Memory, lacks: Tensor) -> Memory:

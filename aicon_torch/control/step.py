@@ -7,9 +7,16 @@ from torch import Tensor
 
 from aicon_torch.control.action_law import ActionLaw
 from aicon_torch.control.backward import BackwardPass
-from aicon_torch.control.memory import GOAL_FACTORS, STEPS
+from aicon_torch.control.memory import (
+    GOAL_FACTORS,
+    STEPS,
+    initial_memory,
+    lasting,
+    restart_rows,
+)
+from aicon_torch.control.stages import Named, Stage, run
 from aicon_torch.graph import WorldModel
-from aicon_torch.readings.validation import Admission
+from aicon_torch.readings.validation import BEGINS, Admission
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.bounds import safety_of
 from aicon_torch.safety.watchdog import confidence, keep_finite, stay
@@ -17,9 +24,15 @@ from aicon_torch.safety.watchdog import confidence, keep_finite, stay
 Actions = dict[str, Tensor]
 """The action of each actuator, ``(*B, size)``."""
 
+COUNT = ".count"
+"""Key of the number of the next gradient, k = 1 … K, within a descent."""
+
 
 class ControlStep:
     """Estimate, then descend: pull the goals' gradients back, resolve conflicts, act.
+
+    Its stages pass on *values*, which are those of all quantities, the cost of each goal and
+    ``dt``, and the *descent*: the actions so far, and what is remembered where gradients meet.
 
     Args:
         model: The world model.
@@ -33,8 +46,25 @@ class ControlStep:
         self.admit = Admission(model.sensors, model.actuators, needed, model.dt, model.clock)
         self.safety = safety_of(model)
 
-    @torch.enable_grad()
-    def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """What a step does, one after the other."""
+        known = ("memory", "values", "descent")
+        return (
+            # 1. Every estimator takes the last action and the new readings.
+            Stage("begin", self.begin, ("memory", "readings"), ("values", "descent")),
+            # 2. Descend, gradient by gradient.
+            Stage("descend", self.descend, known, ("descent",), times=self.law.iterations),
+            # 3. Act, within what limits the actuators.
+            Stage("finish", self.finish, known, ("memory", "commands")),
+        )
+
+    @property
+    def beginning(self) -> Stage:
+        """What comes before the first step of an episode."""
+        return Stage("start", self.start, ("readings",), ("memory",))
+
+    def __call__(self, readings: Named, memory: Memory) -> tuple[Actions, Memory]:
         """One step.
 
         Args:
@@ -44,87 +74,71 @@ class ControlStep:
         Returns:
             What to send to each actuator, ``(*B, size)``, and the memory.
         """
-        # 1. Every estimator takes the last action and the new readings.
-        values, costs = self.estimate(readings, memory)
+        after = run(self.stages, {"memory": memory, "readings": readings})
+        return dict(after["commands"]), dict(after["memory"])
 
-        # 2. Descend, gradient by gradient.
-        actions = self.start(values, memory[STEPS])
-        resolved: Memory = {}
-        for iteration in range(1, self.law.iterations + 1):
-            count = self.model.like.new_tensor(iteration)
-            actions, resolved = self.descend(values, costs, memory, actions, count)
+    def start(self, readings: Named) -> tuple[Memory]:
+        """The memory before an episode's first step."""
+        batch = tuple(readings[next(iter(self.model.sensors))].shape[:-1])
+        return (initial_memory(self.backward, self.admit, self.admit.first(readings), batch),)
 
-        # 3. Act, within what limits the actuators.
-        return self.finish(values, memory, actions, resolved)
+    def restarted(self, memory: Memory, readings: Named, starts: Tensor | None = None) -> Memory:
+        """The memory, begun anew in rows ``(*B,)`` that start an episode, or wait to begin one."""
+        starts = memory[BEGINS] if starts is None else starts | memory[BEGINS]
+        if starts.device.type == "cpu" and not starts.any():  # elsewhere this would wait
+            return memory
+        (fresh,) = self.start(readings)
+        return restart_rows(memory, fresh, starts)
 
-    def estimate(
-        self, readings: Mapping[str, Tensor], memory: Memory
-    ) -> tuple[dict[str, Tensor], dict[str, Tensor]]:
-        """The values after the new readings, and the cost of each goal there, ``(*B,)``."""
-        admitted = self.admit(readings, memory)
-        values = self.model.update(last_values(self.model, memory) | admitted)
+    def begin(self, memory: Memory, readings: Named) -> tuple[Named, Named]:
+        """The values after the new readings, and where the descent begins."""
+        values = self.estimate(memory, readings)
         with torch.no_grad():
-            return values, self.model.costs(values)
+            values.update(self.model.costs(values))
 
-    def start(self, values: Mapping[str, Tensor], steps: Tensor) -> Actions:
-        """Where the descent of each actuator begins, ``steps`` ``(*B,)`` after the episode did."""
-        starts: Actions = {}
+        descent = {COUNT: self.model.like.new_ones(())}
         for name, actuator in self.model.actuators.items():
             motions = self.model.dither(name, values)
-            starts[name] = self.law.start(values[name], steps, actuator, motions)
-        return starts
+            descent[name] = self.law.start(values[name], memory[STEPS], actuator, motions)
+        return values, {**descent, **{key: memory[key] for key in self.backward.keys}}
+
+    def estimate(
+        self, memory: Memory, readings: Named, executed: Mapping[str, Tensor] | None = None
+    ) -> dict[str, Tensor]:
+        """The values after the new readings, and after actions that somebody else executed."""
+        admitted = self.admit(readings, memory)
+        return self.model.update({**self.model.values(memory), **admitted, **(executed or {})})
 
     @torch.enable_grad()
-    def descend(
-        self,
-        values: Mapping[str, Tensor],
-        costs: dict[str, Tensor],
-        memory: Memory,
-        actions: Actions,
-        iteration: Tensor,
-    ) -> tuple[Actions, Memory]:
-        """One gradient down.
-
-        Args:
-            values: The values after the new readings.
-            costs: The cost of each goal there, ``(*B,)``.
-            memory: The memory before the step.
-            actions: The action of each actuator so far.
-            iteration: k = 1 … K, a scalar.
-
-        Returns:
-            The actions after it, and the new memory of every quantity where gradients meet.
-        """
+    def descend(self, memory: Memory, values: Named, descent: Named) -> tuple[Named]:
+        """One gradient down: the actions after it, and the new memory where gradients meet."""
         # How values and costs depend on each other, here or where the actions lead.
         if self.law.foresees:
+            actions = {name: descent[name] for name in self.model.actuators}
             _, graphs = self.model.foresee(values, actions, self.law.horizon)
         else:
             graphs = self.model.record(values)
 
         # From the goals to the actuators: resolve what meets, pull it back one edge (Eq. 1).
-        gradients, resolved = self.backward(graphs, values, memory, memory[GOAL_FACTORS], costs)
+        gradients, resolved = self.backward(graphs, values, memory, memory[GOAL_FACTORS])
 
-        descended: Actions = {}
+        lower = {COUNT: descent[COUNT] + 1, **resolved}
         for name, actuator in self.model.actuators.items():
-            action = self.law.descend(actions[name], gradients[name], iteration, actuator)
+            action = self.law.descend(descent[name], gradients[name], descent[COUNT], actuator)
             if self.law.foresees:  # what is foreseen next is what would be executed
                 action = self.model.constrain(name, {**values, name: action})
-            descended[name] = action
-        return descended, resolved
+            lower[name] = action
+        return (lower,)
 
-    def finish(
-        self,
-        values: Mapping[str, Tensor],
-        memory: Memory,
-        actions: Actions,
-        resolved: Memory,
-    ) -> tuple[Actions, Memory]:
-        """What to send to each actuator, and the memory."""
+    def finish(self, memory: Memory, values: Named, descent: Named) -> tuple[Memory, Actions]:
+        """The memory, and what to send to each actuator."""
         final, goal_factors = dict(values), memory[GOAL_FACTORS]
         remembered: Memory = {GOAL_FACTORS: goal_factors, STEPS: memory[STEPS] + 1}
+        remembered |= {key: descent[key] for key in self.backward.keys}
+
         share = confidence(self.model.sensors, values)
         for name, actuator in self.model.actuators.items():
-            final[name] = self.law.finish(actions[name], values[name], actuator, self.model.dt)
+            final[name] = self.law.finish(descent[name], values[name], actuator, self.model.dt)
             final[name] = self.model.constrain(name, final)
 
             # Last come the safety goals, which nothing may violate, and then the watchdog.
@@ -134,10 +148,6 @@ class ControlStep:
             final[name] = actuator.clip(share * final[name])
 
         commands, sent = stay(self.model, self.model.commands(final), share, memory)
-        new_memory = {**final, **resolved, **remembered, **sent}
-        return keep_finite(self.model, commands, new_memory, memory)
-
-
-def last_values(model: WorldModel, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:
-    """Estimates, readings and actions of the last step, out of the memory."""
-    return {name: memory[name] for name in model.quantities}
+        new_memory = {**lasting(self.model, final), **remembered, **sent}
+        commands, new_memory = keep_finite(self.model, commands, new_memory, memory)
+        return new_memory, commands

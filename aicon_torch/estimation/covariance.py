@@ -1,7 +1,6 @@
 """Noise covariances, constant or a function of quantities."""
 
 from collections.abc import Callable, Sequence
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -28,6 +27,8 @@ class Covariance(Node):
         named: What an error calls the noise.
     """
 
+    constant: Tensor
+
     def __init__(self, noise: Noise, size: int, named: str = "noise") -> None:
         super().__init__()
         if callable(noise):
@@ -47,5 +48,5 @@ class Covariance(Node):
     def forward(self, values: Values) -> Tensor:
         """The covariance ``(n, n)`` or ``(*B, n, n)``."""
         if self.relation is None:
-            return cast(Tensor, self.constant)
+            return self.constant
         return torch.diag_embed(self.relation(values))

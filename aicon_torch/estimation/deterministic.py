@@ -1,7 +1,6 @@
 """Estimators without memory: quantities that are a function of others."""
 
 from collections.abc import Callable, Sequence
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -78,15 +77,15 @@ class Deterministic(Estimator):
         """
         if self.each:
             values = self._with_rows(values)
-        return cast(Tensor, self.relation(values))
+        value: Tensor = self.relation(values)
+        return value
 
     def _with_rows(self, values: Values) -> Values:
         """What f reads, with a dimension for the rows where a value has none."""
-        dimensions = cast(Tensor, values[self.each[0]]).dim()
-        expanded: dict[str, Tensor | float] = {}
+        dimensions = values[self.each[0]].dim()
+        expanded: dict[str, Tensor] = {}
         for name in self.inputs:
             value = values[name]
-            if isinstance(value, Tensor) and value.dim() < dimensions:
-                value = value.unsqueeze(-2)
-            expanded[name] = value
+            is_shared = 0 < value.dim() < dimensions
+            expanded[name] = value.unsqueeze(-2) if is_shared else value
         return expanded

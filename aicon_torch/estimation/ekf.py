@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Literal, cast
+from typing import Literal
 
 import torch
 from torch import Tensor, nn
@@ -51,6 +51,9 @@ class EKF(Estimator):
         ...     correct=[bearing])
     """
 
+    prior_mean: Tensor
+    prior_covariance: Tensor
+
     def __init__(
         self,
         mean: str,
@@ -79,7 +82,8 @@ class EKF(Estimator):
         self._must_read_mean(f"predict of {mean!r}", self.predict)
         self.size = self._set_prior(initial, size)
         self.noise = Covariance(noise, self.size)
-        self.measurements = nn.ModuleList(correct)
+        self._measurements = tuple(correct)
+        self.measurements = nn.ModuleList(correct)  # registers them
         for measurement in correct:
             self._must_read_mean(f"A measurement of {mean!r}", measurement.residual)
 
@@ -117,18 +121,19 @@ class EKF(Estimator):
         """The belief one step ahead: the moved mean, or the covariance after measuring there."""
         # The mean as the model alone moves it: the correction to come counts as noise.
         if output == self.mean and self.derivative == "model":
-            return cast(Tensor, self.predict(values))
+            moved: Tensor = self.predict(values)
+            return moved
 
         # The belief after the next prediction and the next measurements.
         mean, transition = self._predicted_mean(values, differentiable=True)
         covariance = self._predicted_covariance(values, transition)
         for measurement in self._measurements:
             belief = {**values, self.mean: mean, self.covariance: covariance}
-            drops = measurement.gate is not None and not measurement.gate_keeps_gradient
-            if self.derivative == "model" and not drops:
+            gate = None if measurement.gate_keeps_gradient else measurement.gate
+            if self.derivative == "model" and gate is None:
                 covariance = self._anticipate_covariance(measurement, belief)
             else:
-                mean, covariance = self._anticipate_belief(measurement, belief, drops)
+                mean, covariance = self._anticipate_belief(measurement, belief, gate)
 
         return mean if output == self.mean else covariance
 
@@ -151,10 +156,6 @@ class EKF(Estimator):
                 )
             measurement.residual.verify(values, measurement.size)
 
-    @property
-    def _measurements(self) -> Sequence[Measurement]:
-        return cast(Sequence[Measurement], self.measurements)
-
     def _must_read_mean(self, what: str, relation: Interconnection) -> None:
         if self.mean not in relation.inputs:
             reads = choices(relation.inputs)
@@ -167,7 +168,7 @@ class EKF(Estimator):
                 raise GraphError(
                     f"{self.mean!r}: a function as initial= needs size=, the number of components."
                 )
-            relation = Interconnection.of(cast(Callable[..., Tensor], initial))
+            relation = Interconnection.of(initial)
             self.prior: Interconnection | None = relation
             self.prior_inputs = relation.inputs
             return size
@@ -176,13 +177,13 @@ class EKF(Estimator):
         covariance = Covariance(variances, len(mean), named="variances of initial")
         self.prior, self.prior_inputs = None, ()
         self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.float64))
-        self.register_buffer("prior_covariance", cast(Tensor, covariance.constant))
+        self.register_buffer("prior_covariance", covariance.constant)
         return len(mean)
 
     def _prior_belief(self, values: Values) -> tuple[Tensor, Tensor]:
         """What is believed before the first step."""
         if self.prior is None:
-            return cast(Tensor, self.prior_mean), cast(Tensor, self.prior_covariance)
+            return self.prior_mean, self.prior_covariance
         mean, covariance = self.prior(values)
         return mean, covariance
 
@@ -201,10 +202,11 @@ class EKF(Estimator):
 
     def _predicted_covariance(self, values: Values, transition: Tensor | None) -> Tensor:
         """P⁻ = F P Fᵀ + Q."""
-        covariance = cast(Tensor, values[self.covariance])
+        covariance = values[self.covariance]
         if transition is not None:
             covariance = transition @ covariance @ transition.mT
-        return covariance + cast(Tensor, self.noise(values))
+        noise: Tensor = self.noise(values)
+        return covariance + noise
 
     def _corrections(
         self, values: Values, mean: Tensor, covariance: Tensor
@@ -253,17 +255,15 @@ class EKF(Estimator):
                 continue
 
             prior_mean, prior_covariance = self._prior_belief(values)
-            is_anew = cast(Tensor, values[sensor + ANEW])
+            is_anew = values[sensor + ANEW]
             covariance = torch.where(is_anew[..., None, None], prior_covariance, covariance)
             if sensor in self.prior_inputs:
                 mean = torch.where(is_anew[..., None], prior_mean, mean)
         return mean, covariance
 
-    def _anticipate_covariance(
-        self, measurement: Measurement, belief: dict[str, Tensor | float]
-    ) -> Tensor:
+    def _anticipate_covariance(self, measurement: Measurement, belief: Values) -> Tensor:
         """The covariance after the next measurement, whatever it reads."""
-        covariance = cast(Tensor, belief[self.covariance])
+        covariance = belief[self.covariance]
         jacobian = measurement.residual.jacobian(
             belief, self.mean, measurement.size, differentiable=True
         )
@@ -271,23 +271,22 @@ class EKF(Estimator):
         return covariance - Correction.by(covariance, jacobian, noise).of_covariance()
 
     def _anticipate_belief(
-        self, measurement: Measurement, belief: dict[str, Tensor | float], drops: bool
+        self, measurement: Measurement, belief: Values, gate: float | None
     ) -> tuple[Tensor, Tensor]:
         """Mean and covariance after the next measurement, taken to read what was read last.
 
         Args:
             measurement: The measurement.
             belief: The values, with the belief before it.
-            drops: Whether a reading beyond the gate changes nothing.
+            gate: The squared distance beyond which a reading changes nothing, if there is one.
         """
-        mean, covariance = cast(Tensor, belief[self.mean]), cast(Tensor, belief[self.covariance])
+        mean, covariance = belief[self.mean], belief[self.covariance]
         residual, jacobian, noise = measurement.innovation(belief, self.mean, differentiable=True)
         correction = Correction.by(covariance, jacobian, noise)
         mean_change = correction.of_mean(residual, self.derivative == "detached_gain")
         covariance_change = correction.of_covariance()
 
-        if drops:
-            gate = cast(float, measurement.gate)
+        if gate is not None:
             is_refused = correction.squared_distance(residual) > gate
             mean_change = torch.where(is_refused[..., None], 0.0, mean_change)
             covariance_change = torch.where(is_refused[..., None, None], 0.0, covariance_change)

@@ -1,7 +1,7 @@
 """The extended Kalman filter for readings that come late."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, cast
+from typing import Any
 
 import torch
 from torch import Tensor, nn
@@ -53,7 +53,8 @@ class LateEKF(EKF):
         super().__init__(mean, covariance, **options)
         self.sensors = (sensor,) if isinstance(sensor, str) else tuple(sensor)
         self.steps, self.moved_by = steps, dict(moved_by)
-        self.prompt = nn.ModuleList(prompt)
+        self._prompt = tuple(prompt)
+        self.prompt = nn.ModuleList(prompt)  # registers them
 
         # What is to be remembered of a step.
         read = list(self.predict.inputs)
@@ -108,16 +109,12 @@ class LateEKF(EKF):
         """
         if output in (self.mean, self.covariance):
             return super().forward(values, output)
-        return cast(Tensor, values[output])
+        return values[output]
 
     def check(self, values: Values) -> None:
         """Check the measurements that are on time as well: see :meth:`EKF.check`."""
         super().check(values)
         self._check_measurements(self._prompt, values)
-
-    @property
-    def _prompt(self) -> Sequence[Measurement]:
-        return cast(Sequence[Measurement], self.prompt)
 
     def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
         """The belief of when the reading was taken, before it is corrected."""
@@ -132,8 +129,8 @@ class LateEKF(EKF):
             moves: What moved it, as :meth:`_remembered_moves`.
             new_lag: How many steps ago that was, ``(*B, 1)``.
         """
-        lag = cast(Tensor, values[self.lag]) + 1
-        mean, covariance = (cast(Tensor, values[name]) for name in self.then)
+        lag = values[self.lag] + 1
+        mean, covariance = values[self.then[0]], values[self.then[1]]
         for back, step in self._steps(moves):
             is_due = (back <= lag) & (back > new_lag)
             mean, covariance = self._moved(values, step, mean, covariance, is_due)
@@ -141,7 +138,7 @@ class LateEKF(EKF):
 
     def _new_lag(self, values: Values, moves: Tensor) -> Tensor:
         """How many steps ago the last reading was taken, ``(*B, 1)``."""
-        lag_of_last = cast(Tensor, values[self.lag]) + 1
+        lag_of_last = values[self.lag] + 1
         age, is_present = self._newest(values)
         lag_of_new = self._steps_within(age, values, moves)
 
@@ -152,10 +149,10 @@ class LateEKF(EKF):
     def _newest(self, values: Values) -> tuple[Tensor, Tensor]:
         """How old the reading is that came, s, and whether one did, ``(*B, 1)`` both."""
         first, *others = self.sensors
-        age, is_present = cast(Tensor, values[first + AGE]), cast(Tensor, values[first + PRESENT])
+        age, is_present = values[first + AGE], values[first + PRESENT]
         for other in others:  # no two at a time
-            is_of_other = cast(Tensor, values[other + PRESENT])
-            age = torch.where(is_of_other, cast(Tensor, values[other + AGE]), age)
+            is_of_other = values[other + PRESENT]
+            age = torch.where(is_of_other, values[other + AGE], age)
             is_present = is_present | is_of_other
         return age.unsqueeze(-1), is_present.unsqueeze(-1)
 
@@ -163,15 +160,15 @@ class LateEKF(EKF):
         """How many steps an age ``(*B, 1)``, s, is, to the nearest beginning of one."""
         count, until = torch.zeros_like(age), torch.zeros_like(age)
         for _, step in reversed(list(self._steps(moves))[1:]):
-            duration = cast(Tensor, {**values, **step}["dt"])
+            duration = step.get("dt", values["dt"])
             count = count + (age > until + duration / 2)
             until = until + duration
         return count
 
     def _remembered_moves(self, values: Values) -> Tensor:
         """What moved it in the last L + 1 steps, oldest first, ``(*B, (L + 1) m)``."""
-        kept = cast(Tensor, values[self.moves])
-        last = torch.cat([self._move(name, values, kept) for name in self.moved_by], dim=-1)
+        kept = values[self.moves]
+        last = torch.cat([_per_row(values[name], kept) for name in self.moved_by], dim=-1)
         kept = kept[..., last.shape[-1] :]
         return torch.cat((kept, last), dim=-1)
 
@@ -179,11 +176,6 @@ class LateEKF(EKF):
         """What did not move it in a step before the first, ``(size,)``."""
         at_rest = like.new_zeros(self.moved_by[name])
         return at_rest + values["dt"] if name == "dt" else at_rest
-
-    def _move(self, name: str, values: Values, like: Tensor) -> Tensor:
-        """What moved it in the last step, or how long that took, ``(*B, size)``."""
-        value = values[name]
-        return value if isinstance(value, Tensor) else torch.full_like(like[..., :1], value)
 
     def _steps(self, moves: Tensor) -> Iterator[tuple[int, dict[str, Tensor]]]:
         """For each step how long ago it began, from L + 1 to 1, and what moved it then."""
@@ -213,6 +205,11 @@ class LateEKF(EKF):
             torch.where(is_due, moved, mean),
             torch.where(is_due.unsqueeze(-1), spread, covariance),
         )
+
+
+def _per_row(value: Tensor, like: Tensor) -> Tensor:
+    """A value ``(*B, size)``, or a scalar, which is one of all rows, as ``(*B, 1)``."""
+    return value if value.dim() else value.expand_as(like[..., :1])
 
 
 def ekf_with_delay(

@@ -1,7 +1,7 @@
 """Implicit measurements: what relates an estimate to a reading."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from torch import Tensor, nn
 
@@ -89,8 +89,7 @@ class Measurement(nn.Module):
 
         for flag in self._presence_flags:
             if flag in values:
-                is_present = cast(Tensor, values[flag])
-                accepted = is_present if accepted is None else accepted & is_present
+                accepted = values[flag] if accepted is None else accepted & values[flag]
         return accepted
 
     def innovation(
@@ -109,6 +108,5 @@ class Measurement(nn.Module):
         noise: Tensor = self.noise(values)
         for other, covariance in self.uncertain.items():
             _, sensitivity = self.residual.linearize(values, other, self.size, differentiable)
-            spread = cast(Tensor, values[covariance])
-            noise = noise + sensitivity @ spread @ sensitivity.mT
+            noise = noise + sensitivity @ values[covariance] @ sensitivity.mT
         return noise

@@ -10,13 +10,15 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from aicon_torch.control.memory import GOAL_FACTORS
+from aicon_torch.control.memory import OUTLASTS_EPISODES
+from aicon_torch.control.stages import Named, run
 from aicon_torch.control.step import ControlStep
 from aicon_torch.errors import OptionError
 from aicon_torch.export.codegen import cached_library, compile_library, in_c, prelude
 from aicon_torch.export.codegen.files import check_folder, write_whole
 from aicon_torch.export.codegen.targets import find_target
 from aicon_torch.export.flat_step import FlatStep
+from aicon_torch.export.in_turn import in_turn
 from aicon_torch.export.library import FORMAT, Library
 from aicon_torch.readings.validation import BEGINS
 
@@ -89,14 +91,16 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     # Every function of the step.
     examples = flat.examples()
     functions = [prelude(step.model.like.dtype)]
-    for name, (function, inputs, outputs) in flat.functions().items():
-        functions.append(in_c(name, function, inputs, outputs, examples))
+    for stage in flat.stages:
+        outputs = [f"new_{name}" for name in stage.gives]
+        function = flat.function_of(stage)
+        functions.append(in_c(stage.name, function, stage.takes, outputs, examples))
 
     # What the library says of itself, and what calls these functions.
     metadata = _metadata(flat, description, perceives)
     metadata["fingerprint"] = hashlib.sha256("".join(functions).encode()).hexdigest()
     return "\n".join(
-        [_HEADING, *functions, _constants(flat, metadata), _row(flat), _STEP, _test(flat)]
+        [_HEADING, *functions, _constants(flat, metadata), in_turn(flat), _step(flat), _test(flat)]
     )
 
 
@@ -123,12 +127,12 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
         "dt": model.dt,
         "iterations": flat.step.law.iterations,
         "sensors": sensors,
-        "readings": flat.readings.to_json(),
+        "readings": flat.layouts["readings"].to_json(),
         "perceived": perceived,
         "actuators": actuators,
         "goals": list(model.goals),
-        "memory": flat.memory.to_json(),
-        "commands": flat.commands.to_json(),
+        "memory": flat.layouts["memory"].to_json(),
+        "commands": flat.layouts["commands"].to_json(),
     }
 
 
@@ -146,7 +150,7 @@ def _test(flat: FlatStep) -> str:
         readings = _test_readings(flat, seed)
         outcomes = _after(flat, _with_nearby(readings))
         outcome, settled = outcomes[0], _settled(outcomes)
-        if settled[flat.memory.size :].all():  # the commands are
+        if settled[flat.layouts["memory"].size :].all():  # the commands are
             break
 
     return _TEST.format(
@@ -175,11 +179,12 @@ def _settled(outcomes: Tensor) -> Tensor:
 
 def _test_readings(flat: FlatStep, seed: int) -> Tensor:
     """Readings of a few steps, ``(steps, n)``; the second time there are none of optional ones."""
-    generator, size = torch.Generator("cpu").manual_seed(seed), (_TEST_STEPS, flat.readings.size)
+    layout, generator = flat.layouts["readings"], torch.Generator("cpu").manual_seed(seed)
+    size = (_TEST_STEPS, layout.size)
     noise = torch.rand(size, generator=generator, dtype=torch.float32, device="cpu")
     readings = 0.1 + noise
     for name, sensor in flat.model.sensors.items():
-        entry = flat.readings.entries[name]
+        entry = layout.entries[name]
         if sensor.optional:
             readings[1, entry.start : entry.stop] = torch.nan
     return readings.to(flat.model.like.dtype)
@@ -187,31 +192,20 @@ def _test_readings(flat: FlatStep, seed: int) -> Tensor:
 
 def _after(flat: FlatStep, readings: Tensor) -> Tensor:
     """The memory and the commands after first steps with readings ``(B, steps, n)``, ``(B, m)``."""
-    begins = flat.memory.entries[BEGINS].start
-    steps = readings.unbind(dim=1)
-    memory = flat.restarted(flat.blank().expand(len(readings), -1), steps[0])
-    for reading in steps:
-        has_not_begun = memory[:, begins, None] != 0  # nothing has been read yet
-        memory = torch.where(has_not_begun, flat.restarted(memory, reading), memory)
-        memory, commands = flat(memory, reading)
-    return torch.cat((memory, commands), dim=-1)
+    first, *others = (flat.unpack("readings", step) for step in readings.unbind(dim=1))
+    (memory,) = flat.step.start(first)
+    groups: dict[str, Named] = {"memory": memory}
+    for step in (first, *others):
+        restarted = flat.step.restarted(dict(groups["memory"]), step)
+        groups = run(flat.step.stages, {"memory": restarted, "readings": step})
+    return torch.cat([flat.pack(name, groups[name]) for name in ("memory", "commands")], dim=-1)
 
 
 def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
     """Sizes, the memory before the first episode, and the metadata."""
-    goals = flat.memory.entries[GOAL_FACTORS]
-    sizes = {
-        "FORMAT": FORMAT,
-        "ITERATIONS": flat.step.law.iterations,
-        "READINGS": flat.readings.size,
-        "MEMORY": flat.memory.size,
-        "COMMANDS": flat.commands.size,
-        "VALUES": flat.values.size,
-        "DESCENT": flat.descent.size,
-        "FIRST_GOAL": goals.start,
-        "GOALS": goals.stop - goals.start,
-        "BEGINS": flat.memory.entries[BEGINS].start,
-    }
+    sizes = {"FORMAT": FORMAT, "BEGINS": flat.layouts["memory"].entries[BEGINS].start}
+    for group, layout in flat.layouts.items():
+        sizes[group.upper()] = layout.size
     lines = [f"#define {name} {size}" for name, size in sizes.items()]
     lines.append(f"static const real blank[MEMORY] = {_initializer(flat.blank())};")
 
@@ -228,11 +222,14 @@ def _initializer(values: Tensor) -> str:
     return "{" + ", ".join(numbers).replace("inf", "INFINITY") + "}"
 
 
-def _row(flat: FlatStep) -> str:
-    """One step of one robot, from the functions that were traced."""
-    if flat.step.law.iterations == 1:
-        return _ONE_GRADIENT
-    return _MANY_GRADIENTS
+def _step(flat: FlatStep) -> str:
+    """Steps of some robots, and where their episodes begin."""
+    kept: list[str] = []
+    for key in OUTLASTS_EPISODES:
+        entry = flat.layouts["memory"].entries[key]
+        size = f"{entry.stop - entry.start} * sizeof(real)"
+        kept.append(f"      memcpy(fresh + {entry.start}, before + {entry.start}, {size});")
+    return _STEP.replace("      KEPT", "\n".join(kept))
 
 
 _HEADING = """\
@@ -245,22 +242,6 @@ _HEADING = """\
 #define EXPORTED __attribute__((visibility("default")))
 """
 
-_ONE_GRADIENT = """\
-static void step(const real *memory, const real *readings, real *next, real *commands) {
-  whole(memory, readings, next, commands);
-}
-"""
-
-_MANY_GRADIENTS = """\
-static void step(const real *memory, const real *readings, real *next, real *commands) {
-  real values[VALUES], descent[2][DESCENT];
-  begin(memory, readings, values, descent[0]);
-  for (int k = 0; k < ITERATIONS; ++k)
-    descend(memory, values, descent[k % 2], descent[(k + 1) % 2]);
-  finish(memory, values, descent[ITERATIONS % 2], next, commands);
-}
-"""
-
 _STEP = """\
 /* Format, bytes of a real number, and how many of them there are in the readings, the memory and
    the commands of one robot. */
@@ -270,7 +251,7 @@ EXPORTED const int aicon_sizes[5] = {FORMAT, sizeof(real), READINGS, MEMORY, COM
 EXPORTED void aicon_blank(void *memory) { memcpy(memory, blank, sizeof blank); }
 
 /* One step of each of some robots. Where starts is set, or the memory says so, an episode begins:
-   the memory starts anew, but for the factors of the goals. Next may be memory. */
+   the memory starts anew, but for what outlasts it. Next may be memory. */
 EXPORTED void aicon_step(long rows, const unsigned char *starts, const void *readings,
                          const void *memory, void *next, void *commands) {
   for (long row = 0; row < rows; ++row) {
@@ -280,7 +261,7 @@ EXPORTED void aicon_step(long rows, const unsigned char *starts, const void *rea
 
     if ((starts && starts[row]) || before[BEGINS] != 0) {
       start(seen, fresh);
-      memcpy(fresh + FIRST_GOAL, before + FIRST_GOAL, GOALS * sizeof(real));
+      KEPT
       before = fresh;
     }
     step(before, seen, after, (real *)commands + row * COMMANDS);

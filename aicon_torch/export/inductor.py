@@ -10,18 +10,12 @@ from torch import Tensor
 from torch.fx import GraphModule
 from torch.fx.experimental.proxy_tensor import make_fx
 
-from aicon_torch.control.memory import STEPS
+from aicon_torch.control.stages import Named, Stage, run
 from aicon_torch.control.step import Actions, ControlStep
 from aicon_torch.resolution import Memory
 
 _SMALL = 16
 """Products of matrices up to this size are written out: a call of a library costs more."""
-
-Named = Mapping[str, Tensor]
-"""Tensors by name, such as a memory."""
-
-NamedFunction = Callable[..., tuple[dict[str, Tensor], ...]]
-"""A function of some groups of named tensors that returns others."""
 
 InputKind = tuple[torch.Size, torch.dtype, torch.device]
 """What a step is compiled for: shape, precision and device of the first reading."""
@@ -46,28 +40,27 @@ class CompiledStep(ControlStep):
 
     def __init__(self, step: ControlStep) -> None:
         super().__init__(step.model, step.backward, step.law)
-        self._steps: dict[InputKind, NamedFunction] = {}
+        self._compiled: dict[InputKind, list[Stage]] = {}
         self._compiles = True
 
-    def __call__(self, readings: Mapping[str, Tensor], memory: Memory) -> tuple[Actions, Memory]:
+    def __call__(self, readings: Named, memory: Memory) -> tuple[Actions, Memory]:
         """One step: see :class:`ControlStep`."""
         if not self._compiles:
             return super().__call__(readings, memory)
 
         first = next(iter(readings.values()))
         kind = (first.shape, first.dtype, first.device)
-        if kind not in self._steps:
+        groups = {"readings": readings, "memory": memory}
+        if kind not in self._compiled:
             try:
-                with warnings.catch_warnings():
-                    warnings.simplefilter("ignore")  # torch on its own future
-                    self._steps[kind] = _compile_step(self, readings, memory)
+                self._compiled[kind] = compile_stages(self.stages, groups)
             except Exception as error:  # noqa: BLE001  # the robot goes on
                 self._give_up(error)
                 return super().__call__(readings, memory)
 
         with torch.no_grad():
-            commands, new_memory = self._steps[kind](readings, memory)
-        return commands, new_memory
+            after = run(self._compiled[kind], groups)
+        return dict(after["commands"]), dict(after["memory"])
 
     def _give_up(self, error: Exception) -> None:
         self._compiles = False
@@ -80,86 +73,57 @@ class CompiledStep(ControlStep):
         )
 
 
-def _compile_step(step: ControlStep, readings: Named, memory: Named) -> NamedFunction:
-    """A control step from readings and memory to commands and memory, compiled for this size."""
-    if step.law.iterations > 1:
-        return _IteratedStep(step, readings, memory)
-
-    def whole(readings: Named, memory: Memory) -> tuple[dict[str, Tensor], ...]:
-        return ControlStep.__call__(step, readings, memory)
-
-    return _compiled(whole, readings, memory)
-
-
-class _IteratedStep:
-    """A control step of many gradients, of which one descent is compiled and called for each.
+def compile_stages(stages: Sequence[Stage], groups: Mapping[str, Named]) -> list[Stage]:
+    """Stages, each compiled for what those before it give.
 
     Args:
-        step: The step.
-        readings: Readings of this size.
-        memory: A memory of this size.
+        stages: The stages.
+        groups: What there is before the first, of the size to compile for.
+    """
+    compiled: list[Stage] = []
+    with torch.no_grad(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # torch on its own future
+        for stage in stages:
+            function = _CompiledFunction(stage, [groups[name] for name in stage.takes])
+            compiled.append(stage._replace(function=function))
+            groups = run([compiled[-1]._replace(times=1)], groups)
+    return compiled
+
+
+class _CompiledFunction:
+    """A function of groups of named tensors, compiled: it is given those that it uses in one list.
+
+    Args:
+        stage: The stage whose function it is.
+        groups: Groups of the size to compile for.
     """
 
-    def __init__(self, step: ControlStep, readings: Named, memory: Named) -> None:
-        self.counts: list[Named] = []
-        for count in range(1, step.law.iterations + 1):
-            self.counts.append({"count": step.model.like.new_tensor(count)})
+    def __init__(self, stage: Stage, groups: Sequence[Named]) -> None:
+        self._gives: list[tuple[str, ...]] = []  # the names in each group that it returns
 
-        def begin(readings: Named, memory: Memory) -> tuple[dict[str, Tensor], ...]:
-            values, costs = step.estimate(readings, memory)
-            return values, costs, step.start(values, memory[STEPS])
+        # In one list stand the tensors of all groups, each under its place: its group and its name.
+        places = [(index, name) for index, group in enumerate(groups) for name in group]
+        examples = [groups[index][name] for index, name in places]
 
-        def descend(
-            values: Named, costs: dict[str, Tensor], memory: Memory, actions: Actions, count: Named
-        ) -> tuple[dict[str, Tensor], ...]:
-            return step.descend(values, costs, memory, actions, count["count"])
+        def of_list(*listed: Tensor) -> tuple[Tensor, ...]:
+            given: list[dict[str, Tensor]] = [{} for _ in groups]
+            for (index, name), value in zip(places, listed, strict=True):
+                given[index][name] = value
+            returned = stage.function(*given)
+            self._gives = [tuple(group) for group in returned]
+            return tuple(value for group in returned for value in group.values())
 
-        # Each is traced on what the one before it returns.
-        with torch.no_grad():
-            self.begin = _compiled(begin, readings, memory)
-            values, costs, actions = self.begin(readings, memory)
+        # Twice the same tensor would be taken for one.
+        examples = [example.clone(memory_format=torch.contiguous_format) for example in examples]
+        graph, used = _traced(of_list, examples)
+        self._takes = [places[index] for index in used]
+        self._run = _compile_graph(graph, [examples[index] for index in used])
 
-            inputs = (values, costs, memory, actions, self.counts[0])
-            self.descend = _compiled(descend, *inputs)
-            actions, resolved = self.descend(*inputs)
-            self.finish = _compiled(step.finish, values, memory, actions, resolved)
-
-    def __call__(self, readings: Named, memory: Named) -> tuple[dict[str, Tensor], ...]:
-        values, costs, actions = self.begin(readings, memory)
-        resolved: dict[str, Tensor] = {}
-        for count in self.counts:
-            actions, resolved = self.descend(values, costs, memory, actions, count)
-        return self.finish(values, memory, actions, resolved)
-
-
-def _compiled(function: NamedFunction, *groups: Named) -> NamedFunction:
-    """A function of groups of named tensors, compiled for groups like these."""
-    input_names = [tuple(group) for group in groups]
-    output_names: list[tuple[str, ...]] = []
-
-    def of_list(*values: Tensor) -> tuple[Tensor, ...]:
-        given, start = [], 0
-        for names in input_names:
-            given.append(dict(zip(names, values[start : start + len(names)], strict=True)))
-            start += len(names)
-        returned = function(*given)
-        output_names[:] = [tuple(group) for group in returned]
-        return tuple(value for group in returned for value in group.values())
-
-    # Trace it through autograd into one flat graph of what it uses.
-    keys = [(index, name) for index, names in enumerate(input_names) for name in names]
-    examples = [
-        groups[index][name].clone(memory_format=torch.contiguous_format) for index, name in keys
-    ]  # clones: twice the same tensor would be taken for one
-    graph, used = _traced(of_list, examples)
-    keys = [keys[index] for index in used]
-    run = _compile_graph(graph, [examples[index] for index in used])
-
-    def call(*groups: Named) -> tuple[dict[str, Tensor], ...]:
-        flat = iter(run(*[groups[index][name].contiguous() for index, name in keys]))
-        return tuple({name: next(flat) for name in names} for names in output_names)
-
-    return call
+    def __call__(self, *groups: Named) -> tuple[Named, ...]:
+        """What the function returns."""
+        listed = [groups[index][name].contiguous() for index, name in self._takes]
+        values = iter(self._run(*listed))
+        return tuple({name: next(values) for name in names} for names in self._gives)
 
 
 def _traced(

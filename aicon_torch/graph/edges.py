@@ -10,7 +10,6 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph.checks import names_of
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.paths import Edge
-from aicon_torch.graph.values import with_dt
 
 
 def find_edges(
@@ -35,7 +34,7 @@ def find_edges(
     for node in nodes:
         sources = [name for name in node.inputs if name in depends_on_action]
         for name in names_of(node):
-            read = _differentiable_sources(node, name, sources, values, declaration.dt)
+            read = _differentiable_sources(node, name, sources, values)
             found[name] = tuple(_edge(name, source, node, owners, values) for source in read)
         if isinstance(node, Estimator):
             depends_on_action.update(name for name in node.outputs if found[name])
@@ -50,15 +49,11 @@ def find_edges(
 
 
 def _differentiable_sources(
-    node: Estimator | Goal,
-    name: str,
-    sources: Sequence[str],
-    values: Mapping[str, Tensor],
-    dt: float,
+    node: Estimator | Goal, name: str, sources: Sequence[str], values: Mapping[str, Tensor]
 ) -> list[str]:
     """Those of the sources by which a quantity or goal can be differentiated."""
     leaves = {source: values[source].detach().clone().requires_grad_() for source in sources}
-    inputs = with_dt({**values, **leaves}, dt)
+    inputs = {**values, **leaves}
     output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)
     if not leaves or not output.requires_grad:
         return []

@@ -9,7 +9,7 @@ from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
 from aicon_torch.graph.checks import attempt, other_precision
 from aicon_torch.graph.declaration import Declaration
-from aicon_torch.graph.values import initial_values, with_dt
+from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.quantities import AGE, PRESENT
 
@@ -34,8 +34,7 @@ def probe(
 
     values = initial_values(declaration, estimators, readings, BATCH, like)
     for estimator in estimators:
-        inputs = with_dt(values, declaration.dt)
-        updated = attempt(estimator, estimator.update, inputs)
+        updated = attempt(estimator, estimator.update, values)
         for name, value in updated.items():
             _check_shape(name, value, values.get(name, value))
             if value.dtype != like.dtype:
@@ -56,9 +55,9 @@ def check_at_random_point(
         GraphError: If one finds something wrong.
     """
     generator = torch.Generator("cpu").manual_seed(0)
-    point = with_dt(values, declaration.dt)
+    point = dict(values)
     for name, value in values.items():
-        if value.is_floating_point():
+        if value.is_floating_point() and name != "dt":
             noise = torch.rand(value.shape, generator=generator, dtype=value.dtype, device="cpu")
             point[name] = (noise + 0.5).to(value.device)
 
@@ -82,7 +81,7 @@ def _check_shape(name: str, value: Tensor, earlier: Tensor) -> None:
 def _check_goals(declaration: Declaration, values: Mapping[str, Tensor]) -> None:
     """A goal's cost is one number for each row of the batch."""
     for name, goal in declaration.goals.items():
-        cost = attempt(goal, goal.forward, with_dt(values, declaration.dt))
+        cost = attempt(goal, goal.forward, values)
         if cost.shape != BATCH:
             raise GraphError(
                 f"Goal {name!r}: expected a cost of the batch's shape {BATCH}, got "
@@ -92,11 +91,10 @@ def _check_goals(declaration: Declaration, values: Mapping[str, Tensor]) -> None
 
 def _check_actuators(declaration: Declaration, values: Mapping[str, Tensor]) -> None:
     """Constraints return an action, metrics and dithers matrices, commands what has the batch."""
-    inputs = with_dt(values, declaration.dt)
     for name in declaration.actuators:
         shape = tuple(values[name].shape)
         for function in declaration.functions_of(name):
-            result = _result_shape(name, function, inputs)
+            result = _result_shape(name, function, values)
             expected = shape
             if function is declaration.commands.get(name):
                 expected = (*BATCH, *result[len(BATCH) :])
@@ -113,10 +111,10 @@ def _check_actuators(declaration: Declaration, values: Mapping[str, Tensor]) -> 
 
 
 def _result_shape(
-    actuator: str, function: Interconnection, inputs: Mapping[str, Tensor | float]
+    actuator: str, function: Interconnection, values: Mapping[str, Tensor]
 ) -> tuple[int, ...]:
     try:
-        return tuple(function(inputs).shape)
+        return tuple(function(values).shape)
     except (RuntimeError, IndexError, TypeError, ValueError, AttributeError) as error:
         raise GraphError(
             f"{function.function!r} of actuator {actuator!r} cannot be evaluated: {error!r}"

@@ -1,4 +1,4 @@
-"""The named values of a step: before the first one, and with the time step among them."""
+"""The named values before the first step."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,11 +11,6 @@ from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.order import in_order
 
 
-def with_dt(values: Mapping[str, Tensor], dt: float | Tensor) -> dict[str, Tensor | float]:
-    """The values, and the time step that every function may read."""
-    return {**values, "dt": dt}
-
-
 @torch.no_grad()
 def initial_values(
     declaration: Declaration,
@@ -24,7 +19,7 @@ def initial_values(
     batch: tuple[int, ...],
     like: Tensor,
 ) -> dict[str, Tensor]:
-    """Values before the first step: actions at rest, beliefs at their priors.
+    """Values before the first step: actions at rest, beliefs at their priors, and ``dt``.
 
     Args:
         declaration: The parts.
@@ -33,8 +28,7 @@ def initial_values(
         batch: The leading dimensions B.
         like: A tensor of the wanted type and device.
     """
-    values: dict[str, Tensor] = dict(readings)
-    dt = declaration.dt
+    values: dict[str, Tensor] = {**readings, "dt": like.new_tensor(declaration.dt)}
 
     # Nothing was done yet.
     for name, actuator in declaration.actuators.items():
@@ -42,7 +36,7 @@ def initial_values(
 
     # What remembers begins with its prior.
     for estimator in estimators:
-        prior = attempt(estimator, estimator.initial, with_dt(values, dt))
+        prior = attempt(estimator, estimator.initial, values)
         for name, value in prior.items():
             own_dimensions = 2 if name in estimator.covariances else 1
             values[name] = value.expand((*batch, *value.shape[-own_dimensions:]))
@@ -50,6 +44,6 @@ def initial_values(
     # What does not remember follows from it.
     memoryless = [estimator for estimator in estimators if not estimator.recursive]
     for estimator in in_order(memoryless):
-        values |= attempt(estimator, estimator.update, with_dt(values, dt))
+        values |= attempt(estimator, estimator.update, values)
 
     return values

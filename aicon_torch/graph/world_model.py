@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -14,7 +14,7 @@ from aicon_torch.graph.build import build_graph
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.paths import Edge, PathTable
-from aicon_torch.graph.values import initial_values, with_dt
+from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.shaping import straight_through
@@ -64,6 +64,8 @@ class WorldModel(nn.Module):
             let the leading dimensions free, functions define each other in a circle, a goal depends
             on no actuator, or no goal depends on an actuator.
     """
+
+    _like: Tensor
 
     def __init__(
         self,
@@ -142,7 +144,7 @@ class WorldModel(nn.Module):
     @property
     def like(self) -> Tensor:
         """A scalar of the model's dtype on its device."""
-        return cast(Tensor, self._like)
+        return self._like
 
     def with_estimator(self, estimator: Estimator, /, **sensors: Sensor) -> "WorldModel":
         """This model with an estimator more, and the sensors that it reads.
@@ -193,8 +195,17 @@ class WorldModel(nn.Module):
                 dtype=self.like.dtype,
             )
 
+    def values(self, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """The values that a memory holds: estimates, readings, actions, and the time step ``dt``.
+
+        Args:
+            memory: The memory of a policy, ``(*B, …)``.
+        """
+        values = {name: memory[name] for name in self.quantities}
+        return {**values, "dt": self.like.new_tensor(self.dt)}
+
     def initial(self, readings: Mapping[str, Tensor], batch: tuple[int, ...]) -> dict[str, Tensor]:
-        """Values before the first step: actions at rest, beliefs at their priors.
+        """Values before the first step: actions at rest, beliefs at their priors, and ``dt``.
 
         Args:
             readings: The first readings, ``(*B, size)`` each.
@@ -208,10 +219,12 @@ class WorldModel(nn.Module):
         Args:
             values: Readings of this step, last actions, and estimates of the last step.
         """
-        new = with_dt(values, self.dt if self.clock is None else values[self.clock])
+        # Estimators take the time that the step took, everything else the time of a step to come.
+        dt = self.like.new_tensor(self.dt)
+        new = {**values, "dt": dt if self.clock is None else values[self.clock]}
         for estimator in self.estimators:
             new.update(estimator.update(new))
-        return _without_dt(new)
+        return {**new, "dt": dt}
 
     def record(self, values: Mapping[str, Tensor]) -> LocalGraphs:
         """The local graphs at given values: how each quantity and goal depends on what it reads.
@@ -219,8 +232,7 @@ class WorldModel(nn.Module):
         Args:
             values: Values after a step.
         """
-        inputs = with_dt(values, self.dt)
-        return {name: self._record(name, inputs) for name in self.edges}
+        return {name: self._record(name, values) for name in self.edges}
 
     def foresee(
         self,
@@ -242,8 +254,9 @@ class WorldModel(nn.Module):
         Returns:
             The values foreseen, and how they depend on each other.
         """
-        duration = self.dt if horizon is None else horizon
-        foreseen = with_dt({**values, **actions}, duration)
+        foreseen = {**values, **actions}
+        if horizon is not None:
+            foreseen["dt"] = self.like.new_tensor(horizon)
         graphs: LocalGraphs = {}
         for estimator in self.estimators:
             anticipated: dict[str, Tensor] = {}
@@ -257,7 +270,7 @@ class WorldModel(nn.Module):
 
         for name in self.goals:
             graphs[name] = self._record(name, foreseen)
-        return _without_dt(foreseen), graphs
+        return foreseen, graphs
 
     def costs(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """The cost of each goal, ``(*B,)``.
@@ -265,8 +278,7 @@ class WorldModel(nn.Module):
         Args:
             values: Values after a step.
         """
-        inputs = with_dt(values, self.dt)
-        return {name: goal(inputs) for name, goal in self.goals.items()}
+        return {name: goal(values) for name, goal in self.goals.items()}
 
     def uncut(
         self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]
@@ -282,11 +294,11 @@ class WorldModel(nn.Module):
         """
         connected: dict[str, Tensor] = {**values, **actions}
         for estimator in self.estimators:
-            inputs = with_dt(connected, self.dt)
+            ahead: dict[str, Tensor] = {}
             for name in estimator.outputs:
                 if name in self.edges:
-                    ahead = estimator(inputs, name)
-                    connected[name] = straight_through(values[name], ahead)
+                    ahead[name] = straight_through(values[name], estimator(connected, name))
+            connected.update(ahead)  # together: its outputs start from the same belief
         return self.costs(connected)
 
     @torch.no_grad()
@@ -302,7 +314,7 @@ class WorldModel(nn.Module):
             values: Values after a step.
         """
         # Displace the quantity, ...
-        inputs = with_dt(values, self.dt)
+        inputs = dict(values)
         if self.quantities[quantity].is_motion:
             inputs[quantity] = displacement
         else:
@@ -311,39 +323,38 @@ class WorldModel(nn.Module):
         # ... and let follow what lies between it and the goal.
         for name in self._between(goal, quantity):
             inputs[name] = self.owners[name](inputs, name)
-        return cast(Tensor, self.goals[goal](inputs))
+        cost: Tensor = self.goals[goal](inputs)
+        return cost
 
     @torch.no_grad()
     def constrain(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor:
         """The action of an actuator within its constraints, ``(*B, size)``."""
-        inputs = with_dt(values, self.dt)
         for constraint in self.declaration.constraints[actuator]:
-            inputs[actuator] = constraint(inputs)
-        return cast(Tensor, inputs[actuator])
+            values = {**values, actuator: constraint(values)}
+        return values[actuator]
 
     @torch.no_grad()
     def metric(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor | None:
         """What a departure from its wish counts, ``(*B, size, size)``; None for all alike."""
         metric = self.declaration.metrics.get(actuator)
-        return None if metric is None else metric(with_dt(values, self.dt))
+        return None if metric is None else metric(values)
 
     @torch.no_grad()
     def dither(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor | None:
         """The motions that a dither mixes, ``(*B, size, k)``; None for one of each component."""
         dither = self.declaration.dithers.get(actuator)
-        return None if dither is None else dither(with_dt(values, self.dt))
+        return None if dither is None else dither(values)
 
     @torch.no_grad()
     def commands(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """What to send for each actuator: its action, or the command that brings it about."""
-        inputs = with_dt(values, self.dt)
         commands: dict[str, Tensor] = {}
         for name in self.actuators:
             command = self.declaration.commands.get(name)
             if command is None:
                 commands[name] = values[name]
             else:
-                commands[name] = self.actuators[name].clip_command(command(inputs))
+                commands[name] = self.actuators[name].clip_command(command(values))
         return commands
 
     def paths(self, max_length: int | None = None) -> PathTable:
@@ -362,7 +373,7 @@ class WorldModel(nn.Module):
         """Evaluate a quantity or goal on fresh leaves: one factor of Eq. 1."""
         leaves: dict[str, Tensor] = {}
         for edge in self.edges[name]:
-            value = cast(Tensor, values[edge.source]).detach()  # ends the graph here: one hop
+            value = values[edge.source].detach()  # ends the graph here: one hop
             if edge.rows:  # a copy for each row, whose gradients then come apart
                 value = value.unsqueeze(-2).expand(*value.shape[:-1], edge.rows, -1)
             leaves[edge.source] = value.requires_grad_()
@@ -377,7 +388,8 @@ class WorldModel(nn.Module):
     @torch.no_grad()
     def _anticipate(self, name: str, values: Values) -> Tensor:
         """One step ahead, a quantity on no path: as a number."""
-        return cast(Tensor, self.owners[name](values, name))
+        anticipated: Tensor = self.owners[name](values, name)
+        return anticipated
 
     @cache  # noqa: B019  # a model lives as long as its policy, and has few quantities
     def _between(self, goal: str, quantity: str) -> tuple[str, ...]:
@@ -403,8 +415,3 @@ class WorldModel(nn.Module):
             for name in estimator.outputs:
                 if name not in estimator.covariances:
                     yield name
-
-
-def _without_dt(values: Mapping[str, Tensor | float]) -> dict[str, Tensor]:
-    """The values without the time step."""
-    return {name: cast(Tensor, value) for name, value in values.items() if name != "dt"}

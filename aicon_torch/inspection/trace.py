@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from aicon_torch.control.backward import BackwardPass, PartialPath
-from aicon_torch.control.step import last_values
+from aicon_torch.control.backward import BackwardPass
+from aicon_torch.control.plan import PartialPath
 from aicon_torch.resolution import Memory
 from aicon_torch.vectors import select, unit
 
@@ -92,7 +92,7 @@ def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
         memory: The memory, ``(*B, …)``.
     """
     model = backward.model
-    values = last_values(model, memory)
+    values = model.values(memory)
     with torch.no_grad():
         costs = model.costs(values)
 

@@ -4,7 +4,6 @@ The sensor feels d alone. ∇d is estimated from how d changes with the robot's 
 """
 
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -55,7 +54,8 @@ def range_residual(name: str = "x_obs", reading: str = "z_obs") -> Affine:
 def unit_gradient_residual(x_obs: Tensor) -> Tensor:
     """|∇d| − 1, ``(*B, 1)``, of (d, ∇d) ``(*B, 3)``: a clearance grows by one metre a metre."""
     gradient = x_obs[..., 1:]
-    return cast(Tensor, torch.linalg.vector_norm(gradient, dim=-1, keepdim=True) - 1.0)
+    norm: Tensor = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
+    return norm - 1.0
 
 
 def unit_gradient_jacobian(x_obs: Tensor) -> Tensor:
@@ -231,7 +231,7 @@ class Clearance:
         if not self.delay:
             return Interconnection(limits, belief)
 
-        def limited(a: Tensor, x_obs: Tensor, P_obs: Tensor, lag: Tensor, dt: float) -> Tensor:
+        def limited(a: Tensor, x_obs: Tensor, P_obs: Tensor, lag: Tensor, dt: Tensor) -> Tensor:
             return limits(a, x_obs, P_obs, age=lag * dt)
 
         return Interconnection(limited, [*belief, f"{self.name}_lag", "dt"])

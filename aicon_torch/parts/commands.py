@@ -52,7 +52,7 @@ class ForceServo:
         force = self.mass / self.time * (a - v_robot) + self.drag * v_robot
         return shorten(force, self.largest)
 
-    def displacement(self, a: Tensor, v_robot: Tensor, dt: float) -> Tensor:
+    def displacement(self, a: Tensor, v_robot: Tensor, dt: Tensor) -> Tensor:
         """V dt + (a − v) dt²/(2τ): how far the mass goes in a step, ``(*B, d)``, m.
 
         Args:
@@ -83,6 +83,6 @@ class DisplacementCommand:
         """Check the number."""
         check_positive(self, ("unit",))
 
-    def __call__(self, a: Tensor, dt: float) -> Tensor:
+    def __call__(self, a: Tensor, dt: Tensor) -> Tensor:
         """The command ``(*B, d)`` for a velocity ``(*B, d)``, m/s, over a step of dt, s."""
         return (a * (dt / self.unit)).clamp(-1.0, 1.0)

@@ -6,7 +6,7 @@ wheels are its own, and turn with it.
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, cast, get_args
+from typing import Literal, get_args
 
 import torch
 from torch import Tensor
@@ -85,7 +85,8 @@ def expected_distance(p_tar: Tensor, P_tar: Tensor) -> Tensor:
     """
     distance = torch.linalg.vector_norm(p_tar, dim=-1)
     uncertainty = P_tar.diagonal(dim1=-2, dim2=-1).sum(-1)
-    return cast(Tensor, distance + uncertainty)
+    cost: Tensor = distance + uncertainty
+    return cost
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ class MovingObstacle:
         gap = GapToCome(radius, horizon, ahead)
         return Interconnection(CollisionToCome(gap, CollisionLikelihood(length)), [self.name])
 
-    def _moved(self, x: Tensor, x_rob: Tensor, dt: float | Tensor) -> Tensor:
+    def _moved(self, x: Tensor, x_rob: Tensor, dt: Tensor) -> Tensor:
         """Position and velocity after a step, ``(*B, 4)``, m and m/s."""
         p, v = x[..., :2] + x[..., 2:] * dt, x[..., 2:]
         if self.wheels is None:
@@ -110,7 +110,7 @@ class MovingObstacle:
         turned = (self.wheels.axes_after(x_rob) * v.unsqueeze(-2)).sum(-1)
         return torch.cat((self.wheels.seen_after(p, x_rob), turned), dim=-1)
 
-    def _transition(self, x_rob: Tensor, dt: float | Tensor) -> Tensor:
+    def _transition(self, x_rob: Tensor, dt: Tensor) -> Tensor:
         """∂moved/∂x = (R, R dt; 0, R), ``(*B, 4, 4)``."""
         if self.wheels is None:
             axes = torch.eye(2, dtype=x_rob.dtype, device=x_rob.device)
@@ -118,8 +118,7 @@ class MovingObstacle:
         else:
             axes = self.wheels.axes_after(x_rob)
 
-        time = dt.unsqueeze(-1) if isinstance(dt, Tensor) else dt
-        of_position = torch.cat((axes, axes * time), dim=-1)
+        of_position = torch.cat((axes, axes * dt.unsqueeze(-1)), dim=-1)
         of_velocity = torch.cat((torch.zeros_like(axes), axes), dim=-1)
         return torch.cat((of_position, of_velocity), dim=-2)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, cast
+from typing import Protocol
 
 import torch
 from torch import Tensor, nn
@@ -151,7 +151,7 @@ class Obstacle(nn.Module):
         return self.shape.distance(start - origin, end - origin) - self.radii.to(x_body)
 
 
-def moved_evenly(x: Tensor, dt: float | Tensor) -> Tensor:
+def moved_evenly(x: Tensor, dt: Tensor) -> Tensor:
     """(p + v dt, v): position and velocity ``(*B, 6)``, m and m/s, after a time dt, s."""
     position, velocity = x[..., :3], x[..., 3:]
     return torch.cat((position + velocity * dt, velocity), dim=-1)
@@ -160,15 +160,17 @@ def moved_evenly(x: Tensor, dt: float | Tensor) -> Tensor:
 class Transition(nn.Module):
     """The Jacobian of :func:`moved_evenly` by position and velocity: (I, I dt; 0, I)."""
 
+    identity: Tensor
+    by_time: Tensor
+
     def __init__(self) -> None:
         super().__init__()
         self.register_buffer("identity", torch.eye(6, dtype=torch.float64))
         self.register_buffer("by_time", torch.eye(6, dtype=torch.float64).roll(3, 1).triu(1))
 
-    def forward(self, dt: float | Tensor) -> Tensor:
+    def forward(self, dt: Tensor) -> Tensor:
         """``(6, 6)``, or ``(*B, 6, 6)`` by a time that differs from row to row, ``(*B, 1)``, s."""
-        time = dt.unsqueeze(-1) if isinstance(dt, Tensor) else dt
-        return cast(Tensor, self.identity) + time * cast(Tensor, self.by_time)
+        return self.identity + dt.unsqueeze(-1) * self.by_time
 
 
 def moving_point(

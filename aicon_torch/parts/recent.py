@@ -1,7 +1,5 @@
 """What a sensor has read lately."""
 
-from typing import cast
-
 import torch
 from torch import Tensor
 
@@ -29,15 +27,15 @@ class Recent(Estimator):
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """The first reading, n times."""
-        first = cast(Tensor, values[self.sensor])
+        first = values[self.sensor]
         return {self.outputs[0]: torch.cat([first] * self.steps, dim=-1)}
 
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """The last one comes, and the oldest goes."""
-        kept, last = cast(Tensor, values[self.outputs[0]]), cast(Tensor, values[self.sensor])
+        kept, last = values[self.outputs[0]], values[self.sensor]
         return {self.outputs[0]: torch.cat((kept[..., last.shape[-1] :], last), dim=-1)}
 
     def forward(self, values: Values, output: str) -> Tensor:
         """What has been read stays."""
-        return cast(Tensor, values[output]).detach()
+        return values[output].detach()

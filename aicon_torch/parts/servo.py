@@ -1,7 +1,6 @@
 """A pusher that a PD controller moves to position targets."""
 
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -67,7 +66,7 @@ class Servo:
             velocity_by_velocity=velocity_by_velocity,
         )
 
-    def target_offset(self, a: Tensor, v_pusher: Tensor, dt: float) -> Tensor:
+    def target_offset(self, a: Tensor, v_pusher: Tensor, dt: float | Tensor) -> Tensor:
         """The target's offset from the pusher that yields a mean velocity over the next step.
 
         Args:
@@ -81,12 +80,12 @@ class Servo:
         by_offset, by_velocity = self.displacement_by_offset[-1], self.displacement_by_velocity[-1]
         return (a * dt - by_velocity * v_pusher) / by_offset
 
-    def final_velocity(self, v_pusher: Tensor, a: Tensor, dt: float) -> Tensor:
+    def final_velocity(self, v_pusher: Tensor, a: Tensor, dt: float | Tensor) -> Tensor:
         """The velocity at the end of a step with mean velocity a, ``(*B, 2)``, m/s."""
         offset = self.target_offset(a, v_pusher, dt)
         return self.velocity_by_offset * offset + self.velocity_by_velocity * v_pusher
 
-    def displacements(self, a: Tensor, v_pusher: Tensor, dt: float, parts: int) -> Tensor:
+    def displacements(self, a: Tensor, v_pusher: Tensor, dt: float | Tensor, parts: int) -> Tensor:
         """The displacements after equally long parts of a step with mean velocity a.
 
         Args:
@@ -121,6 +120,8 @@ class PusherMotion(Estimator):
     outputs = ("d_pusher", "v_pusher")
     inputs = ("v_pusher", "a", "dt")
 
+    at_rest: Tensor
+
     def __init__(self, servo: Servo | None) -> None:
         super().__init__()
         self.servo = servo
@@ -130,8 +131,7 @@ class PusherMotion(Estimator):
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """The pusher was at rest."""
-        at_rest = cast(Tensor, self.at_rest)
-        return {"d_pusher": at_rest, "v_pusher": at_rest[:2]}
+        return {"d_pusher": self.at_rest, "v_pusher": self.at_rest[:2]}
 
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
@@ -140,9 +140,7 @@ class PusherMotion(Estimator):
 
     def forward(self, values: Values, output: str) -> Tensor:
         """How the action moves it."""
-        a, v_pusher = cast(Tensor, values["a"]), cast(Tensor, values["v_pusher"])
-        dt = cast(float, values["dt"])
-
+        a, v_pusher, dt = values["a"], values["v_pusher"], values["dt"]
         if output == "v_pusher":
             return a if self.servo is None else self.servo.final_velocity(v_pusher, a, dt)
         if self.servo is None:
@@ -169,7 +167,7 @@ class PositionTarget:
     servo: Servo | None
     workspace: tuple[float, float]
 
-    def __call__(self, a: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: float) -> Tensor:
+    def __call__(self, a: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: float | Tensor) -> Tensor:
         """The target.
 
         Args:

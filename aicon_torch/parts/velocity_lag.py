@@ -1,7 +1,5 @@
 """Motors that take time until they move as they are told."""
 
-from typing import cast
-
 import torch
 from torch import Tensor
 
@@ -28,6 +26,8 @@ class VelocityLag(Estimator):
     inputs = ("v_joints", "a", "dt")
     is_motion = True
 
+    at_rest: Tensor
+
     def __init__(self, joints: int, time_constant: float) -> None:
         super().__init__()
         if not time_constant > 0:
@@ -37,16 +37,15 @@ class VelocityLag(Estimator):
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """The joints were at rest."""
-        return {"v_joints": cast(Tensor, self.at_rest)}
+        return {"v_joints": self.at_rest}
 
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """How the joints move after the last action, ``(*B, n)``, rad/s."""
-        a, v_joints = cast(Tensor, values["a"]), cast(Tensor, values["v_joints"])
-        dt = torch.as_tensor(values["dt"], dtype=a.dtype, device=a.device)
-        steps = dt / self.time_constant
+        a, v_joints = values["a"], values["v_joints"]
+        steps = values["dt"] / self.time_constant
         return {"v_joints": v_joints + (1 - torch.exp(-steps)) * (a - v_joints)}
 
     def forward(self, values: Values, output: str) -> Tensor:
         """How the action moves them once it is followed, ``(*B, n)``, rad/s."""
-        return cast(Tensor, values["a"])
+        return values["a"]

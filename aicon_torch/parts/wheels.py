@@ -31,7 +31,7 @@ class Wheels:
         """ℓ, how far ahead of the axle the point is, m."""
         raise NotImplementedError
 
-    def motion(self, a: Tensor, dt: float | Tensor) -> Tensor:
+    def motion(self, a: Tensor, dt: Tensor) -> Tensor:
         """x_rob = (s, ℓ θ), how the point ahead moves in a step, ``(*B, 2)``, m.
 
         Args:

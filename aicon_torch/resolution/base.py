@@ -1,6 +1,6 @@
 """What a resolution is given, and what it promises."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ClassVar, NamedTuple
 
 from torch import Tensor
@@ -26,7 +26,7 @@ class GradientStack(NamedTuple):
     gradients: Tensor
     goals: tuple[frozenset[str], ...]
     motion: Tensor
-    costs: dict[str, Tensor]
+    costs: Mapping[str, Tensor]
     displaced_cost: Callable[[str, Tensor], Tensor]
     dt: float
     is_last: bool = True

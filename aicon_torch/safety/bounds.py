@@ -9,6 +9,7 @@ from torch import Tensor
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import copied
 from aicon_torch.quantities import AGE, PRESENT
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafetyBounds, nearest_safe
@@ -113,7 +114,7 @@ class ActuatorSafety:
         down = torch.full_like(values[self.actuator], torch.inf)
         up = down
         for goal in self._ranged:
-            to_low, to_high = goal.room(self._with_dt(values))
+            to_low, to_high = goal.room(values)
             down, up = torch.minimum(down, to_low), torch.minimum(up, to_high)
         return down, up
 
@@ -159,7 +160,7 @@ class ActuatorSafety:
         Returns:
             c ``(*B, m, n)`` and b ``(*B, m)``.
         """
-        gaps = goal.gaps(self._with_dt(values)).clamp(max=FARTHEST)
+        gaps = goal.gaps(values).clamp(max=FARTHEST)
         count = gaps.shape[-1] if most is None else min(most, gaps.shape[-1])
         smallest = gaps.topk(count, dim=-1, largest=False).indices
 
@@ -178,8 +179,7 @@ class ActuatorSafety:
         Returns:
             d⁺(0) ``(*B, m)`` and ∂d⁺/∂a ``(*B, m, n)``.
         """
-        count = which.shape[-1]
-        copies = {name: value.expand(count, *value.shape) for name, value in values.items()}
+        copies = copied(values, which.shape[-1])
         gap_of_copy = which.movedim(-1, 0).unsqueeze(-1)
 
         with torch.enable_grad():
@@ -193,7 +193,7 @@ class ActuatorSafety:
 
     def _gaps_ahead(self, goal: Goal, values: Mapping[str, Tensor]) -> Tensor:
         """The gaps one step ahead, ``(*B, m)``: every estimate is anticipated once."""
-        inputs = self._with_dt(values)
+        inputs = dict(values)
         for name in self._upstream[goal.name]:
             inputs[name] = self.model.owners[name](inputs, name)
         return goal.gaps(inputs).clamp(max=FARTHEST)
@@ -215,9 +215,6 @@ class ActuatorSafety:
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _ = self._rows_of(goal, values)
         return bool(((slopes != 0).sum(-1) == 1).all())
-
-    def _with_dt(self, values: Mapping[str, Tensor]) -> dict[str, Tensor | float]:
-        return {**values, "dt": self.model.dt}
 
 
 def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:

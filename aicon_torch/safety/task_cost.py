@@ -6,6 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import copied
 
 
 class FollowedCost:
@@ -32,10 +33,7 @@ class FollowedCost:
     def ahead(self, action: Tensor) -> Tensor:
         """G(a) ``(*B,)`` of an action ``(*B, n)``, or ``(m, *B)`` of m for each row."""
         copies = action.shape[: action.dim() - self.goal_factors.dim()]
-        values = {
-            name: value.expand((*copies, *value.shape)) for name, value in self.values.items()
-        }
-
+        values = copied(self.values, *copies)
         total = torch.zeros_like(action[..., 0])
         for index, (name, goal) in enumerate(self.model.goals.items()):
             if not goal.safety:

@@ -19,7 +19,7 @@ def sent_memory(model: WorldModel) -> Memory:
     nowhere: Memory = {}
     for name, quantity in model.quantities.items():
         nowhere[name] = model.like.new_zeros(quantity.shape)
-    commands = model.commands(nowhere)
+    commands = model.commands(model.values(nowhere))
     return {name + SENT: torch.zeros_like(commands[name]) for name in model.declaration.commands}
 
 
@@ -99,7 +99,7 @@ def keep_finite(
     for name in model.actuators:
         healed[name] = torch.where(broken.unsqueeze(-1), 0.0, healed[name])
 
-    at_rest = model.commands({name: healed[name] for name in model.quantities})
+    at_rest = model.commands(model.values(healed))
     sent: dict[str, Tensor] = {}
     for name, command in commands.items():
         rest = at_rest[name].nan_to_num(0.0)

@@ -55,7 +55,7 @@ def _anticipate(
     """What the model expects of quantities and costs, each quantity shifted by its offset before it
     is read.
     """
-    known = {**values, **actions, "dt": model.dt}
+    known = {**values, **actions}
     ahead: dict[str, Tensor] = {}
 
     for node in model.estimators:

@@ -56,7 +56,7 @@ from _inputs.steered import (
     walled,
     where_to,
 )
-from _inputs.stepping import actions, in_motion, moved, quantities, readings, unlimited
+from _inputs.stepping import actions, in_motion, moved, quantities, readings, remembered, unlimited
 from _inputs.tracking import (
     CORNERS,
     MOVE,
@@ -142,6 +142,7 @@ __all__ = [
     "random_covariance",
     "ranks",
     "readings",
+    "remembered",
     "resolve",
     "resolved",
     "rightward",

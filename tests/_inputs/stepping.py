@@ -49,4 +49,9 @@ def moved(
 
 def quantities(model: WorldModel, memory: dict[str, Tensor], action: Tensor) -> dict[str, Tensor]:
     """The values of a model's quantities after a step, with the action ``a`` that led there."""
-    return {name: memory[name] for name in model.quantities} | {"a": action}
+    return model.values(memory) | {"a": action}
+
+
+def remembered(model: WorldModel, values: dict[str, Tensor]) -> dict[str, Tensor]:
+    """What a memory keeps of the values of a model."""
+    return {name: values[name] for name in model.quantities}

@@ -22,6 +22,7 @@ from _inputs import (
     graphs,
     in_motion,
     readings,
+    remembered,
     unlimited,
 )
 from hypothesis import assume, given, settings
@@ -55,7 +56,7 @@ def descended(policy: Policy, batch: tuple[int, ...]) -> dict[str, Tensor]:
     """The gradients that a policy descends at the same values as :func:`stepped`."""
     model = policy.model
     _, memory = policy.predict(readings(batch, 1))
-    memory |= in_motion(model, batch) | actions(model, batch, 9)
+    memory |= remembered(model, in_motion(model, batch)) | actions(model, batch, 9)
 
     _, memory = policy.predict(readings(batch, 9), memory)
     return {name: -memory[name] for name in model.actuators}

@@ -74,7 +74,7 @@ def test_an_operation_without_a_translation_is_told_once_by_its_name(
     def refuses(*_: object) -> None:
         raise RuntimeError("this takes minutes")
 
-    monkeypatch.setattr(inductor, "_compile_step", refuses)
+    monkeypatch.setattr(inductor, "compile_stages", refuses)
     policy = seeing(nn.Softshrink()).compile()
     memory = None
     with pytest.warns(RuntimeWarning, match="runs uncompiled"):

@@ -43,7 +43,7 @@ def test_the_predicted_change_is_the_slope_along_the_action(blueprint: Blueprint
     action = {name: memory[name] for name in model.actuators}
 
     for name, report in policy.explain(memory).goals.items():
-        cost = model.goals[name]({**memory, "dt": model.dt})
+        cost = model.goals[name](model.values(memory))
         assert report.cost == pytest.approx(float(cost))
 
         slopes = numeric_totals(model, memory, action, goals=[name])

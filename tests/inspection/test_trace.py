@@ -73,7 +73,7 @@ def test_values_and_costs_are_those_of_the_step() -> None:
 
     assert trace.costs.keys() == policy.model.goals.keys()
     for name, goal in policy.model.goals.items():
-        expected = goal({**memory, "dt": policy.model.dt})
+        expected = goal(policy.model.values(memory))
         assert trace.costs[name].shape == (3,)
         torch.testing.assert_close(trace.costs[name], expected)
 

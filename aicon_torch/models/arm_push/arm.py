@@ -119,7 +119,7 @@ class TipMotion(nn.Module):
         super().__init__()
         self.end_effector, self.parts = end_effector, parts
 
-    def forward(self, x_joints: Tensor, velocity: Tensor, dt: float) -> Tensor:
+    def forward(self, x_joints: Tensor, velocity: Tensor, dt: Tensor) -> Tensor:
         """The motion at the joint angles ``(*B, n)``, rad, by their velocity ``(*B, n)``, rad/s."""
         # What moved the object is past, so no gradient leads to the next action.
         jacobian = self.end_effector.jacobian(x_joints.detach())

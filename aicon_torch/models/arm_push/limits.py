@@ -4,7 +4,6 @@ They act on the joints by the least motion that takes away what goes beyond. The
 """
 
 from collections.abc import Sequence
-from typing import cast
 
 import torch
 from torch import Tensor, nn
@@ -27,6 +26,8 @@ class ArmLimits(nn.Module):
         joint_speeds: Largest speed of each joint, rad/s.
         options: The speed of the tip, and the time of its arrival.
     """
+
+    joint_speeds: Tensor
 
     def __init__(
         self,
@@ -64,7 +65,7 @@ class ArmLimits(nn.Module):
         # The least motion of the joints that takes away the rest.
         motion = torch.cat((planar, rise, tilt, turn), dim=-1)
         a = a - self.end_effector.solve(jacobian, wish - motion)
-        excess = (a.abs() / cast(Tensor, self.joint_speeds).to(a)).amax(-1, keepdim=True)
+        excess = (a.abs() / self.joint_speeds.to(a)).amax(-1, keepdim=True)
         return a / excess.clamp(min=1.0)
 
     def _settle(self, rise: Tensor, x_heights: Tensor) -> Tensor:

@@ -59,7 +59,7 @@ def world_model(options: Options) -> WorldModel:
     )
 
 
-def displacement(a: Tensor, dt: float) -> Tensor:
+def displacement(a: Tensor, dt: Tensor) -> Tensor:
     """x_rob = a·dt: the agent's displacement in one step ``(*B, 2)``, m, at a velocity in m/s."""
     return a * dt
 

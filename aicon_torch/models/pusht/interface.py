@@ -85,7 +85,7 @@ def _command(options: Options, servo: Servo) -> Callable[..., Tensor]:
     """A position target in px, or a velocity in px/s."""
     target = PositionTarget(servo if options.compensate_lag else None, WORKSPACE)
 
-    def position_in_pixels(a: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: float) -> Tensor:
+    def position_in_pixels(a: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: Tensor) -> Tensor:
         return target(a, x_pusher, v_pusher, dt) / PIXEL
 
     def velocity_in_pixels(a: Tensor) -> Tensor:

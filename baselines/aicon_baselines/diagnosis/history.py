@@ -201,14 +201,14 @@ def _goal_curves(
     factors = memory[GOAL_FACTORS][-1]
     for factor, (name, goal) in zip(factors.tolist(), model.goals.items(), strict=True):
         if factor != 0:
-            gap = _gap(goal, trace.values, model.dt) if goal.safety else None
+            gap = _gap(goal, trace.values) if goal.safety else None
             yield name, GoalCurve(_array(trace.costs[name]), goal.safety, gap)
 
 
-def _gap(goal: Goal, values: Mapping[str, Tensor], dt: float) -> FloatArray:
+def _gap(goal: Goal, values: Mapping[str, Tensor]) -> FloatArray:
     """The least gap of a safety goal, (n,)."""
     with torch.no_grad():
-        return _array(goal.gaps({**values, "dt": dt}).amin(-1))
+        return _array(goal.gaps(values).amin(-1))
 
 
 def _meeting_curves(trace: StepTrace) -> Iterator[tuple[str, MeetingCurve]]:

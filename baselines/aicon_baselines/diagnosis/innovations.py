@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from aicon_torch import EKF, WorldModel
-from aicon_torch.control.step import last_values
 from aicon_torch.estimation import Innovation
 from aicon_torch.quantities import AGE, FROZEN, PRESENT
 from aicon_torch.resolution import Memory
@@ -51,8 +49,9 @@ def innovations(model: WorldModel, memory: Memory) -> list[Innovations]:
     after = {key: value[1:] for key, value in memory.items()}
 
     # What the first estimator sees: the values of the last step and the new readings.
-    dt = model.dt if model.clock is None else after[model.clock]
-    values: dict[str, Tensor | float] = {**last_values(model, before), "dt": dt}
+    values = model.values(before)
+    if model.clock is not None:
+        values["dt"] = after[model.clock]
     for sensor in model.sensors:
         for key in (sensor, *(sensor + suffix for suffix in (PRESENT, AGE, FROZEN))):
             if key in after:

@@ -1,7 +1,7 @@
 """The observation and action spaces of the arm, and the checks at that border."""
 
 import math
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
 from gymnasium import spaces
@@ -43,15 +43,15 @@ def observation_space(
         boxes["depth"] = spaces.Box(0.0, MAX_DEPTH, (height, width), np.float32)
         boxes["image_age"] = spaces.Box(0.0, _LARGE, (1,), np.float64)
 
-    # Gymnasium types a Dict as a space of spaces.
-    return cast("spaces.Space[Observation]", spaces.Dict(boxes))
+    observed: spaces.Space[Any] = spaces.Dict(boxes)  # Gymnasium types it as a space of spaces
+    return observed
 
 
 def action_space(speed: NDArray[np.float64]) -> spaces.Space[Action]:
     """Return the space of joint velocities up to some speeds ``(n,)``, rad/s."""
     largest = speed.astype(np.float32)
-    box = spaces.Box(-largest, largest, dtype=np.float32)
-    return cast("spaces.Space[Action]", box)  # Box forgets its dtype
+    box: spaces.Space[Any] = spaces.Box(-largest, largest, dtype=np.float32)  # forgets its dtype
+    return box
 
 
 def _symmetric_box(bound: float, length: int) -> spaces.Box:

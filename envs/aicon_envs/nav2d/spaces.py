@@ -1,7 +1,7 @@
 """The observation and action spaces of the navigation task, and the checks at that border."""
 
 import math
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from gymnasium import spaces
@@ -33,8 +33,8 @@ def observation_space(sensing: Sensing, physics: Physics) -> spaces.Space[Observ
     if sensing == "range_bearing":
         boxes["obstacle_bearing"] = spaces.Box(-math.pi, math.pi, (1,), np.float32)
 
-    # Gymnasium types a Dict as a space of spaces.
-    return cast("spaces.Space[Observation]", spaces.Dict(boxes))
+    observed: spaces.Space[Any] = spaces.Dict(boxes)  # Gymnasium types it as a space of spaces
+    return observed
 
 
 def action_space(physics: Physics) -> spaces.Space[Action]:
@@ -44,5 +44,5 @@ def action_space(physics: Physics) -> spaces.Space[Action]:
     agent itself limits the command's Euclidean norm to max_speed.
     """
     bound = max(1.0, physics.max_speed)
-    box = spaces.Box(-bound, bound, (2,), np.float32)
-    return cast("spaces.Space[Action]", box)  # Box forgets its dtype
+    box: spaces.Space[Any] = spaces.Box(-bound, bound, (2,), np.float32)  # forgets its dtype
+    return box

@@ -1,7 +1,7 @@
 """The observation and action spaces of the pushT task, and the checks at that border."""
 
 import math
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from gymnasium import spaces
@@ -69,13 +69,14 @@ def observation_space(
 
 def action_space(mode: ActionMode, velocity_limit: float | None) -> spaces.Space[Action]:
     """Return the space of the pusher's target, px, or of its velocity, px/s."""
+    box: spaces.Space[Any]  # a Box forgets its dtype
     if mode == "position":
         box = spaces.Box(0.0, SIZE, (2,), np.float32)
     else:
         speed = velocity_limit or DEFAULT_SPEED
         box = spaces.Box(-speed, speed, (2,), np.float32)
 
-    return cast("spaces.Space[Action]", box)  # Box forgets its dtype
+    return box
 
 
 def check_action(action: ArrayLike) -> Point:

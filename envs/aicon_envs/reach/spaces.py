@@ -1,7 +1,7 @@
 """The observation and action spaces of a robot that reaches."""
 
 import math
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
 from gymnasium import spaces
@@ -28,15 +28,15 @@ def observation_space(count: int, target: Target, balls: int) -> spaces.Space[Ob
     for number in range(1, balls + 1):
         boxes[f"ball_{number}"] = _symmetric_box(_LARGE, 3)
 
-    # Gymnasium types a Dict as a space of spaces.
-    return cast("spaces.Space[Observation]", spaces.Dict(boxes))
+    observed: spaces.Space[Any] = spaces.Dict(boxes)  # Gymnasium types it as a space of spaces
+    return observed
 
 
 def action_space(speed: NDArray[np.float64]) -> spaces.Space[Action]:
     """Return the space of joint velocities up to a speed ``(n,)``, rad/s or m/s."""
     bound = speed.astype(np.float32)
-    box = spaces.Box(-bound, bound, dtype=np.float32)
-    return cast("spaces.Space[Action]", box)  # Box forgets its dtype
+    box: spaces.Space[Any] = spaces.Box(-bound, bound, dtype=np.float32)  # forgets its dtype
+    return box
 
 
 def _symmetric_box(bound: float, length: int) -> spaces.Box:

@@ -70,8 +70,8 @@ def sample(
     goal_factors = model.like.new_ones(count, len(model.goals))
     with torch.enable_grad():
         graphs = model.record(values)
-    costs = model.costs(values)
-    gradients, resolved = policy.backward_pass(graphs, values, memory, goal_factors, costs)
+    values |= model.costs(values)
+    gradients, resolved = policy.backward_pass(graphs, values, memory, goal_factors)
 
     (gradient,) = gradients.values()
     descent = -to_array(gradient) / model.dt  # x_rob = a dt
@@ -84,10 +84,10 @@ def _values_at(recording: NavigationRecording, step: int, points: FloatArray) ->
     """The values of a step before it acts, with the target estimate as seen from each position."""
     model = recording.policy.model
     values: dict[str, Tensor] = {}
-    for name, series in recording.trace.values.items():
+    for name in model.quantities:
         moment = step - 1 if name in model.actuators else step
-        values[name] = series[moment]
-    values = _repeat(values, len(points))
+        values[name] = recording.trace.values[name][moment]
+    values = model.values(_repeat(values, len(points)))
 
     mean, _ = recording.belief(step)
     to_target = model.like.new_tensor(mean - points)
