@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from aicon_baselines.diagnosis.diagnose import Diagnosis
-from aicon_baselines.diagnosis.history import BoolArray, FloatArray, History
+from aicon_baselines.diagnosis.history import History
 from aicon_baselines.diagnosis.surroundings import Surroundings
-from aicon_baselines.figures.recording import true_intervals
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray, true_intervals
 from aicon_baselines.figures.rendering import save_picture
 from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.figures.timeline import SHADE, simplify

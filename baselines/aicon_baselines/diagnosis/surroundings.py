@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from aicon_baselines.diagnosis.history import FloatArray
+from aicon_baselines.evaluation.recording import FloatArray
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.extras import missing_extra, pip_command
-from aicon_baselines.figures.recording import FloatArray
 from aicon_baselines.files import replacing
 
 try:

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from aicon_baselines.evaluation.recording import FloatArray, track
 from aicon_baselines.figures.arm_push.recording import ArmRecording
 from aicon_baselines.figures.arm_push.timeline import add_timelines
 from aicon_baselines.figures.arm_push.view import CameraView
 from aicon_baselines.figures.film import Film
-from aicon_baselines.figures.recording import FloatArray, track
 from aicon_baselines.figures.rendering import is_moving_picture, render, save_video
 from aicon_baselines.figures.timeline import TimeCursor
 from aicon_baselines.files import replacing

@@ -11,11 +11,11 @@ from matplotlib.patches import Circle, Ellipse
 from matplotlib.quiver import Quiver
 
 from aicon_baselines import palette
+from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.figures.nav2d import style
 from aicon_baselines.figures.nav2d.field import Field, clearance, sample
 from aicon_baselines.figures.nav2d.grid import Grid
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.recording import FloatArray
 from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.figures.view import WorldView
 

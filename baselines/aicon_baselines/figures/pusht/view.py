@@ -9,8 +9,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, FancyArrow, Polygon
 
 from aicon_baselines import palette
+from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.figures.pusht.recording import PushRecording
-from aicon_baselines.figures.recording import FloatArray
 from aicon_baselines.figures.style import blend
 from aicon_baselines.figures.view import WorldView, rectangle_around
 from aicon_envs.pusht.geometry import place

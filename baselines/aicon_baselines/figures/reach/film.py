@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from aicon_baselines.figures.reach.picture import ZOOM
-from aicon_baselines.figures.reach.recording import ReachRecording
+from aicon_baselines.figures.reach.recording import STRIDE, ReachRecording
 from aicon_baselines.figures.rendering import Frame, is_moving_picture, save_video
 from aicon_baselines.palette import EXPLORING, INK
 from aicon_envs.reach.simulation import CONTROL_STEP
@@ -44,7 +44,7 @@ def captioned(recording: ReachRecording, stride: int = 1) -> Iterator[Frame]:
     """
     last = len(recording.frames) - 1
     for number in (*range(0, last, stride), last):
-        step = min(number * recording.stride, len(recording.times))
+        step = min(number * STRIDE, len(recording.times))
         explores = step > 0 and bool(recording.exploring[step - 1])
         doing = "held up: exploring" if explores else "descending"
         if number == last:

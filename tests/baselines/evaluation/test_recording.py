@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from aicon_baselines.figures.recording import to_array, true_intervals
+from aicon_baselines.evaluation.recording import to_array, true_intervals
 
 
 @pytest.mark.parametrize(
