@@ -11,7 +11,6 @@ import torch
 
 from aicon_baselines.agents.registry import compiled, factory, own_policy
 from aicon_baselines.diagnosis.history import History
-from aicon_baselines.diagnosis.surroundings import Surroundings, surroundings
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.errors import ComparisonError
@@ -21,6 +20,7 @@ from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
+from aicon_baselines.worlds import Shape, surroundings
 from aicon_torch import Policy
 from aicon_torch.resolution import Memory
 
@@ -43,7 +43,12 @@ class Rerun:
     places: FloatArray
     distance: float
     unit: str
-    around: Surroundings
+    around: dict[str, Shape]
+
+    @property
+    def flipped(self) -> bool:
+        """Whether y points down, as it does where lengths are pixels."""
+        return self.unit == "px"
 
 
 def choose_row(

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from aicon_baselines.evaluation import recording
 from aicon_baselines.evaluation.recording import BoolArray, FloatArray, Recording, to_array
-from aicon_envs.pusht.geometry import Pose, place
+from aicon_envs.pusht.geometry import place
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import Servo
 from aicon_torch.policy import Policy
@@ -33,10 +33,10 @@ class PushRecording(Recording):
         return outline
 
     @property
-    def goal(self) -> Pose:
+    def goal(self) -> FloatArray:
         """Pose of the goal, px and rad."""
-        x, y, angle = self.infos[-1]["goal_pose"].tolist()
-        return x, y, angle
+        goal: FloatArray = self.told("goal_pose")[-1]
+        return goal
 
     @cached_property
     def pushers(self) -> FloatArray:
