@@ -81,11 +81,6 @@ class ArmPushScene(ArmScene):
         places = np.pad(contacts, ((0, 0), (0, 1)), constant_values=THICKNESS / 2.0)
         return by_sides(super().arrows(), meeting.paths, values, places)
 
-    def progress(self) -> str:
-        """The distance and the angle to the target."""
-        left = self.remaining()
-        return f"{1e3 * left['distance']:.0f} mm and {np.degrees(left['angle']):.0f}° to the target"
-
     def handles(self) -> Mapping[str, Handle]:
         """The target and the object."""
         return {

@@ -20,8 +20,9 @@ from aicon_baselines.palette import (
 )
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.plane import PlaneScene
-from aicon_baselines.view.scene import GradientArrow, Handle
-from aicon_baselines.worlds import ARRIVAL, believed, disc, navigation
+from aicon_baselines.view.scene import Handle
+from aicon_baselines.worlds import believed, disc, navigation
+from aicon_baselines.worlds.surroundings import ARRIVAL
 
 _MARGIN = 0.9  # m of ground around what there is
 _KICK = 0.25  # m
@@ -97,18 +98,10 @@ class NavigationScene(PlaneScene):
         canvas.draw({"robot": disc(position, self._radius, 14, ROBOT)})
         self.draw_arrows(position)
 
-    def arrows(self) -> list[GradientArrow]:
-        """The three gradients at the robot's displacement."""
-        meeting = self.episode.meeting
-        gradients = meeting.gradients[0].numpy(force=True)
-        strengths = (meeting.strengths[0]).tolist()
-
-        found = []
-        for index, path in enumerate(meeting.paths):
-            goal, quantity = path[:2]
-            label, color = _LOOKS.get((goal, quantity), (f"{goal} → {quantity}", CERTAINTY))
-            found.append(GradientArrow(label, color, -gradients[index], strengths[index]))
-        return found
+    def look_of(self, path: tuple[str, ...], goals: tuple[str, ...]) -> tuple[str, str]:
+        """What a gradient wants, by its goal and by what that goal is about."""
+        goal, quantity = path[:2]
+        return _LOOKS.get((goal, quantity), (f"{goal} → {quantity}", CERTAINTY))
 
     def strengths(self) -> dict[str, float]:
         """The strength of each gradient, by what it wants."""

@@ -16,8 +16,9 @@ from aicon_baselines.figures.nav2d.field import Field, clearance, sample
 from aicon_baselines.figures.nav2d.grid import Grid
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
 from aicon_baselines.figures.view import WorldView
-from aicon_baselines.worlds import ARRIVAL, believed, disc, navigation
+from aicon_baselines.worlds import believed, disc, navigation
 from aicon_baselines.worlds.paper import Paper
+from aicon_baselines.worlds.surroundings import ARRIVAL
 
 _ARROWS_PER_ROW = 27
 

@@ -15,7 +15,7 @@ from aicon_baselines.figures.pusht.view import GROUND_TINT, PushView
 from aicon_baselines.figures.rendering import is_moving_picture, save_video
 from aicon_baselines.figures.style import TIMELINE_TINT, blend
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
-from aicon_baselines.worlds import GOAL_TINT
+from aicon_baselines.worlds.surroundings import GOAL_TINT
 
 _COST, _STRENGTHS = (0.098, 0.112, 0.887, 0.07), (0.098, 0.022, 0.887, 0.07)
 

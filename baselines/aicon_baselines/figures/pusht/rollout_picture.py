@@ -23,7 +23,7 @@ from aicon_baselines.figures.pusht.timeline import add_timelines
 from aicon_baselines.figures.pusht.view import PushView
 from aicon_baselines.figures.rendering import save_picture
 from aicon_baselines.figures.timeline import add_curve_legend
-from aicon_baselines.worlds import GOAL_TINT
+from aicon_baselines.worlds.surroundings import GOAL_TINT
 
 _PANELS = {
     "left": 0.012,
