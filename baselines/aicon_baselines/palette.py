@@ -7,7 +7,7 @@ Colour-blind readers can tell them apart (after Okabe and Ito, "Color Universal 
 ROBOT, TRAIL, BODY = "#0059a8", "#84acd3", "#78a0cd"
 TARGET, OBSTACLE = "#c4122f", "#3c4048"
 OBJECT, OBJECT_RED, OUTLINE, GOAL = "#c3c8d0", "#cc1f1f", "#5c636e", "#5fb545"
-GROUND, WALL = "#f7f7f3", "#eceef0"
+GROUND, WALL, WHITE = "#f7f7f3", "#eceef0", "#ffffff"
 
 # The policy: what it believes, and what it does.
 BELIEF = "#e6b400"
@@ -30,6 +30,13 @@ GOALS = (TOWARDS, AWAY, CERTAINTY, "#e69f00", "#cc79a7", "#0072b2", "#6e6e6e")
 
 
 def rgb(color: str) -> tuple[int, int, int]:
-    """Red, green and blue of a colour such as "#0059a8", up to 255."""
-    red, green, blue = bytes.fromhex(color.removeprefix("#"))
+    """Red, green and blue of a colour such as "#0059a8", up to 255.
+
+    Raises:
+        ValueError: If it is not written so.
+    """
+    try:
+        red, green, blue = bytes.fromhex(color.removeprefix("#"))
+    except ValueError as error:
+        raise ValueError(f"color={color!r}: expected one such as '#0059a8'.") from error
     return red, green, blue

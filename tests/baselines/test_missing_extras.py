@@ -23,7 +23,6 @@ IMPORTS = [
     ("matplotlib", "aicon_baselines.evaluation.curves", "compare"),
     ("matplotlib", "aicon_baselines.evaluation.study_report", "compare"),
     ("matplotlib", "aicon_baselines.figures", "compare"),
-    ("tqdm", "aicon_baselines.figures", "compare"),
     ("pymunk", "aicon_envs.pusht", "pusht"),
     ("pygame", "aicon_envs.pusht.rendering", "pusht"),
     ("mujoco", "aicon_envs.arm_push", "panda"),

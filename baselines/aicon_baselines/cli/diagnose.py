@@ -41,7 +41,13 @@ def run(arguments: argparse.Namespace) -> None:
 
     path = arguments.picture or arguments.run / f"diagnosis_{arguments.seed}.png"
     draw_diagnosis(
-        again.history, found, path, title=title, places=again.places, around=again.around
+        again.history,
+        found,
+        path,
+        title=title,
+        places=again.places,
+        around=again.around,
+        flipped=again.flipped,
     )
 
     print(title)

@@ -2,6 +2,7 @@
 
 from aicon_baselines.diagnosis.diagnose import Diagnosis, diagnose
 from aicon_baselines.diagnosis.finding import Finding
-from aicon_baselines.diagnosis.history import History, Recorder
+from aicon_baselines.diagnosis.history import History
+from aicon_baselines.evaluation.recording import Recording
 
-__all__ = ["Diagnosis", "Finding", "History", "Recorder", "diagnose"]
+__all__ = ["Diagnosis", "Finding", "History", "Recording", "diagnose"]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from aicon_baselines.diagnosis.finding import Finding
-from aicon_baselines.diagnosis.history import FloatArray, History
+from aicon_baselines.diagnosis.history import History
 from aicon_baselines.diagnosis.recurrence import (
     find_period,
     find_returns,
@@ -11,6 +11,7 @@ from aicon_baselines.diagnosis.recurrence import (
     repeats_since,
 )
 from aicon_baselines.diagnosis.words import costs_in_words, percent, seconds
+from aicon_baselines.evaluation.recording import FloatArray
 
 STILL = 0.02
 """Share of its range in the episode, or of an actuator's limit, within which nothing moves."""

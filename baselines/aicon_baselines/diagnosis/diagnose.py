@@ -13,6 +13,7 @@ from aicon_baselines.diagnosis.limits import (
     find_slowness,
 )
 from aicon_baselines.diagnosis.readings import find_disagreements, find_silence
+from aicon_baselines.evaluation.recording import Recording
 
 
 @dataclass(frozen=True)
@@ -41,15 +42,16 @@ class Diagnosis:
         return "\n".join(lines)
 
 
-def diagnose(history: History) -> Diagnosis:
+def diagnose(episode: Recording | History) -> Diagnosis:
     """Say what is seen in an episode.
 
     Causes are looked for in the time of the behaviour: of a cycle since it began, and so on; of a
     robot that wandered or was on its way, in the second half.
 
     Args:
-        history: The episode, recorded by :class:`Recorder` or made by :meth:`History.of`.
+        episode: The episode of a single robot, of two steps or more.
     """
+    history = History.of(episode) if isinstance(episode, Recording) else episode
     behaviour = find_behaviour(history)
     lasts = behaviour.kind in ("standstill", "cycle")
     since = round(behaviour.begin / history.dt) if lasts else history.steps // 2

@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.diagnosis.innovations import Innovations, innovations
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray, Recording, to_array
 from aicon_torch import EKF, Actuator, Foresight, Goal, Policy, StepTrace, WorldModel
 from aicon_torch.control.memory import GOAL_FACTORS
 from aicon_torch.inspection import QuantityTrace
 from aicon_torch.quantities import PRESENT
 from aicon_torch.resolution import Memory
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 
@@ -114,83 +113,35 @@ class History:
         return self.dt * np.arange(self.steps, dtype=np.float64)
 
     @classmethod
-    def of(
-        cls, policy: Policy, memories: Sequence[Memory], success: bool | None = None
-    ) -> "History":
+    def of(cls, recording: Recording) -> "History":
         """The history of an episode of a single robot.
-
-        Args:
-            policy: The policy.
-            memories: What each step returned, in their order, each without batch or of one row.
-            success: Whether the episode succeeded.
 
         Raises:
             ValueError: If there are fewer than two steps, or more than one robot.
         """
-        if len(memories) < 2:
-            raise ValueError(f"memories: expected those of two steps or more, got {len(memories)}.")
-        batch = _stacked(policy.model, memories)
-        trace = policy.trace(batch)
+        steps = len(recording.memories)
+        if steps < 2:
+            raise ValueError(f"memories: expected those of two steps or more, got {steps}.")
+
+        policy, memory, trace = recording.policy, recording.memory, recording.trace
         # Who has no clock took as long as usual, which is no silence.
         sensors = [name for name in policy.model.sensors if name != policy.model.clock]
         return cls(
-            dt=policy.model.dt,
+            dt=recording.time_step,
             state=_state(policy.model, trace),
-            goals=dict(_goal_curves(policy.model, batch, trace)),
+            goals=dict(_goal_curves(policy.model, memory, trace)),
             meetings=dict(_meeting_curves(trace)),
             actuators=dict(_actuator_curves(policy, trace)),
-            innovations=innovations(policy.model, batch),
-            present={name: _flags(batch[name + PRESENT]) for name in sensors},
-            success=success,
+            innovations=innovations(policy.model, memory),
+            present={name: _flags(memory[name + PRESENT]) for name in sensors},
+            success=recording.success,
         )
-
-
-class Recorder:
-    """Keeps the memories of a policy that is running, to ask for a history at any time.
-
-    Args:
-        policy: The policy.
-
-    Attributes:
-        memories: What each step returned, in their order.
-
-    Example:
-        >>> recorder = Recorder(policy)
-        >>> action, memory = policy.predict(observation, memory)
-        >>> recorder.add(memory)
-        >>> print(diagnose(recorder.history()))
-    """
-
-    def __init__(self, policy: Policy) -> None:
-        self.policy = policy
-        self.memories: list[Memory] = []
-
-    def add(self, memory: Memory) -> None:
-        """Keep the memory that a step returned."""
-        self.memories.append({key: value.detach().clone() for key, value in memory.items()})
-
-    def history(self, success: bool | None = None) -> History:
-        """All steps so far, with whether the episode succeeded, if that is known."""
-        return History.of(self.policy, self.memories, success)
-
-
-def _stacked(model: WorldModel, memories: Sequence[Memory]) -> Memory:
-    """The memories as one batch (n,)."""
-    actuator, declared = next(iter(model.actuators.items()))
-    batch = {key: torch.stack([memory[key] for memory in memories]) for key in memories[0]}
-
-    # One robot in a batch of its own.
-    if batch[actuator].dim() == 3 and batch[actuator].shape[1] == 1:
-        batch = {key: value.squeeze(1) for key, value in batch.items()}
-    if batch[actuator].shape != (len(memories), declared.size):
-        raise ValueError("memories: expected those of a single robot; take one row of each.")
-    return batch
 
 
 def _state(model: WorldModel, trace: StepTrace) -> FloatArray:
     """What Kalman filters estimate, or else what is read, side by side."""
     means = [one.mean for one in model.estimators if isinstance(one, EKF) and not one.is_motion]
-    columns = [_array(trace.values[name]) for name in means or model.sensors]
+    columns = [to_array(trace.values[name]) for name in means or model.sensors]
     return np.concatenate([column.reshape(len(column), -1) for column in columns], axis=1)
 
 
@@ -202,13 +153,13 @@ def _goal_curves(
     for factor, (name, goal) in zip(factors.tolist(), model.goals.items(), strict=True):
         if factor != 0:
             gap = _gap(goal, trace.values) if goal.safety else None
-            yield name, GoalCurve(_array(trace.costs[name]), goal.safety, gap)
+            yield name, GoalCurve(to_array(trace.costs[name]), goal.safety, gap)
 
 
 def _gap(goal: Goal, values: Mapping[str, Tensor]) -> FloatArray:
     """The least gap of a safety goal, (n,)."""
     with torch.no_grad():
-        return _array(goal.gaps(values).amin(-1))
+        return to_array(goal.gaps(values).amin(-1))
 
 
 def _meeting_curves(trace: StepTrace) -> Iterator[tuple[str, MeetingCurve]]:
@@ -220,10 +171,10 @@ def _meeting_curves(trace: StepTrace) -> Iterator[tuple[str, MeetingCurve]]:
                 MeetingCurve(
                     labels=quantity.labels,
                     goals=tuple("+".join(goals) for goals in quantity.goals),
-                    strengths=_array(quantity.strengths),
+                    strengths=to_array(quantity.strengths),
                     leader=_indices(quantity.leader),
                     opponent=_indices(quantity.opponent),
-                    cosine=_array(quantity.cosine),
+                    cosine=to_array(quantity.cosine),
                     exploring=_flags(quantity.exploring),
                 ),
             )
@@ -232,7 +183,7 @@ def _meeting_curves(trace: StepTrace) -> Iterator[tuple[str, MeetingCurve]]:
 def _actuator_curves(policy: Policy, trace: StepTrace) -> Iterator[tuple[str, ActuatorCurve]]:
     for name, actuator in policy.model.actuators.items():
         quantity = trace.quantities.get(name)
-        share = _share_of_limit(actuator, _array(trace.values[name]))
+        share = _share_of_limit(actuator, to_array(trace.values[name]))
         nothing = np.zeros(len(share))
         yield (
             name,
@@ -256,7 +207,7 @@ def _share_of_limit(actuator: Actuator, action: FloatArray) -> FloatArray:
 
 def _strongest(quantity: QuantityTrace) -> FloatArray:
     """The norm of the strongest gradient, (n,)."""
-    return _array(quantity.strengths.amax(-1))
+    return to_array(quantity.strengths.amax(-1))
 
 
 def _smallest_step(policy: Policy) -> float | None:
@@ -268,10 +219,6 @@ def _smallest_step(policy: Policy) -> float | None:
 def _name_of(constraint: object) -> str:
     """The name of a function, or of an object's class."""
     return getattr(constraint, "__name__", type(constraint).__name__)
-
-
-def _array(tensor: Tensor) -> FloatArray:
-    return tensor.numpy(force=True).astype(np.float64)
 
 
 def _indices(tensor: Tensor) -> IntArray:

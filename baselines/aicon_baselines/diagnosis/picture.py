@@ -1,7 +1,9 @@
 """The picture of a diagnosis: where the robot was, and its costs, conflicts and actions in time."""
 
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from aicon_baselines.diagnosis.diagnose import Diagnosis
-from aicon_baselines.diagnosis.history import BoolArray, FloatArray, History
-from aicon_baselines.diagnosis.surroundings import Surroundings
-from aicon_baselines.figures.recording import true_intervals
+from aicon_baselines.diagnosis.history import History
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray, true_intervals
 from aicon_baselines.figures.rendering import save_picture
-from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.figures.timeline import SHADE, simplify
-from aicon_baselines.palette import CURVES, GOAL, OBJECT, OBSTACLE, OUTLINE, PALE, ROBOT
+from aicon_baselines.palette import CURVES, OBJECT, PALE, ROBOT
+from aicon_baselines.worlds import Shape
+from aicon_baselines.worlds.paper import Paper
 
 _WIDTH = 165
 """Letters in a line of the text."""
@@ -28,7 +30,8 @@ def draw_diagnosis(
     *,
     title: str = "",
     places: FloatArray | None = None,
-    around: Surroundings | None = None,
+    around: Mapping[str, Shape] = MappingProxyType({}),
+    flipped: bool = False,
 ) -> None:
     """Save the picture of a diagnosis, with its words below.
 
@@ -40,6 +43,7 @@ def draw_diagnosis(
         places: Where the robot was, (n, 2 or more), in the world's frame; by default the two
             directions in which its estimates changed most.
         around: What lay around it, in the same frame.
+        flipped: Whether y of that frame points down.
     """
     text = _wrapped(str(found))
     lines = text.count("\n") + 1
@@ -58,8 +62,9 @@ def draw_diagnosis(
     )
 
     world = figure.add_subplot(grid[:, 0])
-    if around is not None:
-        draw_surroundings(world, around)
+    Paper(world).draw(around)
+    if flipped:
+        world.invert_yaxis()
     _draw_places(world, history, found, places)
     timelines = [figure.add_subplot(grid[row, 1]) for row in range(3)]
     _draw_costs(timelines[0], history)
@@ -76,20 +81,6 @@ def draw_diagnosis(
         0.012, 0.12 / height, text, fontsize=9.5, color="0.15", va="bottom", linespacing=1.35
     )
     save_picture(figure, path)
-
-
-def draw_surroundings(axes: Axes, around: Surroundings) -> None:
-    """Walls, what is pushed and where it shall lie, and the target; y as the world has it."""
-    for wall in around.walls:
-        axes.fill(*wall.T, color=OBSTACLE, linewidth=1.0, zorder=0)
-    if around.goal is not None:
-        axes.fill(*around.goal.T, color=GOAL, alpha=0.35, zorder=0, label="goal")
-    if around.thing is not None:
-        axes.fill(*around.thing.T, facecolor=OBJECT, edgecolor=OUTLINE, zorder=1, label="object")
-    if around.target is not None:
-        axes.plot(*around.target, **TARGET_MARK, zorder=5, label="target")
-    if around.flipped:
-        axes.invert_yaxis()
 
 
 def _draw_places(axes: Axes, history: History, found: Diagnosis, places: FloatArray | None) -> None:

@@ -10,16 +10,17 @@ import numpy as np
 import torch
 
 from aicon_baselines.agents.registry import compiled, factory, own_policy
-from aicon_baselines.diagnosis.history import FloatArray, History
-from aicon_baselines.diagnosis.surroundings import Surroundings, surroundings
+from aicon_baselines.diagnosis.history import History
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
+from aicon_baselines.evaluation.recording import FloatArray, Recording
 from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.run_folder import RunFolder
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
+from aicon_baselines.worlds import Shape, surroundings
 from aicon_torch import Policy
 from aicon_torch.resolution import Memory
 
@@ -42,7 +43,12 @@ class Rerun:
     places: FloatArray
     distance: float
     unit: str
-    around: Surroundings
+    around: dict[str, Shape]
+
+    @property
+    def flipped(self) -> bool:
+        """Whether y points down, as it does where lengths are pixels."""
+        return self.unit == "px"
 
 
 def choose_row(
@@ -123,11 +129,11 @@ def _record(task: Task, row: Row, policy: Policy) -> Rerun:
     with closing(task.make_env(1, row.condition, task.horizon)) as env:
         start = env.reset(**task.reset_arguments([task.episode(row.seed, row.repeat)]))
         for step in islice(run_episodes(policy, env, start), task.horizon):
-            memories.append({key: value[0].clone() for key, value in step.memory.items()})
+            memories.append(step.memory)
             places.append(np.array(step.before["position"][0], dtype=np.float64))
         around = surroundings(task.name, env, step.next_observation, step.info)
 
-    history = History.of(policy, memories, success=bool(step.info["is_success"][0]))
+    history = History.of(Recording(policy, memories, bool(step.info["is_success"][0])))
     distance = float(step.info["distance"][0])
     return Rerun(row, history, np.array(places), distance, task.length_unit, around)
 

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 
-from aicon_baselines.figures.recording import track
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.figures.view import WorldView
 
 ROWS, COLUMNS = 2, 3

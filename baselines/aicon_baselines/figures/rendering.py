@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.extras import missing_extra, pip_command
-from aicon_baselines.figures.recording import FloatArray
 from aicon_baselines.files import replacing
 
 try:
@@ -24,6 +24,9 @@ Frame = NDArray[np.uint8]
 
 VIDEO_FORMATS = ("mp4", "webp", "gif", "none")
 """Formats of a video, "none" among them."""
+
+EVEN_PALETTE: FloatArray = np.stack(np.meshgrid(*[np.linspace(0, 1, 6)] * 3), -1).reshape(-1, 3)
+"""The colours of a gif of pictures: six levels of red, green and blue each."""
 
 _QUALITY = 55  # of a webp, of 100
 _CODEC_BLOCK = 2  # px; an mp4 has one colour for two by two

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import ArrayLike
 
-from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.palette import TARGET
 
 TARGET_MARK: dict[str, Any] = {

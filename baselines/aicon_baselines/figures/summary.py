@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from aicon_baselines.evaluation.recording import Recording
 from aicon_baselines.figures.panels import Panel
-from aicon_baselines.figures.recording import Recording
 from aicon_baselines.files import write_json
 
 

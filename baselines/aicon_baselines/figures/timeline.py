@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from aicon_baselines.figures.recording import FloatArray, Recording
+from aicon_baselines.evaluation.recording import FloatArray, Recording
 from aicon_baselines.figures.style import TIMELINE_TINT
 from aicon_baselines.palette import EXPLORING
 

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from matplotlib.axes import Axes
 
-from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.evaluation.recording import FloatArray
 
 
 class WorldView(ABC):

@@ -107,6 +107,6 @@ TASK = Task(
     timed_condition="true_pose",  # so that no image is read
     look=Look(
         scene="aicon_baselines.view.arm_push:ArmPushScene",
-        surroundings="aicon_baselines.diagnosis.surroundings:pushing_with_an_arm",
+        surroundings="aicon_baselines.worlds.surroundings:around_an_arm",
     ),
 )

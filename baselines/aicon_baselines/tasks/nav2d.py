@@ -110,6 +110,6 @@ TASK = Task(
     },
     look=Look(
         scene="aicon_baselines.view.nav2d:NavigationScene",
-        surroundings="aicon_baselines.diagnosis.surroundings:navigation",
+        surroundings="aicon_baselines.worlds.surroundings:around_navigation",
     ),
 )

@@ -134,7 +134,7 @@ TASK = Task(
     # Where the goal can be dragged, the policy has to see it.
     look=Look(
         scene="aicon_baselines.view.pusht:PushScene",
-        surroundings="aicon_baselines.diagnosis.surroundings:pushing",
+        surroundings="aicon_baselines.worlds.surroundings:around_pushing",
         options={"observe_goal": True},
     ),
 )

@@ -105,7 +105,7 @@ TASK = Task(
     },
     look=Look(
         scene="aicon_baselines.view.reach:ReachScene",
-        surroundings="aicon_baselines.diagnosis.surroundings:reaching",
+        surroundings="aicon_baselines.worlds.surroundings:around_reaching",
         condition="panda_pose_home_ball",  # where there is something to keep off
     ),
 )

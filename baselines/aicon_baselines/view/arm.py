@@ -1,5 +1,7 @@
 """What the worlds of arms have in common: the body as the policy knows it."""
 
+import numpy as np
+
 from aicon_baselines.palette import BODY
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.space import MuJoCoScene
@@ -20,6 +22,11 @@ class ArmScene(MuJoCoScene):
         for index, (segment, radius) in enumerate(zip(segments, self._radii(), strict=True)):
             start, end = segment[:3], segment[3:]
             self.shapes.capsule(f"body.{index}", start, end, radius, BODY, _OPACITY)
+
+    def progress(self) -> str:
+        """The distance and the angle to the target."""
+        left = self.remaining()
+        return f"{1e3 * left['distance']:.0f} mm and {np.degrees(left['angle']):.0f}° to the target"
 
     def check_going_on(self) -> None:
         """Refuse to move anything after the end.

@@ -18,8 +18,8 @@ from aicon_baselines.palette import (
 )
 from aicon_baselines.view.arm import ArmScene
 from aicon_baselines.view.marks import FloatArray
-from aicon_baselines.view.pusht import side_of
 from aicon_baselines.view.scene import GradientArrow, Handle
+from aicon_baselines.view.sides import by_sides
 from aicon_envs.arm_push.objects import THICKNESS
 from aicon_envs.arm_push.scene import TARGET_GROUP
 
@@ -78,21 +78,8 @@ class ArmPushScene(ArmScene):
             return super().arrows()
 
         contacts = values["x_contact"][0].numpy(force=True)
-        pusher = values["x_pusher"][0].numpy(force=True)
-        found = []
-        for arrow, path in zip(super().arrows(), meeting.paths, strict=True):
-            contact = contacts[side_of(path)]
-            touches = float(arrow.direction @ (contact - pusher)) > 0.0
-            label = "touch this side" if touches else "leave this side"
-            source = np.array([*contact, THICKNESS / 2.0])
-            color = TOWARDS if touches else AWAY
-            found.append(GradientArrow(label, color, arrow.direction, arrow.strength, source))
-        return found
-
-    def progress(self) -> str:
-        """The distance and the angle to the target."""
-        left = self.remaining()
-        return f"{1e3 * left['distance']:.0f} mm and {np.degrees(left['angle']):.0f}° to the target"
+        places = np.pad(contacts, ((0, 0), (0, 1)), constant_values=THICKNESS / 2.0)
+        return by_sides(super().arrows(), meeting.paths, values, places)
 
     def handles(self) -> Mapping[str, Handle]:
         """The target and the object."""

@@ -1,13 +1,14 @@
 """Drawing in the plane, on viser's three-dimensional scene: shapes by name, drawn anew or moved."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aicon_baselines.view.marks import FloatArray, Marks
-from aicon_baselines.view.outlines import arrow_outline, circle, triangulate
+from aicon_baselines.view.outlines import arrow_outline, triangulate
 from aicon_baselines.view.server import viser
+from aicon_baselines.worlds.shape import Shape, believed, circle
 
 HEIGHT = 10.0
 """Height of the part of the scene that is seen at first."""
@@ -74,6 +75,16 @@ class Canvas(Marks):
         placed: FloatArray = flat * self._flip / self.scale + self._center
         return placed
 
+    def draw(self, shapes: Mapping[str, Shape]) -> None:
+        """Draw shapes by name."""
+        for name, shape in shapes.items():
+            if shape.color:
+                opacity = None if shape.opacity == 1.0 else shape.opacity
+                self.fill(name, [shape.points], shape.color, shape.layer, opacity)
+            if shape.edge:
+                edge, layer = f"{name}.edge", shape.layer + 0.1
+                self.line(edge, shape.points, shape.edge, layer, shape.width, closed=True)
+
     def fill(
         self,
         name: str,
@@ -104,9 +115,7 @@ class Canvas(Marks):
         opacity: float | None = None,
     ) -> None:
         """Fill an ellipse of two standard deviations around a mean (2,), covariance (2, 2)."""
-        variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
-        axes = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
-        ring = np.asarray(center, np.float64) + circle() @ axes.T
+        ring = believed(center, covariance, layer, color).points
         self.fill(name, [ring], color, layer, opacity)
 
     def disc(

@@ -20,10 +20,11 @@ from aicon_baselines.palette import (
 )
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.plane import PlaneScene
-from aicon_baselines.view.scene import GradientArrow, Handle
+from aicon_baselines.view.scene import Handle
+from aicon_baselines.worlds import believed, disc, navigation
+from aicon_baselines.worlds.surroundings import ARRIVAL
 
 _MARGIN = 0.9  # m of ground around what there is
-_ARRIVAL = 0.2  # m
 _KICK = 0.25  # m
 _LOOKS = {
     ("reach", "p_tar"): ("reach the target", TOWARDS),
@@ -76,17 +77,15 @@ class NavigationScene(PlaneScene):
         position, target = info["position"][0], info["target"][0]
         values = self.episode.trace.values
 
-        canvas.fill("walls", self._walls(), OBSTACLE, 2)
-        canvas.disc("target", target, _ARRIVAL, TARGET, 4)
-        above = canvas.to_scene(target + np.array([0.0, 1.2 * _ARRIVAL]), 30)
+        canvas.draw(navigation(self._walls(), target))
+        above = canvas.to_scene(target + np.array([0.0, 1.4 * ARRIVAL]), 30)
         canvas.text("target.label", "target", above)
 
         # It believes the target relative to itself; the true position places that in the world.
         mean = position + values["p_tar"][0].numpy(force=True)
-        covariance = values["P_tar"][0].numpy(force=True)
-        canvas.ellipse("belief.spread", mean, covariance, BELIEF, 6, opacity=0.3)
-        canvas.disc("belief.mean", mean, 0.4 * _ARRIVAL, BELIEF, 8)
-        below = canvas.to_scene(mean - np.array([0.0, 0.9 * _ARRIVAL]), 30)
+        spread = believed(mean, values["P_tar"][0].numpy(force=True), 6, BELIEF)
+        canvas.draw({"belief": spread, "belief.mean": disc(mean, 0.4 * ARRIVAL, 8, BELIEF)})
+        below = canvas.to_scene(mean - np.array([0.0, 0.9 * ARRIVAL]), 30)
         canvas.text("belief.label", "believed here", below, scale=0.8)
 
         # The nearest wall as it feels it: so far, against the slope of the clearance.
@@ -96,21 +95,13 @@ class NavigationScene(PlaneScene):
         canvas.line("wall", [position, wall], AWAY, 12, thickness=1.5)
 
         self.draw_trail(position, TRAIL, 10)
-        canvas.disc("robot", position, self._radius, ROBOT, 14)
+        canvas.draw({"robot": disc(position, self._radius, 14, ROBOT)})
         self.draw_arrows(position)
 
-    def arrows(self) -> list[GradientArrow]:
-        """The three gradients at the robot's displacement."""
-        meeting = self.episode.meeting
-        gradients = meeting.gradients[0].numpy(force=True)
-        strengths = (meeting.strengths[0]).tolist()
-
-        found = []
-        for index, path in enumerate(meeting.paths):
-            goal, quantity = path[:2]
-            label, color = _LOOKS.get((goal, quantity), (f"{goal} → {quantity}", CERTAINTY))
-            found.append(GradientArrow(label, color, -gradients[index], strengths[index]))
-        return found
+    def look_of(self, path: tuple[str, ...], goals: tuple[str, ...]) -> tuple[str, str]:
+        """What a gradient wants, by its goal and by what that goal is about."""
+        goal, quantity = path[:2]
+        return _LOOKS.get((goal, quantity), (f"{goal} → {quantity}", CERTAINTY))
 
     def strengths(self) -> dict[str, float]:
         """The strength of each gradient, by what it wants."""

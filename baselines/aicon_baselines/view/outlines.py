@@ -9,13 +9,6 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 
-def circle(count: int = 48) -> FloatArray:
-    """Points on the unit circle, (count, 2)."""
-    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    circle: FloatArray = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    return circle
-
-
 def arrow_outline(length: float, width: float) -> FloatArray:
     """Corners of a shaft and a head along the first axis, (7, 2)."""
     head_width = max(2.6 * width, 0.16)

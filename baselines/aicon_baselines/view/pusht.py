@@ -1,7 +1,6 @@
 """pushT: a disc, the object that it pushes, and where the object shall lie."""
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -22,8 +21,9 @@ from aicon_baselines.palette import (
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.plane import PlaneScene
 from aicon_baselines.view.scene import GradientArrow, Handle
+from aicon_baselines.view.sides import by_sides
+from aicon_baselines.worlds import Shape, believed, disc, pushing
 from aicon_envs.pusht.disturbances import draw_kicked_pose
-from aicon_envs.pusht.geometry import place
 from aicon_envs.pusht.simulation import PUSHER_RADIUS, SIZE
 from aicon_torch.models.pusht import PIXEL
 
@@ -67,43 +67,28 @@ class PushScene(PlaneScene):
         """Draw pusher, object, belief, goal and gradients."""
         canvas, info = self.canvas, self.episode.info
         values = self.episode.trace.values
-        outline = self._object.outline
-
-        goal = place(outline, info["goal_pose"][0])
-        canvas.fill("goal", [goal], GOAL, 2, opacity=0.35)
-        canvas.line("goal.outline", goal, GOAL, 3, closed=True)
-        canvas.text("goal.label", "goal", canvas.to_scene(goal.mean(axis=0), 30))
-
-        body = place(outline, info["block_pose"][0])
-        canvas.fill("object", [body], OBJECT, 5)
+        shapes = pushing(self._object.outline, info["block_pose"][0], info["goal_pose"][0])
+        canvas.draw(shapes)
+        middle = shapes["goal"].points.mean(axis=0)
+        canvas.text("goal.label", "goal", canvas.to_scene(middle, 30))
 
         # The corners as it believes them; the spread of the position grows with noise.
-        believed = values["x_keypoints"][0].numpy(force=True)[list(self._object.border)] / PIXEL
+        corners = values["x_keypoints"][0].numpy(force=True)[list(self._object.border)] / PIXEL
         covariance = values["P_pose"][0, :2, :2].numpy(force=True) / PIXEL**2
-        canvas.line("belief", believed, BELIEF, 7, thickness=3.0, closed=True)
-        canvas.ellipse("belief.spread", believed.mean(axis=0), covariance, BELIEF, 8, opacity=0.5)
+        spread = believed(corners.mean(axis=0), covariance, 8, BELIEF)
+        belief = Shape(corners, 7, edge=BELIEF, width=3.0)
+        canvas.draw({"belief": belief, "belief.spread": spread})
 
         position = info["pos_agent"][0]
         self.draw_trail(position, TRAIL, 9)
-        canvas.disc("pusher", position, PUSHER_RADIUS, ROBOT, 14)
+        canvas.draw({"pusher": disc(position, PUSHER_RADIUS, 14, ROBOT)})
         self.draw_arrows(position)
 
     def arrows(self) -> list[GradientArrow]:
         """The gradient of each side at the pusher."""
-        meeting, values = self.episode.meeting, self.episode.trace.values
-        gradients = meeting.gradients[0].numpy(force=True)
-        strengths = meeting.strengths[0].tolist()
+        values = self.episode.trace.values
         contacts = values["x_contact"][0].numpy(force=True) / PIXEL
-        to_sides = (values["x_contact"] - values["x_pusher"].unsqueeze(-2))[0].numpy(force=True)
-
-        found = []
-        for index, gradient in enumerate(gradients):
-            side = side_of(meeting.paths[index])
-            touches = float(-gradient @ to_sides[side]) > 0.0
-            label = "touch this side" if touches else "leave this side"
-            color = TOWARDS if touches else AWAY
-            found.append(GradientArrow(label, color, -gradient, strengths[index], contacts[side]))
-        return found
+        return by_sides(super().arrows(), self.episode.meeting.paths, values, contacts)
 
     def strengths(self) -> dict[str, float]:
         """The strongest gradient that touches a side, and the strongest that leaves one."""
@@ -161,9 +146,3 @@ class PushScene(PlaneScene):
         """Set the poses of object and goal."""
         pusher = self.episode.info["pos_agent"][0].tolist()
         self.episode.relocate({"reset_to_state": [*pusher, *pose], "goal_pose": goal})
-
-
-def side_of(path: Sequence[str]) -> int:
-    """The side that a path comes through, such as 3 of "x_contact[3]"."""
-    found = re.search(r"\[(\d+)\]", " ".join(path))
-    return int(found.group(1)) if found else 0

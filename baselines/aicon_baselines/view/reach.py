@@ -55,11 +55,6 @@ class ReachScene(ArmScene):
             self.shapes.ellipsoid(f"ball_{number}.belief", ball, axes, BELIEF, opacity=0.35)
             self._draw_gap(f"ball_{number}.gap", segments, ball)
 
-    def progress(self) -> str:
-        """The distance and the angle to the target."""
-        left = self.remaining()
-        return f"{1e3 * left['distance']:.0f} mm and {np.degrees(left['angle']):.0f}° to the target"
-
     def handles(self) -> Mapping[str, Handle]:
         """The target and the balls."""
         everywhere = (True, True, True)

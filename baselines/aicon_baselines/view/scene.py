@@ -159,17 +159,20 @@ class Scene(ABC):
         self.draw_motion(tail, action, EXPLORING if exploring else RESOLVED)
 
     def arrows(self) -> list[GradientArrow]:
-        """The gradients that meet; by default each goal has its colour."""
+        """The gradients that meet."""
         meeting = self.episode.meeting
         gradients = meeting.gradients[0].numpy(force=True)
         strengths = meeting.strengths[0].tolist()
 
         found = []
         for index, gradient in enumerate(gradients):
-            goals = meeting.goals[index]
-            color = self.goal_color(goals[0])
-            found.append(GradientArrow(" + ".join(goals), color, -gradient, strengths[index]))
+            label, color = self.look_of(meeting.paths[index], meeting.goals[index])
+            found.append(GradientArrow(label, color, -gradient, strengths[index]))
         return found
+
+    def look_of(self, path: tuple[str, ...], goals: tuple[str, ...]) -> tuple[str, str]:
+        """What a gradient wants, in words, and its colour; by default each goal has its own."""
+        return " + ".join(goals), self.goal_color(goals[0])
 
     def goal_color(self, goal: str) -> str:
         """The colour of a goal, by its number."""

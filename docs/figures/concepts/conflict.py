@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from aicon_baselines.figures.recording import FloatArray, to_array
+from aicon_baselines.evaluation.recording import FloatArray, to_array
 from aicon_baselines.figures.timeline import simplify
 from aicon_torch import DirectDescent, Sum
 from concepts import drawing

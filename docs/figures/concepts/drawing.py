@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
-from aicon_baselines.figures.recording import FloatArray, to_array
+from aicon_baselines.evaluation.recording import FloatArray, to_array
 from aicon_baselines.figures.rendering import save_picture
 from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.palette import EXPLORING, INK, OBJECT, OBSTACLE, ROBOT, TARGET

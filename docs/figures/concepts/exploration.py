@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from aicon_baselines import palette
-from aicon_baselines.figures.recording import true_intervals
+from aicon_baselines.evaluation.recording import true_intervals
 from aicon_baselines.figures.timeline import SHADE, simplify
 from aicon_torch import DirectDescent, Exploration
 from concepts import drawing

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from aicon_baselines import palette
-from aicon_baselines.figures.recording import FloatArray, to_array
+from aicon_baselines.evaluation.recording import FloatArray, to_array
 from aicon_baselines.figures.timeline import simplify
 from aicon_torch import ActionLaw, DirectDescent, Foresight
 from concepts import drawing

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from aicon_baselines import palette
-from aicon_baselines.figures.recording import FloatArray
+from aicon_baselines.evaluation.recording import FloatArray
 from concepts import drawing
 from concepts.world import Wall, meeting_at
 

@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from aicon_baselines.figures.recording import FloatArray, to_array
+from aicon_baselines.evaluation.recording import FloatArray, to_array
 from aicon_torch import (
     ActionLaw,
     Actuator,

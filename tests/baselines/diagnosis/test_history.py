@@ -7,7 +7,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from aicon_baselines.diagnosis import History, Recorder, diagnose
+from aicon_baselines.diagnosis import History, Recording, diagnose
 from aicon_torch import (
     Actuator,
     Affine,
@@ -19,6 +19,7 @@ from aicon_torch import (
     WorldModel,
 )
 from aicon_torch.parts import clock
+from aicon_torch.resolution import Memory
 
 STEPS = 60
 
@@ -54,21 +55,22 @@ def torn_policy() -> Policy:
     return Policy(model)
 
 
-def run(read: Callable[[Tensor, int], Tensor]) -> Recorder:
+def run(read: Callable[[Tensor, int], Tensor]) -> Recording:
     """An episode with these readings of the place, at some step."""
     policy = torn_policy()
-    recorder, memory = Recorder(policy), None
+    memories: list[Memory] = []
+    memory = None
     place = torch.tensor([0.05, 0.0], dtype=torch.float64)
     for step in range(STEPS):
         action, memory = policy.predict({"z": read(place, step)}, memory)
-        recorder.add(memory)
+        memories.append(memory)
         place = place + 0.1 * action
-    return recorder
+    return Recording(policy, memories, success=False)
 
 
 @pytest.fixture(scope="module")
 def torn() -> History:
-    return run(lambda place, _: place).history(success=False)
+    return History.of(run(lambda place, _: place))
 
 
 def test_it_has_a_curve_for_every_part_of_the_graph(torn: History) -> None:
@@ -97,13 +99,13 @@ def test_innovations_are_small_where_the_model_is_right(torn: History) -> None:
 
 def test_a_place_that_slips_away_disagrees_with_the_model() -> None:
     drift = torch.tensor([0.0, 0.05], dtype=torch.float64)
-    slipping = run(lambda place, step: place + step * drift).history()
+    slipping = run(lambda place, step: place + step * drift)
     assert "disagreement" in {cause.kind for cause in diagnose(slipping).causes}
 
 
 def test_readings_that_stop_are_silence_and_no_disagreement() -> None:
     nothing = torch.full((2,), torch.nan, dtype=torch.float64)
-    blind = run(lambda place, step: place if step < 20 else nothing).history()
+    blind = run(lambda place, step: place if step < 20 else nothing)
 
     kinds = {cause.kind for cause in diagnose(blind).causes}
     assert "silence" in kinds
@@ -114,6 +116,6 @@ def test_a_row_of_a_batch_is_asked_for() -> None:
     policy = torn_policy()
     _, memory = policy.predict({"z": torch.zeros(3, 2, dtype=torch.float64)})
     with pytest.raises(ValueError, match="take one row"):
-        History.of(policy, [memory, memory])
+        diagnose(Recording(policy, [memory, memory]))
     with pytest.raises(ValueError, match="two steps or more"):
-        History.of(policy, [memory])
+        diagnose(Recording(policy, [memory]))

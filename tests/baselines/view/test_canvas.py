@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.palette import rgb
 from aicon_baselines.view.canvas import Canvas
 from aicon_baselines.view.outlines import triangulate
 from aicon_baselines.view.server import serve
@@ -51,3 +52,8 @@ def test_an_arrow_without_a_direction_is_not_shown(canvas: Canvas) -> None:
 def test_an_address_that_is_none_of_this_machine_is_refused() -> None:
     with pytest.raises(ComparisonError, match=r"cannot listen at '192\.0\.2\.1'"):
         serve("192.0.2.1", 8080)
+
+
+def test_a_colour_of_another_form_is_an_error_that_shows_the_form() -> None:
+    with pytest.raises(ValueError, match=r"color='white': expected one such as '#0059a8'"):
+        rgb("white")

@@ -2,16 +2,15 @@
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.figures.arm_push.recording import ArmRecording
 from aicon_baselines.figures.arm_push.timeline import add_timelines
 from aicon_baselines.figures.arm_push.view import CameraView
 from aicon_baselines.figures.film import Film
-from aicon_baselines.figures.recording import FloatArray, track
-from aicon_baselines.figures.rendering import is_moving_picture, render, save_video
+from aicon_baselines.figures.rendering import EVEN_PALETTE, is_moving_picture, render, save_video
 from aicon_baselines.figures.timeline import TimeCursor
 from aicon_baselines.files import replacing
 
@@ -74,11 +73,4 @@ def draw_film(recording: ArmRecording, path: Path, *, progress: bool = False) ->
     film = ArmFilm(recording, dpi=60 if small else 100)
     rate = round(1 / recording.time_step)
     steps = track(range(0, len(recording.times), _FASTER if small else 1), "video", progress)
-    save_video(film.frames(steps, hold=rate), path, rate, _palette())
-
-
-def _palette() -> FloatArray:
-    """The colours of a gif: six levels of red, green and blue each."""
-    levels = np.linspace(0, 1, 6)
-    red, green, blue = np.meshgrid(levels, levels, levels)
-    return np.stack([red, green, blue], axis=-1).reshape(-1, 3)
+    save_video(film.frames(steps, hold=rate), path, rate, EVEN_PALETTE)

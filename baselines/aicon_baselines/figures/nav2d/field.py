@@ -8,8 +8,8 @@ import shapely
 import torch
 from torch import Tensor
 
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray, to_array
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.recording import BoolArray, FloatArray, to_array
 from aicon_envs.nav2d import NavigationMap
 from aicon_envs.nav2d.world import union
 

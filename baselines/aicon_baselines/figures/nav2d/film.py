@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from aicon_baselines import palette
+from aicon_baselines.evaluation.recording import FloatArray, track
 from aicon_baselines.figures.film import Film
 from aicon_baselines.figures.nav2d import style
 from aicon_baselines.figures.nav2d.grid import Grid, grid_around
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
 from aicon_baselines.figures.nav2d.timeline import draw_strengths
 from aicon_baselines.figures.nav2d.view import NavigationView
-from aicon_baselines.figures.recording import FloatArray, track
 from aicon_baselines.figures.rendering import is_moving_picture, save_video
 from aicon_baselines.figures.style import TIMELINE_TINT, blend
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend

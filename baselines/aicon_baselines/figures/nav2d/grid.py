@@ -7,8 +7,8 @@ from scipy import sparse
 from scipy.ndimage import distance_transform_edt
 from scipy.sparse.linalg import splu
 
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.recording import BoolArray, FloatArray
 from aicon_baselines.figures.view import rectangle_around
 from aicon_envs.nav2d import NavigationMap
 from aicon_envs.nav2d.world import union

@@ -132,7 +132,7 @@ def summarize(recording: NavigationRecording, panels: Sequence[Panel]) -> dict[s
             uncertainty[f"{seconds} s"] = float(recording.uncertainty[step])
 
     return {
-        "map": recording.map_name,
+        "map": recording.world.name,
         **episode_numbers(recording),
         "path_length_m": round(float(recording.travelled[-1]), 3),
         "shortest_path_m": round(shortest, 3),

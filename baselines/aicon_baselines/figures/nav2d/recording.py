@@ -1,19 +1,17 @@
 """A rollout in 2D navigation and all that the policy knew in it."""
 
-import itertools
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import gymnasium
 import numpy as np
 import torch
 
+from aicon_baselines.evaluation import recording
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.figures.recording import FloatArray, Recording, to_array, track
+from aicon_baselines.evaluation.recording import FloatArray, Recording, to_array
 from aicon_envs.nav2d import NavigationMap
 from aicon_torch.policy import Policy
-from aicon_torch.resolution import Memory
 
 PATHS = {
     "p1": ("reach", "p_tar", "x_rob"),
@@ -23,25 +21,34 @@ PATHS = {
 """The paper's paths p₁, p₂ and p₃ from a goal to the agent's displacement."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class NavigationRecording(Recording):
     """A rollout of n steps with everything that the policy knew.
 
     The figure shows the gradients at the agent's displacement, where all paths end.
-
-    Attributes:
-        map_name: Class of the map.
-        world: The map.
-        radius: Radius of the agent, m.
-        positions: True positions, (n + 1, 2), m; `memories[k]` was computed at `positions[k]`.
     """
 
     resolved_at: ClassVar[str] = "x_rob"
 
-    map_name: str
-    world: NavigationMap
-    radius: float
-    positions: FloatArray
+    @property
+    def world(self) -> NavigationMap:
+        """The map."""
+        world: NavigationMap = self.env.map
+        return world
+
+    @property
+    def radius(self) -> float:
+        """Radius of the agent, m."""
+        return float(self.env.physics.radius)
+
+    @property
+    def ending(self) -> str:
+        """How it ended."""
+        return "collision" if self.infos[-1]["collision"] else super().ending
+
+    @cached_property
+    def positions(self) -> FloatArray:
+        """True positions, (n + 1, 2), m; `memories[k]` was computed at `positions[k]`."""
+        return self.told("position")
 
     @cached_property
     def strengths(self) -> dict[str, FloatArray]:
@@ -98,38 +105,7 @@ def record(
         raise ComparisonError(str(error)) from error
 
     # The map and the noise have the same seed.
-    observation, info = env.reset(seed=seed, options={"map_seed": seed})
-    memory: Memory | None = None
-    memories: list[Memory] = []
-    positions = [info["position"]]
-
-    # The number of steps is not known before the end.
-    for _ in track(itertools.count(), "rollout", progress):
-        action, memory = policy.predict(observation, memory)
-        observation, _, terminated, truncated, info = env.step(action)
-
-        memories.append(memory)
-        positions.append(info["position"])
-        if terminated or truncated:
-            break
-
-    # The environment knows what the policy does not: the map and the agent's size.
-    unwrapped: Any = env.unwrapped
-    env.close()
-    return NavigationRecording(
-        seed=seed,
-        policy=policy,
-        memories=memories,
-        ending=_ending(info),
-        map_name=map_name,
-        world=unwrapped.map,
-        radius=unwrapped.physics.radius,
-        positions=np.array(positions),
+    options = {"map_seed": seed}
+    return recording.record(
+        NavigationRecording, policy, env, seed, options=options, progress=progress
     )
-
-
-def _ending(info: dict[str, Any]) -> str:
-    """How an episode ended."""
-    if info["is_success"]:
-        return "arrival"
-    return "collision" if info["collision"] else "time limit"

@@ -1,23 +1,24 @@
 """The world at one step: potential, arrows, belief and the agent's trajectory."""
 
-import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgba
 from matplotlib.contour import ContourSet
 from matplotlib.image import AxesImage
-from matplotlib.patches import Circle, Ellipse
 from matplotlib.quiver import Quiver
 
 from aicon_baselines import palette
+from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.figures.nav2d import style
 from aicon_baselines.figures.nav2d.field import Field, clearance, sample
 from aicon_baselines.figures.nav2d.grid import Grid
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.recording import FloatArray
-from aicon_baselines.figures.style import TARGET_MARK
 from aicon_baselines.figures.view import WorldView
+from aicon_baselines.worlds import believed, disc, navigation
+from aicon_baselines.worlds.paper import Paper
+from aicon_baselines.worlds.surroundings import ARRIVAL
 
 _ARROWS_PER_ROW = 27
 
@@ -55,8 +56,9 @@ class NavigationView(WorldView):
         self._arrows = self._add_arrows()
 
         # What is in the world, above both.
-        self._add_world()
-        self._add_agent()
+        self._paper = Paper(axes)
+        self._paper.draw(navigation(recording.world.obstacles, recording.world.target))
+        self._add_trajectory()
 
     def _add_layer(self, colors: Colormap, zorder: int) -> AxesImage:
         """Add values on the grid as colours, between 0 and 1 until other limits are set."""
@@ -89,41 +91,12 @@ class NavigationView(WorldView):
             zorder=2,
         )
 
-    def _add_world(self) -> None:
-        """Add what stays as it is: the obstacles and the target."""
-        world = self._recording.world
-        for vertices in world.obstacles:
-            x, y = np.transpose(vertices)
-            self.axes.fill(x, y, color=palette.OBSTACLE, linewidth=1.0, zorder=3)
-        self.axes.plot(*world.target, **TARGET_MARK, zorder=7)
-
-    def _add_agent(self) -> None:
-        """Add the agent, its trajectory with a white edge, and where it believes the target."""
-        axes = self.axes
-        (edge,) = axes.plot([], [], color="white", linewidth=4.2, solid_capstyle="round", zorder=4)
-        (trail,) = axes.plot(
-            [], [], color=palette.ROBOT, linewidth=2.2, solid_capstyle="round", zorder=5
-        )
+    def _add_trajectory(self) -> None:
+        """Add the agent's trajectory with a white edge."""
+        looks: dict[str, Any] = {"solid_capstyle": "round"}
+        (edge,) = self.axes.plot([], [], color="white", linewidth=4.2, zorder=4, **looks)
+        (trail,) = self.axes.plot([], [], color=palette.ROBOT, linewidth=2.2, zorder=5, **looks)
         self._trajectory = (edge, trail)
-
-        # Mean and ellipse of the belief.
-        fill = to_rgba(palette.BELIEF, 0.13)
-        self._ellipse = Ellipse(
-            (0, 0), 1, 1, facecolor=fill, edgecolor=palette.BELIEF, linewidth=1.8, zorder=6
-        )
-        axes.add_patch(self._ellipse)
-        (self._mean,) = axes.plot([], [], **style.MEAN_MARK, zorder=8)
-
-        # The agent is as large as it is.
-        self._agent = Circle(
-            (0, 0),
-            self._recording.radius,
-            facecolor=palette.ROBOT,
-            edgecolor="white",
-            linewidth=1.2,
-            zorder=9,
-        )
-        axes.add_patch(self._agent)
 
     def show(self, step: int) -> None:
         """Bring the picture, and the time above it, to a step, 1 or later."""
@@ -140,8 +113,14 @@ class NavigationView(WorldView):
         # The agent, where it has been, and what it believes.
         for line in self._trajectory:
             line.set_data(*recording.positions[: step + 1].T)
-        self._agent.set_center(recording.positions[step])
-        self._show_belief(step)
+        mean, covariance = recording.belief(step)
+        self._paper.draw(
+            {
+                "agent": disc(recording.positions[step], recording.radius, 9, palette.ROBOT),
+                "belief": believed(mean, covariance, 6, palette.BELIEF),
+                "belief.mean": disc(mean, 0.4 * ARRIVAL, 8, palette.BELIEF),
+            }
+        )
 
     def _show_potential(self, field: Field) -> None:
         """Show the potential that fits a field on the grid, and where the agent would explore."""
@@ -177,19 +156,6 @@ class NavigationView(WorldView):
         norms = np.linalg.norm(descent, axis=1, keepdims=True)
         arrows = self._arrow_length * descent / np.maximum(norms, 1e-9)
         self._arrows.set_UVC(*arrows.T)
-
-    def _show_belief(self, step: int) -> None:
-        """Show the believed target, with an ellipse of two standard deviations."""
-        mean, covariance = self._recording.belief(step)
-        variances, directions = np.linalg.eigh(covariance)
-        minor, major = 4 * np.sqrt(variances)  # from −2σ to 2σ
-        x, y = directions[:, 1]
-
-        self._ellipse.set_center((float(mean[0]), float(mean[1])))
-        self._ellipse.set_width(major)
-        self._ellipse.set_height(minor)
-        self._ellipse.set_angle(math.degrees(math.atan2(y, x)))
-        self._mean.set_data(*mean[:, np.newaxis])
 
 
 def _arrow_points(recording: NavigationRecording, grid: Grid, spacing: float) -> FloatArray:

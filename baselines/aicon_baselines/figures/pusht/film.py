@@ -6,15 +6,16 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from aicon_baselines import palette
+from aicon_baselines.evaluation.recording import FloatArray, track
 from aicon_baselines.figures.film import Film
 from aicon_baselines.figures.pusht.panels import phase
 from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.pusht.timeline import add_timelines
-from aicon_baselines.figures.pusht.view import GOAL_TINT, GROUND_TINT, PushView
-from aicon_baselines.figures.recording import FloatArray, track
+from aicon_baselines.figures.pusht.view import GROUND_TINT, PushView
 from aicon_baselines.figures.rendering import is_moving_picture, save_video
 from aicon_baselines.figures.style import TIMELINE_TINT, blend
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
+from aicon_baselines.worlds.surroundings import GOAL_TINT
 
 _COST, _STRENGTHS = (0.098, 0.112, 0.887, 0.07), (0.098, 0.022, 0.887, 0.07)
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray, true_intervals
 from aicon_baselines.figures.panels import LABELS, Panel, increasing
 from aicon_baselines.figures.pusht.recording import PushRecording
-from aicon_baselines.figures.recording import BoolArray, FloatArray, true_intervals
 from aicon_baselines.figures.summary import episode_numbers, panel_numbers
 from aicon_envs.pusht.simulation import PUSHER_RADIUS
 

@@ -1,6 +1,5 @@
 """An episode of pushing and all that the policy knew in it."""
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -9,38 +8,55 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from aicon_baselines.figures.recording import BoolArray, FloatArray, Recording, to_array
-from aicon_envs.pusht.geometry import Pose, place
+from aicon_baselines.evaluation import recording
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray, Recording, to_array
+from aicon_envs.pusht.geometry import place
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import Servo
 from aicon_torch.policy import Policy
 
 
-@dataclass(frozen=True, kw_only=True)
 class PushRecording(Recording):
     """An episode of n steps, seen at the n + 1 moments before, between and after them.
 
     The last memory was computed after the end, and its action was not carried out. The figure shows
     the gradients at the pusher's position, one for each of the N sides that may be touched.
     Lengths are in the environment's pixels.
-
-    Attributes:
-        outline: Corners of the object in its body frame, in order around it, (N, 2), px.
-        goal: Pose of the goal, px and rad.
-        pushers: True positions of the pusher, (n + 1, 2), px.
-        velocities: True velocities of the pusher, (n + 1, 2), px/s.
-        poses: True poses of the object's body frame, (n + 1, 3), px and rad.
-        touched: Whether anything touched in the step that led to the moment, (n + 1,).
     """
 
     resolved_at: ClassVar[str] = "x_pusher"
 
-    outline: FloatArray
-    goal: Pose
-    pushers: FloatArray
-    velocities: FloatArray
-    poses: FloatArray
-    touched: BoolArray
+    @property
+    def outline(self) -> FloatArray:
+        """Corners of the object in its body frame, in order around it, (N, 2), px."""
+        outline: FloatArray = self.env.object.outline
+        return outline
+
+    @property
+    def goal(self) -> FloatArray:
+        """Pose of the goal, px and rad."""
+        goal: FloatArray = self.told("goal_pose")[-1]
+        return goal
+
+    @cached_property
+    def pushers(self) -> FloatArray:
+        """True positions of the pusher, (n + 1, 2), px."""
+        return self.told("pos_agent")
+
+    @cached_property
+    def velocities(self) -> FloatArray:
+        """True velocities of the pusher, (n + 1, 2), px/s."""
+        return self.told("vel_agent")
+
+    @cached_property
+    def poses(self) -> FloatArray:
+        """True poses of the object's body frame, (n + 1, 3), px and rad."""
+        return self.told("block_pose")
+
+    @cached_property
+    def touched(self) -> BoolArray:
+        """Whether anything touched in the step that led to the moment, (n + 1,)."""
+        return self.told("n_contacts") > 0
 
     @property
     def steps(self) -> int:
@@ -153,31 +169,4 @@ def record(policy: Policy, seed: int, limit: int | None = None) -> PushRecording
         limit: Limit of the episode, steps; by default the environment's.
     """
     env = gymnasium.make("aicon/PushT-v0", max_episode_steps=limit)
-    # The first moment is before the first step.
-    observation, info = env.reset(seed=seed)
-    action, memory = policy.predict(observation)
-    memories, infos = [memory], [info]
-    terminated = truncated = False
-
-    # Each step leads to the next moment; the last one decides an action that nobody follows.
-    while not (terminated or truncated):
-        observation, _, terminated, truncated, info = env.step(action)
-        action, memory = policy.predict(observation, memory)
-        memories.append(memory)
-        infos.append(info)
-
-    # What only the environment knows, and what it told at each moment.
-    unwrapped: Any = env.unwrapped
-    env.close()
-    return PushRecording(
-        seed=seed,
-        policy=policy,
-        memories=memories,
-        ending="arrival" if info["is_success"] else "time limit",
-        outline=unwrapped.object.outline,
-        goal=tuple(info["goal_pose"].tolist()),
-        pushers=np.array([info["pos_agent"] for info in infos]),
-        velocities=np.array([info["vel_agent"] for info in infos]),
-        poses=np.array([info["block_pose"] for info in infos]),
-        touched=np.array([info["n_contacts"] > 0 for info in infos]),
-    )
+    return recording.record(PushRecording, policy, env, seed, beyond=True)

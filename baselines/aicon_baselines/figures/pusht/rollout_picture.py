@@ -20,9 +20,10 @@ from aicon_baselines.figures.panels import (
 )
 from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.pusht.timeline import add_timelines
-from aicon_baselines.figures.pusht.view import GOAL_TINT, PushView
+from aicon_baselines.figures.pusht.view import PushView
 from aicon_baselines.figures.rendering import save_picture
 from aicon_baselines.figures.timeline import add_curve_legend
+from aicon_baselines.worlds.surroundings import GOAL_TINT
 
 _PANELS = {
     "left": 0.012,

@@ -9,15 +9,16 @@ from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, FancyArrow, Polygon
 
 from aicon_baselines import palette
+from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.figures.pusht.recording import PushRecording
-from aicon_baselines.figures.recording import FloatArray
 from aicon_baselines.figures.style import blend
 from aicon_baselines.figures.view import WorldView, rectangle_around
-from aicon_envs.pusht.geometry import place
+from aicon_baselines.worlds import disc, pushing
+from aicon_baselines.worlds.paper import Paper
 from aicon_envs.pusht.simulation import PUSHER_RADIUS, WALL_HIGH, WALL_LOW
 
-GOAL_TINT, GROUND_TINT = 0.14, 0.08
-"""Opacity of the goal's area, and of the ground that says "exploring"."""
+GROUND_TINT = 0.08
+"""Opacity of the ground that says "exploring"."""
 
 _ASPECT = 1.5  # width of a view over its height
 _MARGIN = 10.0  # px around what is shown
@@ -52,13 +53,7 @@ class PushView(WorldView):
         self._floor = Polygon(floor, edgecolor="none", zorder=0)
         axes.add_patch(self._floor)
 
-        # The goal: its area below the object, its edge above.
-        goal = place(recording.outline, recording.goal)
-        area_color = blend(palette.GOAL, GOAL_TINT)
-        axes.add_patch(Polygon(goal, facecolor=area_color, edgecolor="none", zorder=1))
-        edge = Polygon(goal, fill=False, edgecolor=palette.GOAL, linewidth=2.2, joinstyle="round")
-        edge.set_zorder(4)
-        axes.add_patch(edge)
+        self._paper = Paper(axes)
 
     def show(self, step: int) -> None:
         """Bring the picture, and the time above it, to a moment."""
@@ -75,9 +70,10 @@ class PushView(WorldView):
         self.set_time(recording.times[step], size=11)
 
         # What is there.
-        self._add_object(step)
+        pusher = disc(recording.pushers[step], PUSHER_RADIUS, 8, palette.ROBOT)
+        things = pushing(recording.outline, recording.poses[step], recording.goal)
+        self._paper.draw({**things, "pusher": pusher})
         self._add_trajectory(step)
-        self._add_pusher(step)
         cost = f"g = {recording.costs[step]:.0f} px"
         self._add_text((0.02, 0.04), cost, color="0.35", va="bottom")
 
@@ -91,22 +87,6 @@ class PushView(WorldView):
         """Add what the next moment removes."""
         artist.set_zorder(zorder)
         self._artists.append(self.axes.add_artist(artist))
-
-    def _add_object(self, moment: int) -> None:
-        """The object in its true pose."""
-        corners = self._recording.corners(moment)
-        looks: dict[str, Any] = {
-            "facecolor": palette.OBJECT,
-            "edgecolor": palette.OUTLINE,
-            "linewidth": 1.4,
-        }
-        self._add(Polygon(corners, **looks), zorder=2)
-
-    def _add_pusher(self, moment: int) -> None:
-        """The pusher at its true position."""
-        center = _point(self._recording.pushers[moment])
-        disc = Circle(center, PUSHER_RADIUS, facecolor=palette.ROBOT, edgecolor="white")
-        self._add(disc, zorder=8)
 
     def _add_trajectory(self, moment: int) -> None:
         """Where the pusher has been so far, the paler the longer ago."""
@@ -213,7 +193,7 @@ class PushView(WorldView):
 def _limits(recording: PushRecording) -> tuple[FloatArray, FloatArray]:
     """The corners of the smallest rectangle of a view's aspect around all that is shown, px."""
     points = [
-        place(recording.outline, recording.goal),
+        pushing(recording.outline, recording.poses[0], recording.goal)["goal"].points,
         recording.pushers - PUSHER_RADIUS,
         recording.pushers + PUSHER_RADIUS,
     ]

@@ -7,17 +7,14 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from aicon_baselines.figures.reach.picture import ZOOM
-from aicon_baselines.figures.reach.recording import ReachRecording
-from aicon_baselines.figures.rendering import Frame, is_moving_picture, save_video
+from aicon_baselines.figures.reach.recording import STRIDE, ReachRecording
+from aicon_baselines.figures.rendering import EVEN_PALETTE, Frame, is_moving_picture, save_video
 from aicon_baselines.palette import EXPLORING, INK
 from aicon_envs.reach.simulation import CONTROL_STEP
 
 _RATE = 25  # pictures a second, as they are recorded
 _REST = 15  # pictures that the last one stands
 _SIDE = 320  # of a moving picture, px
-
-_PALETTE = np.stack(np.meshgrid(*[np.linspace(0, 1, 6)] * 3), axis=-1).reshape(-1, 3)
-"""The colours of a gif: six levels of red, green and blue each."""
 
 
 def draw_film(recording: ReachRecording, path: Path) -> None:
@@ -32,7 +29,7 @@ def draw_film(recording: ReachRecording, path: Path) -> None:
 
     if small:
         frames = [_scaled(frame) for frame in frames]
-    save_video(frames, path, rate, _PALETTE)
+    save_video(frames, path, rate, EVEN_PALETTE)
 
 
 def captioned(recording: ReachRecording, stride: int = 1) -> Iterator[Frame]:
@@ -44,7 +41,7 @@ def captioned(recording: ReachRecording, stride: int = 1) -> Iterator[Frame]:
     """
     last = len(recording.frames) - 1
     for number in (*range(0, last, stride), last):
-        step = min(number * recording.stride, len(recording.times))
+        step = min(number * STRIDE, len(recording.times))
         explores = step > 0 and bool(recording.exploring[step - 1])
         doing = "held up: exploring" if explores else "descending"
         if number == last:

@@ -1,50 +1,71 @@
 """An episode of an arm that reaches: pictures, errors and gaps."""
 
 from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 
+from aicon_baselines.evaluation import recording
 from aicon_baselines.evaluation.predictor import Predictor
-from aicon_baselines.figures.recording import BoolArray, FloatArray, track
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray, Recording
 from aicon_baselines.figures.rendering import Frame
+from aicon_baselines.tasks.side_by_side import SideBySide
 from aicon_envs.reach import ReachEnv
 from aicon_envs.reach.simulation import CONTROL_STEP
 from aicon_torch import Policy
 
+STRIDE = 2
+"""Control steps from one picture to the next."""
 
-@dataclass(frozen=True, kw_only=True)
-class ReachRecording:
-    """An episode, with n control steps.
+
+@dataclass(frozen=True)
+class ReachRecording(Recording):
+    """An episode of n control steps: its curves tell what each of them led to.
 
     Attributes:
         robot: Name of the robot.
-        seed: Seed of the episode.
-        success: Whether it arrived.
-        frames: Pictures, one in `stride` steps, the first before the first step.
-        stride: Steps from one picture to the next.
-        distance: To the target, (n,), m.
-        angle: (n,), rad.
-        self_gap: Smallest gap of the robot to itself, (n,), m.
-        limit_margin: Smallest distance of a joint to its stops, (n,), rad.
-        exploring: Whether the policy explored, (n,); never for one that has no gradients.
     """
 
-    robot: str
-    seed: int
-    success: bool
-    frames: list[Frame]
-    stride: int
-    distance: FloatArray
-    angle: FloatArray
-    self_gap: FloatArray
-    limit_margin: FloatArray
-    exploring: BoolArray
+    robot: str = ""
 
     @property
+    def frames(self) -> list[Frame]:
+        """Pictures, one in two steps, the first before the first step and the last of the end."""
+        return list(self.pictures)
+
+    @cached_property
     def times(self) -> FloatArray:
         """When each step ended, (n,), s."""
-        return CONTROL_STEP * np.arange(1.0, len(self.distance) + 1.0, dtype=np.float64)
+        return CONTROL_STEP * np.arange(1.0, self.steps + 1.0, dtype=np.float64)
+
+    @property
+    def distance(self) -> FloatArray:
+        """To the target, (n,), m."""
+        return self.told("distance")[1:]
+
+    @property
+    def angle(self) -> FloatArray:
+        """To the target, (n,), rad."""
+        return self.told("angle")[1:]
+
+    @property
+    def self_gap(self) -> FloatArray:
+        """Smallest gap of the robot to itself, (n,), m."""
+        return self.told("self_gap")[1:]
+
+    @property
+    def limit_margin(self) -> FloatArray:
+        """Smallest distance of a joint to its stops, (n,), rad."""
+        return self.told("limit_margin")[1:]
+
+    @cached_property
+    def exploring(self) -> BoolArray:
+        """Whether the policy explored, (n,); never for one that has no gradients."""
+        if not isinstance(self.policy, Policy):
+            return np.zeros(self.steps, np.bool_)
+        return super().exploring
 
 
 def record(
@@ -53,7 +74,6 @@ def record(
     seed: int,
     horizon: int,
     *,
-    stride: int = 2,
     balls: int = 0,
     progress: bool = False,
 ) -> ReachRecording:
@@ -64,7 +84,6 @@ def record(
         robot: Name of the robot.
         seed: Seed of the episode.
         horizon: Steps after which it ends.
-        stride: Steps from one picture to the next.
         balls: Number of balls about on its way.
         progress: Whether to show a progress bar, on a terminal only.
 
@@ -73,48 +92,20 @@ def record(
     """
     size: dict[str, Any] = {"render_width": 480, "render_height": 480}
     env = ReachEnv(robot, balls=balls, render_mode="rgb_array", **size)
-    observation, info = env.reset(seed=seed)
-    frames, rows, state = [_picture(env)], [], None
-    exploring: list[bool] = []
+    alone = SideBySide([lambda: env], autoreset_mode=AutoresetMode.DISABLED)
 
-    for step in track(range(1, horizon + 1), robot, progress):
-        batch = {name: values[None] for name, values in observation.items()}
-        start = np.array([step == 1])
-        action, state = policy.predict(batch, state=state, episode_start=start)
-        observation, _, terminated, _, info = env.step(np.asarray(action)[0])
+    def look(_: Any) -> Frame:
+        picture = env.render()
+        assert picture is not None
+        return picture
 
-        exploring.append(_explores(policy, state))
-        rows.append([info[name] for name in ("distance", "angle", "self_gap", "limit_margin")])
-        if step % stride == 0 or terminated:
-            frames.append(_picture(env))
-        if terminated:
-            break
-
-    env.close()
-    distance, angle, self_gap, limit_margin = np.array(rows).T
-    return ReachRecording(
-        robot=robot,
-        seed=seed,
-        success=bool(info["is_success"]),
-        frames=frames,
-        stride=stride,
-        distance=distance,
-        angle=angle,
-        self_gap=self_gap,
-        limit_margin=limit_margin,
-        exploring=np.array(exploring),
+    return recording.record(
+        partial(ReachRecording, robot=robot),
+        policy,
+        alone,
+        seed,
+        horizon,
+        look=look,
+        every=STRIDE,
+        progress=progress,
     )
-
-
-def _explores(policy: Predictor, state: Any) -> bool:
-    """Whether the step that returned this state explored anywhere."""
-    if not isinstance(policy, Policy):
-        return False
-    quantities = policy.trace(state).quantities.values()
-    return any(bool(quantity.exploring[0]) for quantity in quantities)
-
-
-def _picture(env: ReachEnv) -> Frame:
-    picture = env.render()
-    assert picture is not None
-    return picture

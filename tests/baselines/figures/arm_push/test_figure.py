@@ -32,7 +32,7 @@ def episode() -> ArmRecording:
 
 def test_every_tenth_step_is_recorded(episode: ArmRecording) -> None:
     np.testing.assert_allclose(episode.times, [0.0, 0.1, 0.2])
-    assert episode.ending == "no success"
+    assert episode.ending == "time limit"
     assert len(episode.outside) == len(episode.hand) == len(episode.distance) == 3
     assert episode.exploring.shape == (3,)
 
@@ -68,7 +68,7 @@ def test_all_files_are_written(
         assert image.size == (960, 640)
     assert imageio.mimread(tmp_path / "arm_push_film.gif")[0].shape[:2] == (384, 576)
     assert all(path.exists() for path in summary.files)
-    assert str(summary).startswith("no success after 0.2 s")
+    assert str(summary).startswith("time limit after 0.2 s")
 
 
 def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:

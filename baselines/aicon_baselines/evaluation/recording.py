@@ -1,0 +1,202 @@
+"""What happened in an episode: what the policy of one robot knew and decided, step by step."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from typing import Any, ClassVar, TypeVar
+
+import gymnasium
+import numpy as np
+import torch
+from gymnasium.vector import VectorEnv
+from numpy.typing import NDArray
+from torch import Tensor
+
+from aicon_baselines.evaluation.episodes import run_episodes
+from aicon_baselines.extras import missing_extra
+from aicon_torch import Policy, StepTrace
+from aicon_torch.inspection import QuantityTrace
+from aicon_torch.resolution import Memory
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+Item = TypeVar("Item")
+Kind = TypeVar("Kind", bound="Recording")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """An episode of one robot, with m memories at regular times.
+
+    A task's own recording is derived from it, and adds what its pictures show.
+
+    Attributes:
+        policy: The policy.
+        memories: What its steps returned, the first one first, each without a batch or of one row.
+        success: Whether the episode succeeded; None where nobody knows.
+        infos: What the environment told with what each of these steps saw, and in the end.
+        pictures: What was seen meanwhile.
+        env: The environment, which knows what the policy does not.
+        seed: Seed of the episode.
+        stride: Steps from one memory to the next.
+
+    Example:
+        >>> memories = []
+        >>> action, memory = policy.predict(observation, memory)
+        >>> memories.append(memory)
+        >>> print(diagnose(Recording(policy, memories)))
+    """
+
+    resolved_at: ClassVar[str] = ""
+    """The quantity at which the gradients that a figure shows are resolved."""
+
+    policy: Policy
+    memories: Sequence[Memory]
+    success: bool | None = None
+    infos: Sequence[dict[str, Any]] = ()
+    pictures: Sequence[Any] = ()
+    env: Any = None
+    seed: int = 0
+    stride: int = 1
+
+    @property
+    def time_step(self) -> float:
+        """Time from one memory to the next, s."""
+        return self.stride * self.policy.model.dt
+
+    @property
+    def steps(self) -> int:
+        """Number of memories whose action was carried out, n ≤ m."""
+        return len(self.memories)
+
+    @property
+    def ending(self) -> str:
+        """How the episode ended, in two words at most."""
+        return "arrival" if self.success else "time limit"
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """When each memory was computed, (m,), s."""
+        return np.arange(len(self.memories), dtype=np.float64) * self.time_step
+
+    @cached_property
+    def memory(self) -> Memory:
+        """All memories as one batch (m,).
+
+        Raises:
+            ValueError: If they are those of more than one robot.
+        """
+        actuator, declared = next(iter(self.policy.model.actuators.items()))
+        first = self.memories[0]
+        batch = {key: torch.stack([memory[key] for memory in self.memories]) for key in first}
+
+        # One robot in a batch of its own.
+        if batch[actuator].dim() == 3 and batch[actuator].shape[1] == 1:
+            batch = {key: value.squeeze(1) for key, value in batch.items()}
+        if batch[actuator].shape != (len(self.memories), declared.size):
+            raise ValueError("memories: expected those of a single robot; take one row of each.")
+        return batch
+
+    @cached_property
+    def trace(self) -> StepTrace:
+        """What the policy knew and decided, with all memories as one batch (m,)."""
+        return self.policy.trace(self.memory)
+
+    @property
+    def resolution(self) -> QuantityTrace:
+        """What happened where the gradients were resolved."""
+        return self.trace.quantities[self.resolved_at]
+
+    @cached_property
+    def exploring(self) -> BoolArray:
+        """Whether it was exploring there, or anywhere if no place is named, (m,)."""
+        quantities = self.trace.quantities
+        places = [quantities[self.resolved_at]] if self.resolved_at else quantities.values()
+        explored: BoolArray = np.logical_or.reduce(
+            [quantity.exploring.numpy(force=True) for quantity in places]
+        )
+        return explored
+
+    @cached_property
+    def explorations(self) -> list[tuple[int, int]]:
+        """First step of each exploration and the first one after it."""
+        return true_intervals(self.exploring[: self.steps])
+
+    def told(self, name: str) -> FloatArray:
+        """What the environment told by this name, one row for each of `infos`."""
+        return np.array([info[name] for info in self.infos], np.float64)
+
+
+def record(
+    kind: Callable[..., Kind],
+    policy: Any,
+    env: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any],
+    seed: int,
+    horizon: int | None = None,
+    *,
+    options: dict[str, Any] | None = None,
+    stride: int = 1,
+    look: Callable[[Any], Any] | None = None,
+    every: int = 1,
+    beyond: bool = False,
+    progress: bool = False,
+) -> Kind:
+    """Run an episode, and keep what happened.
+
+    Args:
+        kind: What to make of it: a recording of the task.
+        policy: The policy.
+        env: Its environment, or a vector of one; it is closed in the end.
+        seed: Seed of the episode.
+        horizon: Steps after which it ends; by default the environment's.
+        options: Of the environment's `reset`.
+        stride: Steps from one memory that is kept to the next.
+        look: Makes a picture of what is there, from the latest observation.
+        every: Steps from one picture to the next; the first one is of the start.
+        beyond: Whether to keep also what the policy would do after the end.
+        progress: Whether to show a progress bar, on a terminal only.
+    """
+    is_vector = isinstance(env, VectorEnv)
+    start = env.reset(seed=[seed] if is_vector else seed, options=options)  # type: ignore[arg-type]
+    pictures = [look(start[0])] if look is not None else []
+    memories, infos = [], []
+
+    steps = islice(run_episodes(policy, env, start), horizon)
+    for number, step in enumerate(track(steps, "episode", progress), 1):
+        if (number - 1) % stride == 0:
+            memories.append(step.memory)
+            infos.append(step.before)
+        if look is not None and (number % every == 0 or step.ended.all()):
+            pictures.append(look(step.next_observation))
+
+    infos.append(step.info)
+    if beyond:
+        memories.append(policy.predict(step.next_observation, step.memory)[1])
+    if is_vector:
+        infos = [{name: values[0] for name, values in info.items()} for info in infos]
+    env.close()
+    success = bool(infos[-1]["is_success"])
+    return kind(policy, memories, success, infos, pictures, env.unwrapped, seed, stride)
+
+
+def true_intervals(mask: BoolArray) -> list[tuple[int, int]]:
+    """First index of each run of true values and the first one after it."""
+    padded = np.concatenate([[False], mask, [False]])
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
+    return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
+
+
+def to_array(tensor: Tensor) -> FloatArray:
+    """A tensor as an array of doubles."""
+    return tensor.numpy(force=True).astype(np.float64)
+
+
+def track(items: Iterable[Item], description: str, show: bool) -> Iterable[Item]:
+    """The items, with a progress bar on a terminal if it is to be shown."""
+    try:
+        from tqdm import tqdm  # a recording that somebody else made does without
+    except ModuleNotFoundError as error:
+        raise missing_extra(error) from error
+    return tqdm(items, desc=description, disable=None if show else True)

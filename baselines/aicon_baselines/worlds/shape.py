@@ -1,0 +1,59 @@
+"""Shapes in the plane: all that the worlds in it consist of."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from aicon_baselines.palette import WHITE
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A polygon, filled, with an edge, or both.
+
+    Attributes:
+        points: Its corners in order, (N, 2), in the world's unit.
+        layer: Higher layers cover lower ones.
+        color: Of its area; "" for none.
+        opacity: Of its area.
+        edge: Colour of its edge; "" for none.
+        width: Of its edge, pixels on a page and points on paper.
+    """
+
+    points: FloatArray
+    layer: float
+    color: str = ""
+    opacity: float = 1.0
+    edge: str = ""
+    width: float = 1.4
+
+
+def disc(center: ArrayLike, radius: float, layer: float, color: str) -> Shape:
+    """A disc around a point (2,)."""
+    points = np.asarray(center, np.float64) + radius * circle()
+    return Shape(points, layer, color, edge=WHITE, width=1.0)
+
+
+def star(center: ArrayLike, radius: float, layer: float, color: str) -> Shape:
+    """A star with five points around a point (2,)."""
+    radii = radius * np.where(np.arange(10) % 2, 0.4, 1.0)
+    points = np.asarray(center, np.float64) + radii[:, np.newaxis] * circle(10)[:, ::-1]
+    return Shape(points, layer, color, edge=WHITE, width=1.0)
+
+
+def believed(mean: ArrayLike, covariance: ArrayLike, layer: float, color: str) -> Shape:
+    """Two standard deviations of a covariance (2, 2) around a mean (2,)."""
+    variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
+    axes = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
+    points = np.asarray(mean, np.float64) + circle() @ axes.T
+    return Shape(points, layer, color, opacity=0.2, edge=color, width=1.8)
+
+
+def circle(count: int = 48) -> FloatArray:
+    """Points on the unit circle, (count, 2)."""
+    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    circle: FloatArray = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    return circle
