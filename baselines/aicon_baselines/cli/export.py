@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--target",
         metavar="MACHINE",
-        help="another kind of machine, such as aarch64-linux; a wrong name lists them (default: one "
+        help="another kind of machine, such as aarch64-linux; a wrong name lists all (default: one "
         "like this)",
     )
     parser.add_argument("--policy", default="aicon", help="aicon list names them (default: aicon)")
