@@ -97,7 +97,7 @@ figures: $(INSTALLED) ## Draw the figure and the film of a rollout in each task 
 	$(AICON) figures pusht --out $(OUT)/pusht
 
 benchmark: $(INSTALLED) ## Measure the time of a control step
-	$(RUN) scripts/benchmark.py
+	$(AICON) bench
 
 lint: $(INSTALLED) ## Check style and types
 	$(RUN) -m ruff check

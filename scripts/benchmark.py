@@ -1,20 +1,40 @@
-"""Time a control step on one thread: the library beside the same law by hand in plain torch.
+"""Measure what the documents say of speed, beyond `aicon bench`; the processor's time counts.
 
-Example: python scripts/benchmark.py --out runs/benchmark
+Example: python scripts/benchmark.py versions --other build/0.1.0 --tasks nav2d pusht arm_push
+         python scripts/benchmark.py arm --steps 3000
+         python scripts/benchmark.py peers --rounds 20
+         python scripts/benchmark.py watch --tasks nav2d pusht arm_push reach
 
-Navigation is held against the hand-written law, pushT against navigation, a graph whose paths
-double with every rung against its number of edges, and our pushT environment against gym-pusht. The
-programs take turns, and what is measured is the processor time of this process, so that a busy
-machine slows all of them alike; what counts is the ratio and its spread.
+versions: `predict` of this version beside that of another one, whose source is in a folder: `git
+archive fb7da76 | tar x -C build/0.1.0`. Each runs in a process of its own, with an empty cache, and
+they take turns on the same observations of one robot: the other version compiled, this one
+compiled, exported and loaded, as shipped and with one gradient a step. First steps are timed, too.
+
+arm: the arm's loop at 100 Hz with an image every fifth step: physics and rendering, image, control
+step, and the real-time factor. The control step is timed in the loop, where physics and rendering
+have emptied the processor's caches, and again on what was recorded.
+
+peers: the tools of others beside ours, the same work on the same input, in turns. What is not
+installed is left out, and said.
+
+watch: the rate that a control loop keeps with the live view, and what the view costs.
 """
 
 import argparse
 import json
-import statistics
+import os
+import pickle
+import subprocess
 import sys
+import tempfile
 import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from itertools import cycle
 from pathlib import Path
-from typing import Any
+from threading import Timer
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aicon_baselines.cli.command_line import Command, run_command
 
@@ -23,221 +43,541 @@ from aicon_baselines.cli.command_line import Command, run_command
 import gymnasium as gym
 import numpy as np
 import torch
-from torch import Tensor
 
 import aicon_envs  # noqa: F401  # registers the environments
-import ladder
-import plain_navigation
+from aicon_baselines.agents.registry import compiled, factory, import_sb3
+from aicon_baselines.cli.bench import observations_of_one
+from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
-from aicon_torch import make_policy
-from aicon_torch.control import DirectDescent
+from aicon_baselines.tasks import load
+from aicon_torch import NullspaceProjection, OptionError, Policy, make_policy
+from aicon_torch.inspection import QuantityTrace
+from aicon_torch.resolution import GradientStack
 
-PUSHT, GYM_PUSHT = "aicon/PushT-v0", "gym_pusht:gym_pusht/PushT-v0"
-RUNGS = (4, 8, 16, 32, 64)
+if TYPE_CHECKING:
+    from aicon_baselines.view import LiveEpisode
 
-BOUNDS = {
-    "library, batch 1 / by hand, autograd along each path, batch 1": 1.5,
-    "library, batch 256 / library, batch 1": 3.0,
-    "pushT, batch 1 / navigation, batch 1": 2.0,
-    "pushT, batch 256 / pushT, batch 1": 5.0,
-}
-"""The largest median that each ratio may have with ``--check``."""
+REPOSITORY = Path(__file__).resolve().parents[1]
+STUDENT = REPOSITORY / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
+PUSHT = "aicon/PushT-v0", "pusht", "environment_state_agent_pos"
+SEED = 1000
+ARM_STEP = 0.01  # s
 
-Measured = dict[str, dict[str, list[float]]]
-"""Seconds per step of programs, "times", and "ratios" of some of them, round by round."""
+OPTIONS: dict[str, dict[str, Any]] = {"arm_push": {"sensing": "pose"}}
+ONE_GRADIENT = {"law.iterations": 1}
+RECORDED = 100
+
+WORKER = Path(__file__).with_name("take_steps.py")
+"""What takes the steps, in a process of its own, in which another version may be imported."""
+
+Told = dict[str, tuple[float, float]]
+"""Seconds of the processor and by the clock, of what is done once."""
+
+Program = tuple[str, Callable[[], Step]]
+"""The name of a program, and what prepares it."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare how long to measure, and what."""
-    parser.add_argument(
-        "--rounds", type=int, default=60, help="rounds in which programs take turns (default: 60)"
-    )
-    parser.add_argument(
-        "--steps", type=int, default=20, help="steps of each program in a round (default: 20)"
-    )
-    parser.add_argument("--out", type=Path, help="folder for benchmark.json")
-    parser.add_argument("--check", action="store_true", help="fail if a median misses its bound")
-    parser.add_argument(
-        "--peers", action="store_true", help="time the tools of others beside ours instead"
-    )
+    """Declare what is measured, and for how long."""
+    subjects = parser.add_subparsers(dest="subject", required=True, metavar="SUBJECT")
+
+    subject = subjects.add_parser("versions", help="this version beside another one")
+    subject.add_argument("--other", type=Path, help="folder with the source of another version")
+    subject.add_argument("--tasks", nargs="+", default=["nav2d", "pusht", "arm_push"])
+    subject.add_argument("--rounds", type=int, default=300, help="turns (default: 300)")
+    subject.add_argument("--steps", type=int, default=100, help="of a turn (default: 100)")
+
+    subject = subjects.add_parser("arm", help="the arm's loop")
+    subject.add_argument("--steps", type=int, default=3000, help="control steps (default: 3000)")
+    subject.add_argument("--seed", type=int, default=1000, help="seed of the first episode")
+    subject.add_argument("--background", action="store_true", help="do not wait for images")
+
+    subject = subjects.add_parser("peers", help="the tools of others beside ours")
+    subject.add_argument("--rounds", type=int, default=60, help="turns (default: 60)")
+    subject.add_argument("--steps", type=int, default=20, help="of a turn (default: 20)")
+
+    subject = subjects.add_parser("watch", help="what watching costs")
+    subject.add_argument("--tasks", nargs="+", default=["nav2d", "pusht"], metavar="TASK")
+    subject.add_argument("--seconds", type=float, default=20.0, help="with the view (default: 20)")
+    subject.add_argument("--seed", type=int, default=1004)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Measure, print and save."""
+    """Measure and print."""
     torch.set_num_threads(1)
-    rounds, steps = arguments.rounds, arguments.steps
-    if arguments.peers:
-        import benchmark_peers  # what it needs is optional
-
-        benchmark_peers.compare(rounds, steps, arguments.out)
-        return
-
-    results = {
-        "navigation": navigation(rounds, steps),
-        "pusht": pushing(rounds, steps),
-        "ladder": ladders(rounds, steps),
-        "environment": environment(gym.make("aicon/Nav2D-v0", map="clutter"), rounds),
-        "pusht_env": pushing_environments(rounds),
-    }
-
-    print_results(results)
-    if arguments.out:
-        save(results, arguments.out)
-    if arguments.check:
-        check_bounds(results)
+    {"versions": versions, "arm": arm, "peers": peers, "watch": watch}[arguments.subject](arguments)
 
 
-def navigation(rounds: int, steps: int) -> Measured:
-    """The library's navigation step and the hand-written one, at batch 1 and 256."""
-    programs: dict[str, Step] = {}
-    for batch in (1, 256):
-        autograd = f"by hand, autograd along each path, batch {batch}"
-        closed_form = f"by hand, all in closed form, batch {batch}"
-
-        programs[f"library, batch {batch}"] = _navigation_step(batch)
-        programs[autograd] = _plain_navigation_step(batch, closed_form=False)
-        programs[closed_form] = _plain_navigation_step(batch, closed_form=True)
-
-    pairs = (
-        ("library, batch 1", "by hand, autograd along each path, batch 1"),
-        ("library, batch 1", "by hand, all in closed form, batch 1"),
-        ("library, batch 256", "library, batch 1"),
-    )
-    return _with_ratios(take_turns(programs, rounds, steps, "navigation"), pairs)
+def versions(arguments: argparse.Namespace) -> None:
+    """Measure the tasks and print a table for each."""
+    for task in arguments.tasks:
+        _versions_of(task, arguments)
 
 
-def pushing(rounds: int, steps: int) -> Measured:
-    """The step of pushT at batch 1 and 256, beside that of navigation."""
-    programs = {
-        "navigation, batch 1": _navigation_step(1),
-        "pushT, batch 1": _pushing_step(1),
-        "pushT, batch 256": _pushing_step(256),
-    }
-    pairs = (
-        ("pushT, batch 1", "navigation, batch 1"),
-        ("pushT, batch 256", "pushT, batch 1"),
-    )
-    return _with_ratios(take_turns(programs, rounds, steps, "pushT"), pairs)
+def _versions_of(task: str, arguments: argparse.Namespace) -> None:
+    """Measure a task in each version, and print its table."""
+    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
+        observations = Path(folder, "observations")
+        observations.write_bytes(pickle.dumps(recorded(task)))
+        workers: dict[str, Worker] = {}
+        for name, (tree, what) in _builds(task, Path(folder), arguments.other).items():
+            what = {**what, "task": task, "file": str(observations)}
+            cache = Path(folder, f"cache_{len(workers)}")  # compilers stumble over spaces
+            cache.mkdir()
+            workers[name] = stack.enter_context(started(tree, what, cache))
+            print(f"{task}, {name}: {in_words(workers[name].told)}", flush=True)
+
+        times: dict[str, list[list[float]]] = {name: [] for name in workers}
+        for _ in range(arguments.rounds):
+            for name, worker in workers.items():
+                times[name].append(worker.turn(arguments.steps))
+        report(task, times)
 
 
-def ladders(rounds: int, steps: int) -> list[dict[str, Any]]:
-    """Steps of graphs in which every rung reads both sides of the one below it."""
-    policies = {str(rungs): ladder.build(rungs) for rungs in RUNGS}
-    programs = {name: replay(policy, [ladder.READING]) for name, policy in policies.items()}
-    times = take_turns(programs, max(1, rounds // 6), max(1, steps // 4), "ladder")
+def _builds(task: str, folder: Path, other: Path | None) -> dict[str, tuple[Path, dict[str, Any]]]:
+    """What is measured: from which source, and what is to be built, written or loaded there."""
+    options = OPTIONS.get(task, {})
+    laws = {"as shipped": options, "one gradient": {**options, **ONE_GRADIENT}}
+    files = {law: str(folder / f"{law}.so") for law in laws}
 
-    rows = []
-    for name, policy in policies.items():
-        edges = sum(len(edges) for edges in policy.model.edges.values())
-        paths = policy.model.paths().count()
-        row = {"rungs": int(name), "edges": edges, "paths": paths, "times": times[name]}
-        rows.append(row)
-    return rows
+    found: dict[str, tuple[Path, dict[str, Any]]] = {}
+    if other is not None:
+        found["the other"] = other.resolve(), {"options": options}
+    exports = {files[law]: options for law, options in laws.items()}
+    found["compiled"] = REPOSITORY, {"options": options, "exports": exports}
+    for law, file in files.items():
+        found[f"loaded, {law}"] = REPOSITORY, {"load": file}
+    return found
 
 
-def environment(env: gym.Env[Any, Any], rounds: int, steps: int = 200) -> list[float]:
-    """Steps per second of one environment without rendering, round by round."""
-    action = np.zeros(2, np.float32)
-    speeds = []
-    for _ in range(rounds):
-        env.reset(seed=0)
+def report(task: str, times: dict[str, list[list[float]]]) -> None:
+    """Print the times of steps, and their ratios to the other version's, turn by turn."""
+    reference = np.median(times["the other"], axis=1) if "the other" in times else None
+    for name, turns in times.items():
+        median, slow, largest = 1e6 * np.percentile(turns, (50, 99, 100))
+        line = f"{median:.1f} us, 99th percentile {slow:.1f}, largest {largest:.0f}"
+        if reference is not None and name != "the other":
+            ratios = reference / np.median(turns, axis=1)
+            low, middle, high = np.percentile(ratios, (5, 50, 95))
+            line += f"; {middle:.3g} times as fast ({low:.3g} to {high:.3g})"
+        print(f"{task}, {name}: {line}", flush=True)
+
+
+def in_words(told: Told) -> str:
+    """How long each thing took that is done once."""
+    parts = []
+    for name, (processor, clock) in told.items():
+        parts.append(f"{name} {processor:.2f} s ({clock:.2f} by the clock)")
+    return ", ".join(parts)
+
+
+def recorded(task: str) -> list[dict[str, Any]]:
+    """Observations of one robot."""
+    condition = load(task).timed_condition or load(task).conditions[0]
+    return observations_of_one(task, condition, RECORDED)
+
+
+class Worker:
+    """A process that takes turns."""
+
+    def __init__(self, process: "subprocess.Popen[str]") -> None:
+        self.process = process
+        self.told: Told = self._answer()
+
+    def turn(self, steps: int) -> list[float]:
+        """Seconds of each of some steps."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{steps}\n")
+        self.process.stdin.flush()
+        seconds: list[float] = self._answer()
+        return seconds
+
+    def _answer(self) -> Any:
+        assert self.process.stdout is not None
+        answer = self.process.stdout.readline()
+        if not answer:
+            raise RuntimeError(f"a worker ended, with exit status {self.process.wait()}")
+        return json.loads(answer)
+
+
+@contextmanager
+def started(tree: Path, what: dict[str, Any], cache: Path) -> Iterator[Worker]:
+    """A worker that imports the library from a folder and keeps what it compiles in another."""
+    environment = dict(os.environ, PYTHONPATH=str(tree), OMP_NUM_THREADS="1")
+    for name in ("XDG_CACHE_HOME", "TORCHINDUCTOR_CACHE_DIR", "TMPDIR", "HOME"):
+        environment[name] = str(cache)
+    command = [sys.executable, "-W", "ignore", str(WORKER), json.dumps(what)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, env=environment, text=True, stdin=pipe, stdout=pipe) as process:
+        yield Worker(process)
+        assert process.stdin is not None
+        process.stdin.close()
+
+
+def arm(arguments: argparse.Namespace) -> None:
+    """Measure the loop and print its parts."""
+    results = summarize(_arm_loop(arguments.steps, arguments.seed, arguments.background))
+    for name, row in results["parts"].items():
+        median, slow = row["median"], row["percentile_99"]
+        print(f"{name:30} {median:7.3f} ms, 99th percentile {slow:7.3f} ms")
+
+    factors = results["real_time_factor"]
+    processor, clock = factors["processor"], factors["clock"]
+    print(f"real-time factor: {processor:.2f} by processor time, {clock:.2f} by the clock")
+
+
+class Times(NamedTuple):
+    """Seconds of each part in each step, and the age of the image that it saw."""
+
+    environment: list[float]
+    image: list[float]
+    control: list[float]
+    predict: list[float]
+    clock: list[float]
+    again: list[float]
+    age: list[float]
+
+
+class TimedPerception:
+    """A perception that is timed, and whose readings are kept."""
+
+    def __init__(self, perception: Any) -> None:
+        self._perception = perception
+        self.seconds: list[float] = []
+        self.readings: list[Any] = []
+
+    def __call__(self, observation: Any, values: Any, starts: Any) -> Any:
+        """Read the image, and note how long it took."""
         start = time.process_time()
-        for _ in range(steps):
-            env.step(action)
-        speeds.append(steps / (time.process_time() - start))
-    return speeds
+        readings = self._perception(observation, values, starts)
+        self.seconds.append(time.process_time() - start)
+        self.readings.append(readings)
+        return readings
+
+    def forget(self) -> None:
+        """Forget what was noted."""
+        self.seconds.clear()
+        self.readings.clear()
 
 
-def pushing_environments(rounds: int) -> dict[str, Any]:
-    """Steps per second of aicon/PushT-v0 and of gym-pusht's, in turns, and their ratio."""
-    observed = "environment_state_agent_pos"
-    envs = {name: gym.make(name, obs_type=observed) for name in (PUSHT, GYM_PUSHT)}
+def _arm_loop(steps: int, seed: int, background: bool) -> Times:
+    """Run the loop, the first step, which compiles, left out of the times."""
+    options = {**load("arm_push").policy_options("camera"), "camera.background": background}
+    policy: Any = make_policy("arm_push", **options)
+    perception = TimedPerception(policy.perception)
+    policy.perception = perception
+    blind = Policy(policy.model, policy.resolution, policy.law)
+    policy, blind = policy.compile(), blind.compile()
 
-    speeds: dict[str, list[float]] = {name: [] for name in envs}
-    for _ in range(rounds):
-        for name, env in envs.items():
-            speeds[name] += environment(env, rounds=1)
-    return {"speeds": speeds, "ratio": ratios(speeds[PUSHT], speeds[GYM_PUSHT])}
+    env: Any = gym.make("aicon/ArmPush-v0", disable_env_checker=True).unwrapped
+    observation, _ = env.reset(seed=seed)
+    policy.predict(observation)
+    perception.forget()
 
+    times = Times([], perception.seconds, [], [], [], [], [])
+    memory: Any = None
+    begins: list[bool] = []
 
-def print_results(results: dict[str, Any]) -> None:
-    """Print medians and spreads."""
-    for title in ("navigation", "pusht"):
-        print(f"\none step of {title}, one thread, ms: median (5 % to 95 %)")
-        for name, times in results[title]["times"].items():
-            print(f"  {name:44} {spread(times, 1e3)}")
-        print("ratios, taken round by round")
-        for name, values in results[title]["ratios"].items():
-            print(f"  {name:44} {spread(values)}")
+    for _ in range(steps):
+        begins.append(memory is None)
+        clock, start = time.perf_counter(), time.process_time()
 
-    print("a ladder whose paths double with every rung")
-    for row in results["ladder"]:
-        size = f"{row['rungs']:3} rungs, {row['edges']:4} edges, {row['paths']:.2g} paths"
-        print(f"  {size}: {spread(row['times'], 1e6 / row['edges'])} µs an edge")
+        action, memory = policy.predict(observation, memory)
+        decided = time.process_time()
+        times.predict.append(time.perf_counter() - clock)
+        times.control.append(decided - start - perception.seconds[-1])
 
-    print(f"aicon/Nav2D-v0 alone: {spread(results['environment'])} steps/s")
-    for name, speeds in results["pusht_env"]["speeds"].items():
-        print(f"{name} alone: {spread(speeds)} steps/s")
-    print(f"  ratio, round by round: {spread(results['pusht_env']['ratio'])}")
+        observation, _, terminated, _, _ = env.step(action)
+        times.environment.append(time.process_time() - decided)
+        times.clock.append(time.perf_counter() - clock)
+        times.age.append(float(observation["image_age"][0]))
 
+        if terminated:
+            seed, memory = seed + 1, None
+            observation, _ = env.reset(seed=seed)
 
-def save(results: dict[str, Any], out: Path) -> None:
-    """Write benchmark.json."""
-    out.mkdir(parents=True, exist_ok=True)
-    path = out / "benchmark.json"
-    path.write_text(json.dumps(results, indent=2) + "\n")
-    print(f"\nsaved in {path}")
-
-
-def check_bounds(results: dict[str, Any]) -> None:
-    """End the script with status 1, and say which, if medians miss their bounds."""
-    measured = results["navigation"]["ratios"] | results["pusht"]["ratios"]
-    missed = []
-    for name, bound in BOUNDS.items():
-        median = statistics.median(measured[name])
-        if median > bound:
-            missed.append(f"{name}: {median:.3g} > {bound}")
-
-    if statistics.median(results["pusht_env"]["ratio"]) < 1:
-        missed.append(f"{PUSHT} is slower than upstream's environment")
-    if missed:
-        sys.exit("\n".join(missed))
+    env.close()
+    times.again.extend(measure_again(blind, perception.readings, begins))
+    return times
 
 
-def _with_ratios(times: dict[str, list[float]], pairs: tuple[tuple[str, str], ...]) -> Measured:
-    """Return the times with the ratios of these pairs of programs."""
-    divided = {}
-    for first, second in pairs:
-        divided[f"{first} / {second}"] = ratios(times[first], times[second])
-    return {"times": times, "ratios": divided}
+def measure_again(policy: Any, readings: list[Any], begins: list[bool]) -> list[float]:
+    """Seconds of the same control steps with nothing between them."""
+    _, memory = policy.predict(readings[0])  # it compiles
+    seconds = []
+    for reading, is_first in zip(readings, begins, strict=True):
+        before = None if is_first else memory
+        start = time.process_time()
+        _, memory = policy.predict(reading, before)
+        seconds.append(time.process_time() - start)
+    return seconds
 
 
-def _navigation_step(batch: int) -> Step:
-    bearing, clearance = torch.zeros(batch, 1), torch.full((batch, 1), 0.15)
-    # The law that is written out by hand.
-    law = DirectDescent(plain_navigation.GAIN, smoothing=plain_navigation.SMOOTHING)
-    return replay(make_policy("nav2d", law=law), [{"bearing": bearing, "range": clearance}])
+def summarize(times: Times) -> dict[str, Any]:
+    """Medians and 99th percentiles, ms, and simulated by spent time."""
+    image, environment = np.array(times.image), np.array(times.environment)
+    rendered = np.array(times.age) < ARM_STEP / 2
+    # Between images there is nothing to read, which takes next to no time.
+    reads_image = image > 10 * np.median(image)
+
+    parts = {
+        "predict, by the clock": np.array(times.predict),
+        "control step": np.array(times.control),
+        "control step on recorded data": np.array(times.again),
+        "reading a new image": image[reads_image],
+        "environment, without an image": environment[~rendered],
+        "environment, with an image": environment[rendered],
+    }
+    percentiles = {}
+    for name, seconds in parts.items():
+        median, slow = 1e3 * np.percentile(seconds, (50, 99))
+        percentiles[name] = {"median": float(median), "percentile_99": float(slow)}
+
+    simulated = len(times.clock) * ARM_STEP
+    processor = sum(times.control) + sum(times.image) + sum(times.environment)
+    factors = {"processor": simulated / processor, "clock": simulated / sum(times.clock)}
+    return {"parts": percentiles, "real_time_factor": factors}
 
 
-def _pushing_step(batch: int) -> Step:
-    observation, _ = gym.make(PUSHT).reset(seed=0)
-    readings: dict[str, Tensor] = {}
-    for name, reading in observation.items():
-        readings[name] = torch.as_tensor(reading).expand(batch, -1)
-    policy = make_policy("pusht", law=DirectDescent())  # one gradient a step, as in navigation
-    return replay(policy, [readings])
+def peers(arguments: argparse.Namespace) -> None:
+    """Measure every group and print it."""
+    for title, group in GROUPS.items():
+        programs: dict[str, Step] = {}
+        for name, prepare in group():
+            step = _prepare_if_installed(name, prepare)
+            if step is not None:
+                programs[name] = step
+        if programs:
+            times = take_turns(programs, arguments.rounds, arguments.steps, title)
+            print_group(title, times)
 
 
-def _plain_navigation_step(batch: int, closed_form: bool) -> Step:
-    bearing = torch.zeros(batch, 1, dtype=torch.float64)
-    clearance = torch.full((batch, 1), 0.15, dtype=torch.float64)
-    state = plain_navigation.begin(bearing, clearance)
+def print_group(title: str, times: Mapping[str, list[float]]) -> None:
+    """Print the time of each program, and how many times as long as the first it takes."""
+    print(f"\n{title}, one thread, ms: median (5 % to 95 %), and how many times the first")
+    first = next(iter(times.values()))
+    for name, seconds in times.items():
+        print(f"  {name:48} {spread(seconds, 1e3):28} {spread(ratios(seconds, first))}")
+
+
+def pushing_programs() -> Iterator[Program]:
+    """Policies that choose the next action of pushT, on what an episode of AICON observes."""
+    observations = _record(*PUSHT)
+    batched = _batched(observations)
+
+    yield "AICON", lambda: replay(make_policy("pusht"), observations)
+    yield "AICON, compiled", lambda: replay(make_policy("pusht").compile(), observations)
+    for sampler, denoising in (("DDIM", 10), ("DDPM", 100)):
+        name = f"diffusion policy of LeRobot, {sampler} {denoising}"
+        yield name, partial(_student, sampler, denoising, batched)
+    yield "PPO of stable-baselines3", lambda: replay(_untrained_agent(), batched)
+    yield "MPPI", lambda: replay(_planner("mppi"), batched)
+    yield "MPPI with fewer samples", lambda: replay(_planner("mppi_small"), batched)
+
+
+def gradient_programs() -> Iterator[Program]:
+    """Rules from the gradients that arrive at the pusher in an episode of pushT to one."""
+    arrivals = _arrivals_at_pusher()
+    count = arrivals[0].gradients.shape[-2]
+
+    yield f"nullspace projection of {count} gradients", partial(_projection, arrivals)
+    yield "UPGrad of TorchJD", partial(_torchjd, "UPGrad", arrivals)
+    yield "PCGrad of TorchJD", partial(_torchjd, "PCGrad", arrivals)
+
+
+def arm_programs() -> Iterator[Program]:
+    """AICON on the arm, with all its goals and no camera, beside one step of inverse kinematics."""
+    yield "AICON", partial(_arm_step, compiled=False)
+    yield "AICON, compiled", partial(_arm_step, compiled=True)
+    yield "one step of mink, limits of joints and speeds", _mink
+
+
+def _student(sampler: str, steps: int, observations: list[dict[str, Any]]) -> Step:
+    """One action of the diffusion policy; it samples four at a time: rounds of a multiple of 4."""
+    from aicon_baselines.agents.diffusion.agent import Agent
+
+    return replay(Agent(STUDENT, sampler, steps), observations)
+
+
+def _planner(name: str) -> Any:
+    """The tuned planner, compiled like AICON."""
+    return compiled(factory("pusht", name))("deterministic")
+
+
+def _untrained_agent() -> Any:
+    """An agent of stable-baselines3 that has learned nothing, which takes it as long."""
+    sb3 = import_sb3()
+    config = sb3.TrainingConfig.for_task("pusht", "ppo", steps=8, envs=1, rollout=8, epochs=1)
+    with tempfile.TemporaryDirectory() as folder:
+        sb3.train(config, Path(folder))
+        return sb3.Agent(Path(folder), "pusht")
+
+
+def _projection(arrivals: list[QuantityTrace]) -> Step:
+    """Resolve the next gradients, without exploration."""
+    rule = NullspaceProjection(exploration=None)
+    stacks = cycle([_to_stack(arrival) for arrival in arrivals])
+    count, size = arrivals[0].gradients.shape[-2:]
+    memory = rule.initial(count, size)
 
     def step() -> None:
-        nonlocal state
-        state = plain_navigation.step(state, bearing, clearance, closed_form)
+        nonlocal memory
+        memory = rule(next(stacks), memory)[1]
 
     return step
+
+
+def _torchjd(name: str, arrivals: list[QuantityTrace]) -> Step:
+    """Aggregate the next gradients with an aggregator of TorchJD."""
+    from torchjd import aggregation
+
+    aggregator = getattr(aggregation, name)()
+    upcoming = cycle([arrival.gradients for arrival in arrivals])
+    return lambda: aggregator(next(upcoming))
+
+
+def _to_stack(arrival: QuantityTrace) -> GradientStack:
+    """What a resolution is given of these gradients, at rest."""
+    gradients = arrival.gradients
+    nothing = gradients.new_zeros(gradients.shape[:-2])
+    return GradientStack(
+        gradients=gradients,
+        goals=tuple(frozenset(goals) for goals in arrival.goals),
+        motion=torch.zeros_like(gradients[..., 0, :]),
+        costs=dict.fromkeys(frozenset[str]().union(*arrival.goals), nothing),
+        displaced_cost=lambda goal, shift: nothing,
+        dt=0.1,
+    )
+
+
+def _arm_step(compiled: bool) -> Step:
+    observations = _record("aicon/ArmPush-v0", "arm_push", obs_type="pose", sensing="pose")
+    policy = make_policy("arm_push", sensing="pose")
+    return replay(policy.compile() if compiled else policy, observations)
+
+
+def _mink() -> Step:
+    """Step toward a pose that is already reached; the work is the same."""
+    import mink
+
+    env: Any = gym.make("aicon/ArmPush-v0", obs_type="pose").unwrapped
+    env.reset(seed=SEED)
+    simulation = env._simulation
+    configuration = mink.Configuration(simulation.model, simulation.data.qpos)
+
+    task = mink.FrameTask("tool", "body", position_cost=1.0, orientation_cost=1.0)
+    task.set_target(configuration.get_transform_frame_to_world("tool", "body"))
+    speeds = {f"panda_joint{index}": 2.0 for index in range(1, 8)}
+    limits = [
+        mink.ConfigurationLimit(configuration.model),
+        mink.VelocityLimit(configuration.model, speeds),
+    ]
+
+    def step() -> None:
+        configuration.update(configuration.q)
+        mink.solve_ik(configuration, [task], 0.01, "daqp", limits=limits)
+
+    return step
+
+
+def _record(name: str, task: str, obs_type: str, **options: Any) -> list[dict[str, Any]]:
+    """What an episode of AICON observes at first."""
+    env, policy = gym.make(name, obs_type=obs_type), make_policy(task, **options)
+    observation, _ = env.reset(seed=SEED)
+    observations, memory = [], None
+
+    for _ in range(RECORDED):
+        observations.append(observation)
+        action, memory = policy.predict(observation, memory)
+        observation, *_ = env.step(action)
+    return observations
+
+
+def _arrivals_at_pusher() -> list[QuantityTrace]:
+    """The gradients that arrive at the pusher in this episode."""
+    policy, memory, arrivals = make_policy("pusht"), None, []
+    for observation in _record(*PUSHT):
+        _, memory = policy.predict(observation, memory)
+        arrivals.append(policy.trace(memory).quantities["x_pusher"])
+    return arrivals
+
+
+def _batched(observations: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The observations as batches of one."""
+    batches = []
+    for observation in observations:
+        batches.append({name: np.asarray(reading)[None] for name, reading in observation.items()})
+    return batches
+
+
+def _prepare_if_installed(name: str, prepare: Callable[[], Step]) -> Step | None:
+    try:
+        return prepare()
+    except (ModuleNotFoundError, ComparisonError, OptionError, gym.error.Error) as error:
+        print(f"without {name}: {error}")
+        return None
+
+
+GROUPS: Mapping[str, Callable[[], Iterator[Program]]] = {
+    "one action of pushT": pushing_programs,
+    "the gradients that arrive at the pusher": gradient_programs,
+    "one step of the arm": arm_programs,
+}
+
+
+def watch(arguments: argparse.Namespace) -> None:
+    """Measure task by task; a page that is open meanwhile counts."""
+    from aicon_baselines.view import open_episode
+
+    for task in arguments.tasks:
+        # Where the usual condition renders images, they would be all that is measured.
+        condition = load(task).timed_condition or None
+        episode = open_episode(task, condition=condition, seed=arguments.seed)
+        episode.compile()
+        while not episode.compiled:
+            time.sleep(0.1)
+
+        alone = processor_time_alone(episode, arguments.seed)
+        rate, watched = with_view(episode, arguments.seconds, arguments.seed)
+        hertz = 1.0 / episode.time_step
+        print(
+            f"{task}: {rate:.1%} of {hertz:.0f} Hz; processor time of a step {1e3 * alone:.2f} ms "
+            f"alone, {1e3 * watched:.2f} ms with the view ({watched / alone:.1f} times)",
+            flush=True,
+        )
+
+
+def processor_time_alone(episode: "LiveEpisode", seed: int, steps: int = 200) -> float:
+    """Processor time of a step of environment and policy, s."""
+    episode.start(seed)
+    start = time.process_time()
+    for _ in range(steps):
+        _go_on(episode, seed)
+    return (time.process_time() - start) / steps
+
+
+def with_view(episode: "LiveEpisode", seconds: float, seed: int) -> tuple[float, float]:
+    """The share of the control rate that is kept with the view, and a step's processor time, s."""
+    from aicon_baselines.view import LiveView, serve
+
+    episode.start(seed)
+    view = LiveView(episode, serve("127.0.0.1", 0), compiles=False, loops=True)
+    print(f"http://localhost:{view.port}", flush=True)
+
+    timer = Timer(seconds, view.stop)
+    timer.start()
+    begun, worked = time.monotonic(), time.process_time()
+    view.run()
+    passed, used = time.monotonic() - begun, time.process_time() - worked
+    view.close()
+    return view.taken * episode.time_step / passed, used / view.taken
+
+
+def _go_on(episode: "LiveEpisode", seed: int) -> None:
+    """Go on; after the end, from the start."""
+    if episode.ended:
+        episode.start(seed)
+    episode.step()
 
 
 COMMAND = Command(__doc__, add_arguments, run)

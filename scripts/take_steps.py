@@ -1,4 +1,4 @@
-"""Take steps of a policy and tell how long they took: the worker of `benchmark_versions.py`.
+"""Take steps of a policy and tell how long they took: the worker of `benchmark.py versions`.
 
 It imports nothing but the library, so that it runs with any version of it.
 """

@@ -25,8 +25,6 @@ CLI = {
     "aicon figures": "aicon_baselines.cli.figures",
     "aicon bench": "aicon_baselines.cli.bench",
     "aicon export": "aicon_baselines.cli.export",
-    "scripts/compare.py": "aicon_baselines.cli.compare",
-    "scripts/figures.py": "aicon_baselines.cli.figures",
 }
 
 
