@@ -90,7 +90,8 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     examples = flat.examples()
     functions = [prelude(step.model.like.dtype)]
     for name, (function, inputs, outputs) in flat.functions().items():
-        functions.append(in_c(name, function, inputs, outputs, examples))
+        varying = ("descent",) if name == "descend" else ()  # it is called K times
+        functions.append(in_c(name, function, inputs, outputs, examples, varying))
 
     # What the library says of itself, and what calls these functions.
     metadata = _metadata(flat, description, perceives)
@@ -254,9 +255,11 @@ static void step(const real *memory, const real *readings, real *next, real *com
 _MANY_GRADIENTS = """\
 static void step(const real *memory, const real *readings, real *next, real *commands) {
   real values[VALUES], descent[2][DESCENT];
+  struct descend_kept kept;
   begin(memory, readings, values, descent[0]);
+  descend_once(memory, values, &kept);
   for (int k = 0; k < ITERATIONS; ++k)
-    descend(memory, values, descent[k % 2], descent[(k + 1) % 2]);
+    descend(memory, values, descent[k % 2], &kept, descent[(k + 1) % 2]);
   finish(memory, values, descent[ITERATIONS % 2], next, commands);
 }
 """
