@@ -7,7 +7,15 @@ import torch
 
 from aicon_torch.export.codegen.arrays import Array
 from aicon_torch.export.codegen.functions import FUNCTIONS
-from aicon_torch.export.codegen.scalars import CONSTANT, INPUT, ITEM, OPERATIONS, Number, Program
+from aicon_torch.export.codegen.scalars import (
+    CONSTANT,
+    INPUT,
+    ITEM,
+    OPERATIONS,
+    PICK,
+    Number,
+    Program,
+)
 from aicon_torch.export.codegen.solving import ROUTINES
 from aicon_torch.export.codegen.splitting import numbers_behind, roots_of, split_by
 
@@ -32,6 +40,7 @@ typedef long long integer;
 static inline real magnitude(real a) {{ return fabs{suffix}(a); }}
 static inline real larger(real a, real b) {{ return (a > b || a != a) ? a : b; }}
 static inline real smaller(real a, real b) {{ return (a < b || a != a) ? a : b; }}
+static inline int is_above(real a, real b) {{ return a > b || (a != a && b == b); }}
 {FUNCTIONS}
 static inline real modulo(real a, real b) {{
   real rest = rest_of(a, b);
@@ -139,6 +148,8 @@ def _statement(number: Number, program: Program) -> list[str]:
     name = f"v{number.index}"
     if number.operation in ROUTINES:
         return _call(number, name, arguments)
+    if number.operation == PICK:
+        return _lookup(number, name, *arguments)
 
     if number.operation == INPUT:
         value = f"{number.value[0]}[{number.value[1]}]"
@@ -148,6 +159,16 @@ def _statement(number: Number, program: Program) -> list[str]:
         suffix = _suffix(program)
         value = OPERATIONS[number.operation].text.format(*arguments, f=suffix)
     return [f"  const {TYPES[number.kind]} {name} = {value};"]
+
+
+def _lookup(number: Number, name: str, index: str, *candidates: str) -> list[str]:
+    """One of an array of candidates."""
+    kind, count = TYPES[number.kind], len(candidates)
+    place = f"(unsigned long long){index} < {count} ? {index} : 0"
+    return [
+        f"  const {kind} {name}_of[] = {{{', '.join(candidates)}}};",
+        f"  const {kind} {name} = {name}_of[{place}];",
+    ]
 
 
 def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
