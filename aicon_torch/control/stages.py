@@ -26,6 +26,11 @@ class Stage(NamedTuple):
     gives: tuple[str, ...]
     times: int = 1
 
+    @property
+    def varying(self) -> tuple[str, ...]:
+        """What it takes that differs from time to time, where it runs several times."""
+        return tuple(name for name in self.takes if name in self.gives) if self.times > 1 else ()
+
 
 def run(stages: Iterable[Stage], groups: Mapping[str, Named]) -> dict[str, Named]:
     """Run stages one after the other.

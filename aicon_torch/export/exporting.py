@@ -94,7 +94,7 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     for stage in flat.stages:
         outputs = [f"new_{name}" for name in stage.gives]
         function = flat.function_of(stage)
-        functions.append(in_c(stage.name, function, stage.takes, outputs, examples))
+        functions.append(in_c(stage.name, function, stage.takes, outputs, examples, stage.varying))
 
     # What the library says of itself, and what calls these functions.
     metadata = _metadata(flat, description, perceives)

@@ -25,9 +25,20 @@ def in_turn(flat: FlatStep) -> str:
 
 
 def _call(stage: Stage, returned: tuple[str, ...]) -> list[str]:
-    """The calls of one stage, after each of which what it gave is there to be read."""
-    arguments = ", ".join((*stage.takes, *(f"new_{name}" for name in stage.gives)))
-    lines = [f"  for (int k = 0; k < {stage.times}; ++k) {{", f"    {stage.name}({arguments});"]
+    """The calls of one stage, after each of which what it gave is there to be read.
+
+    What stays the same from time to time is computed before the first.
+    """
+    given = [f"new_{name}" for name in stage.gives]
+    lines: list[str] = []
+    if stage.varying:
+        fixed = [name for name in stage.takes if name not in stage.varying]
+        lines.append(f"  struct {stage.name}_kept kept;")
+        lines.append(f"  {stage.name}_once({', '.join((*fixed, '&kept'))});")
+        given = ["&kept", *given]
+
+    arguments = ", ".join((*stage.takes, *given))
+    lines += [f"  for (int k = 0; k < {stage.times}; ++k) {{", f"    {stage.name}({arguments});"]
     for name in stage.gives:
         if name not in returned:
             lines.append(f"    real *last_{name} = {name};")

@@ -79,11 +79,14 @@ class Writer:
         if index.operation == CONSTANT:
             return cast(Number, candidates[index.value])
 
-        chosen = candidates[0]
-        for place in range(1, len(candidates)):
-            arguments = (self.is_at(index, place), candidates[place], chosen)
-            chosen = self.program.apply("where", arguments, chosen.kind)
-        return cast(Number, chosen)
+        # Of two, a choice; of more, an array is shorter than as many choices.
+        if len(candidates) <= 2:
+            other = candidates[-1]
+            arguments = (self.is_at(index, len(candidates) - 1), other, candidates[0])
+            return self.program.apply("where", arguments, other.kind)
+        if all(candidate is candidates[0] for candidate in candidates):
+            return cast(Number, candidates[0])
+        return self.program.pick(index, candidates)
 
     def is_at(self, index: Number, place: int) -> Number:
         """Whether an index is this place."""

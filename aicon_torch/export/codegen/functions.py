@@ -10,6 +10,20 @@ fifteen; ``power`` to one for each unit of |y ln x| besides. Angles beyond 2Â²â
 |x| 4e-17.
 """
 
+from decimal import Decimal, localcontext
+
+TURNS = 128
+"""How many tabulated powers of two there are from 1 to 2."""
+
+
+def _powers() -> str:
+    """2^(i/128), each as the double next to it and what is left of it, as a share, in C."""
+    with localcontext(prec=50):
+        exact = [Decimal(2) ** (Decimal(i) / TURNS) for i in range(TURNS)]
+        pairs = [(float(power), float(power / Decimal(float(power)) - 1)) for power in exact]
+    return ",\n".join(f"      {{{whole.hex()}, {rest.hex()}}}" for whole, rest in pairs)
+
+
 FUNCTIONS = """\
 /* c[0] + c[1] x + c[2] x^2 + ..., even and odd powers by themselves; n is even. */
 static inline double series(const double *c, int n, double x) {
@@ -70,15 +84,30 @@ static inline double growth(double x, double rest) {
   return x + (x * x * series(c, 12, x) + rest);
 }
 
-/* exp(x) = 2^n exp(x - n ln 2). */
+/* exp(x) = 2^n 2^(i/128) exp(r) for x = (n + i/128) ln 2 + r, with 2^(i/128) from a table. */
 static double exponential(double x) {
+  static const double powers[][2] = {
+POWERS};
   if (!(x < 709.8)) return x != x ? x : INFINITY;
   if (x < -745.2) return 0;
-  double n = nearest(x * 1.4426950408889634);
-  double first = x - n * 0.6931471806019545, second = n * -4.2009150726810846e-11;
-  double part = first - second, value = 1 + growth(part, (first - part) - second);
-  int half = (int)n / 2;
-  return scaled(scaled(value, half), (int)n - half);
+
+  /* 128 n + i is the end of this number's bits; times the first part of ln(2) / 128 it is exact. */
+  union { double value; unsigned long long bits; } whole = {x * 184.6649652337873 + 0x1.8p52};
+  double parts = whole.value - 0x1.8p52;
+  double r = (x - parts * 0x1.62e42fef00000p-8) - parts * 0x1.473de6af278edp-41;
+
+  /* exp(r) - 1 for |r| <= ln(2) / 256. */
+  const double *power = powers[whole.bits & 127];
+  double z = r * r, curved = z * (0.5 + r * (1.0 / 6)) + z * z * (1.0 / 24 + r * (1.0 / 120));
+  double grown = curved + (r + power[1]);
+
+  if (fabs(x) < 708) {
+    union { double value; unsigned long long bits; } scale = {power[0]};
+    scale.bits += (whole.bits & ~127ull) << 45;
+    return scale.value + scale.value * grown;
+  }
+  int n = (int)parts >> 7;
+  return scaled(scaled(power[0] + power[0] * grown, n / 2), n - n / 2);
 }
 
 static double exponential_less_one(double x) {
@@ -240,5 +269,5 @@ static double error_function(double x) {
   }
   return 1.1283791670955126 * exponential(-z) * sum;
 }
-"""
+""".replace("POWERS", _powers())
 """The functions, in the order in which they use each other."""

@@ -1,6 +1,6 @@
 """A program of numbers: what a graph of tensors computes, element by element."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -12,6 +12,9 @@ Kind = Literal["real", "int", "bool"]
 
 CONSTANT, INPUT, ITEM = "constant", "input", "item"
 """Numbers that are not computed: literals, elements of an input, results of a routine."""
+
+PICK = "pick"
+"""One of many numbers: its arguments are an index, and the candidates."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -44,6 +47,11 @@ class Operation:
 
     text: str
     fold: Callable[..., Any]
+
+
+def _is_above(a: Any, b: Any) -> Any:
+    """Whether a is larger than b, or the only one that is NaN."""
+    return np.logical_or(a > b, np.logical_and(a != a, b == b))
 
 
 OPERATIONS: dict[str, Operation] = {
@@ -87,6 +95,8 @@ OPERATIONS: dict[str, Operation] = {
     "le": Operation("{0} <= {1}", np.less_equal),
     "gt": Operation("{0} > {1}", np.greater),
     "ge": Operation("{0} >= {1}", np.greater_equal),
+    "gt_or_nan": Operation("is_above({0}, {1})", _is_above),
+    "lt_or_nan": Operation("is_above(-{0}, -{1})", lambda a, b: _is_above(-a, -b)),
     "and": Operation("{0} & {1}", np.logical_and),
     "or": Operation("{0} | {1}", np.logical_or),
     "xor": Operation("{0} ^ {1}", np.logical_xor),
@@ -100,6 +110,9 @@ OPERATIONS: dict[str, Operation] = {
 
 NEUTRAL = {"add": (0, 0), "sub": (None, 0), "mul": (1, 1), "div": (None, 1)}
 """Left and right constants that leave the other argument as it is."""
+
+DECISIVE = {"and": False, "or": True}
+"""The truth value that decides the outcome alone; the other one leaves the other argument."""
 
 
 class Program:
@@ -143,6 +156,10 @@ class Program:
         """One of the results of a routine."""
         return self._number(ITEM, (call,), "real", place)
 
+    def pick(self, index: Number, candidates: Sequence[Number]) -> Number:
+        """The candidate at an index; the first one where there is none."""
+        return self._number(PICK, (index, *candidates), candidates[0].kind)
+
     def cast(self, number: Number, kind: Kind) -> Number:
         """The number as another kind."""
         return number if number.kind == kind else self.apply(f"to_{kind}", (number,), kind)
@@ -178,6 +195,11 @@ class Program:
             if condition.operation == CONSTANT:
                 return chosen if condition.value else other
             return chosen if chosen is other else None
+
+        if operation in DECISIVE:
+            for known, other in (arguments, arguments[::-1]):
+                if known.operation == CONSTANT:
+                    return known if known.value == DECISIVE[operation] else other
 
         if operation in NEUTRAL:
             left, right = arguments

@@ -121,15 +121,8 @@ def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[B
 
 def _is_better(writer: Writer, candidate: Number, best: Number, is_better: str) -> Number:
     """Whether a candidate is larger or smaller; NaN is better than all, as torch has it."""
-    program = writer.program
-    wins = program.apply(is_better, (candidate, best), "bool")
-    if candidate.kind != "real":
-        return wins
-
-    is_nan = program.apply("ne", (candidate, candidate), "bool")
-    was_nan = program.apply("ne", (best, best), "bool")
-    is_first_nan = program.apply("and", (is_nan, program.apply("not", (was_nan,), "bool")), "bool")
-    return program.apply("or", (wins, is_first_nan), "bool")
+    operation = f"{is_better}_or_nan" if candidate.kind == "real" else is_better
+    return writer.program.apply(operation, (candidate, best), "bool")
 
 
 SELECTION: dict[str, Translation] = {

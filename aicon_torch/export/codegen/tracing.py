@@ -1,7 +1,7 @@
 """Functions of flat tensors, traced and translated to C."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import torch
@@ -13,7 +13,7 @@ from torch._subclasses.fake_tensor import FakeTensorMode
 from torch.fx.experimental.proxy_tensor import make_fx
 
 from aicon_torch.export.codegen.arrays import Writer, as_array
-from aicon_torch.export.codegen.c_source import function
+from aicon_torch.export.codegen.c_source import function, repeated_function
 from aicon_torch.export.codegen.scalars import Program
 from aicon_torch.export.codegen.translation import translate
 
@@ -35,6 +35,7 @@ def in_c(
     inputs: Sequence[str],
     outputs: Sequence[str],
     examples: Mapping[str, Tensor],
+    varying: Collection[str] = (),
 ) -> str:
     """A function of flat tensors, in C.
 
@@ -44,6 +45,8 @@ def in_c(
         inputs: The names of its inputs.
         outputs: The names of its outputs.
         examples: A tensor for every input.
+        varying: Of a function that is called many times, the inputs that differ from call to call:
+            what depends on the others alone becomes a function of its own, to be called once.
     """
 
     def of_inputs(*values: Tensor) -> tuple[Tensor, ...]:
@@ -67,7 +70,10 @@ def in_c(
     writer = Writer(program)
     results = translate(graph, writer, numbers)
     real = [writer.cast(result, "real") for result in results]
-    return function(name, program, inputs, dict(zip(outputs, real, strict=True)))
+    named = dict(zip(outputs, real, strict=True))
+    if varying:
+        return repeated_function(name, program, inputs, named, varying)
+    return function(name, program, inputs, named)
 
 
 def _decompositions() -> dict[Any, Callable[..., Any]]:
