@@ -1,6 +1,5 @@
 """An exported policy in Python: a policy like any other, but for its step, which is a library."""
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
 from aicon_torch.export.library import Library
+from aicon_torch.export.plain_readings import PlainReadings
 from aicon_torch.quantities import Actuator, Sensor
 from aicon_torch.readings.observation import read
 from aicon_torch.readings.perception import Perception
@@ -67,30 +67,11 @@ class ExportedPolicy:
         self._like = torch.from_numpy(np.empty((), dtype=library.dtype))
         self._memory: ExportedMemory | None = None
 
-        # The library converts: what is checked here are readings as they come.
-        self._sensors: dict[str, Sensor] = {}
-        for described in self.metadata["sensors"]:
-            fields = {key: described[key] for key in ("key", "optional", "age", "age_key")}
-            sensor = Sensor(described["size"], described["unit"], **fields)
-            self._sensors[described["name"]] = sensor
-        self._actuators: dict[str, Actuator] = {}
-        for described in self.metadata["actuators"]:
-            actuator = Actuator(described["size"], described["unit"], key=described["key"])
-            self._actuators[described["name"]] = actuator
-
         self._shapes = {name: entry.shape for name, entry in self._layout.entries.items()}
 
-        # Readings are taken quickly where their ages and the executed actions are not told.
-        self._plain: list[tuple[str, tuple[int], Array | None]] = []
-        for name, sensor in self._sensors.items():
-            absent = np.full(sensor.size, math.nan, library.dtype) if sensor.optional else None
-            self._plain.append((sensor.key or name, (sensor.size,), absent))
-        ages = [sensor.age for sensor in self._sensors.values() if sensor.is_aged]
-        told = [actuator for actuator in self._actuators.values() if actuator.key is not None]
-        untold = sum(actuator.size for actuator in told) * [math.nan]
-        self._untold = np.array([*ages, *untold], dtype=library.dtype)
-        self._tellable = {sensor.age_key for sensor in self._sensors.values()}
-        self._tellable |= {actuator.key for actuator in told}
+        self._sensors = _sensors_of(self.metadata)
+        self._actuators = _actuators_of(self.metadata)
+        self._plain = PlainReadings(self._sensors, self._actuators, library.dtype)
 
     def predict(
         self,
@@ -118,7 +99,7 @@ class ExportedPolicy:
             observation = self._perceive(self.perception, observation, state, episode_start)
 
         # The usual case, quickly: the next step of one robot, with its readings in arrays.
-        readings, before = self._plain_readings(observation), self._own(state)
+        readings, before = self._plain.of(observation), self._own(state)
         if (
             readings is not None
             and (before is not None and before.ndim == 1)
@@ -181,21 +162,6 @@ class ExportedPolicy:
             reading = readings[entry["name"]]
             parts.append(reading if entry["shape"] else reading.unsqueeze(-1))
         return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
-
-    def _plain_readings(self, observation: Mapping[str, Any]) -> Array | None:
-        """The readings of one robot if all are arrays of real numbers."""
-        if type(observation) is not dict or not self._tellable.isdisjoint(observation):
-            return None
-        parts: list[Array] = []
-        for key, shape, absent in self._plain:
-            part = observation.get(key, absent)
-            if type(part) is not np.ndarray or part.shape != shape or part.dtype.kind != "f":
-                return None
-            parts.append(part)
-
-        parts.append(self._untold)
-        readings: Array = np.concatenate(parts, dtype=self._library.dtype, casting="same_kind")
-        return readings
 
     def _checked(
         self,
@@ -270,3 +236,21 @@ class ExportedPolicy:
         for name, command in self._commands.unpack(torch.from_numpy(commands)).items():
             actions[name] = command if takes_tensors else command.numpy().astype(np.float32)
         return actions
+
+
+def _sensors_of(metadata: Mapping[str, Any]) -> dict[str, Sensor]:
+    """The sensors that a file describes, without what the library does itself, such as units."""
+    sensors: dict[str, Sensor] = {}
+    for described in metadata["sensors"]:
+        fields = {key: described[key] for key in ("key", "optional", "age", "age_key")}
+        sensors[described["name"]] = Sensor(described["size"], described["unit"], **fields)
+    return sensors
+
+
+def _actuators_of(metadata: Mapping[str, Any]) -> dict[str, Actuator]:
+    """The actuators that a file describes."""
+    actuators: dict[str, Actuator] = {}
+    for described in metadata["actuators"]:
+        actuator = Actuator(described["size"], described["unit"], key=described["key"])
+        actuators[described["name"]] = actuator
+    return actuators

@@ -131,7 +131,7 @@ def felt(clearance: Clearance, motions: list[Tensor]) -> tuple[dict[str, Tensor]
     """What is believed of a wall to the right after some motions, and how far it is then, m."""
     estimator = clearance.estimator().double()
     left = 1.0
-    values: dict[str, Any] = {"dt": 0.05, "z_wall": at(left), "z_side": at(0.0)}
+    values: dict[str, Any] = {"dt": at(0.05).squeeze(), "z_wall": at(left), "z_side": at(0.0)}
     values |= estimator.initial(values)
     for motion in motions:
         left -= float(motion[0])

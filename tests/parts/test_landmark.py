@@ -91,7 +91,11 @@ def test_what_a_landmark_cannot_be_is_an_error(wrong: dict[str, Any]) -> None:
 def estimated(landmark: Landmark, place: Tensor, motion: Tensor, steps: int) -> dict[str, Tensor]:
     """What the filter believes after some steps of even motion."""
     estimator = landmark.estimator().double()
-    values: dict[str, Any] = {"dt": 0.05, landmark.motion: motion, **seen(landmark, place)}
+    values: dict[str, Any] = {
+        "dt": torch.tensor(0.05, dtype=torch.float64),
+        landmark.motion: motion,
+        **seen(landmark, place),
+    }
     values |= estimator.initial(values)
     for _ in range(steps):
         place = place - motion

@@ -92,7 +92,7 @@ def test_it_learns_how_somebody_moves_while_the_robot_moves_as_well(wheels: Whee
     pose, place = torch.zeros(3).double(), torch.tensor([4.0, 1.0]).double()
     velocity, action = torch.tensor([-0.3, 0.2]).double(), torch.tensor([0.1, 0.2]).double()
 
-    values: dict[str, Tensor | float] = {"dt": DT}
+    values: dict[str, Tensor] = {"dt": torch.tensor(DT, dtype=torch.float64)}
     for step in range(100):
         reading = noisy(range_and_bearing(pose, place), NOISE, seed=step)
         values["z_person"] = reading
