@@ -83,12 +83,11 @@ def rules() -> dict[str, Any]:
     """What happens to gradients that meet; nobody explores."""
     from aicon_torch import NullspaceProjection, SteepestPath, Sum
 
-    without = {"exploration": None, "by_row": False}
     return {
         "sum": Sum(),
-        "projection": NullspaceProjection(temperature=None, **without),
-        "projection, softmax": NullspaceProjection(**without),
-        "softmax sum": NullspaceProjection(projector="none", **without),
+        "projection": NullspaceProjection(temperature=None, exploration=None),
+        "projection, softmax": NullspaceProjection(exploration=None),
+        "softmax sum": NullspaceProjection(projector="none", exploration=None),
         "steepest path": SteepestPath(),
     }
 

@@ -12,7 +12,6 @@ register(
 register(
     id="aicon/PushT-v0",
     entry_point="aicon_envs.pusht.environment:PushTEnv",
-    vector_entry_point="aicon_envs.pusht.vector:PushTVectorEnv",
     max_episode_steps=300,
 )
 

@@ -98,7 +98,7 @@ def test_what_is_imported_when_it_is_needed_names_the_extra(
 def test_the_condition_upstream_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(upstream, "find_spec", lambda name: None)
     with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[upstream\]'"):
-        upstream.UpstreamPushT(1, 10)
+        upstream.UpstreamPushT()
 
 
 def test_a_chain_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:

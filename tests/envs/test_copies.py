@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import gymnasium as gym
 import numpy as np
 import pytest
 
@@ -15,7 +16,7 @@ pytest.importorskip("trimesh")
 
 from aicon_envs.arm_push import ArmPushEnv
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv
-from aicon_envs.pusht import PushTEnv, PushTVectorEnv
+from aicon_envs.pusht import PushTEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
 from aicon_envs.reach import ReachEnv
 
@@ -26,11 +27,12 @@ DISTURBED: dict[str, Any] = {
     "goal_jump_interval": (5, 9),
     "observe_goal": True,
 }
-WRAPPERS = [
-    partial(SensorNoise, sigma=2.0),
-    partial(Dropout, probability=0.3),
-    partial(Delay, steps=3),
-]
+
+
+def wrapped() -> gym.Env[Any, Any]:
+    """Pushing with every wrapper of ours."""
+    return Delay(Dropout(SensorNoise(PushTEnv(), sigma=2.0), probability=0.3), steps=3)
+
 
 ENVIRONMENTS: dict[str, Callable[[], Any]] = {
     "nav2d": Nav2DEnv,
@@ -38,7 +40,7 @@ ENVIRONMENTS: dict[str, Callable[[], Any]] = {
     "pusht": PushTEnv,
     "pusht_disturbed": partial(PushTEnv, **DISTURBED),
     "pusht_velocity": partial(PushTEnv, action_mode="velocity"),
-    "pusht_vector": partial(PushTVectorEnv, 2, max_episode_steps=20, wrappers=WRAPPERS),
+    "pusht_wrapped": wrapped,
     "arm_push": partial(ArmPushEnv, obs_type="pose"),
     "reach": partial(ReachEnv, "ur5", balls=1, ball_speed=0.2),
 }

@@ -13,12 +13,12 @@ pytest.importorskip("trimesh")
 
 from aicon_envs.arm_push import ArmPushEnv
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv, Physics
-from aicon_envs.pusht import PushTEnv, PushTVectorEnv, TaskSettings
+from aicon_envs.pusht import PushTEnv, TaskSettings
 from aicon_envs.reach import ReachEnv
 
 IDS = {
     "aicon/Nav2D-v0": (Nav2DEnv, Nav2DVectorEnv),
-    "aicon/PushT-v0": (PushTEnv, PushTVectorEnv),
+    "aicon/PushT-v0": (PushTEnv, None),
     "aicon/PandaPush-v0": (ArmPushEnv, None),
     "aicon/ArmPush-v0": (ArmPushEnv, None),
     "aicon/Reach-v0": (ReachEnv, None),

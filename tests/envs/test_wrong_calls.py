@@ -13,7 +13,7 @@ pytest.importorskip("trimesh")
 
 from aicon_envs.arm_push import ArmPushEnv
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv
-from aicon_envs.pusht import PushTEnv, PushTVectorEnv
+from aicon_envs.pusht import PushTEnv
 from aicon_envs.reach import ReachEnv
 
 SINGLE: dict[str, Any] = {
@@ -22,11 +22,11 @@ SINGLE: dict[str, Any] = {
     "arm_push": ArmPushEnv(obs_type="pose"),
     "reach": ReachEnv("ur5"),
 }
-VECTOR: dict[str, Any] = {"nav2d": Nav2DVectorEnv(2), "pusht": PushTVectorEnv(2)}
+VECTOR: dict[str, Any] = {"nav2d": Nav2DVectorEnv(2)}
 ALL = [*SINGLE.values(), *VECTOR.values()]
 
 
-KINDS = [Nav2DEnv, PushTEnv, ArmPushEnv, ReachEnv, Nav2DVectorEnv, PushTVectorEnv]
+KINDS = [Nav2DEnv, PushTEnv, ArmPushEnv, ReachEnv, Nav2DVectorEnv]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -93,7 +93,7 @@ def test_seeds_of_a_vector_are_one_integer_or_a_list_of_them(env: Any) -> None:
         env.reset(seed=[1, 1.5])
 
 
-@pytest.mark.parametrize("kind", [Nav2DVectorEnv, PushTVectorEnv])
+@pytest.mark.parametrize("kind", [Nav2DVectorEnv])
 @pytest.mark.parametrize("name", ["num_envs", "max_episode_steps"])
 @pytest.mark.parametrize("count", [0, -1, 1.5, "two"])
 def test_counts_are_integers_of_one_or_more(kind: Any, name: str, count: Any) -> None:

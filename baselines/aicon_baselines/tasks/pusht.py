@@ -8,14 +8,16 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+import gymnasium
 import numpy as np
-from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector import VectorEnv
 
 from aicon_baselines.ablations.pusht import ABLATIONS, PIXEL
 from aicon_baselines.evaluation.task import Episode, Look, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
+from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_baselines.tasks.upstream import UpstreamPushT
-from aicon_envs.pusht import OBJECTS, PushTVectorEnv
+from aicon_envs.pusht import OBJECTS, PushTEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
 
 _UPSTREAM = "upstream"
@@ -73,15 +75,18 @@ _NOISY = (
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
     if condition == _UPSTREAM:
-        return UpstreamPushT(count, horizon, **options)
+        return side_by_side(partial(UpstreamPushT, **options), count, horizon)
 
-    # Built by name, because `gymnasium.make_vec` keeps the argument `wrappers` to itself.
-    env: VectorEnv[Any, Any, Any] = PushTVectorEnv(
-        num_envs=count,
-        max_episode_steps=longest(condition, horizon),
-        autoreset_mode=AutoresetMode.DISABLED,
-        **_ARGUMENTS[at_once(condition)[0]] | options,
-    )
+    arguments = _ARGUMENTS[at_once(condition)[0]] | options
+    layers = arguments.pop("wrappers", ())
+
+    def make_one() -> gymnasium.Env[Any, Any]:
+        env: gymnasium.Env[Any, Any] = PushTEnv(**arguments)
+        for layer in layers:
+            env = layer(env)
+        return env
+
+    env = side_by_side(make_one, count, longest(condition, horizon))
     return _FAULTS.wrap(env, condition) if are_faults(condition) else env
 
 

@@ -33,12 +33,19 @@ class StandStillAfterEnd(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
+        self._options: dict[str, Any] | None = None
         self._last: _Step | None = None
 
     def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
         """Start an episode."""
         self._last = None
+        if self._options is not None:
+            arguments["options"], self._options = self._options, None
         return super().reset(**arguments)
+
+    def leave_options(self, options: dict[str, Any]) -> None:
+        """Leave options of its own for the next reset."""
+        self._options = options
 
     def step(self, action: Any) -> _Step:
         """Move, or repeat what the episode ended with."""
@@ -56,7 +63,19 @@ class StandStillAfterEnd(gymnasium.Wrapper[Any, Any, Any, Any]):
 
 
 class SideBySide(SyncVectorEnv):
-    """Environments side by side, of which some may have ended."""
+    """Environments side by side, of which some may have ended.
+
+    The options of `reset` are for all of them, or `per_env` has a dictionary for each.
+    """
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> Any:
+        """Start their episodes."""
+        if options is None or "per_env" not in options:
+            return super().reset(seed=seed, options=options)
+
+        for env, own in zip(self.envs, options["per_env"], strict=True):
+            env.get_wrapper_attr("leave_options")(own)
+        return super().reset(seed=seed)
 
     def step(self, actions: Any) -> Any:
         """Move those that have not ended."""

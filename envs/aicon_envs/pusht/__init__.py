@@ -5,7 +5,6 @@ from aicon_envs.pusht.goal import Goal
 from aicon_envs.pusht.objects import OBJECTS, PushObject, make_object
 from aicon_envs.pusht.render_overlay import Overlay
 from aicon_envs.pusht.settings import DEFAULT_GOAL, TaskSettings
-from aicon_envs.pusht.vector import PushTVectorEnv
 
 __all__ = [
     "DEFAULT_GOAL",
@@ -14,7 +13,6 @@ __all__ = [
     "Overlay",
     "PushObject",
     "PushTEnv",
-    "PushTVectorEnv",
     "TaskSettings",
     "make_object",
 ]

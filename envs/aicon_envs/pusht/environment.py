@@ -113,6 +113,8 @@ class PushTEnv(gym.Env[Observation, Action]):
     gym-pusht's: `pos_agent` (2,), `vel_agent` (2,), `block_pose` (3,), `goal_pose` (3,),
     `n_contacts` (1 if anything touched in the step, else 0), `is_success` and `coverage`; and
     `pose_error`, √(|Δg|² + (r Δθ)²) px, with g the centre of gravity and r the radius of gyration.
+    Under the names that this package's environments share: `position` (2,), the pusher's, px;
+    `distance`, the pose error, px; and `collision`, always False: only success ends an episode.
 
     ## Copies
     `copy.deepcopy` and `pickle` give an environment in the same state, whose episode goes on number
@@ -308,6 +310,7 @@ class PushTEnv(gym.Env[Observation, Action]):
         simulation = self._current_episode().simulation
         pose = simulation.pose
         coverage = self._goal.coverage(pose)
+        error = self._goal.error(pose)
 
         return {
             "pos_agent": np.array(simulation.pusher),
@@ -317,7 +320,10 @@ class PushTEnv(gym.Env[Observation, Action]):
             "n_contacts": int(simulation.touched),
             "is_success": coverage > SUCCESS_COVERAGE and not self._jumps_left,
             "coverage": coverage,
-            "pose_error": self._goal.error(pose),
+            "pose_error": error,
+            "position": np.array(simulation.pusher),
+            "distance": error,
+            "collision": False,
         }
 
 

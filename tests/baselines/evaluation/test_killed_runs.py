@@ -64,7 +64,7 @@ def test_runs_that_are_killed_lose_no_row_and_end_with_the_same_files(here: Path
     finish(start(here, "undisturbed"))
     generator, kept = random.Random(0), set[str]()
 
-    for _ in range(4):
+    for _ in range(2):
         process = start(here, "killed")
         try:
             process.wait(generator.uniform(2.0, 12.0))
@@ -83,7 +83,7 @@ def test_of_runs_that_start_at_once_in_one_folder_one_works_and_the_others_say_s
     here: Path,
 ) -> None:
     finish(start(here, "undisturbed"))
-    processes = [start(here, "at_once") for _ in range(3)]
+    processes = [start(here, "at_once") for _ in range(2)]
     for process in processes:
         _, errors = process.communicate()
         assert process.returncode == 0 or "another process" in errors, errors

@@ -4,7 +4,7 @@ import numpy as np
 from _environments import assert_same
 from _pusht_env import APART
 
-from aicon_envs.pusht import OBJECTS, Overlay, PushTEnv, PushTVectorEnv
+from aicon_envs.pusht import OBJECTS, Overlay, PushTEnv
 
 
 def test_overlay_and_target_are_in_renderings_only() -> None:
@@ -38,11 +38,3 @@ def test_pictures_show_other_objects() -> None:
         pictures.append(np.asarray(env.render()).tobytes())
 
     assert len(set(pictures)) == len(OBJECTS)
-
-
-def test_vector_pictures() -> None:
-    env = PushTVectorEnv(num_envs=2, render_mode="rgb_array")
-    env.reset(seed=0)
-
-    assert [picture.shape for picture in env.render() or ()] == [(680, 680, 3)] * 2
-    assert PushTVectorEnv(num_envs=1).render() is None

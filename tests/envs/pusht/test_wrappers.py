@@ -11,7 +11,7 @@ from _pusht_env import APART, random_actions
 from numpy.typing import NDArray
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_envs.pusht import PushTEnv, PushTVectorEnv
+from aicon_envs.pusht import PushTEnv
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
 
 KEYPOINTS = "environment_state"
@@ -152,23 +152,6 @@ def test_specs_make_the_wrapped_environment_again() -> None:
     again = gym.make(env.spec)
     expected = stacked(observations(env, seed=0))
     np.testing.assert_array_equal(expected, stacked(observations(again, seed=0)))
-
-
-def test_vector_rows_are_wrapped_singles() -> None:
-    wrappers = [
-        partial(SensorNoise, sigma=2.0),
-        partial(Dropout, probability=0.3),
-        partial(Delay, steps=2),
-    ]
-    actions = random_actions(20, 2, seed=1)
-    batch = PushTVectorEnv(num_envs=2, wrappers=wrappers, object="Z")
-    rows = stacked([batch.reset(seed=4)[0], *(batch.step(action)[0] for action in actions)])
-
-    for index in range(2):
-        env = Delay(Dropout(SensorNoise(PushTEnv(object="Z"), 2.0), 0.3), 2)
-        record = [env.reset(seed=4 + index)[0]]
-        record += [env.step(action)[0] for action in actions[:, index]]
-        np.testing.assert_array_equal(rows[:, index], stacked(record))
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,9 @@
 
 from typing import Any
 
+import gymnasium
 import numpy as np
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
@@ -11,7 +12,8 @@ from aicon_baselines.agents.diffusion.keypoint_observation import KeypointObserv
 from aicon_baselines.agents.diffusion.recording_config import CHUNK_SIZE, RecordingConfig
 from aicon_baselines.agents.diffusion.start_states import reset_options
 from aicon_baselines.evaluation.episodes import run_episodes
-from aicon_envs.pusht import PushTVectorEnv
+from aicon_baselines.tasks import side_by_side
+from aicon_envs.pusht import PushTEnv
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
 
@@ -49,17 +51,15 @@ def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
     return [_stack_frames(frames[row]) for row in np.flatnonzero(step.info["is_success"])]
 
 
-def _make_env(config: RecordingConfig, index: int) -> PushTVectorEnv:
-    shows_pixels = "pixels" in config.observations
+def _make_env(config: RecordingConfig, index: int) -> VectorEnv[Any, Any, Any]:
+    noise = config.noises[index % len(config.noises)]
 
-    return PushTVectorEnv(
-        num_envs=CHUNK_SIZE,
-        max_episode_steps=config.horizon,
-        autoreset_mode=AutoresetMode.DISABLED,
-        action_noise=config.noises[index % len(config.noises)],
-        obs_type="pixels_agent_pos" if shows_pixels else "environment_state_agent_pos",
-        wrappers=[KeypointObservation] if shows_pixels else [],
-    )
+    def make_one() -> gymnasium.Env[Any, Any]:
+        if "pixels" not in config.observations:
+            return PushTEnv(action_noise=noise)
+        return KeypointObservation(PushTEnv(action_noise=noise, obs_type="pixels_agent_pos"))
+
+    return side_by_side(make_one, CHUNK_SIZE, config.horizon)
 
 
 def _make_teacher(config: RecordingConfig) -> Any:
