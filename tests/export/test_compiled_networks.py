@@ -9,7 +9,7 @@ from _inputs import MOVE, normal, tracked_point, tracking_model
 from torch import Tensor, nn
 
 from aicon_torch import Actuator, DirectDescent, Goal, Measurement, Policy, Sum
-from aicon_torch.control import compiled as inductor
+from aicon_torch.export import inductor
 from aicon_torch.export.codegen import has_compiler
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")

@@ -38,7 +38,7 @@ def compiled_as_asked(policies: Mapping[str, Factory], asked: bool | None) -> di
     if asked is False or not any(map(can_be_compiled, policies.values())):
         return dict(policies)
 
-    from aicon_torch import codegen
+    from aicon_torch.export import codegen
 
     if not codegen.has_compiler():
         print(_READABLE, file=sys.stderr)

@@ -10,7 +10,7 @@ from aicon_baselines.agents.registry import ModelPolicy
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.resolutions import PCGrad
-from aicon_torch import codegen
+from aicon_torch.export import codegen
 
 OURS = factory("nav2d", "steepest")
 OTHERS = {

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from aicon_baselines.cli.main import main
+from aicon_torch.export.codegen.targets import TARGETS
 
 
 def test_it_writes_a_source_that_names_its_task(
@@ -23,3 +24,20 @@ def test_a_name_that_ends_otherwise_is_a_sentence(
     with pytest.raises(SystemExit, match="2"):
         main(["export", "nav2d", "-o", str(tmp_path / "nav2d.pt2")])
     assert "ends in .so" in capsys.readouterr().err
+
+
+def test_its_help_lists_the_machines(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["export", "--help"])
+
+    printed = " ".join(capsys.readouterr().out.split())
+    for name, target in TARGETS.items():
+        assert f"{name} {target.suffix} {target.computers}" in printed
+
+
+def test_an_unknown_machine_is_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["export", "nav2d", "-o", str(tmp_path / "nav2d.so"), "--target", "pdp11"])
+    assert "no target 'pdp11'" in capsys.readouterr().err
