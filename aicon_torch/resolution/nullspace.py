@@ -36,7 +36,7 @@ class NullspaceProjection(Resolution):
             (Eq. 4), which are equal for scalar goals; ``"none"`` adds without projecting.
         restore_magnitude: Whether a gradient that meets others further on gets the magnitude of the
             one that led here. The weights compare only those that met; the next quantity compares
-            magnitudes. The text does not say.
+            magnitudes. In the text what leaves is the sum as it is.
         relative: Whether the softmax is over magnitudes relative to the largest, so that their unit
             does not matter; without a softmax it has no effect. The text compares them as they are.
         by_row: Whether gradients through the same row of quantities whose rows go back to one
@@ -69,7 +69,8 @@ class NullspaceProjection(Resolution):
     @classmethod
     def as_in_paper(cls) -> "NullspaceProjection":
         """The text and nothing else, its exploration included."""
-        return cls(relative=False, by_row=False, exploration=Exploration.as_in_paper())
+        exploration = Exploration.as_in_paper()
+        return cls(restore_magnitude=False, relative=False, by_row=False, exploration=exploration)
 
     @property
     def goals(self) -> tuple[str, ...]:

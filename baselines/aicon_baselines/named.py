@@ -4,6 +4,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -24,7 +25,7 @@ def find(source: str) -> Any:
         sys.path.append(here)
 
     try:
-        return getattr(import_module(module), name)
+        return attrgetter(name)(import_module(module))
     except ModuleNotFoundError as error:
         if error.name != module:
             raise

@@ -138,7 +138,7 @@ def test_bad_options_are_named(options: dict[str, Any], culprit: str) -> None:
 def test_the_paper_s_options_are_those_of_the_text() -> None:
     rule = projection_in_paper()
     assert (rule.temperature, rule.margin) == (0.8, 0.1)
-    assert (rule.relative, rule.by_row) == (False, False)
+    assert (rule.restore_magnitude, rule.relative, rule.by_row) == (False, False, False)
 
     exploration = rule.exploration
     assert exploration is not None and exploration.escape == Escape()

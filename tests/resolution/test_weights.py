@@ -140,7 +140,7 @@ def test_between_meetings_the_leading_gradient_keeps_its_magnitude(stack: Tensor
 
     Further on, magnitudes are compared with those of others.
     """
-    rule = weighted()
+    rule = weighted(restore_magnitude=True)
     memory = fresh(rule, stack)
     onward, state = rule(gradient_stack(stack, is_last=False), memory)
 
@@ -152,7 +152,7 @@ def test_between_meetings_the_leading_gradient_keeps_its_magnitude(stack: Tensor
     weight = rule.weigh(lengths(stack)).amax(-1)
     torch.testing.assert_close(onward, last * (length / weight).unsqueeze(-1))
 
-    plain = weighted(restore_magnitude=False)
+    plain = weighted()
     for is_last in (True, False):
         assert torch.equal(plain(gradient_stack(stack, is_last=is_last), memory)[0], last)
 
@@ -162,7 +162,7 @@ def test_between_meetings_exploration_is_as_strong_as_what_led_there(
     is_last: bool, length: float
 ) -> None:
     stack = torch.tensor([[2.0, 0.0], [-1.9, 0.3]], dtype=torch.float64)
-    rule = projection_in_paper()
+    rule = projection_in_paper(restore_magnitude=True)
     total, state = rule(gradient_stack(stack, is_last=is_last), fresh(rule, stack))
 
     assert state["exploring"]
@@ -171,6 +171,7 @@ def test_between_meetings_exploration_is_as_strong_as_what_led_there(
 
 @every_degenerate_stack
 def test_restored_magnitudes_are_finite(stack: Tensor) -> None:
-    for rule in (weighted(), *RELATIVE.values(), projection_in_paper()):
+    restoring = projection_in_paper(restore_magnitude=True)
+    for rule in (weighted(restore_magnitude=True), *RELATIVE.values(), restoring):
         total, _ = rule(gradient_stack(stack, is_last=False), fresh(rule, stack))
         assert total.isfinite().all()

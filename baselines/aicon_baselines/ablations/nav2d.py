@@ -9,11 +9,15 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "without_level_hold": {"resolution.exploration.escape.hold": None},
     "without_obstacle_nullspace": {"resolution.exploration.escape.along": None},
     # The resolution of conflicts.
-    "without_projection": {"resolution.projector": "none"},
+    "weighted_sum": {"resolution.projector": "none"},
     "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
     "without_exploration": {"resolution.exploration": None},
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
+    "one_rule": {
+        "resolution.temperature": 0.25,
+        "resolution.exploration.average_time": 0.7,
+    },
     "mechanism_as_in_paper": {
         "resolution.relative": False,
         "resolution.exploration.partner": "second",

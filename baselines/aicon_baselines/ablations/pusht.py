@@ -10,6 +10,27 @@ PIXEL = 0.5 / 512
 
 _ONE_LIKELIHOOD = {"contact.aim": 0.0, "contact.facing": False}
 
+_SUM = {"resolution.projector": "none", "resolution.temperature": None}
+_ONE_GRADIENT = {"law": Later("aicon_torch.control:DirectDescent")}
+_TEXTS_EXPLORATION = {
+    "resolution.exploration": Later("aicon_torch.resolution:Exploration.as_in_paper")
+}
+
+# The text's softmax compares gradients as they are, so that their scale counts. An object goes as
+# far as the pusher that touches it: x_obj moves by s p(d) with p = exp(-d/l), hence s = l.
+_TEXT = {
+    **_TEXTS_EXPLORATION,
+    "resolution.relative": False,
+    "contact.step": 1 / 4,
+}
+
+# Sharper weights, so that each path may stand for itself, as in the text; and a longer average.
+_ONE_RULE = {
+    "resolution.temperature": 0.25,
+    "resolution.by_row": False,
+    "resolution.exploration.average_time": 0.7,
+}
+
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     # The contact model: one likelihood for all contacts (near or far), a soft choice of two.
     "symmetric_near": {**_ONE_LIKELIHOOD, "contact.reach": 1 / 12},
@@ -27,21 +48,25 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     },
     # The resolution of conflicts.
     "without_exploration": {"resolution.exploration": None},
-    "without_projection": {"resolution.projector": "none"},
-    "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
+    "weighted_sum": {"resolution.projector": "none"},
+    "sum_with_exploration": _SUM,
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
     "without_grouping": {"resolution.by_row": False},
     "second_partner": {"resolution.exploration.partner": "second"},
-    "mechanism_as_in_paper": {
-        "resolution.relative": False,
-        "resolution.exploration.partner": "second",
-        "resolution.exploration.ratio_of": "weights",
-        "resolution.exploration.average_time": 1.0,
+    "mechanism_as_in_paper": _TEXT,
+    "one_rule": _ONE_RULE,
+    "one_rule_without_foresight": {**_ONE_RULE, **_ONE_GRADIENT},
+    # The text at quasi-static speed: its mechanism, and what it is measured against.
+    "text": {**_TEXT, **_ONE_GRADIENT},
+    "text_sum": {**_SUM, **_TEXTS_EXPLORATION, **_ONE_GRADIENT},
+    "text_steepest": {
+        "resolution": Later("aicon_torch.resolution:SteepestPath"),
+        **_ONE_GRADIENT,
     },
     # From the gradient to the command.
     "without_smoothing": {"law.smoothing": 0.0},
-    "without_foresight": {"law": Later("aicon_torch.control:DirectDescent")},
+    "without_foresight": _ONE_GRADIENT,
     "without_dither": {"law.dither": 0.0},
     "without_lag_compensation": {"compensate_lag": False},
 }

@@ -1,0 +1,117 @@
+"""Count the numbers of a task's policy that somebody set by hand, from its options.
+
+Example: python scripts/count_numbers.py
+
+A number is an option that is one, or each number of a tuple. What is switched off by a 0, or serves
+an option that is, counts for nothing. What is not named below as given or privileged counts as set
+by hand.
+"""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from typing import Any, NamedTuple
+
+from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.evaluation.tables import to_markdown
+from aicon_torch.control import Foresight
+from aicon_torch.models.factory import MODELS
+from aicon_torch.resolution import NullspaceProjection
+
+GIVEN = frozenset(
+    {
+        # The robot, its sensors and the task.
+        *("dt", "max_speed", "max_range", "speed", "robot", "ball_radius"),
+        *("goal_pose", "corners", "axis", "contact.size"),
+        # Variances, of readings and of what is not modelled.
+        *("bearing_noise", "range_noise", "actuation_noise", "keypoint_noise", "pusher_noise"),
+        *("process_noise", "joint_noise", "pose_noise", "ball_noise", "drift"),
+        *("camera.noise", "camera.blob_noise"),
+        # So large that only the limits count.
+        "law.gain",
+    }
+)
+"""Options that describe what there is, and decide nothing about the behaviour."""
+
+PRIVILEGED = frozenset({"expected_place", "height", "law.horizon", "stick_friction"})
+"""Options that hold the simulation's own numbers: where the object starts, half its thickness, the
+servos' time constant, the friction at the stick."""
+
+SERVES = {
+    "resolution.exploration.escape.progress_margin": "resolution.exploration.escape.progress",
+    "resolution.exploration.escape.hold_gain": "resolution.exploration.escape.hold",
+}
+"""Options that count where another is set."""
+
+
+class Numbers(NamedTuple):
+    """How many numbers there are, by option."""
+
+    shared: dict[str, int]
+    by_hand: dict[str, int]
+    privileged: dict[str, int]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """There are none."""
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print a row for each task."""
+    rows = []
+    for task in MODELS:
+        rows.append([task, *map(in_words, numbers_of(task))])
+    print(to_markdown(["task", "as in all tasks", "set by hand", "privileged"], rows))
+
+
+def numbers_of(task: str) -> Numbers:
+    """Count the numbers of the policy that is shipped for a task."""
+    options = dict(leaves("", import_module(MODELS[task]).Options()))
+    shared = dict(leaves("resolution", NullspaceProjection())) | dict(leaves("law", Foresight()))
+
+    numbers = Numbers({}, {}, {})
+    for name, value in options.items():
+        count = how_many(value)
+        serves_nothing = name in SERVES and options[SERVES[name]] is None
+        if count == 0 or name in GIVEN or serves_nothing:
+            continue
+        if name in PRIVILEGED:
+            numbers.privileged[name] = count
+        elif shared.get(name) == value and name not in SERVES:
+            numbers.shared[name] = count
+        else:
+            numbers.by_hand[name] = count
+    return numbers
+
+
+def leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """The options within an option, by dotted name."""
+    if not is_dataclass(value) or name in GIVEN:
+        yield name, value
+        return
+    for option in fields(value):
+        yield from leaves(f"{name}.{option.name}".lstrip("."), getattr(value, option.name))
+
+
+def how_many(value: Any) -> int:
+    """How many numbers a value holds; whole ones say how often, and 1 is what goes without."""
+    if isinstance(value, tuple):
+        return len(value)
+    if type(value) is int:
+        return int(value > 1)
+    return int(isinstance(value, float) and value != 0)
+
+
+def in_words(numbers: dict[str, int]) -> str:
+    """Their sum and their names, such as "3: `lever`, `expected_place` (2)"."""
+    names = []
+    for name, count in numbers.items():
+        names.append(f"`{name}`" if count == 1 else f"`{name}` ({count})")
+    return f"{sum(numbers.values())}: {', '.join(names)}" if names else "0"
+
+
+COMMAND = Command(__doc__, add_arguments, run)
+
+if __name__ == "__main__":
+    run_command(COMMAND)
