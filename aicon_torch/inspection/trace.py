@@ -110,7 +110,8 @@ def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
         if escaping is not None and name in quantities:
             exploring = quantities[name].exploring | escaping
             quantities[name] = replace(quantities[name], exploring=exploring)
-    return StepTrace(values, costs, quantities)
+    known = {name: values[name] for name in model.quantities}
+    return StepTrace(known, costs, quantities)
 
 
 def _where_gradients_met(

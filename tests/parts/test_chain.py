@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from _inputs.arm import HOME, panda_chain, postures
 
-from aicon_torch.models.arm_push import PANDA
+from aicon_torch.models.arm_push.robot import PANDA_FRAMES, PANDA_TOOL
 from aicon_torch.parts.chain import Chain
 
 IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
@@ -24,12 +24,12 @@ def test_the_frames_are_the_product_of_all_transforms_before():
     q = postures(1)[0]
     frames = panda_chain().frames(q)
     expected = np.eye(4)
-    for index, (fixed, angle) in enumerate(zip(PANDA.frames, q.tolist(), strict=True)):
+    for index, (fixed, angle) in enumerate(zip(PANDA_FRAMES, q.tolist(), strict=True)):
         turn = np.eye(4)
         turn[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
         expected = expected @ np.vstack((fixed, [0.0, 0.0, 0.0, 1.0])) @ turn
         np.testing.assert_allclose(frames[index], expected, atol=1e-14)
-    tool = np.vstack((PANDA.tool, [0.0, 0.0, 0.0, 1.0]))
+    tool = np.vstack((PANDA_TOOL, [0.0, 0.0, 0.0, 1.0]))
     np.testing.assert_allclose(frames[7], expected @ tool, atol=1e-14)
 
 

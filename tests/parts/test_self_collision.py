@@ -65,8 +65,8 @@ def test_neighbours_are_not_compared():
 
 def test_a_folded_arm_costs_and_unfolding_it_helps():
     segments, goal = (
-        CapsuleSegments(panda_chain(), PANDA.capsules),
-        SelfCollision(PANDA.capsules, COST),
+        CapsuleSegments(panda_chain(), PANDA.shape.capsules),
+        SelfCollision(PANDA.shape.capsules, COST),
     )
     assert goal(segments(HOME)) == 0
     q = HOME.clone()

@@ -149,10 +149,10 @@ def _goal_curves(
     model: WorldModel, memory: Memory, trace: StepTrace
 ) -> Iterator[tuple[str, GoalCurve]]:
     """The goals that are switched on in the end."""
-    factors = memory[GOAL_FACTORS][-1]
+    values, factors = model.values(trace.values), memory[GOAL_FACTORS][-1]
     for factor, (name, goal) in zip(factors.tolist(), model.goals.items(), strict=True):
         if factor != 0:
-            gap = _gap(goal, trace.values) if goal.safety else None
+            gap = _gap(goal, values) if goal.safety else None
             yield name, GoalCurve(to_array(trace.costs[name]), goal.safety, gap)
 
 

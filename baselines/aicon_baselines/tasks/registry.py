@@ -53,7 +53,7 @@ def load(name: str) -> Task:
 
     if not isinstance(task, Task):
         raise ComparisonError(f"{source!r} is a {type(task).__name__}; expected a Task")
-    return replace(task, name=name)
+    return task if task.name == name else replace(task, name=name)
 
 
 def check_name(name: str) -> None:

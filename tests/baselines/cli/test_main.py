@@ -25,7 +25,7 @@ def test_list_names_tasks_policies_conditions_environments_and_extras(
     assert "conditions  {panda,ur5,xarm7}_{pose,position}_{home,random}{,_fast,_ball" in printed
     assert "opponents   pcgrad, upgrad, cagrad, bug2, wall_follower\n" in printed
     assert "conditions  range, range_bearing, " in printed
-    assert "aicon/Nav2D-v0, aicon/PushT-v0, aicon/PandaPush-v0, aicon/ArmPush-v0" in printed
+    assert "aicon/Nav2D-v0, aicon/PushT-v0, aicon/ArmPush-v0" in printed
     assert "compare     installed\n" in printed
 
 

@@ -143,7 +143,7 @@ def test_without_its_modules_it_says_what_to_install(
 
 @pytest.mark.parametrize("rule", AGGREGATIONS)
 def test_a_policy_with_it_runs_uncompiled_with_a_warning(rule: Any) -> None:
-    policy = make_policy("nav2d", preset="potential_field", resolution=rule())
+    policy = lean("nav2d", preset="potential_field", resolution=rule())
     observations = drifting(4, (2,))
     expected, compiled = [], []
 
