@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from _inputs import drifting
+from _inputs import drifting, lean
 from _inputs.gradients import DEGENERATE, STACKS
 from _inputs.random_numbers import normal
 from _inputs.rules import resolve, resolved
@@ -15,7 +15,7 @@ from torch import Tensor
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.resolutions import CAGrad, PCGrad, UPGrad
-from aicon_torch import OptionError, make_policy
+from aicon_torch import OptionError
 
 AGGREGATIONS = [
     pytest.param(
