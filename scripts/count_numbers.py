@@ -1,8 +1,9 @@
-"""Count the numbers of a task's policy that somebody set by hand, from its options.
+"""Count the numbers of a task's policy that somebody set by hand.
 
 Example: python scripts/count_numbers.py
 
-A number is an option that is one, or each number of a tuple. What is switched off by a 0, or serves
+A number is an option that is one, or each number of a tuple; and each constant of the safety layer
+where an actuator has dampers. What is switched off by a 0, or serves
 an option that is, counts for nothing. What is not named below as given or privileged counts as set
 by hand.
 """
@@ -18,6 +19,7 @@ from aicon_baselines.evaluation.tables import to_markdown
 from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
+from aicon_torch.safety import bounds, stuck
 
 GIVEN = frozenset(
     {
@@ -43,6 +45,10 @@ SERVES = {
     "resolution.exploration.escape.hold_gain": "resolution.exploration.escape.hold",
 }
 """Options that count where another is set."""
+
+
+NO_LIMIT = frozenset({"FARTHEST"})
+"""Constants that are so large that nothing depends on them."""
 
 
 class Numbers(NamedTuple):
@@ -82,7 +88,21 @@ def numbers_of(task: str) -> Numbers:
             numbers.shared[name] = count
         else:
             numbers.by_hand[name] = count
+
+    if any(name.startswith("dampers") for name in options):
+        numbers.by_hand.update(safety_constants())
     return numbers
+
+
+def safety_constants() -> dict[str, int]:
+    """The constants by which gaps are kept, and by which an actuator that is stuck comes free."""
+    constants: dict[str, int] = {}
+    for module in (bounds, stuck):
+        for name, value in vars(module).items():
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            if name.isupper() and is_number and name not in NO_LIMIT:
+                constants[f"safety.{name}"] = 1
+    return constants
 
 
 def leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
