@@ -108,7 +108,7 @@ class CameraPerception:
         # Each is read on its own, from where the camera was then.
         views: list[tuple[Row, RGBDImage, Array | None, float]] = []
         for row in map(tuple, np.argwhere(new)):
-            rgb, depth = (np.array(observation[key][row]) for key in IMAGES)  # to keep
+            rgb, depth = (np.asarray(observation[key][row]).copy() for key in IMAGES)  # to keep
             known = None if values is None or forgotten[row] else values
             since = float(age[row])
             at_exposure = self.camera(self._joints_then(observation, known, row, since))
