@@ -93,8 +93,12 @@ class SensorValidation(NamedTuple):
         """What is remembered besides the reading before the first, without batch dimensions."""
         name, sensor = self.name, self.sensor
         never = torch.tensor(NEVER, dtype=torch.float32)
+
+        # Of every sensor: whether there was a reading, how old it is, and how many were missed.
         memory = {name + PRESENT: torch.tensor(False), name + AGE: never}
         memory[name + MISSED] = torch.tensor(0)
+
+        # What its options ask for.
         if sensor.max_gap is not None:
             memory[name + SILENCE] = never
         if sensor.driven_by is not None:

@@ -3,19 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
+from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
 from aicon_baselines.named import Later
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     # How a gradient goes from the end effector to the joints, and how conflicts are resolved.
     "transpose": {"pullback": "transpose"},
     "without_exploration": {"resolution.exploration": None},
-    "weighted_sum": {"resolution.projector": "none"},
-    "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
-    "one_rule": {
-        "resolution.temperature": 0.25,
-        "resolution.by_row": False,
-        "resolution.exploration.average_time": 0.7,
-    },
+    "weighted_sum": WEIGHTED_SUM,
+    "sum_with_exploration": PLAIN_SUM,
+    "one_rule": ONE_RULE,
     # What keeps the tip from pushing too far, and the object within reach.
     "without_foresight": {"law": Later("aicon_torch.control:DirectDescent")},
     "foresight_of_a_step": {"law": Later("aicon_torch.control:Foresight", {"dither": 0.0})},

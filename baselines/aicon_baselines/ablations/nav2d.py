@@ -3,21 +3,20 @@
 from collections.abc import Mapping
 from typing import Any
 
+from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
+
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     # The escape from traps: what ends exploration, at which level it moves, and along what.
     "without_progress_exit": {"resolution.exploration.escape.progress": None},
     "without_level_hold": {"resolution.exploration.escape.hold": None},
     "without_obstacle_nullspace": {"resolution.exploration.escape.along": None},
     # The resolution of conflicts.
-    "weighted_sum": {"resolution.projector": "none"},
-    "sum_with_exploration": {"resolution.projector": "none", "resolution.temperature": None},
+    "weighted_sum": WEIGHTED_SUM,
+    "sum_with_exploration": PLAIN_SUM,
     "without_exploration": {"resolution.exploration": None},
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
-    "one_rule": {
-        "resolution.temperature": 0.25,
-        "resolution.exploration.average_time": 0.7,
-    },
+    "one_rule": ONE_RULE,
     "mechanism_as_in_paper": {
         "resolution.relative": False,
         "resolution.exploration.partner": "second",

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
 from aicon_baselines.named import Later
 
 PIXEL = 0.5 / 512
@@ -10,7 +11,6 @@ PIXEL = 0.5 / 512
 
 _ONE_LIKELIHOOD = {"contact.aim": 0.0, "contact.facing": False}
 
-_SUM = {"resolution.projector": "none", "resolution.temperature": None}
 _ONE_GRADIENT = {"law": Later("aicon_torch.control:DirectDescent")}
 _TEXTS_EXPLORATION = {
     "resolution.exploration": Later("aicon_torch.resolution:Exploration.as_in_paper")
@@ -22,13 +22,6 @@ _TEXT = {
     **_TEXTS_EXPLORATION,
     "resolution.relative": False,
     "contact.step": 1 / 4,
-}
-
-# Sharper weights, so that each path may stand for itself, as in the text; and a longer average.
-_ONE_RULE = {
-    "resolution.temperature": 0.25,
-    "resolution.by_row": False,
-    "resolution.exploration.average_time": 0.7,
 }
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
@@ -48,18 +41,18 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     },
     # The resolution of conflicts.
     "without_exploration": {"resolution.exploration": None},
-    "weighted_sum": {"resolution.projector": "none"},
-    "sum_with_exploration": _SUM,
+    "weighted_sum": WEIGHTED_SUM,
+    "sum_with_exploration": PLAIN_SUM,
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
     "without_grouping": {"resolution.by_row": False},
     "second_partner": {"resolution.exploration.partner": "second"},
     "mechanism_as_in_paper": _TEXT,
-    "one_rule": _ONE_RULE,
-    "one_rule_without_foresight": {**_ONE_RULE, **_ONE_GRADIENT},
+    "one_rule": ONE_RULE,
+    "one_rule_without_foresight": {**ONE_RULE, **_ONE_GRADIENT},
     # The text at quasi-static speed: its mechanism, and what it is measured against.
     "text": {**_TEXT, **_ONE_GRADIENT},
-    "text_sum": {**_SUM, **_TEXTS_EXPLORATION, **_ONE_GRADIENT},
+    "text_sum": {**PLAIN_SUM, **_TEXTS_EXPLORATION, **_ONE_GRADIENT},
     "text_steepest": {
         "resolution": Later("aicon_torch.resolution:SteepestPath"),
         **_ONE_GRADIENT,

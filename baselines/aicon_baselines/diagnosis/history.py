@@ -185,6 +185,7 @@ def _actuator_curves(policy: Policy, trace: StepTrace) -> Iterator[tuple[str, Ac
         quantity = trace.quantities.get(name)
         share = _share_of_limit(actuator, to_array(trace.values[name]))
         nothing = np.zeros(len(share))
+
         yield (
             name,
             ActuatorCurve(
