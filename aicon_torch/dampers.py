@@ -32,8 +32,8 @@ class VelocityDampers:
 
     For every gap d ≥ 0 of the safety goals: ḋ ≥ −d/T, so that it shrinks no faster than
     exponentially. T = braking / a_max, with the median of the actuator's limits: a robot twice as
-    fast brakes on the same way. Every step takes the action nearest to the wish that keeps this,
-    see :func:`aicon_torch.safety.nearest_safe`.
+    fast brakes on the same way. Every step takes the action nearest to the nominal one that keeps
+    this, see :func:`aicon_torch.safety.nearest_safe`.
 
     Attributes:
         braking: The way on which an actuator at its limit comes to rest, in the unit of its action

@@ -71,7 +71,7 @@ class Policy(nn.Module):
 
         self.backward_pass = BackwardPass(model, self.resolution)
         self._step = ControlStep(model, self.backward_pass, self.law)
-        self._shapes = memory_shapes(self.backward_pass, self._step.admit)
+        self._shapes = memory_shapes(self.backward_pass, self._step.validate)
         self._made_of: tuple[dict[str, tuple[int, ...]], ...] = ()  # shapes of memories that go on
         self._memory: Memory | None = None
         self._native: NativeSteps | None = None

@@ -25,7 +25,7 @@ SILENCE = ".silence"
 FROZEN = ".frozen"
 """Suffix of the flag ``(*B,)`` that says whether a sensor repeats itself while it should not."""
 
-ANEW = ".anew"
+RESTART = ".restart"
 """Suffix of the flag ``(*B,)`` that says whether a sensor is believed again somewhere else."""
 
 
@@ -150,9 +150,10 @@ class Actuator:
             instead of component by component.
         dampers: How it keeps the safety goals, where there are any: see
             :class:`aicon_torch.Goal`.
-        metric: What a departure from the wish counts where safety goals ask for one: a function
-            wired likewise, that returns a symmetric positive definite M ``(*B, size, size)``, for
-            which δᵀMδ is the square of the departure δ. All components count alike by default.
+        metric: What a departure from the nominal action counts where safety goals ask for one: a
+            function wired likewise, that returns a symmetric positive definite M ``(*B, size,
+            size)``, for which δᵀMδ is the square of the departure δ. All components count alike by
+            default.
         dither: Where a dither of the action law goes: a function wired likewise, that returns the
             motions D ``(*B, size, k)`` of which it is a mixture, each as long as the limit lets it
             be. Every component has its own by default, which a redundant arm would feel as a motion

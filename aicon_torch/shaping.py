@@ -54,17 +54,17 @@ class _BySign(torch.autograd.Function):
         return gradients[0].clamp(min=0), gradients[0].clamp(max=0)
 
 
-def by_gain(effects: Tensor, sought: Tensor, incidental: Tensor, softness: float = 0.0) -> Tensor:
+def by_gain(effects: Tensor, intended: Tensor, incidental: Tensor, softness: float = 0.0) -> Tensor:
     """Σᵢ wᵢ eᵢ, whose weights depend on whether an effect is wanted where the gradient comes from.
 
     When a gradient h arrives, the gain of an effect is bᵢ = h·eᵢ. Where b < 0 the effect lowers the
-    cost and its weight is ``sought``; elsewhere it is ``incidental``. With a softness T, w =
-    σ(−b/T) sought + (1 − σ(−b/T)) incidental. The choice itself is not differentiated, and no part
-    of the graph needs to know the goal. In value w is ``sought``.
+    cost and its weight is ``intended``; elsewhere it is ``incidental``. With a softness T, w =
+    σ(−b/T) intended + (1 − σ(−b/T)) incidental. The choice itself is not differentiated, and no
+    part of the graph needs to know the goal. In value w is ``intended``.
 
     Args:
         effects: eᵢ, ``(*B, n, d)``.
-        sought: Weights of effects that are wanted, ``(*B, n)``.
+        intended: Weights of effects that are wanted, ``(*B, n)``.
         incidental: Weights of those that are not, ``(*B, n)``.
         softness: T, in the unit of the gain; 0 decides by the sign.
 
@@ -72,22 +72,22 @@ def by_gain(effects: Tensor, sought: Tensor, incidental: Tensor, softness: float
         ``(*B, d)``.
     """
     weigh = _ByGain.apply
-    motion: Tensor = weigh(effects, sought, incidental, softness)  # type: ignore[no-untyped-call]  # as above
+    motion: Tensor = weigh(effects, intended, incidental, softness)  # type: ignore[no-untyped-call]  # as above
     return motion
 
 
 class _ByGain(torch.autograd.Function):
     @staticmethod
     def forward(
-        ctx: Any, effects: Tensor, sought: Tensor, incidental: Tensor, softness: float
+        ctx: Any, effects: Tensor, intended: Tensor, incidental: Tensor, softness: float
     ) -> Tensor:
-        ctx.save_for_backward(effects, sought, incidental)
+        ctx.save_for_backward(effects, intended, incidental)
         ctx.softness = softness
-        return (sought.unsqueeze(-1) * effects).sum(-2)
+        return (intended.unsqueeze(-1) * effects).sum(-2)
 
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, Tensor, Tensor, None]:
-        effects, sought, incidental = ctx.saved_tensors
+        effects, intended, incidental = ctx.saved_tensors
         arriving = gradients[0].unsqueeze(-2)
 
         # How far each effect is wanted where the gradient comes from.
@@ -97,5 +97,5 @@ class _ByGain(torch.autograd.Function):
         else:
             share = (gain < 0).to(gain.dtype)
 
-        weight = share * sought + (1 - share) * incidental
+        weight = share * intended + (1 - share) * incidental
         return weight.unsqueeze(-1) * arriving, share * gain, (1 - share) * gain, None

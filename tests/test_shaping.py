@@ -68,7 +68,7 @@ class Inputs(NamedTuple):
     """What is shaped by gain, or the gradients by it: effects and two weights of each."""
 
     effects: Tensor
-    sought: Tensor
+    intended: Tensor
     incidental: Tensor
 
 
@@ -80,10 +80,10 @@ def inputs(
     Some of the effects lower its cost, and some raise it.
     """
     effects = normal(*batch, count, size, seed=1, dtype=dtype).requires_grad_()
-    sought = normal(*batch, count, seed=2, dtype=dtype).abs().requires_grad_()
+    intended = normal(*batch, count, seed=2, dtype=dtype).abs().requires_grad_()
     incidental = (normal(*batch, count, seed=3, dtype=dtype).abs() + 2.0).requires_grad_()
 
-    return Inputs(effects, sought, incidental), normal(*batch, size, seed=5, dtype=dtype)
+    return Inputs(effects, intended, incidental), normal(*batch, size, seed=5, dtype=dtype)
 
 
 def gradients(leaves: Inputs, arriving: Tensor, softness: float = 0.0) -> Inputs:
@@ -101,8 +101,8 @@ def test_by_gain_has_the_value_of_what_is_sought(
     leaves, arriving = inputs(*batch, dtype=dtype)
     shaped = by_gain(*leaves, softness)
     assert shaped.shape == arriving.shape and shaped.dtype == dtype
-    sought = torch.einsum("...n,...nd->...d", leaves.sought, leaves.effects)
-    torch.testing.assert_close(shaped, sought)
+    intended = torch.einsum("...n,...nd->...d", leaves.intended, leaves.effects)
+    torch.testing.assert_close(shaped, intended)
 
     for gradient in gradients(leaves, arriving, softness):
         assert gradient.dtype == dtype and gradient.isfinite().all()
@@ -113,24 +113,26 @@ def test_by_gain_has_the_value_of_what_is_sought(
 def test_by_gain_weighs_each_effect_by_whether_it_is_wanted(
     batch: tuple[int, ...], softness: float
 ) -> None:
-    """w = s·sought + (1 − s)·incidental with s = σ(−b/T), for one effect after the other."""
+    """w = s·intended + (1 − s)·incidental with s = σ(−b/T), for one effect after the other."""
     leaves, arriving = inputs(*batch)
     found = gradients(leaves, arriving, softness)
     assert_weighed(leaves, arriving, found, softness)
 
 
 def assert_weighed(leaves: Inputs, arriving: Tensor, found: Inputs, softness: float) -> None:
-    effects, sought, incidental = (leaf.detach() for leaf in leaves)
+    effects, intended, incidental = (leaf.detach() for leaf in leaves)
     signs: set[bool] = set()
 
-    for index in torch.cartesian_prod(*map(torch.arange, sought.shape)).reshape(-1, sought.dim()):
+    for index in torch.cartesian_prod(*map(torch.arange, intended.shape)).reshape(
+        -1, intended.dim()
+    ):
         effect = tuple(index.tolist())
         gain = float((arriving[effect[:-1]] * effects[effect]).sum())
         share = float(gain < 0) if softness == 0 else 1.0 / (1.0 + math.exp(gain / softness))
-        weight = share * float(sought[effect]) + (1.0 - share) * float(incidental[effect])
+        weight = share * float(intended[effect]) + (1.0 - share) * float(incidental[effect])
 
         torch.testing.assert_close(found.effects[effect], weight * arriving[effect[:-1]])
-        assert float(found.sought[effect]) == pytest.approx(share * gain, abs=1e-12)
+        assert float(found.intended[effect]) == pytest.approx(share * gain, abs=1e-12)
         assert float(found.incidental[effect]) == pytest.approx((1.0 - share) * gain, abs=1e-12)
         signs.add(gain < 0)
 
@@ -139,7 +141,7 @@ def assert_weighed(leaves: Inputs, arriving: Tensor, found: Inputs, softness: fl
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_by_gain_is_the_derivative_of_the_branch_that_it_chose(sign: float) -> None:
-    """That of Σ wᵢ eᵢ·h, with w the sought weight where eᵢ·h < 0, and else the incidental one."""
+    """That of Σ wᵢ eᵢ·h, with w the intended weight where eᵢ·h < 0, and else the incidental one."""
     leaves, arriving = inputs()
     arriving = sign * arriving
     found = gradients(leaves, arriving)
@@ -147,8 +149,8 @@ def test_by_gain_is_the_derivative_of_the_branch_that_it_chose(sign: float) -> N
     wanted = (leaves.effects @ arriving < 0).detach()
     assert wanted.any() and not wanted.all()
 
-    def branch(effects: Tensor, sought: Tensor, incidental: Tensor) -> Tensor:
-        return (torch.where(wanted, sought, incidental) * (effects @ arriving)).sum()
+    def branch(effects: Tensor, intended: Tensor, incidental: Tensor) -> Tensor:
+        return (torch.where(wanted, intended, incidental) * (effects @ arriving)).sum()
 
     for index, gradient in enumerate(found):
         expected = central_differences_of(branch, leaves, index)
@@ -181,10 +183,10 @@ def test_the_choice_flips_with_the_arriving_gradient() -> None:
     leaves, arriving = inputs(5)
     there, back = gradients(leaves, arriving), gradients(leaves, -arriving)
 
-    torch.testing.assert_close(there.sought, -back.incidental)
-    torch.testing.assert_close(there.incidental, -back.sought)
-    assert there.sought.any() and there.incidental.any()
-    assert not (there.sought * there.incidental).any()
+    torch.testing.assert_close(there.intended, -back.incidental)
+    torch.testing.assert_close(there.incidental, -back.intended)
+    assert there.intended.any() and there.incidental.any()
+    assert not (there.intended * there.incidental).any()
 
 
 @pytest.mark.parametrize("softness", [1e-2, 1e-4, 1e-8])
@@ -223,9 +225,9 @@ def test_an_effect_without_a_gain_pulls_incidentally(softness: float, weight: fl
     """b = 0 lowers nothing; half and half where the choice is soft."""
     effect = torch.tensor([[0.0, 1.0]], dtype=torch.float64, requires_grad=True)
     arriving = torch.tensor([1.0, 0.0], dtype=torch.float64)
-    sought, incidental = torch.tensor([[5.0], [2.0]], dtype=torch.float64)
+    intended, incidental = torch.tensor([[5.0], [2.0]], dtype=torch.float64)
 
-    shaped = by_gain(effect, sought, incidental, softness)
+    shaped = by_gain(effect, intended, incidental, softness)
     (gradient,) = torch.autograd.grad(shaped, effect, arriving)
     torch.testing.assert_close(gradient, weight * arriving.unsqueeze(0))
 

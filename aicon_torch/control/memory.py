@@ -11,7 +11,7 @@ from aicon_torch.control.backward import BackwardPass
 from aicon_torch.errors import ObservationError, choices
 from aicon_torch.graph import WorldModel
 from aicon_torch.readings.observation import is_dense, tensor_kind
-from aicon_torch.readings.validation import BEGINS, Admission
+from aicon_torch.readings.validation import BEGINS, MeasurementValidation
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.bounds import safety_memory
 from aicon_torch.safety.watchdog import sent_memory
@@ -26,20 +26,22 @@ STEPS = "steps"
 """Key of the number of steps since the episode began, ``(*B,)``."""
 
 
-def memory_shapes(backward: BackwardPass, admission: Admission) -> dict[str, tuple[int, ...]]:
+def memory_shapes(
+    backward: BackwardPass, validation: MeasurementValidation
+) -> dict[str, tuple[int, ...]]:
     """The shapes of a memory without the batch: quantities, gradients, goals and sensors."""
     model = backward.model
     shapes = {name: quantity.shape for name, quantity in model.quantities.items()}
-    for key, value in constant_memory(backward, admission).items():
+    for key, value in constant_memory(backward, validation).items():
         shapes[key] = tuple(value.shape)
     return shapes
 
 
-def constant_memory(backward: BackwardPass, admission: Admission) -> Memory:
+def constant_memory(backward: BackwardPass, validation: MeasurementValidation) -> Memory:
     """What is remembered before the first step whatever is read, without batch dimensions."""
     model = backward.model
     with torch.device("cpu"):  # whatever device is torch's default
-        constants = backward.initial() | admission.initial() | safety_memory(model)
+        constants = backward.initial() | validation.initial() | safety_memory(model)
         constants[GOAL_FACTORS] = torch.ones(len(model.goals))
         constants[STEPS] = torch.zeros(())
     return constants | sent_memory(model)
@@ -47,7 +49,7 @@ def constant_memory(backward: BackwardPass, admission: Admission) -> Memory:
 
 def initial_memory(
     backward: BackwardPass,
-    admission: Admission,
+    validation: MeasurementValidation,
     readings: Mapping[str, Tensor],
     batch: tuple[int, ...],
 ) -> Memory:
@@ -55,14 +57,14 @@ def initial_memory(
 
     Args:
         backward: The backward pass, with its model.
-        admission: Says what is remembered of the sensors.
+        validation: Says what is remembered of the sensors.
         readings: The first readings, ``(*B, size)``, zero where there is none.
         batch: The leading dimensions B.
     """
     model = backward.model
     memory = lasting(model, model.initial(readings, batch))
 
-    for key, value in constant_memory(backward, admission).items():
+    for key, value in constant_memory(backward, validation).items():
         dtype = model.like.dtype if value.is_floating_point() else value.dtype
         value = value.to(model.like.device, dtype)
         memory[key] = value.expand((*batch, *value.shape))

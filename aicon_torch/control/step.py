@@ -16,7 +16,7 @@ from aicon_torch.control.memory import (
 )
 from aicon_torch.control.stages import Named, Stage, run
 from aicon_torch.graph import WorldModel
-from aicon_torch.readings.validation import BEGINS, Admission
+from aicon_torch.readings.validation import BEGINS, MeasurementValidation
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.bounds import safety_of
 from aicon_torch.safety.watchdog import confidence, keep_finite, stay
@@ -43,7 +43,9 @@ class ControlStep:
     def __init__(self, model: WorldModel, backward: BackwardPass, law: ActionLaw) -> None:
         self.model, self.backward, self.law = model, backward, law
         needed = model.graph.first_readings
-        self.admit = Admission(model.sensors, model.actuators, needed, model.dt, model.clock)
+        self.validate = MeasurementValidation(
+            model.sensors, model.actuators, needed, model.dt, model.clock
+        )
         self.safety = safety_of(model)
 
     @property
@@ -80,7 +82,7 @@ class ControlStep:
     def start(self, readings: Named) -> tuple[Memory]:
         """The memory before an episode's first step."""
         batch = tuple(readings[next(iter(self.model.sensors))].shape[:-1])
-        return (initial_memory(self.backward, self.admit, self.admit.first(readings), batch),)
+        return (initial_memory(self.backward, self.validate, self.validate.first(readings), batch),)
 
     def restarted(self, memory: Memory, readings: Named, starts: Tensor | None = None) -> Memory:
         """The memory, begun anew in rows ``(*B,)`` that start an episode, or wait to begin one."""
@@ -106,8 +108,8 @@ class ControlStep:
         self, memory: Memory, readings: Named, executed: Mapping[str, Tensor] | None = None
     ) -> dict[str, Tensor]:
         """The values after the new readings, and after actions that somebody else executed."""
-        admitted = self.admit(readings, memory)
-        return self.model.update({**self.model.values(memory), **admitted, **(executed or {})})
+        validated = self.validate(readings, memory)
+        return self.model.update({**self.model.values(memory), **validated, **(executed or {})})
 
     @torch.enable_grad()
     def descend(self, memory: Memory, values: Named, descent: Named) -> tuple[Named]:

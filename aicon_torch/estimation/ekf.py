@@ -13,7 +13,7 @@ from aicon_torch.estimation.correction import Correction
 from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.estimation.measurement import Innovation, Measurement
 from aicon_torch.interconnections import Affine, Interconnection, Values
-from aicon_torch.quantities import ANEW
+from aicon_torch.quantities import RESTART
 
 Derivative = Literal["model", "update", "detached_gain"]
 """Which derivative the anticipated mean has: see :class:`EKF`."""
@@ -251,14 +251,14 @@ class EKF(Estimator):
         """
         sensors = [name for measurement in self._measurements for name in measurement.inputs]
         for sensor in dict.fromkeys(sensors):
-            if sensor + ANEW not in values:
+            if sensor + RESTART not in values:
                 continue
 
             prior_mean, prior_covariance = self._prior_belief(values)
-            is_anew = values[sensor + ANEW]
-            covariance = torch.where(is_anew[..., None, None], prior_covariance, covariance)
+            is_restart = values[sensor + RESTART]
+            covariance = torch.where(is_restart[..., None, None], prior_covariance, covariance)
             if sensor in self.prior_inputs:
-                mean = torch.where(is_anew[..., None], prior_mean, mean)
+                mean = torch.where(is_restart[..., None], prior_mean, mean)
         return mean, covariance
 
     def _anticipate_covariance(self, measurement: Measurement, belief: Values) -> Tensor:

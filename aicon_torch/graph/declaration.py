@@ -24,7 +24,7 @@ class Declaration:
         goals: The goals.
         constraints: What limits each actuator, one after the other.
         commands: For an actuator that takes another command than its action: what it is sent.
-        metrics: For an actuator that has one: what a departure from a wish counts.
+        metrics: For an actuator that has one: what a departure from the nominal action counts.
         dithers: For an actuator that has them: the motions of which a dither is a mixture.
         dt: Time step, s.
         clock: The sensor that tells how long the last step took, if one does.

@@ -280,7 +280,7 @@ class WorldModel(nn.Module):
         """
         return {name: goal(values) for name, goal in self.goals.items()}
 
-    def uncut(
+    def end_to_end_costs(
         self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]
     ) -> dict[str, Tensor]:
         """Each goal's cost as one differentiable function of the actions, nothing detached between.
@@ -335,7 +335,7 @@ class WorldModel(nn.Module):
 
     @torch.no_grad()
     def metric(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor | None:
-        """What a departure from its wish counts, ``(*B, size, size)``; None for all alike."""
+        """What a departure from it counts, ``(*B, size, size)``; None for all alike."""
         metric = self.declaration.metrics.get(actuator)
         return None if metric is None else metric(values)
 

@@ -139,7 +139,7 @@ def _goal_reports(
     # The whole graph as one function of the actions, nothing cut.
     leaves = {name: action.detach().requires_grad_() for name, action in actions.items()}
     with torch.enable_grad():
-        costs = backward.model.uncut({**backward.model.values(values), **values}, leaves)
+        costs = backward.model.end_to_end_costs({**backward.model.values(values), **values}, leaves)
 
     # To first order, an action a changes the goal g by ∇ₐg · a.
     reports: dict[str, GoalReport] = {}

@@ -29,7 +29,7 @@ class Arrive(nn.Module):
         """The action within it.
 
         Args:
-            a: The velocity that is wished for, ``(*B, n)``, rad/s.
+            a: The nominal velocity, ``(*B, n)``, rad/s.
             x_joints: Joint angles, ``(*B, n)``, rad.
             x_ee: The end effector there, ``(*B, k)``, m.
             x_target: Where it is to go, ``(*B, k)``, m.

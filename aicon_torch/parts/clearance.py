@@ -127,7 +127,7 @@ class ClearanceLimits:
         """The velocity within the limits.
 
         Args:
-            a: The velocity that is wished for, ``(*B, 2)``, m/s.
+            a: The nominal velocity, ``(*B, 2)``, m/s.
             x_obs: (d, ∇d), ``(*B, 3)``, m and m/m.
             P_obs: Its covariance, ``(*B, 3, 3)``.
             age: t, ``(*B, 1)``, s.

@@ -46,7 +46,7 @@ class ForceServo:
         """F, ``(*B, d)``, N.
 
         Args:
-            a: The velocity that is wished for, ``(*B, d)``, m/s.
+            a: The nominal velocity, ``(*B, d)``, m/s.
             v_robot: The velocity now, ``(*B, d)``, m/s.
         """
         force = self.mass / self.time * (a - v_robot) + self.drag * v_robot
@@ -56,7 +56,7 @@ class ForceServo:
         """V dt + (a − v) dt²/(2τ): how far the mass goes in a step, ``(*B, d)``, m.
 
         Args:
-            a: The velocity that is wished for, ``(*B, d)``, m/s.
+            a: The nominal velocity, ``(*B, d)``, m/s.
             v_robot: The velocity now, ``(*B, d)``, m/s.
             dt: Duration of the step, s.
         """

@@ -75,27 +75,27 @@ def is_interior(point: Tensor, x_side: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class ContactLikelihood:
-    """p_contact: how likely a contact is, as one that is sought and as one that just happens.
+    """p_contact: how likely a contact is, as one that is intended and as one that just happens.
 
     One formula for both: from the pusher x to a point outside the closest point c of the side, by a
     along its inward normal n,
 
         p = exp(−(‖c − a n − x‖ − (r − a))/ℓ).
 
-    A sought contact reaches as far as one travels to it, ℓ, and is aimed at outside the side. One
-    that just happens reaches as far as one reacts to what is in the way, ℓ', with a = 0, and
+    An intended contact reaches as far as one travels to it, ℓ, and is aimed at outside the side.
+    One that just happens reaches as far as one reacts to what is in the way, ℓ', with a = 0, and
     counts at an end of the side as far as that faces the pusher. Which of them counts is decided by
     the edge that uses them (:func:`aicon_torch.by_gain`). The text has one likelihood for both.
 
     Attributes:
         reach: ℓ, m.
         reaction: ℓ', m.
-        aim: a, how far outside the side a sought contact is aimed at, m.
+        aim: a, how far outside the side an intended contact is aimed at, m.
         facing: Whether a contact that just happens at a corner counts as far as the side faces the
             pusher.
         radius: r of the pusher, m.
-        inset: How far from the ends of its side a sought contact is aimed at, m, or in the middle
-            of a shorter side: at an end the pusher slips around the corner.
+        inset: How far from the ends of its side an intended contact is aimed at, m, or in the
+            middle of a shorter side: at an end the pusher slips around the corner.
     """
 
     reach: float
@@ -114,7 +114,7 @@ class ContactLikelihood:
             x_side: The side, ``(*B, 4)``, m.
 
         Returns:
-            Sought and happening, ``(*B, 2)``.
+            Intended and incidental, ``(*B, 2)``.
         """
         point = (
             x_contact.detach()
@@ -125,9 +125,9 @@ class ContactLikelihood:
         share = self._facing(to_point, normal, is_interior(point, x_side)) if self.facing else 1.0
 
         to_aim = to_point + self._inset(point, x_side) - self.aim * normal
-        sought = self._at_distance(norm(to_aim), self.aim, self.reach)
-        happening = share * self._at_distance(norm(to_point), 0.0, self.reaction)
-        return torch.stack((sought, happening), dim=-1)
+        intended = self._at_distance(norm(to_aim), self.aim, self.reach)
+        incidental = share * self._at_distance(norm(to_point), 0.0, self.reaction)
+        return torch.stack((intended, incidental), dim=-1)
 
     def _at_distance(self, distance: Tensor, aim: float, reach: float) -> Tensor:
         """Likelihood exp(−(‖c − a n − x‖ − (r − a))/ℓ), ``(*B,)``, from the norm ``(*B,)``, m."""

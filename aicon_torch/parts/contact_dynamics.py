@@ -32,7 +32,7 @@ class ContactDynamics:
         step: s, m: how far a contact that is certain moves the object.
         effect: Which of the three effects.
         intent: T, by which the gain b of a contact (that of Δ) decides softly, by σ(−b/T), whether
-            it is sought; 0 decides by sign.
+            it is intended; 0 decides by sign.
     """
 
     body: RigidObject
@@ -49,7 +49,7 @@ class ContactDynamics:
         Args:
             x_keypoints: Corners of the object, ``(*B, K, 2)``, m.
             x_contact: A contact for each side, ``(*B, N, 2)``, m.
-            p_contact: Their likelihoods as sought and as just happening, ``(*B, N, 2)``.
+            p_contact: Their likelihoods as intended and as incidental, ``(*B, N, 2)``.
             x_side: The sides, ``(*B, N, 4)``, m.
 
         Returns:
@@ -58,8 +58,8 @@ class ContactDynamics:
         pose = self.body.registration(x_keypoints)
         effects = self.effects(pose, x_contact, inward_normal(x_side))
 
-        sought, happening = p_contact.unbind(-1)
-        motion = self.step * by_gain(effects, sought, happening, self.step * self.intent)
+        intended, incidental = p_contact.unbind(-1)
+        motion = self.step * by_gain(effects, intended, incidental, self.step * self.intent)
 
         # The contacts to come give the gradient; the pose is where it is.
         return straight_through(pose, motion)

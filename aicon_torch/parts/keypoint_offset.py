@@ -43,13 +43,13 @@ class KeypointOffset:
         body: The object.
         radius: Radius of the pusher, m.
         deviation: Standard deviation of the gap where the object is touched, m.
-        stir: Motion of a keypoint from which on it is no noise, m.
+        least_motion: Motion of a keypoint from which on it is no noise, m.
     """
 
     body: RigidObject
     radius: float
     deviation: float
-    stir: float
+    least_motion: float
 
     def prior(self, deviation: float) -> Callable[[Tensor], tuple[Tensor, Tensor]]:
         """No offset, and the first pose; by the standard deviation of the offset, m."""
@@ -91,7 +91,7 @@ class KeypointOffset:
         gap = self.gap(x_offset, z_keypoints, z_pusher)
         slope = self.gap_jacobian(x_offset, z_keypoints, z_pusher)
         spread = (slope @ P_offset @ slope.mT).squeeze(-1) + touch
-        is_pushed = (motion > self.stir) & (gap < GATE * spread.sqrt())
+        is_pushed = (motion > self.least_motion) & (gap < GATE * spread.sqrt())
         is_touched = is_pushed | (gap < -self.deviation)
         return torch.where(is_touched, touch, NO_TOUCH * touch)
 

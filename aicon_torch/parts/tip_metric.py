@@ -9,10 +9,11 @@ from aicon_torch.parts.end_effector import EndEffector
 class TipMetric(nn.Module):
     """M = JᵀJ + λ²I: δᵀMδ = ‖Jδ‖² + λ²‖δ‖², for a departure δ of the joints' velocities.
 
-    With it the action nearest to a wish is the one that takes the tip where the wish does, as far
-    as the bounds let it: what a joint at its stop cannot do, the others do. J and the damping λ are
-    those of the end effector, so that a wish J⁺h minimises ‖Ja − h‖² + λ²‖a‖², and the nearest
-    action within the bounds does so, too: it solves the damped least squares with the bounds in it.
+    With it the action nearest to a nominal one is the one that takes the tip where the nominal one
+    does, as far as the bounds let it: what a joint at its stop cannot do, the others do. J and the
+    damping λ are those of the end effector, so that a nominal action J⁺h minimises ‖Ja − h‖² +
+    λ²‖a‖², and the nearest action within the bounds does so, too: it solves the damped least
+    squares with the bounds in it.
 
     Args:
         end_effector: Of the arm.

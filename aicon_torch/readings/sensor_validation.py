@@ -6,7 +6,7 @@ from typing import NamedTuple, cast
 import torch
 from torch import Tensor
 
-from aicon_torch.quantities import AGE, ANEW, FROZEN, MISSED, PRESENT, SILENCE, Actuator, Sensor
+from aicon_torch.quantities import AGE, FROZEN, MISSED, PRESENT, RESTART, SILENCE, Actuator, Sensor
 from aicon_torch.resolution import Memory
 
 NEVER = 1e9
@@ -104,7 +104,7 @@ class SensorValidation(NamedTuple):
         if sensor.driven_by is not None:
             memory[name + FROZEN] = torch.tensor(False)
         if sensor.rate_limit is not None:
-            memory[name + ANEW] = torch.tensor(False)
+            memory[name + RESTART] = torch.tensor(False)
             memory[name + SEEN] = torch.zeros(sensor.size)
             memory[name + SEEN_AGE] = never
             memory[name + AGREED] = memory[name + REFUSED] = torch.tensor(0)
@@ -202,7 +202,7 @@ class SensorValidation(NamedTuple):
         more = torch.where(is_refused, (refused + 1).clamp(max=PATIENCE), refused)
         broken_off = torch.where(came.is_frozen, 0, agreed)
         remembered = {
-            name + ANEW: came.is_newer & is_settled & ~is_near,
+            name + RESTART: came.is_newer & is_settled & ~is_near,
             name + SEEN: torch.where(
                 came.is_newer.unsqueeze(-1), came.reading, memory[name + SEEN]
             ),

@@ -17,7 +17,7 @@ LONGEST = 10.0
 """The longest step in which a robot is taken to have moved as it was told, in time steps."""
 
 
-class Admission(NamedTuple):
+class MeasurementValidation(NamedTuple):
     """Takes readings as they come, and says which of them are believed.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""Safety: what an actuator keeps whatever its goals wish, and how it comes free again."""
+"""Safety: what an actuator keeps whatever its goals ask for, and how it comes free again."""
 
 from aicon_torch.safety.quadratic_programme import SafeAction, SafetyBounds, nearest_safe
 

@@ -1,4 +1,4 @@
-"""Safety goals at an actuator: how fast gaps may close, and the action nearest to the wish."""
+"""Safety goals at an actuator: how fast gaps may close, and the nearest action that keeps to it."""
 
 import math
 from collections.abc import Mapping
@@ -65,7 +65,7 @@ class ActuatorSafety:
     def __call__(
         self,
         values: Mapping[str, Tensor],
-        wish: Tensor,
+        nominal: Tensor,
         memory: Mapping[str, Tensor],
         goal_factors: Tensor,
     ) -> tuple[Tensor, Memory]:
@@ -73,7 +73,7 @@ class ActuatorSafety:
 
         Args:
             values: Values after the new readings.
-            wish: The action that the other goals wish for, ``(*B, n)``.
+            nominal: The nominal action: what the other goals ask for, ``(*B, n)``.
             memory: The memory before the step.
             goal_factors: Factor of each goal, ``(*B, goals)``.
 
@@ -83,21 +83,21 @@ class ActuatorSafety:
         within = self.bounds(values, goal_factors)
         inverse = self._inverse_metric(values)
         if self.stalemate is None:
-            return nearest_safe(wish, within, SWEEPS, inverse).action, {}
+            return nearest_safe(nominal, within, SWEEPS, inverse).action, {}
 
-        # While escaping, the direction of the escape stands for the wish, and serves no goal: all
-        # components count alike.
+        # While escaping, the direction of the escape stands for the nominal action, and serves no
+        # goal: all components count alike.
         start = f"{self.actuator}/escape/"
         own = {key[len(start) :]: value for key, value in memory.items() if key.startswith(start)}
         if inverse is not None:
             escaping = own["escaping"][..., None, None]
-            identity = torch.eye(wish.shape[-1], dtype=inverse.dtype, device=inverse.device)
+            identity = torch.eye(nominal.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
-        safe = nearest_safe(self.stalemate.aim(wish, own), within, SWEEPS, inverse)
+        safe = nearest_safe(self.stalemate.aim(nominal, own), within, SWEEPS, inverse)
         action = self.model.actuators[self.actuator].clip(safe.action)  # its norm, if limited
 
         cost = FollowedCost(self.model, self.actuator, values, goal_factors)
-        remembered = self.stalemate.judge(cost, wish, safe, self._room(values), own)
+        remembered = self.stalemate.judge(cost, nominal, safe, self._room(values), own)
         return action, {start + key: value for key, value in remembered.items()}
 
     def _inverse_metric(self, values: Mapping[str, Tensor]) -> Tensor | None:

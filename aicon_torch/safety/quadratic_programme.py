@@ -1,4 +1,4 @@
-"""The action nearest to a wish that keeps linear bounds: a quadratic programme in fixed sweeps."""
+"""The nearest action that keeps linear bounds: a quadratic programme in fixed sweeps."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -32,8 +32,8 @@ class SafeAction(NamedTuple):
 
     Attributes:
         action: a, ``(*B, n)``.
-        force: f = Σ μᵢcᵢ, of the bounds' multipliers, ``(*B, n)``. What the bounds add to the wish
-            is f, or M⁻¹f in a metric M.
+        force: f = Σ μᵢcᵢ, of the bounds' multipliers, ``(*B, n)``. What the bounds add to the
+            nominal action is f, or M⁻¹f in a metric M.
     """
 
     action: Tensor
@@ -41,7 +41,7 @@ class SafeAction(NamedTuple):
 
 
 def nearest_safe(
-    wish: Tensor, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
+    nominal: Tensor, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
 ) -> SafeAction:
     """The action a = argmin (a − w)ᵀM(a − w) with c·a ≥ b for every row, and low ≤ a ≤ high.
 
@@ -52,7 +52,7 @@ def nearest_safe(
     have not converged; where something comes nearer, the retreat gets out of its way.
 
     Args:
-        wish: w, ``(*B, n)``.
+        nominal: w, ``(*B, n)``.
         within: The bounds.
         sweeps: How many.
         inverse: M⁻¹, ``(*B, n, n)``, symmetric and positive definite; None for M = I.
@@ -61,8 +61,8 @@ def nearest_safe(
         The action and the force of the bounds.
     """
     rows = _normalised(within)
-    action, force = _projected(wish, rows, within, sweeps, inverse)
-    retreat, _ = _projected(torch.zeros_like(wish), rows, within, sweeps)
+    action, force = _projected(nominal, rows, within, sweeps, inverse)
+    retreat, _ = _projected(torch.zeros_like(nominal), rows, within, sweeps)
     return SafeAction(_drawn_back(action, retreat, rows, within), force)
 
 
@@ -79,7 +79,7 @@ class _Rows(NamedTuple):
 
 
 def _projected(
-    wish: Tensor, rows: _Rows, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
+    nominal: Tensor, rows: _Rows, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
 ) -> SafeAction:
     """The nearest action, as far as the sweeps converge.
 
@@ -95,7 +95,7 @@ def _projected(
         effects = (changes * rows.normals).sum(-1)
         change_of, effect_of = changes.unbind(-2), effects.where(effects > 0.0, 1.0).unbind(-1)
 
-    action, push = wish, torch.zeros_like(wish)
+    action, push = nominal, torch.zeros_like(nominal)
     multipliers = [torch.zeros_like(bound) for bound in bound_of]
     for _ in range(sweeps):
         # Each row: the least multiplier ≥ 0 that satisfies it.
@@ -160,7 +160,7 @@ def _normalised(within: SafetyBounds) -> _Rows:
 
 
 def _drawn_back(action: Tensor, retreat: Tensor, rows: _Rows, within: SafetyBounds) -> Tensor:
-    """The action nearest to the wish, on the way to it from the retreat, that keeps every row."""
+    """The action on the way from the retreat that goes farthest and keeps every row."""
     normals, bounds = rows
     if normals.shape[-2] == 0:
         return action

@@ -13,7 +13,7 @@ from aicon_torch.vectors import unit
 PROGRESS = 0.1  # by which the cost must fall, or rise, to count as changed
 PATIENCE = 2.0  # for how long it may fail to fall
 JUMP = 2.0  # a cost that grows by more than so many steps at full speed is that of other goals
-OPPOSITION = 0.1  # share of the wish that the constraints must take away to oppose it
+OPPOSITION = 0.1  # share of the nominal action that the constraints must take away to oppose it
 
 # Of a push along the force.
 TRIES = 2  # number of escapes, from the last best cost on, after which the force leads nowhere
@@ -61,18 +61,18 @@ class Stalemate:
     ======  =========================================================  ======
 
     A *stalemate* is that the cost of the goals has not fallen for a while, although the constraints
-    oppose the wish or the cost has not risen either. (One that comes and goes while nothing is in
-    the way is the noise of the readings.)
+    oppose the nominal action or the cost has not risen either. (One that comes and goes while
+    nothing is in the way is the noise of the readings.)
 
-    PUSHED, the actuator moves along the constraints' force f = Σ μᵢcᵢ, what they add to the wish to
-    make it the action where all components count alike, in the direction that f had at the
-    stalemate. The cost climbs on the way, and the push ends well over the crest, or else the
+    PUSHED, the actuator moves along the constraints' force f = Σ μᵢcᵢ, what they add to the nominal
+    action to make it the action where all components count alike, in the direction that f had at
+    the stalemate. The cost climbs on the way, and the push ends well over the crest, or else the
     actuator would slide back.
 
-    The force leads nowhere where the constraints do not oppose the wish, as at a singularity, where
-    a few pushes have led to no better cost, and where it points back against the last push, as
-    between two stops of one joint. A DETOUR goes straight to a place instead: the next of a
-    sequence that fills the middle of the components' ranges evenly.
+    The force leads nowhere where the constraints do not oppose the nominal action, as at a
+    singularity, where a few pushes have led to no better cost, and where it points back against the
+    last push, as between two stops of one joint. A DETOUR goes straight to a place instead: the
+    next of a sequence that fills the middle of the components' ranges evenly.
 
     Args:
         options: From which cost on the actuator may stay where it is.
@@ -85,22 +85,22 @@ class Stalemate:
         self.options, self.limits, self.time = options, limits, time
         self.step = dt / time
 
-    def aim(self, wish: Tensor, memory: Memory) -> Tensor:
-        """What the actuator tries, ``(*B, n)``: the wish, or at full speed what leads out.
+    def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
+        """What it tries, ``(*B, n)``: the nominal action, or at full speed what leads out.
 
         Args:
-            wish: What the goals wish for, ``(*B, n)``.
+            nominal: What the goals ask for, ``(*B, n)``.
             memory: What was remembered.
         """
         direction = memory["direction"]
         excess = self._time_of(direction).unsqueeze(-1)
-        fastest = direction / excess.clamp(min=torch.finfo(wish.dtype).tiny ** 0.5)
-        return torch.where(memory["escaping"].unsqueeze(-1), fastest, wish)
+        fastest = direction / excess.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
+        return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
 
     def judge(
         self,
         cost: FollowedCost,
-        wish: Tensor,
+        nominal: Tensor,
         safe: SafeAction,
         room: tuple[Tensor, Tensor],
         memory: Memory,
@@ -109,7 +109,7 @@ class Stalemate:
 
         Args:
             cost: What the goals cost, here and after a step.
-            wish: What they wish for, ``(*B, n)``.
+            nominal: What they ask for, ``(*B, n)``.
             safe: What the constraints made of what was tried.
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
@@ -125,7 +125,7 @@ class Stalemate:
         escapes = torch.where(is_other, 0, memory["escapes"])
 
         # From FREE to PUSHED or DETOUR.
-        is_opposed = _is_opposed(wish, safe.action)
+        is_opposed = _is_opposed(nominal, safe.action)
         is_held_up = self._is_held_up(now, clock, highest, is_opposed, memory)
         begins = is_free & is_held_up & ~is_other
         force = unit(safe.force)
@@ -218,10 +218,10 @@ def _points_back(force: Tensor, memory: Memory) -> Tensor:
     return memory["by_force"] & (along < -BACK)
 
 
-def _is_opposed(wish: Tensor, action: Tensor) -> Tensor:
-    """Whether the constraints take away a good share of the wish, ``(*B,)``."""
-    opposition = ((wish - action) * wish).sum(-1)
-    return opposition > OPPOSITION * (wish * wish).sum(-1)
+def _is_opposed(nominal: Tensor, action: Tensor) -> Tensor:
+    """Whether the constraints take away a good share of the nominal action, ``(*B,)``."""
+    opposition = ((nominal - action) * nominal).sum(-1)
+    return opposition > OPPOSITION * (nominal * nominal).sum(-1)
 
 
 def spread(index: Tensor, like: Tensor) -> Tensor:

@@ -13,7 +13,7 @@ Values = Mapping[str, Tensor]
 def totals(model: WorldModel, values: Values, actions: Values) -> dict[str, Tensor]:
     """The derivative of the sum of all costs by the actions, of the model as one function."""
     leaves = {name: action.detach().clone().requires_grad_() for name, action in actions.items()}
-    costs = model.uncut(values, leaves)
+    costs = model.end_to_end_costs(values, leaves)
 
     total = torch.stack([cost.sum() for cost in costs.values()]).sum()
     slopes = torch.autograd.grad(total, list(leaves.values()))

@@ -55,12 +55,12 @@ def test_the_low_pass_closes_a_share_of_the_gap(
 ) -> None:
     """a ← a + α (a* − a) with α = dt/(dt + T), also after accumulating."""
     gradient, action = normal(2, seed=1), normal(2, seed=2)
-    wish = action - gradient if accumulate else -gradient
+    nominal = action - gradient if accumulate else -gradient
     share = dt / (dt + smoothing)
     law = DirectDescent(1.0, accumulate, smoothing)
 
     torch.testing.assert_close(
-        act(law, gradient, action, FREE, dt), action + share * (wish - action)
+        act(law, gradient, action, FREE, dt), action + share * (nominal - action)
     )
 
 

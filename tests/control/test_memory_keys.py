@@ -44,7 +44,7 @@ def row_of(policy: Policy, key: str) -> str:
 def test_the_page_lists_every_key_of_every_preset_and_no_other() -> None:
     used: set[str] = set()
     for policy in policies():
-        for key, shape in memory_shapes(policy.backward_pass, policy._step.admit).items():
+        for key, shape in memory_shapes(policy.backward_pass, policy._step.validate).items():
             row = row_of(policy, key)
             used.add(row)
             assert row == "<quantity>" or rows()[row] == len(shape), key

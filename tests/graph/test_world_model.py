@@ -47,7 +47,7 @@ def test_the_uncut_model_stands_at_the_values_of_the_step(blueprint: Blueprint) 
     values = in_motion(graph)
 
     leaves = {name: values[name].clone().requires_grad_() for name in graph.actuators}
-    costs = graph.uncut(values, leaves)
+    costs = graph.end_to_end_costs(values, leaves)
 
     for name, goal in graph.goals.items():
         torch.testing.assert_close(costs[name], goal(values))

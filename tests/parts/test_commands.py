@@ -43,10 +43,10 @@ def velocity(z_velocity: Tensor) -> Tensor:
 
 def test_the_force_brings_the_mass_to_the_wish_with_the_time_constant() -> None:
     servo = ForceServo(mass=2.0, time=0.2, largest=1e6, drag=3.0)
-    wish, velocity = at(0.4, -0.2), at(-0.1, 0.3)
+    nominal, velocity = at(0.4, -0.2), at(-0.1, 0.3)
 
-    acceleration = (servo(wish, velocity) - 3.0 * velocity) / 2.0
-    torch.testing.assert_close(acceleration, (wish - velocity) / 0.2)
+    acceleration = (servo(nominal, velocity) - 3.0 * velocity) / 2.0
+    torch.testing.assert_close(acceleration, (nominal - velocity) / 0.2)
 
 
 def test_the_force_is_no_longer_than_the_largest_and_keeps_its_direction() -> None:
@@ -59,10 +59,10 @@ def test_the_force_is_no_longer_than_the_largest_and_keeps_its_direction() -> No
 def test_the_displacement_is_that_of_the_mass() -> None:
     """Without drag; with it, the force brakes less and less of it within a step."""
     servo = ForceServo(mass=2.0, time=0.2, largest=1e6)
-    wish, start = at(0.4, -0.2), Mass(at(0.0, 0.0), at(-0.1, 0.3))
+    nominal, start = at(0.4, -0.2), Mass(at(0.0, 0.0), at(-0.1, 0.3))
 
-    moved = start.pushed(servo(wish, start.velocity), 2.0, drag=0.0).place
-    foreseen = servo.displacement(wish, start.velocity, DT)
+    moved = start.pushed(servo(nominal, start.velocity), 2.0, drag=0.0).place
+    foreseen = servo.displacement(nominal, start.velocity, DT)
     torch.testing.assert_close(foreseen, moved, atol=2e-4, rtol=0.0)
 
 

@@ -66,7 +66,7 @@ def test_the_ends_of_a_side_are_not_its_interior() -> None:
 
 
 def test_a_contact_is_certain_where_the_disc_touches() -> None:
-    """Sought and happening, 0.015 m before the side; farther away each falls by its own length."""
+    """Intended and incidental, 0.015 m before the side; each falls by its own length."""
     assert likelihoods(at(0.2, -0.015)) == pytest.approx([1.0, 1.0])
     expected = [math.exp(-0.02 / 0.03), math.exp(-0.02 / 0.01)]
     assert likelihoods(at(0.2, -0.035)) == pytest.approx(expected)
@@ -88,11 +88,11 @@ def test_the_likelihood_grows_towards_the_side_and_not_along_it() -> None:
 
 
 def test_with_an_inset_a_sought_contact_is_aimed_at_inside_the_side() -> None:
-    """Off the end of a side the sought contact pulls toward its inside as well."""
+    """Off the end of a side the intended contact pulls toward its inside as well."""
     inset = ContactLikelihood(
         reach=0.03, reaction=0.01, aim=0.008, facing=True, radius=0.015, inset=0.015
     )
     pusher = at(0.1, -0.015).requires_grad_()
-    sought, _ = inset(pusher, closest_point(pusher, SIDE), SIDE)
-    sought.backward()
+    intended, _ = inset(pusher, closest_point(pusher, SIDE), SIDE)
+    intended.backward()
     assert pusher.grad is not None and float(pusher.grad[0]) > 0

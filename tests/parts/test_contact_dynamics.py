@@ -63,7 +63,7 @@ def test_the_effects_differ_in_how_far_they_turn() -> None:
 
 
 def test_contacts_give_the_gradient_and_the_pose_stays_where_it_is() -> None:
-    """∂g/∂p = s h·Δ of each contact: of the sought where it lowers the cost, else of the other."""
+    """∂g/∂p = s h·Δ of each: of the intended where it lowers the cost, else of the other."""
     body = body_of()
     dynamics = CONTACT.dynamics(body)
     (pose,) = poses(1)

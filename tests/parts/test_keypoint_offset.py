@@ -10,7 +10,7 @@ from aicon_torch.parts import KeypointOffset
 
 BODY = body_of()
 OFFSET = torch.tensor([5.0, -3.0], dtype=torch.float64) * PIXEL
-PART = KeypointOffset(BODY, RADIUS, deviation=PIXEL, stir=0.5 * PIXEL)
+PART = KeypointOffset(BODY, RADIUS, deviation=PIXEL, least_motion=0.5 * PIXEL)
 
 
 def touching(pose: Tensor, side: int) -> Tensor:

@@ -21,5 +21,5 @@ def test_a_wish_is_the_damped_solution_of_the_same_metric() -> None:
     """M J⁺h = Jᵀh."""
     q, gradient = postures(5), normal(5, 12, seed=1)
     jacobian = ARM.jacobian(q)
-    wish = ARM.solve(jacobian, gradient).unsqueeze(-1)
-    torch.testing.assert_close(TipMetric(ARM)(q) @ wish, jacobian.mT @ gradient.unsqueeze(-1))
+    nominal = ARM.solve(jacobian, gradient).unsqueeze(-1)
+    torch.testing.assert_close(TipMetric(ARM)(q) @ nominal, jacobian.mT @ gradient.unsqueeze(-1))

@@ -9,9 +9,9 @@ from aicon_torch.safety import SafetyBounds, nearest_safe
 
 def test_a_safe_wish_stays_as_it_is() -> None:
     within = random_bounds(50)
-    wish = torch.zeros(50, 4, dtype=torch.float64)
-    action, force = nearest_safe(wish, within, sweeps=3)
-    assert (action == wish).all()
+    nominal = torch.zeros(50, 4, dtype=torch.float64)
+    action, force = nearest_safe(nominal, within, sweeps=3)
+    assert (action == nominal).all()
     assert (force == 0).all()
 
 
@@ -26,24 +26,24 @@ def test_what_rest_keeps_is_kept_even_where_the_sweeps_have_not_converged(sweeps
 
 
 def test_it_is_the_nearest_action_once_the_sweeps_have_converged() -> None:
-    """No action within the bounds is nearer to the wish: (v − a)·(w − a) ≤ 0 for every such v."""
+    """None within the bounds is nearer to the nominal one: (v − a)·(w − a) ≤ 0 for every v."""
     within = random_bounds(40, rows=3)
-    wish = 2 * normal(40, 4, seed=9)
-    action, _ = nearest_safe(wish, within, sweeps=500)
+    nominal = 2 * normal(40, 4, seed=9)
+    action, _ = nearest_safe(nominal, within, sweeps=500)
 
     candidates = 2 * normal(2000, 40, 4, seed=10)
     allowed = (closing(candidates, within) >= 0).all(-1)
     allowed &= ((candidates >= within.low) & (candidates <= within.high)).all(-1)
-    gain = ((candidates - action) * (wish - action)).sum(-1)
+    gain = ((candidates - action) * (nominal - action)).sum(-1)
     assert allowed.any(0).float().mean() > 0.5
     assert (gain[allowed] < 1e-3).all()
 
 
 def test_the_force_is_what_the_bounds_add_to_the_wish() -> None:
     within = random_bounds(40, rows=3)
-    wish = 2 * normal(40, 4, seed=9)
-    action, force = nearest_safe(wish, within, sweeps=500)
-    torch.testing.assert_close(wish + force, action, rtol=1e-3, atol=1e-3)
+    nominal = 2 * normal(40, 4, seed=9)
+    action, force = nearest_safe(nominal, within, sweeps=500)
+    torch.testing.assert_close(nominal + force, action, rtol=1e-3, atol=1e-3)
 
 
 def test_a_gap_that_closes_by_itself_moves_what_rests() -> None:
@@ -56,7 +56,7 @@ def test_a_gap_that_closes_by_itself_moves_what_rests() -> None:
 
 @pytest.mark.parametrize("sweeps", [3, 12])
 def test_what_comes_nearer_is_dodged_whatever_is_wished_for(sweeps: int) -> None:
-    """The sweeps need not converge: a wish across many rows never costs the retreat."""
+    """The sweeps need not converge: a nominal action across many rows never costs the retreat."""
     within = random_bounds(500, rows=12)
     within.bounds[:, 0] = 0.05 * within.slopes[:, 0].norm(dim=-1)
     at_rest, _ = nearest_safe(torch.zeros(500, 4, dtype=torch.float64), within, sweeps)
@@ -71,21 +71,21 @@ def test_what_comes_nearer_is_dodged_whatever_is_wished_for(sweeps: int) -> None
 def test_a_gap_that_no_action_changes_asks_for_nothing() -> None:
     limits = torch.ones(2)
     within = SafetyBounds(torch.zeros(1, 2), torch.tensor([0.3]), -limits, limits)
-    wish = torch.tensor([0.5, -0.5])
-    action, _ = nearest_safe(wish, within, sweeps=3)
-    torch.testing.assert_close(action, wish)
+    nominal = torch.tensor([0.5, -0.5])
+    action, _ = nearest_safe(nominal, within, sweeps=3)
+    torch.testing.assert_close(action, nominal)
 
 
 @pytest.mark.parametrize("batch", BATCHES)
 def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
-    within, wish = random_bounds(*batch), normal(*batch, 4, seed=9)
-    action, force = nearest_safe(wish, within, sweeps=4)
-    assert action.shape == force.shape == wish.shape
+    within, nominal = random_bounds(*batch), normal(*batch, 4, seed=9)
+    action, force = nearest_safe(nominal, within, sweeps=4)
+    assert action.shape == force.shape == nominal.shape
 
     flat = SafetyBounds(*(value.reshape(-1, *value.shape[len(batch) :]) for value in within))
     for row, expected in enumerate(action.reshape(-1, 4)):
         single = SafetyBounds(*(value[row] for value in flat))
-        found, _ = nearest_safe(wish.reshape(-1, 4)[row], single, sweeps=4)
+        found, _ = nearest_safe(nominal.reshape(-1, 4)[row], single, sweeps=4)
         torch.testing.assert_close(found, expected)
 
 

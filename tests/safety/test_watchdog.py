@@ -103,7 +103,7 @@ def test_after_an_outlier_nothing_is_believed_until_readings_agree() -> None:
         believed.append(bool(memory["z.present"]))
 
     assert believed == [True] + [False] * 33 + [True]
-    assert memory is not None and memory["z.anew"]
+    assert memory is not None and memory["z.restart"]
     torch.testing.assert_close(memory["x"], torch.tensor([1.0, 0.0]).double(), atol=0.05, rtol=0)
 
 

@@ -44,7 +44,7 @@ class ArmLimits(nn.Module):
         """The velocity of the joints within the limits.
 
         Args:
-            a: The velocity that is wished for, ``(*B, n)``, rad/s.
+            a: The nominal velocity, ``(*B, n)``, rad/s.
             x_joints: Joint angles, ``(*B, n)``, rad.
             x_heights: Height of the tip above where it should be, ``(*B, 1)``, m.
 
@@ -52,10 +52,10 @@ class ArmLimits(nn.Module):
             ``(*B, n)``, rad/s.
         """
         jacobian = self.end_effector.jacobian(x_joints)
-        wish = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
+        nominal = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
 
         # The motion of the end effector within its limits, by component.
-        planar, rise, tilt, turn = torch.split(wish, [2, 1, 2, 1], dim=-1)
+        planar, rise, tilt, turn = torch.split(nominal, [2, 1, 2, 1], dim=-1)
         planar = shorten(planar, self.tip_speed)
         rise = shorten(rise, self.tip_speed / 4)
         tilt = shorten(tilt, self.tip_speed / 4)
@@ -64,7 +64,7 @@ class ArmLimits(nn.Module):
 
         # The least motion of the joints that takes away the rest.
         motion = torch.cat((planar, rise, tilt, turn), dim=-1)
-        a = a - self.end_effector.solve(jacobian, wish - motion)
+        a = a - self.end_effector.solve(jacobian, nominal - motion)
         excess = (a.abs() / self.joint_speeds.to(a)).amax(-1, keepdim=True)
         return a / excess.clamp(min=1.0)
 

@@ -52,7 +52,7 @@ RESOLUTION = NullspaceProjection(exploration=Exploration(average_time=0.8))
 """In widths of the object the tip moves at half the speed of pushT's pusher, or less."""
 
 CONTACT = ContactOptions(size=0.2, inset=1.0)
-"""The contact model, as in pushT; only the T is larger, 0.2 m wide, and its sides are sought away
+"""The contact model, as in pushT; only the T is larger, 0.2 m wide, and its sides are aimed at away
 from their ends."""
 
 RING = SquaredHinge(margin=0.03, weight=0.045)

@@ -33,7 +33,7 @@ UNFILTERED_NOISE = 1e-6 * PIXEL
 TOUCH_DEVIATION = 1.0 * PIXEL
 """Standard deviation of the gap to an object that is touched, m: in the simulation they overlap."""
 
-STIR, STIR_DEVIATIONS = 0.5 * PIXEL, 6.0
+LEAST_MOTION, MOTION_DEVIATIONS = 0.5 * PIXEL, 6.0
 """Motion of a keypoint from which on the object was pushed, m, besides what is noise."""
 
 OFFSET_DRIFT = 0.01 * PIXEL
@@ -70,8 +70,8 @@ def object_estimators(options: Options, dynamics: ContactDynamics, parts: int) -
 
 def _offset(options: Options, body: RigidObject) -> EKF:
     """x_offset: by how much all keypoints are off, as the pusher that touches the object tells."""
-    stir = STIR + STIR_DEVIATIONS * options.keypoint_noise
-    gap = KeypointOffset(body, PUSHER_RADIUS, TOUCH_DEVIATION, stir)
+    least_motion = LEAST_MOTION + MOTION_DEVIATIONS * options.keypoint_noise
+    gap = KeypointOffset(body, PUSHER_RADIUS, TOUCH_DEVIATION, least_motion)
     reading = Interconnection(gap.gap, x_offset=gap.gap_jacobian)
     last_pose = Interconnection(gap.last_pose, x_offset=gap.last_pose_jacobian)
 

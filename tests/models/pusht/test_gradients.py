@@ -80,17 +80,17 @@ def by_hand(
 
         # The two likelihoods, and how they grow towards the contact.
         away, aimed = point - pusher, point - pusher - aim * n
-        sought = np.exp(-(np.linalg.norm(aimed) - (RADIUS - aim)) / reach)
+        intended = np.exp(-(np.linalg.norm(aimed) - (RADIUS - aim)) / reach)
         happens = np.exp(-(np.linalg.norm(away) - RADIUS) / reaction)
         if contact.facing and not inside:
             happens *= max(n @ away / np.linalg.norm(away), 0.0)
-        by_sought = sought / reach * aimed / np.linalg.norm(aimed)
+        by_intended = intended / reach * aimed / np.linalg.norm(aimed)
         by_happens = happens / reaction * away / np.linalg.norm(away)
 
         # Which of them counts.
         wanted = 1.0 / (1.0 + np.exp(b / contact.intent)) if contact.intent else float(b < 0)
-        slope_of_p = wanted * by_sought + (1.0 - wanted) * by_happens
-        p = wanted * sought + (1.0 - wanted) * happens
+        slope_of_p = wanted * by_intended + (1.0 - wanted) * by_happens
+        p = wanted * intended + (1.0 - wanted) * happens
         found[f"p_contact[{side}]"] = step * b * slope_of_p
         found[f"x_contact[{side}]"] = step * p * (h @ slope) * t * inside
         found[f"gain[{side}]"] = np.array([b, inside])

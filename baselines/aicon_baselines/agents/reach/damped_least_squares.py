@@ -41,11 +41,11 @@ class DampedLeastSquares(InverseKinematics):
             missing, jacobian = missing[:3], jacobian[:3]
 
         damped = jacobian @ jacobian.T + self.damping**2 * np.eye(len(missing))
-        wish = self.gain * jacobian.T @ np.linalg.solve(damped, missing)
-        wish /= max(1.0, float(np.abs(wish / robot.speed).max()))
+        nominal = self.gain * jacobian.T @ np.linalg.solve(damped, missing)
+        nominal /= max(1.0, float(np.abs(nominal / robot.speed).max()))
 
         # A joint that would come to its stop in this step goes there.
         least = (robot.low + self.stop_distance - joints) / self.dt
         most = (robot.high - self.stop_distance - joints) / self.dt
-        clamped: FloatArray = np.clip(wish, np.minimum(least, 0.0), np.maximum(most, 0.0))
+        clamped: FloatArray = np.clip(nominal, np.minimum(least, 0.0), np.maximum(most, 0.0))
         return clamped

@@ -117,13 +117,13 @@ class PushRecording(Recording):
 
     @cached_property
     def likelihoods(self) -> FloatArray:
-        """Likelihood of each contact, sought if it is useful and happening if not, (n + 1, N).
+        """Likelihood of each contact, intended if it is useful and incidental if not, (n + 1, N).
 
-        Those of contacts that are sought exceed 1 where the pusher is nearer than at a touch; here
-        they end at 1.
+        Those of contacts that are intended exceed 1 where the pusher is nearer than at a touch;
+        here they end at 1.
         """
-        sought, happens = np.moveaxis(to_array(self.trace.values["p_contact"]), -1, 0)
-        likelihoods: FloatArray = np.minimum(np.where(self.useful, sought, happens), 1.0)
+        intended, incidental = np.moveaxis(to_array(self.trace.values["p_contact"]), -1, 0)
+        likelihoods: FloatArray = np.minimum(np.where(self.useful, intended, incidental), 1.0)
         return likelihoods
 
     @cached_property
