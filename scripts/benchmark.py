@@ -1,14 +1,8 @@
 """Measure what the documents say of speed, beyond `aicon bench`; the processor's time counts.
 
-Example: python scripts/benchmark.py versions --other build/0.1.0 --tasks nav2d pusht arm_push
-         python scripts/benchmark.py arm --steps 3000
+Example: python scripts/benchmark.py arm --steps 3000
          python scripts/benchmark.py peers --rounds 20
          python scripts/benchmark.py watch --tasks nav2d pusht arm_push reach
-
-versions: `predict` of this version beside that of another one, whose source is in a folder: `git
-archive fb7da76 | tar x -C build/0.1.0`. Each runs in a process of its own, with an empty cache, and
-they take turns on the same observations of one robot: the other version compiled, this one
-compiled, exported and loaded, as shipped and with one gradient a step. First steps are timed, too.
 
 arm: the arm's loop at 100 Hz with an image every fifth step: physics and rendering, image, control
 step, and the real-time factor. The control step is timed in the loop, where physics and rendering
@@ -21,15 +15,9 @@ watch: the rate that a control loop keeps with the live view, and what the view 
 """
 
 import argparse
-import json
-import os
-import pickle
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
 from functools import partial
 from itertools import cycle
 from pathlib import Path
@@ -46,7 +34,6 @@ import torch
 
 import aicon_envs  # noqa: F401  # registers the environments
 from aicon_baselines.agents.registry import compiled, factory, import_sb3
-from aicon_baselines.cli.bench import observations_of_one
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
 from aicon_baselines.tasks import load
@@ -63,15 +50,7 @@ PUSHT = "aicon/PushT-v0", "pusht", "environment_state_agent_pos"
 SEED = 1000
 ARM_STEP = 0.01  # s
 
-OPTIONS: dict[str, dict[str, Any]] = {"arm_push": {"sensing": "pose"}}
-ONE_GRADIENT = {"law.iterations": 1}
 RECORDED = 100
-
-WORKER = Path(__file__).with_name("take_steps.py")
-"""What takes the steps, in a process of its own, in which another version may be imported."""
-
-Told = dict[str, tuple[float, float]]
-"""Seconds of the processor and by the clock, of what is done once."""
 
 Program = tuple[str, Callable[[], Step]]
 """The name of a program, and what prepares it."""
@@ -80,12 +59,6 @@ Program = tuple[str, Callable[[], Step]]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is measured, and for how long."""
     subjects = parser.add_subparsers(dest="subject", required=True, metavar="SUBJECT")
-
-    subject = subjects.add_parser("versions", help="this version beside another one")
-    subject.add_argument("--other", type=Path, help="folder with the source of another version")
-    subject.add_argument("--tasks", nargs="+", default=["nav2d", "pusht", "arm_push"])
-    subject.add_argument("--rounds", type=int, default=300, help="turns (default: 300)")
-    subject.add_argument("--steps", type=int, default=100, help="of a turn (default: 100)")
 
     subject = subjects.add_parser("arm", help="the arm's loop")
     subject.add_argument("--steps", type=int, default=3000, help="control steps (default: 3000)")
@@ -105,113 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Measure and print."""
     torch.set_num_threads(1)
-    {"versions": versions, "arm": arm, "peers": peers, "watch": watch}[arguments.subject](arguments)
-
-
-def versions(arguments: argparse.Namespace) -> None:
-    """Measure the tasks and print a table for each."""
-    for task in arguments.tasks:
-        _versions_of(task, arguments)
-
-
-def _versions_of(task: str, arguments: argparse.Namespace) -> None:
-    """Measure a task in each version, and print its table."""
-    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
-        observations = Path(folder, "observations")
-        observations.write_bytes(pickle.dumps(recorded(task)))
-        workers: dict[str, Worker] = {}
-        for name, (tree, what) in _builds(task, Path(folder), arguments.other).items():
-            what = {**what, "task": task, "file": str(observations)}
-            cache = Path(folder, f"cache_{len(workers)}")  # compilers stumble over spaces
-            cache.mkdir()
-            workers[name] = stack.enter_context(started(tree, what, cache))
-            print(f"{task}, {name}: {in_words(workers[name].told)}", flush=True)
-
-        times: dict[str, list[list[float]]] = {name: [] for name in workers}
-        for _ in range(arguments.rounds):
-            for name, worker in workers.items():
-                times[name].append(worker.turn(arguments.steps))
-        report(task, times)
-
-
-def _builds(task: str, folder: Path, other: Path | None) -> dict[str, tuple[Path, dict[str, Any]]]:
-    """What is measured: from which source, and what is to be built, written or loaded there."""
-    options = OPTIONS.get(task, {})
-    laws = {"as shipped": options, "one gradient": {**options, **ONE_GRADIENT}}
-    files = {law: str(folder / f"{law}.so") for law in laws}
-
-    found: dict[str, tuple[Path, dict[str, Any]]] = {}
-    if other is not None:
-        found["the other"] = other.resolve(), {"options": options}
-    exports = {files[law]: options for law, options in laws.items()}
-    found["compiled"] = REPOSITORY, {"options": options, "exports": exports}
-    for law, file in files.items():
-        found[f"loaded, {law}"] = REPOSITORY, {"load": file}
-    return found
-
-
-def report(task: str, times: dict[str, list[list[float]]]) -> None:
-    """Print the times of steps, and their ratios to the other version's, turn by turn."""
-    reference = np.median(times["the other"], axis=1) if "the other" in times else None
-    for name, turns in times.items():
-        median, slow, largest = 1e6 * np.percentile(turns, (50, 99, 100))
-        line = f"{median:.1f} us, 99th percentile {slow:.1f}, largest {largest:.0f}"
-        if reference is not None and name != "the other":
-            ratios = reference / np.median(turns, axis=1)
-            low, middle, high = np.percentile(ratios, (5, 50, 95))
-            line += f"; {middle:.3g} times as fast ({low:.3g} to {high:.3g})"
-        print(f"{task}, {name}: {line}", flush=True)
-
-
-def in_words(told: Told) -> str:
-    """How long each thing took that is done once."""
-    parts = []
-    for name, (processor, clock) in told.items():
-        parts.append(f"{name} {processor:.2f} s ({clock:.2f} by the clock)")
-    return ", ".join(parts)
-
-
-def recorded(task: str) -> list[dict[str, Any]]:
-    """Observations of one robot."""
-    condition = load(task).timed_condition or load(task).conditions[0]
-    return observations_of_one(task, condition, RECORDED)
-
-
-class Worker:
-    """A process that takes turns."""
-
-    def __init__(self, process: "subprocess.Popen[str]") -> None:
-        self.process = process
-        self.told: Told = self._answer()
-
-    def turn(self, steps: int) -> list[float]:
-        """Seconds of each of some steps."""
-        assert self.process.stdin is not None
-        self.process.stdin.write(f"{steps}\n")
-        self.process.stdin.flush()
-        seconds: list[float] = self._answer()
-        return seconds
-
-    def _answer(self) -> Any:
-        assert self.process.stdout is not None
-        answer = self.process.stdout.readline()
-        if not answer:
-            raise RuntimeError(f"a worker ended, with exit status {self.process.wait()}")
-        return json.loads(answer)
-
-
-@contextmanager
-def started(tree: Path, what: dict[str, Any], cache: Path) -> Iterator[Worker]:
-    """A worker that imports the library from a folder and keeps what it compiles in another."""
-    environment = dict(os.environ, PYTHONPATH=str(tree), OMP_NUM_THREADS="1")
-    for name in ("XDG_CACHE_HOME", "TORCHINDUCTOR_CACHE_DIR", "TMPDIR", "HOME"):
-        environment[name] = str(cache)
-    command = [sys.executable, "-W", "ignore", str(WORKER), json.dumps(what)]
-    pipe = subprocess.PIPE
-    with subprocess.Popen(command, env=environment, text=True, stdin=pipe, stdout=pipe) as process:
-        yield Worker(process)
-        assert process.stdin is not None
-        process.stdin.close()
+    {"arm": arm, "peers": peers, "watch": watch}[arguments.subject](arguments)
 
 
 def arm(arguments: argparse.Namespace) -> None:

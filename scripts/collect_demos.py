@@ -9,7 +9,7 @@ The same command goes on where a stopped run was. It needs LeRobot: make install
 import argparse
 from pathlib import Path
 
-from aicon_baselines.agents.diffusion.recording_config import OBSERVATIONS, RecordingConfig
+from aicon_baselines.agents.diffusion.configs import OBSERVATIONS, RecordingConfig
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 
 

@@ -12,8 +12,7 @@ import argparse
 from functools import partial
 from pathlib import Path
 
-from aicon_baselines.agents.diffusion.recording_config import OBSERVATIONS
-from aicon_baselines.agents.diffusion.training_config import TrainingConfig
+from aicon_baselines.agents.diffusion.configs import OBSERVATIONS, TrainingConfig
 from aicon_baselines.cli.command_line import Command, run_command
 
 

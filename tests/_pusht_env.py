@@ -20,7 +20,6 @@ DISTURBED: Any = {
     "observe_goal": True,
     "action_noise": 2.0,
     "goal_jumps": 2,
-    "goal_jump_interval": (5, 20),
     "kick_interval": 7,
 }
 

@@ -6,7 +6,7 @@ from importlib import import_module
 import pytest
 from gymnasium.error import DependencyNotInstalled
 
-from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
 from aicon_baselines.agents.registry import import_mppi, import_sb3
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.backends import joblib_backend

@@ -24,7 +24,6 @@ DISTURBED: dict[str, Any] = {
     "action_noise": 4.0,
     "kick_interval": 7,
     "goal_jumps": 3,
-    "goal_jump_interval": (5, 9),
     "observe_goal": True,
 }
 
@@ -39,7 +38,6 @@ ENVIRONMENTS: dict[str, Callable[[], Any]] = {
     "nav2d_vector": partial(Nav2DVectorEnv, 3, max_episode_steps=20),
     "pusht": PushTEnv,
     "pusht_disturbed": partial(PushTEnv, **DISTURBED),
-    "pusht_velocity": partial(PushTEnv, action_mode="velocity"),
     "pusht_wrapped": wrapped,
     "arm_push": partial(ArmPushEnv, obs_type="pose"),
     "reach": partial(ReachEnv, "ur5", balls=1, ball_speed=0.2),

@@ -14,6 +14,7 @@ pytest.importorskip("trimesh")
 from aicon_envs.arm_push import ArmPushEnv
 from aicon_envs.nav2d import Nav2DEnv, Nav2DVectorEnv, Physics
 from aicon_envs.pusht import PushTEnv, TaskSettings
+from aicon_envs.pusht.settings import JUMP_INTERVAL, KICK
 from aicon_envs.reach import ReachEnv
 
 IDS = {
@@ -62,10 +63,7 @@ def test_numbers_in_the_docstrings_are_the_defaults() -> None:
     fastest = ArmPushEnv(obs_type="pose").action_space.high
     assert f"for a Panda {fastest[0]:.4g} (joints 1 to 4) and {fastest[-1]:.4g} (5 to 7)" in arm
 
-    settings, physics = TaskSettings(), Physics()
-    fewest, most = settings.goal_jump_interval
+    (fewest, most), physics = JUMP_INTERVAL, Physics()
     assert f"{fewest} to {most} steps after the last" in pushing
-    assert (
-        f"up to {settings.kick[0]:g} px and turns it by up to {settings.kick[1]:g} rad" in pushing
-    )
+    assert f"by up to {KICK[0]:g} px and {KICK[1]:g} rad" in pushing
     assert f"`dt` = {physics.dt:g} s" in moving

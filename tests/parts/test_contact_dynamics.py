@@ -4,15 +4,14 @@ import dataclasses
 import math
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 import pytest
 import torch
 from _inputs import normal
 from _inputs.pushing import RADIUS, SHAPES, body_of, poses
 
-import aicon_envs  # noqa: F401  (registers the environments)
 from aicon_envs.pusht import OBJECTS
+from aicon_envs.pusht.simulation import Simulation
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.models.pusht.benchmark import T_WIDTH
 from aicon_torch.parts import ContactDynamics, ContactOptions, PoseMotion
@@ -87,7 +86,6 @@ def test_contacts_give_the_gradient_and_the_pose_stays_where_it_is() -> None:
 @pytest.mark.parametrize("name", ["T", "L"])
 def test_the_object_goes_where_the_model_believes(name: str) -> None:
     """Pushed in the environment's physics, a few px at a time, at places of several sides."""
-    env = gym.make("aicon/PushT-v0", object=name, action_mode="velocity")
     body = body_of(None if name == "T" else (OBJECTS[name].keypoints * PIXEL).tolist())
     motion = PoseMotion(ContactDynamics(body, rotation_length=1.0, step=PIXEL), RADIUS)
     frame = torch.tensor([250 * PIXEL, 230 * PIXEL, 0.4], dtype=torch.float64)
@@ -103,10 +101,12 @@ def test_the_object_goes_where_the_model_believes(name: str) -> None:
             pusher = start + share * along - (RADIUS + 2 * PIXEL) * inward
             action = PIXEL * (70 * inward + 10 * along / along.norm())
 
-            state = [*(pusher / PIXEL).tolist(), *(frame.numpy() * to_pixels)]
-            env.reset(options={"reset_to_state": state})
-            info = env.step((action / PIXEL).numpy().astype(np.float32))[-1]
-            after = body.pose_of_frame(torch.as_tensor(info["block_pose"] / to_pixels))
+            pose = tuple((frame.numpy() * to_pixels).tolist())
+            world = Simulation(OBJECTS[name], tuple((pusher / PIXEL).tolist()), pose)
+            world._pusher.velocity = tuple((action / PIXEL).tolist())
+            for _ in range(10):
+                world.space.step(0.01)
+            after = body.pose_of_frame(torch.as_tensor(np.array(world.pose) / to_pixels))
 
             believed = motion(before, pusher + 0.1 * action, even_motion(0.1 * action))
             errors.append(float((scale * (believed - after)).norm()))

@@ -1,6 +1,7 @@
 """Figures rendered, and saved as pictures and videos."""
 
-from collections.abc import Iterable
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.extras import missing_extra, pip_command
 from aicon_baselines.files import replacing
 
@@ -25,10 +25,8 @@ Frame = NDArray[np.uint8]
 VIDEO_FORMATS = ("mp4", "webp", "gif", "none")
 """Formats of a video, "none" among them."""
 
-EVEN_PALETTE: FloatArray = np.stack(np.meshgrid(*[np.linspace(0, 1, 6)] * 3), -1).reshape(-1, 3)
-"""The colours of a gif of pictures: six levels of red, green and blue each."""
-
 _QUALITY = 55  # of a webp, of 100
+_SIDE_BY_SIDE = 8  # frames that the colours of a gif are taken from
 _CODEC_BLOCK = 2  # px; an mp4 has one colour for two by two
 
 
@@ -62,37 +60,51 @@ def save_picture(figure: Figure, path: Path) -> None:
         Image.fromarray(frame).save(place, optimize=True)
 
 
-def save_video(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArray) -> None:
+class Film(ABC):
+    """A figure that can be brought to any step of an episode."""
+
+    figure: Figure
+
+    @abstractmethod
+    def show(self, step: int) -> None:
+        """Bring the figure to a step."""
+
+    def frames(self, steps: Iterable[int], hold: int = 0) -> Iterator[Frame]:
+        """Render the figure at each step, and the last one `hold` times more."""
+        for step in steps:
+            self.show(step)
+            frame = render(self.figure)
+            yield frame
+
+        for _ in range(hold):
+            yield frame
+
+
+def save_video(frames: Iterable[Frame], path: Path, rate: int) -> None:
     """Save frames as an mp4, a webp or a gif, by the name of the file.
 
     Args:
         frames: The frames.
         path: Where to save the video.
         rate: Frames per second.
-        palette: The colours of a gif, (256 or fewer, 3), from 0 to 1.
 
     Raises:
         ComparisonError: If imageio is not installed and the video is an mp4.
     """
+    save = {".gif": _save_gif, ".webp": _save_webp}.get(path.suffix, _save_mp4)
     with replacing(path) as place:
-        if path.suffix == ".gif":
-            _save_gif(frames, place, rate, palette)
-        elif path.suffix == ".webp":
-            _save_webp(frames, place, rate)
-        else:
-            _save_mp4(frames, place, rate)
+        save(frames, place, rate)
 
 
-def _save_gif(frames: Iterable[Frame], path: Path, rate: int, palette: FloatArray) -> None:
-    colors = Image.new("P", (1, 1))
-    colors.putpalette((255 * palette).round().astype(np.uint8).tobytes())
+def _save_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
+    # Every frame has the same colours, those of some frames side by side, and no dither: nothing
+    # flickers.
+    pictures = list(frames)
+    some = pictures[:: max(1, len(pictures) // _SIDE_BY_SIDE)]
+    colors = Image.fromarray(np.concatenate(some)).quantize(256)
 
-    # Every frame is mapped to the same colours, without dither, so that nothing flickers.
-    images = []
-    for frame in frames:
-        image = Image.fromarray(frame)
-        images.append(image.quantize(palette=colors, dither=Image.Dither.NONE))
-
+    images = [Image.fromarray(picture) for picture in pictures]
+    images = [image.quantize(palette=colors, dither=Image.Dither.NONE) for image in images]
     images[0].save(path, save_all=True, append_images=images[1:], duration=1000 // rate, loop=0)
 
 

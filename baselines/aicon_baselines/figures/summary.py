@@ -1,4 +1,4 @@
-"""What a figure shows, in numbers and in words."""
+"""A figure's files, and what it shows in numbers and in words."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,6 +7,7 @@ from typing import Any
 
 from aicon_baselines.evaluation.recording import Recording
 from aicon_baselines.figures.panels import Panel
+from aicon_baselines.figures.rendering import check_video
 from aicon_baselines.files import write_json
 
 
@@ -35,6 +36,32 @@ class FigureSummary:
         return "\n".join(lines)
 
 
+class FigureFiles:
+    """Where a figure's picture, film and numbers are saved.
+
+    Args:
+        out: Folder, made if it does not exist.
+        name: Of the files, without an ending.
+        video: Format of the film, one of `VIDEO_FORMATS`; an unknown one is a ComparisonError.
+    """
+
+    def __init__(self, out: Path, name: str, video: str) -> None:
+        check_video(video)
+        out.mkdir(parents=True, exist_ok=True)
+        self.picture, self.numbers = out / f"{name}.png", out / f"{name}.json"
+        self.film = None if video == "none" else out / f"{name}.{video}"
+
+    def summary(self, headline: str, numbers: dict[str, Any]) -> FigureSummary:
+        """What was saved, and what it shows; numbers with panels are saved as well."""
+        files = [self.picture]
+        if "panels" in numbers:
+            write_json(self.numbers, numbers)
+            files.append(self.numbers)
+        if self.film is not None:
+            files.append(self.film)
+        return FigureSummary(headline, numbers, tuple(files))
+
+
 def episode_numbers(recording: Recording) -> dict[str, Any]:
     """How an episode ended, and how long it took."""
     return {
@@ -58,8 +85,3 @@ def panel_numbers(recording: Recording, panels: Sequence[Panel]) -> dict[str, An
         [round(begin * dt, 3), round(end * dt, 3)] for begin, end in recording.explorations
     ]
     return {"panels": shown, "explorations_s": explorations}
-
-
-def save_numbers(numbers: dict[str, Any], path: Path) -> None:
-    """Save numbers as a JSON file."""
-    write_json(path, numbers)

@@ -24,6 +24,7 @@ from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_baselines.view.sides import by_sides
 from aicon_baselines.worlds import Shape, believed, disc, pushing
 from aicon_envs.pusht.disturbances import draw_kicked_pose
+from aicon_envs.pusht.settings import KICK
 from aicon_envs.pusht.simulation import PUSHER_RADIUS, SIZE
 from aicon_torch.models.pusht import PIXEL
 
@@ -132,9 +133,7 @@ class PushScene(PlaneScene):
         info = self.episode.info
         x, y, angle = info["block_pose"][0].tolist()
         pusher = tuple(info["pos_agent"][0].tolist())
-        kicked = draw_kicked_pose(
-            self._object, (x, y, angle), pusher, self._env.settings.kick, self._env.noise
-        )
+        kicked = draw_kicked_pose(self._object, (x, y, angle), pusher, KICK, self._env.noise)
         self._set(list(kicked), info["goal_pose"][0].tolist())
 
     def _place_of(self, name: str) -> FloatArray:

@@ -3,14 +3,12 @@
 from aicon_envs.pusht.environment import PushTEnv
 from aicon_envs.pusht.goal import Goal
 from aicon_envs.pusht.objects import OBJECTS, PushObject, make_object
-from aicon_envs.pusht.render_overlay import Overlay
 from aicon_envs.pusht.settings import DEFAULT_GOAL, TaskSettings
 
 __all__ = [
     "DEFAULT_GOAL",
     "OBJECTS",
     "Goal",
-    "Overlay",
     "PushObject",
     "PushTEnv",
     "TaskSettings",

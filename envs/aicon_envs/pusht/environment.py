@@ -13,10 +13,9 @@ from aicon_envs.pusht.disturbances import draw_kicked_pose
 from aicon_envs.pusht.geometry import Point, clip, place
 from aicon_envs.pusht.goal import Goal
 from aicon_envs.pusht.objects import PushObject, resolve_object
-from aicon_envs.pusht.render_overlay import Overlay
 from aicon_envs.pusht.reset import EpisodeStart, draw_episode
-from aicon_envs.pusht.settings import DEFAULT_SPEED, TaskSettings
-from aicon_envs.pusht.simulation import CONTROL_STEP, SIZE, Simulation
+from aicon_envs.pusht.settings import KICK, TaskSettings
+from aicon_envs.pusht.simulation import SIZE, Simulation
 from aicon_envs.pusht.spaces import (
     AGENT,
     GOAL,
@@ -60,13 +59,7 @@ class PushTEnv(gym.Env[Observation, Action]):
     a wall, which at first reads a few px more.
 
     ## Action space
-    | `action_mode` | space | meaning |
-    |---|---|---|
-    | "position" | `Box(0, 512, (2,), float32)` | target of the pusher's PD controller, px |
-    | "velocity" | `Box(-v, v, (2,), float32)` | velocity for the whole step, px/s |
-
-    A target is clipped to its box. The norm of a velocity is limited to v, which is
-    `velocity_limit`, or 800; it is also limited such that the pusher's centre stays in the world.
+    `Box(0, 512, (2,), float32)`: target of the pusher's PD controller, px, which is clipped to it.
 
     ## Rewards
     min(coverage / 0.95, 1), coverage = area(object ∩ goal) / area(object).
@@ -81,8 +74,7 @@ class PushTEnv(gym.Env[Observation, Action]):
     | `goal_pose` | a pose or "random" |
     | `noise_seed` | seeds action noise, kicks and the noise of wrappers apart from the rest |
 
-    (gym-pusht sets another pose than `reset_to_state` and runs a sub-step, as does
-    `legacy_reset=True`.)
+    (gym-pusht sets another pose than `reset_to_state` and runs a sub-step.)
 
     ## Episode end
     Terminates at success, coverage > 0.95, after the last jump of the goal. The registered limit is
@@ -97,17 +89,10 @@ class PushTEnv(gym.Env[Observation, Action]):
     | argument | meaning |
     |---|---|
     | `goal_pose` | (x, y, angle), px and rad, or "random"; (256, 256, π/4) |
-    | `action_mode`, `velocity_limit` | see above; in "position" the limit holds in every sub-step |
+    | `velocity_limit` | largest speed of the pusher, px/s, in every sub-step |
     | `action_noise` | σ of Gaussian noise on the target offset, px per axis and step |
-    | `goal_jumps` | the goal jumps so many times |
-    | `goal_jump_interval` | each jump comes 40 to 120 steps after the last |
-    | `kick_interval` | every so many steps the object is kicked |
-    | `kick` | a kick shifts it by up to 30 px and turns it by up to 0.5 rad |
-    | `start_distribution` | "0.1.8", or "0.1.5": starts of that version of gym-pusht |
-    | `legacy_reset` | see above |
-
-    In the mode "velocity" the noise on the velocity is `action_noise` / 0.1 s. The same seed gives
-    the same start as in the version of gym-pusht that `start_distribution` names.
+    | `goal_jumps` | the goal jumps so many times, each time 40 to 120 steps after the last |
+    | `kick_interval` | steps between kicks of the object, by up to 30 px and 0.5 rad |
 
     ## Info
     gym-pusht's: `pos_agent` (2,), `vel_agent` (2,), `block_pose` (3,), `goal_pose` (3,),
@@ -154,7 +139,6 @@ class PushTEnv(gym.Env[Observation, Action]):
         """
         self.settings = TaskSettings.from_options(settings, type(self))
         self.render_mode = check_render_mode(render_mode)
-        self.overlay: Overlay | None = None
 
         self._object = resolve_object(object)
         self._obs_type = obs_type
@@ -162,12 +146,12 @@ class PushTEnv(gym.Env[Observation, Action]):
         self._observed_size = check_size("observation", observation_width, observation_height)
         self._shown_size = check_size("visualization", visualization_width, visualization_height)
 
-        # The spaces depend on the object and on the mode.
+        # The space of what is seen depends on the object.
         num_keypoints = len(self._object.keypoints)
         self.observation_space = observation_space(
             obs_type, num_keypoints, observe_goal, self._observed_size
         )
-        self.action_space = action_space(self.settings.action_mode, self.settings.velocity_limit)
+        self.action_space = action_space()
         self._episode: EpisodeStart | None = None
 
     @property
@@ -186,7 +170,7 @@ class PushTEnv(gym.Env[Observation, Action]):
         """Start an episode; see the class for the options."""
         super().reset(seed=seed)
 
-        episode = draw_episode(self._object, self.settings, options, seed, self.np_random)
+        episode = draw_episode(self._object, self.settings, options, self.np_random)
         self._episode = episode
         self._goal = Goal(self._object, episode.goal)
         self._jumps_left = episode.jumps[::-1]  # the next one last
@@ -200,15 +184,11 @@ class PushTEnv(gym.Env[Observation, Action]):
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step; see the class for the action."""
         self._current_episode()  # an error before the first reset
-        x, y = check_action(action)
+        target = check_action(action)
 
         # A kick or a jump of the goal that is due comes before the move.
         self._disturb()
-
-        if self.settings.action_mode == "position":
-            self._steer((x, y))
-        else:
-            self._drive((x, y))
+        self._steer(target)
         self._steps += 1
 
         info = self._evaluate()
@@ -218,7 +198,7 @@ class PushTEnv(gym.Env[Observation, Action]):
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture, (visualization_height, visualization_width, 3), if in "rgb_array".
 
-        It shows the target of the last step as a cross, and `overlay` if there is one.
+        It shows the target of the last step as a cross.
         """
         if self.render_mode is None:
             return None
@@ -226,7 +206,7 @@ class PushTEnv(gym.Env[Observation, Action]):
         from aicon_envs.pusht.rendering import draw_view  # only pictures need pygame
 
         simulation = self._current_episode().simulation
-        return draw_view(simulation, self._goal, self._shown_size, self._target, self.overlay)
+        return draw_view(simulation, self._goal, self._shown_size, self._target)
 
     def _current_episode(self) -> EpisodeStart:
         if self._episode is None:
@@ -242,7 +222,7 @@ class PushTEnv(gym.Env[Observation, Action]):
         interval = self.settings.kick_interval
         if interval is not None and self._steps > 0 and self._steps % interval == 0:
             simulation.pose = draw_kicked_pose(
-                self._object, simulation.pose, simulation.pusher, self.settings.kick, episode.noise
+                self._object, simulation.pose, simulation.pusher, KICK, episode.noise
             )
 
         if self._jumps_left and self._steps == self._jumps_left[-1].step:
@@ -258,18 +238,6 @@ class PushTEnv(gym.Env[Observation, Action]):
 
         limit = self.settings.velocity_limit or math.inf
         self._current_episode().simulation.steer(self._target, limit)
-
-    def _drive(self, velocity: Point) -> None:
-        """Let the pusher move with a velocity, px/s, for one control step."""
-        # Limit the norm: the direction stays.
-        limit = self.settings.velocity_limit or DEFAULT_SPEED
-        share = limit / max(math.hypot(*velocity), limit)
-
-        noise_x, noise_y = self._draw_noise(self.settings.action_noise / CONTROL_STEP)
-        noisy = velocity[0] * share + noise_x, velocity[1] * share + noise_y
-
-        simulation = self._current_episode().simulation
-        simulation.drive(_keep_in_world(simulation.pusher, noisy))
 
     def _draw_noise(self, sigma: float) -> Point:
         if sigma == 0.0:
@@ -325,16 +293,3 @@ class PushTEnv(gym.Env[Observation, Action]):
             "distance": error,
             "collision": False,
         }
-
-
-def _keep_in_world(position: Point, velocity: Point) -> Point:
-    """Limit each component of a velocity, px/s, such that the pusher stays in the world."""
-    limited = []
-
-    for coordinate, speed in zip(position, velocity, strict=True):
-        slowest = -coordinate / CONTROL_STEP
-        fastest = (SIZE - coordinate) / CONTROL_STEP
-        limited.append(clip(speed, slowest, fastest))
-
-    x, y = limited
-    return x, y

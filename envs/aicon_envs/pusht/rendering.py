@@ -12,7 +12,6 @@ from pymunk.space_debug_draw_options import SpaceDebugColor
 from aicon_envs.pusht.geometry import Point
 from aicon_envs.pusht.goal import Goal
 from aicon_envs.pusht.image_resize import Picture, resize
-from aicon_envs.pusht.render_overlay import Arrow, Mark, Overlay
 from aicon_envs.pusht.simulation import SIZE, Simulation
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
@@ -30,7 +29,6 @@ except ImportError as error:
 _BACKGROUND = (255, 255, 255)
 _GOAL = (144, 238, 144)
 _TARGET = (255, 0, 0)
-_TEXT = (40, 40, 40)
 
 _LIGHTER = 1.2
 """Fills are brighter than their outlines by this factor."""
@@ -44,90 +42,29 @@ def draw_observation(simulation: Simulation, goal: Goal, size: tuple[int, int]) 
 
 
 def draw_view(
-    simulation: Simulation,
-    goal: Goal,
-    size: tuple[int, int],
-    target: Point | None,
-    overlay: Overlay | None,
+    simulation: Simulation, goal: Goal, size: tuple[int, int], target: Point | None
 ) -> Picture:
-    """Return the picture for people, (height, width, 3), with the pusher's target and an overlay.
+    """Return the picture for people, (height, width, 3), with a cross at the pusher's target.
 
     Args:
         simulation: The world.
         goal: The goal to show.
         size: Width and height, pixels.
         target: Where the pusher is going, px of the world.
-        overlay: What to draw on top.
     """
     picture = draw_observation(simulation, goal, size)
+    if target is None:
+        return picture
+
+    # A pixel of the smallest usual picture is the unit of the cross.
+    unit = min(size) / 96.0
+    reach, width = round(4.0 * unit), max(1, round(unit))
+    x, y = (round(place * side / SIZE) for place, side in zip(target, size, strict=True))
+
     surface = pygame.surfarray.make_surface(picture.transpose(1, 0, 2))
-
-    canvas = _Canvas(surface, size)
-    if target is not None:
-        canvas.cross(target)
-    if overlay is not None:
-        canvas.draw(overlay)
-
+    pygame.draw.line(surface, _TARGET, (x - reach, y), (x + reach, y), width)
+    pygame.draw.line(surface, _TARGET, (x, y - reach), (x, y + reach), width)
     return np.ascontiguousarray(pygame.surfarray.array3d(surface).transpose(1, 0, 2))
-
-
-class _Canvas:
-    """A picture of the world to draw on, in px of the world.
-
-    Args:
-        surface: The picture.
-        size: Its width and height, pixels.
-    """
-
-    def __init__(self, surface: pygame.Surface, size: tuple[int, int]) -> None:
-        self._surface = surface
-        self._scale = size[0] / SIZE, size[1] / SIZE
-        self._unit = min(size) / 96.0  # a pixel of the smallest usual picture
-
-    def cross(self, point: Point) -> None:
-        """Mark the pusher's target."""
-        x, y = self._pixel(point)
-        reach = round(4.0 * self._unit)
-        width = max(1, round(self._unit))
-
-        pygame.draw.line(self._surface, _TARGET, (x - reach, y), (x + reach, y), width)
-        pygame.draw.line(self._surface, _TARGET, (x, y - reach), (x, y + reach), width)
-
-    def draw(self, overlay: Overlay) -> None:
-        """Draw arrows, points and text."""
-        for arrow in overlay.arrows:
-            self._arrow(arrow)
-        for mark in overlay.points:
-            self._point(mark)
-        if overlay.text:
-            self._text(overlay.text)
-
-    def _arrow(self, arrow: Arrow) -> None:
-        x, y, dx, dy, color = arrow
-        tip = self._pixel((x + dx, y + dy))
-        width = max(1, round(0.5 * self._unit))
-        pygame.draw.line(self._surface, color, self._pixel((x, y)), tip, width)
-
-        # A barb on either side of the shaft, from 3/4 of its length to the tip.
-        for side in (-1.0, 1.0):
-            barb = x + 0.75 * dx - side * 0.12 * dy, y + 0.75 * dy + side * 0.12 * dx
-            pygame.draw.line(self._surface, color, self._pixel(barb), tip, width)
-
-    def _point(self, mark: Mark) -> None:
-        x, y, color = mark
-        radius = max(2, round(0.7 * self._unit))
-        pygame.draw.circle(self._surface, color, self._pixel((x, y)), radius)
-
-    def _text(self, text: str) -> None:
-        pygame.font.init()
-        font = pygame.font.Font(None, max(10, round(4.0 * self._unit)))
-
-        margin = round(2 * self._unit)
-        self._surface.blit(font.render(text, True, _TEXT), (margin, margin))
-
-    def _pixel(self, point: Point) -> tuple[int, int]:
-        """Map px of the world to pixels of the picture."""
-        return round(point[0] * self._scale[0]), round(point[1] * self._scale[1])
 
 
 class _ShapePainter(DrawOptions):

@@ -11,7 +11,7 @@ from aicon_envs.pusht.geometry import Pose
 from aicon_envs.pusht.goal import Jump, draw_goal, draw_jumps
 from aicon_envs.pusht.objects import PushObject
 from aicon_envs.pusht.settings import (
-    StartDistribution,
+    JUMP_INTERVAL,
     State,
     TaskSettings,
     check_pose,
@@ -49,7 +49,6 @@ def draw_episode(
     object: PushObject,
     settings: TaskSettings,
     options: Mapping[str, Any] | None,
-    seed: int | None,
     generator: np.random.Generator,
 ) -> EpisodeStart:
     """Draw an episode: the start first, then a random goal, then its jumps.
@@ -60,7 +59,6 @@ def draw_episode(
         object: What is pushed.
         settings: Settings of the task.
         options: `reset_to_state`, `goal_pose` and `noise_seed`, all optional.
-        seed: What `reset` was called with; the starts of gym-pusht 0.1.5 are drawn from it.
         generator: The environment's `np_random`.
 
     Raises:
@@ -70,9 +68,9 @@ def draw_episode(
     check_option_names(options, _OPTION_KEYS)
 
     # This order is part of the contract: settings that draw more leave the start as it is.
-    simulation = _start_simulation(object, settings, options, seed, generator)
+    simulation = _start_simulation(object, options, generator)
     goal = _resolve_goal(object, options.get("goal_pose", settings.goal_pose), generator)
-    jumps = draw_jumps(object, settings.goal_jumps, settings.goal_jump_interval, generator)
+    jumps = draw_jumps(object, settings.goal_jumps, JUMP_INTERVAL, generator)
 
     # Spawned in any case, such that the option changes nothing but the noise.
     (noise,) = generator.spawn(1)
@@ -82,53 +80,26 @@ def draw_episode(
     return EpisodeStart(simulation, goal, jumps, noise)
 
 
-def draw_start(
-    distribution: StartDistribution, seed: int | None, generator: np.random.Generator
-) -> State:
-    """Draw a start as a version of gym-pusht does: with the same seed, the same numbers.
-
-    Version 0.1.5 seeds a `numpy.random.RandomState` with the argument of `reset`, and its angle is
-    not uniform but 2π z - π with z normal. Without a seed, ours is seeded from `generator`, for an
-    episode that can be repeated.
-    """
-    if distribution == "0.1.8":
-        pusher_x = float(generator.integers(*_PUSHER_BOUNDS))
-        pusher_y = float(generator.integers(*_PUSHER_BOUNDS))
-        object_x = float(generator.integers(*_OBJECT_BOUNDS))
-        object_y = float(generator.integers(*_OBJECT_BOUNDS))
-        angle = float(generator.uniform(-math.pi, math.pi))
-        return pusher_x, pusher_y, object_x, object_y, angle
-
-    # Version 0.1.5, with numpy's legacy generator as upstream.
-    if seed is None:
-        seed = int(generator.integers(2**32))
-    legacy = np.random.RandomState(seed)
-
-    pusher_x = float(legacy.randint(*_PUSHER_BOUNDS))
-    pusher_y = float(legacy.randint(*_PUSHER_BOUNDS))
-    object_x = float(legacy.randint(*_OBJECT_BOUNDS))
-    object_y = float(legacy.randint(*_OBJECT_BOUNDS))
-    angle = float(legacy.randn() * 2 * math.pi - math.pi)
-    return pusher_x, pusher_y, object_x, object_y, angle
-
-
 def _start_simulation(
-    object: PushObject,
-    settings: TaskSettings,
-    options: Mapping[str, Any],
-    seed: int | None,
-    generator: np.random.Generator,
+    object: PushObject, options: Mapping[str, Any], generator: np.random.Generator
 ) -> Simulation:
     """Put pusher and object where the options say, or where gym-pusht would."""
-    if "reset_to_state" not in options:
-        state = draw_start(settings.start_distribution, seed, generator)
-        return Simulation.legacy(object, state[:2], state[2:])
+    if "reset_to_state" in options:
+        state = check_state("reset_to_state", options["reset_to_state"])
+        return Simulation(object, state[:2], state[2:])
 
-    state = check_state("reset_to_state", options["reset_to_state"])
-    if settings.legacy_reset:
-        return Simulation.legacy(object, state[:2], state[2:])
+    state = _draw_state(generator)
+    return Simulation.legacy(object, state[:2], state[2:])
 
-    return Simulation(object, state[:2], state[2:])
+
+def _draw_state(generator: np.random.Generator) -> State:
+    """Draw a state as gym-pusht 0.1.8 does: with the same seed, the same numbers."""
+    pusher_x = float(generator.integers(*_PUSHER_BOUNDS))
+    pusher_y = float(generator.integers(*_PUSHER_BOUNDS))
+    object_x = float(generator.integers(*_OBJECT_BOUNDS))
+    object_y = float(generator.integers(*_OBJECT_BOUNDS))
+    angle = float(generator.uniform(-math.pi, math.pi))
+    return pusher_x, pusher_y, object_x, object_y, angle
 
 
 def _resolve_goal(object: PushObject, goal: Any, generator: np.random.Generator) -> Pose:

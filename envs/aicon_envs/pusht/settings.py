@@ -2,23 +2,18 @@
 
 import dataclasses
 import math
-import operator
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
 from aicon_envs.checks import (
     check_argument_names,
-    check_choice,
     check_integer,
     check_number,
     check_numbers,
 )
 from aicon_envs.pusht.geometry import Pose
 from aicon_envs.pusht.simulation import SIZE
-
-ActionMode = Literal["position", "velocity"]
-StartDistribution = Literal["0.1.8", "0.1.5"]
 
 State = tuple[float, float, float, float, float]
 """Pusher x, y, object x, y, px, and its angle, rad."""
@@ -29,10 +24,12 @@ DEFAULT_GOAL: Pose = (256.0, 256.0, math.pi / 4.0)
 RANDOM = "random"
 """Name of a goal that every reset draws."""
 
-DEFAULT_SPEED = 800.0
-"""Largest speed in the action mode "velocity" without a `velocity_limit`, px/s."""
+JUMP_INTERVAL = (40, 120)
+"""Fewest and most steps between jumps of the goal, both inclusive."""
 
-_KICK = "two finite numbers >= 0: a shift in px and a turn in rad"
+KICK = (30.0, 0.5)
+"""Largest shift, px, and largest turn, rad, of a kick."""
+
 _POSE = f"(x, y, angle), x and y in [0, {SIZE:g}] px and the angle in [-2π, 2π] rad"
 _STATE = (
     "(pusher x, y, block x, y, angle), all finite, "
@@ -46,40 +43,24 @@ class TaskSettings:
 
     Attributes:
         goal_pose: Goal of the object's frame (x, y, angle), px and rad, or "random".
-        action_mode: "position" or "velocity".
         action_noise: Standard deviation of the noise on the pusher's target offset, px per axis
             and step.
-        velocity_limit: Largest speed of the pusher, px/s; None for no limit ("velocity": 800).
+        velocity_limit: Largest speed of the pusher, px/s; None for no limit.
         goal_jumps: How often the goal jumps to a random pose in an episode.
-        goal_jump_interval: Fewest and most steps between jumps, both inclusive.
         kick_interval: Steps between kicks of the object; None for no kicks.
-        kick: Largest shift, px, and largest turn, rad, of a kick.
-        start_distribution: Version of gym-pusht whose seeded starts are drawn.
-        legacy_reset: Whether `reset_to_state` sets what gym-pusht would set instead of exactly the
-            given state.
 
     Raises:
         ValueError: If a value is not valid; the message names it and says what is.
     """
 
     goal_pose: Pose | Literal["random"] = DEFAULT_GOAL
-    action_mode: ActionMode = "position"
     action_noise: float = 0.0
     velocity_limit: float | None = None
     goal_jumps: int = 0
-    goal_jump_interval: tuple[int, int] = (40, 120)
     kick_interval: int | None = None
-    kick: tuple[float, float] = (30.0, 0.5)
-    start_distribution: StartDistribution = "0.1.8"
-    legacy_reset: bool = False
 
     def __post_init__(self) -> None:
         """Check every value; numbers and sequences become plain floats, integers and tuples."""
-        check_choice("action_mode", self.action_mode, get_args(ActionMode))
-        check_choice("start_distribution", self.start_distribution, get_args(StartDistribution))
-
-        self._set("goal_jump_interval", _check_interval(self.goal_jump_interval))
-        self._set("kick", _check_kick(self.kick))
         self._set("action_noise", check_number("action_noise", self.action_noise))
         self._set("goal_jumps", check_integer("goal_jumps", self.goal_jumps, 0))
 
@@ -145,21 +126,3 @@ def check_state(name: str, value: ArrayLike) -> State:
             raise ValueError(f"{name} must be {_STATE}, got {value!r}")
 
     return pusher_x, pusher_y, x, y, angle
-
-
-def _check_kick(value: Any) -> tuple[float, float]:
-    shift, turn = check_numbers("kick", value, _KICK, 2)
-    return check_number("kick", shift), check_number("kick", turn)
-
-
-def _check_interval(value: Any) -> tuple[int, int]:
-    expected = "goal_jump_interval must be two integers 1 <= fewest <= most"
-    try:
-        fewest, most = map(operator.index, value)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{expected}, got {value!r}") from error
-
-    if not 1 <= fewest <= most:
-        raise ValueError(f"{expected}, got {value!r}")
-
-    return fewest, most

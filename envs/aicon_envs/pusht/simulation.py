@@ -170,15 +170,6 @@ class Simulation:
             pusher.velocity = vx, vy
             self._touched |= self._advance()
 
-    def drive(self, velocity: Point) -> None:
-        """Run one control step in which the pusher moves with a velocity, px/s."""
-        self._moves.append(("drive", (velocity,)))
-        self._pusher.velocity = velocity
-        self._touched = False
-
-        for _ in range(SUB_STEPS):
-            self._touched |= self._advance()
-
     def _place(self, pose: Pose) -> None:
         # The angle first: pymunk turns a body about its centre of gravity.
         self._body.angle = pose[2]

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from aicon_envs import checks
 from aicon_envs.checks import check_choice
 from aicon_envs.pusht.geometry import Point
-from aicon_envs.pusht.settings import DEFAULT_SPEED, ActionMode
 from aicon_envs.pusht.simulation import SIZE
 
 ObsType = Literal["environment_state_agent_pos", "state", "pixels", "pixels_agent_pos"]
@@ -67,15 +66,9 @@ def observation_space(
     return spaces.Dict(boxes)
 
 
-def action_space(mode: ActionMode, velocity_limit: float | None) -> spaces.Space[Action]:
-    """Return the space of the pusher's target, px, or of its velocity, px/s."""
-    box: spaces.Space[Any]  # a Box forgets its dtype
-    if mode == "position":
-        box = spaces.Box(0.0, SIZE, (2,), np.float32)
-    else:
-        speed = velocity_limit or DEFAULT_SPEED
-        box = spaces.Box(-speed, speed, (2,), np.float32)
-
+def action_space() -> spaces.Space[Action]:
+    """Return the space of the pusher's target, px."""
+    box: spaces.Space[Any] = spaces.Box(0.0, SIZE, (2,), np.float32)  # forgets its dtype
     return box
 
 

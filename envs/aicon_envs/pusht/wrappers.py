@@ -12,10 +12,9 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
-from numpy.typing import NDArray
 
 from aicon_envs.pusht.environment import PushTEnv
-from aicon_envs.pusht.spaces import AGENT, KEYPOINTS, Action, Observation
+from aicon_envs.pusht.spaces import KEYPOINTS, Action, Observation
 
 
 class ReadingBox(spaces.Box):
@@ -66,39 +65,29 @@ class SensorNoise(_ImperfectSensor, RecordConstructorArgs):
     Args:
         env: A pushT environment that observes keypoints.
         sigma: Standard deviation σ, px.
-        agent: Whether `agent_pos` is noisy too.
 
     Raises:
         ValueError: If `sigma` is negative or the environment observes no keypoints.
     """
 
-    def __init__(
-        self, env: gym.Env[Observation, Action], sigma: float, agent: bool = False
-    ) -> None:
+    def __init__(self, env: gym.Env[Observation, Action], sigma: float) -> None:
         """Wrap an environment."""
-        RecordConstructorArgs.__init__(self, sigma=sigma, agent=agent)
+        RecordConstructorArgs.__init__(self, sigma=sigma)
         super().__init__(env)
 
         if not (np.isfinite(sigma) and sigma >= 0.0):
             raise ValueError(f"sigma must be a finite number >= 0, got {sigma!r}")
         self._sigma = sigma
-        self._noisy_keys = (KEYPOINTS, AGENT) if agent else (KEYPOINTS,)
 
         observation_spaces = dict(_check_observes_keypoints(env).spaces)
-        for key in self._noisy_keys:
-            observation_spaces[key] = _unbounded(observation_spaces[key])
+        observation_spaces[KEYPOINTS] = _unbounded(observation_spaces[KEYPOINTS])
         self.observation_space = spaces.Dict(observation_spaces)
 
     def _sense(self, observation: Observation) -> Observation:
         """Return the observation with noise."""
-        sensed = dict(observation)
-        for key in self._noisy_keys:
-            sensed[key] = observation[key] + self._draw_noise(observation[key])
-
-        return sensed
-
-    def _draw_noise(self, reading: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self._generator.normal(0.0, self._sigma, reading.shape)
+        reading = observation[KEYPOINTS]
+        noise = self._generator.normal(0.0, self._sigma, reading.shape)
+        return {**observation, KEYPOINTS: reading + noise}
 
 
 class Dropout(_ImperfectSensor, RecordConstructorArgs):

@@ -1,8 +1,5 @@
-"""What the pusher does with an action, in both modes."""
+"""What the pusher does with an action."""
 
-from typing import Any
-
-import gymnasium as gym
 import numpy as np
 import pytest
 from _pusht_env import APART
@@ -10,32 +7,7 @@ from _pusht_env import APART
 from aicon_envs.pusht import PushTEnv
 
 
-def test_velocity_mode_moves_with_exactly_the_velocity_of_limited_norm() -> None:
-    env = PushTEnv(action_mode="velocity", velocity_limit=300.0)
-    assert env.action_space == gym.spaces.Box(-300.0, 300.0, (2,), np.float32)
-
-    _, info = env.reset(options={"reset_to_state": [256.0, 256.0, 100.0, 100.0, 0.0]})
-    for velocity in np.random.default_rng(0).uniform(-300.0, 300.0, (10, 2)):
-        before = info["pos_agent"]
-        _, _, _, _, info = env.step(velocity)
-
-        expected = velocity * min(1.0, 300.0 / float(np.linalg.norm(velocity)))
-        np.testing.assert_allclose(info["pos_agent"] - before, 0.1 * expected, atol=1e-9)
-        np.testing.assert_allclose(info["vel_agent"], expected, rtol=1e-6)
-
-
-def test_the_pusher_stays_in_the_world_in_velocity_mode() -> None:
-    env = PushTEnv(action_mode="velocity", action_noise=5.0)
-    env.reset(seed=0)
-
-    for velocity in ([400.0, 0.0], [0.0, 400.0], [-400.0, -400.0]):
-        for _ in range(20):
-            observation, _, _, _, _ = env.step(np.array(velocity, np.float32))
-            assert observation["agent_pos"].min() >= -1e-9
-            assert observation["agent_pos"].max() <= 512.0 + 1e-9
-
-
-def test_targets_outside_the_world_are_clipped_in_position_mode() -> None:
+def test_targets_outside_the_world_are_clipped() -> None:
     env = PushTEnv()
     env.reset(options={"reset_to_state": APART})
 
@@ -45,7 +17,7 @@ def test_targets_outside_the_world_are_clipped_in_position_mode() -> None:
 
 
 @pytest.mark.parametrize("limit", [50.0, 200.0])
-def test_velocity_limit_holds_in_position_mode(limit: float) -> None:
+def test_the_velocity_limit_holds(limit: float) -> None:
     env = PushTEnv(velocity_limit=limit)
     _, info = env.reset(options={"reset_to_state": APART})
     target = np.array([400.0, 500.0], np.float32)
@@ -58,19 +30,16 @@ def test_velocity_limit_holds_in_position_mode(limit: float) -> None:
     assert max(speeds) <= limit + 1e-9 and speeds[-1] == pytest.approx(limit)
 
 
-@pytest.mark.parametrize("mode", ["position", "velocity"])
-def test_action_noise_has_the_stated_size(mode: Any) -> None:
-    env = PushTEnv(action_mode=mode, action_noise=3.0, velocity_limit=1e4)
-    quiet = PushTEnv(action_mode=mode, velocity_limit=1e4)
-    action = np.array([256.0, 256.0] if mode == "position" else [0.0, 0.0], np.float32)
+def test_action_noise_has_the_stated_size() -> None:
+    env = PushTEnv(action_noise=3.0, velocity_limit=1e4)
+    quiet = PushTEnv(velocity_limit=1e4)
+    action = np.array([256.0, 256.0], np.float32)
     options = {"reset_to_state": [156.0, 256.0, 400.0, 100.0, 0.0]}
 
     # From rest, the PD controller covers a fixed share of the target offset in one step.
     _, start = quiet.reset(options=options)
     _, _, _, _, moved = quiet.step(action)
-    share = 1.0
-    if mode == "position":
-        share = (moved["pos_agent"] - start["pos_agent"])[0] / 100.0
+    share = (moved["pos_agent"] - start["pos_agent"])[0] / 100.0
 
     errors = []
     for seed in range(400):

@@ -94,35 +94,5 @@ def test_spaces_are_those_of_gym_pusht(upstream: Any, obs_type: Any) -> None:
     assert theirs.action_space == ours.action_space
 
 
-def test_legacy_reset_sets_what_gym_pusht_sets(upstream: Any) -> None:
-    options = {"reset_to_state": [100.0, 110.0, 220.0, 330.0, 1.0]}
-    theirs, ours = upstream(), PushTEnv(obs_type="state", legacy_reset=True)
-    assert_same(theirs.reset(options=options)[0], ours.reset(options=options)[0], 1e-9)
-
-
-def test_starts_of_version_0_1_5() -> None:
-    """By the formula in that version, whose state is set as in 0.1.8."""
-    env = PushTEnv(obs_type="state", start_distribution="0.1.5")
-
-    for seed in range(20):
-        rng = np.random.RandomState(seed)
-        pusher, block = rng.randint(50, 450, 2), rng.randint(100, 400, 2)
-        angle = rng.randn() * 2 * np.pi - np.pi
-
-        legacy = PushTEnv(obs_type="state", legacy_reset=True)
-        expected, _ = legacy.reset(options={"reset_to_state": [*pusher, *block, angle]})
-        assert_same(expected, env.reset(seed=seed)[0], 1e-12)
-
-
-def test_starts_of_version_0_1_5_without_a_seed_can_be_repeated() -> None:
-    env = PushTEnv(obs_type="state", start_distribution="0.1.5")
-
-    starts = []
-    for _ in range(2):
-        env.reset(seed=3)
-        starts.append(env.reset()[0])
-    assert_same(*starts)
-
-
 def test_pymunk_is_of_the_major_version_whose_physics_are_compared() -> None:
     assert pymunk.version.split(".")[0] == "6"

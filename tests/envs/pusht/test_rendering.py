@@ -1,13 +1,13 @@
-"""Pictures for people, with an overlay."""
+"""Pictures for people."""
 
 import numpy as np
 from _environments import assert_same
 from _pusht_env import APART
 
-from aicon_envs.pusht import OBJECTS, Overlay, PushTEnv
+from aicon_envs.pusht import OBJECTS, PushTEnv
 
 
-def test_overlay_and_target_are_in_renderings_only() -> None:
+def test_the_target_is_in_renderings_only() -> None:
     env = PushTEnv(
         obs_type="pixels",
         render_mode="rgb_array",
@@ -18,14 +18,11 @@ def test_overlay_and_target_are_in_renderings_only() -> None:
     plain = env.render()
     assert plain is not None and plain.shape == (100, 200, 3) and plain.dtype == np.uint8
 
-    env.overlay = Overlay(
-        arrows=[(100, 100, 50, 20, (1, 2, 3))], points=[(400, 400, (4, 5, 6))], text="exploring"
-    )
+    env.step(np.array([200.0, 300.0], np.float32))
     drawn = env.render()
     assert drawn is not None
-    for color in ((1, 2, 3), (4, 5, 6)):
-        assert (drawn == color).all(axis=-1).any()
-        assert not (plain == color).all(axis=-1).any()
+    assert (drawn == (255, 0, 0)).all(axis=-1).any()
+    assert not (plain == (255, 0, 0)).all(axis=-1).any()
 
     assert_same(env.reset(seed=0)[0], pixels)
 

@@ -28,7 +28,6 @@ def delayed_noise_with_dropout(env: Any) -> Any:
 
 WRAPPERS: dict[str, Any] = {
     "noise": partial(SensorNoise, sigma=2.0),
-    "noise on the agent": partial(SensorNoise, sigma=2.0, agent=True),
     "dropout": partial(Dropout, probability=0.5),
     "delay": partial(Delay, steps=3),
     "all": noise_in_dropout_delayed,
@@ -94,9 +93,8 @@ def test_the_world_is_that_of_the_environment_alone(wrap: Any) -> None:
         assert expected == results
 
 
-@pytest.mark.parametrize("agent", [False, True])
-def test_noise_has_the_stated_size(agent: bool) -> None:
-    record = observations(SensorNoise(PushTEnv(), 3.0, agent), 400, seed=0)
+def test_noise_has_the_stated_size() -> None:
+    record = observations(SensorNoise(PushTEnv(), 3.0), 400, seed=0)
     truth = observations(PushTEnv(), 400, seed=0)
 
     errors = stacked(record) - stacked(truth)
@@ -105,7 +103,7 @@ def test_noise_has_the_stated_size(agent: bool) -> None:
     assert abs(np.corrcoef(errors[1:, 0], errors[:-1, 0])[0, 1]) < 0.15
 
     positions = stacked(record, "agent_pos") - stacked(truth, "agent_pos")
-    np.testing.assert_allclose(positions.std(axis=0), 3.0 if agent else 0.0, rtol=0.15)
+    np.testing.assert_array_equal(positions, 0.0)
 
 
 @pytest.mark.parametrize("probability", [0.0, 0.3, 1.0])
@@ -146,7 +144,7 @@ def test_two_noises_are_independent() -> None:
 
 def test_specs_make_the_wrapped_environment_again() -> None:
     plain = gym.make("aicon/PushT-v0", object="L")
-    env = Delay(Dropout(SensorNoise(plain, 2.0, agent=True), 0.2), 3)
+    env = Delay(Dropout(SensorNoise(plain, 2.0), 0.2), 3)
     assert env.spec is not None
 
     again = gym.make(env.spec)

@@ -10,10 +10,14 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.agents.diffusion.checkpoint import WEIGHTS, load
-from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
 from aicon_baselines.agents.diffusion.hub import locate
-from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
-from aicon_baselines.agents.diffusion.random_seeds import episode_seed, sample_generator
+from aicon_baselines.agents.diffusion.lerobot_names import (
+    ACTION,
+    KEYPOINTS,
+    PIXELS,
+    STATE,
+    import_lerobot,
+)
 from aicon_baselines.evaluation.errors import ComparisonError
 
 Observation = dict[str, NDArray[Any]]
@@ -258,3 +262,34 @@ def _append(history: Tensor, newest: Tensor, starts: Tensor) -> Tensor:
 
     starts = starts.view(-1, *[1] * (appended.ndim - 1))
     return torch.where(starts, newest.expand_as(appended), appended)
+
+
+def episode_seed(seed: int, first_readings: list[NDArray[np.generic]]) -> int:
+    """Return the seed of an episode, below 2⁶².
+
+    Args:
+        seed: Seed of the policy.
+        first_readings: The first observation of the episode.
+    """
+    digest = hashlib.sha256()
+    for reading in first_readings:
+        digest.update(np.ascontiguousarray(reading).tobytes())
+
+    sequence = np.random.SeedSequence([seed, *digest.digest()])
+    return _draw_word(sequence) >> 2
+
+
+def sample_generator(episode: int, sample: int) -> torch.Generator:
+    """Return the random numbers of one sample of actions.
+
+    Args:
+        episode: Seed of the episode.
+        sample: How often the episode has sampled before.
+    """
+    # Not the sum: the seeds of two episodes may be near each other.
+    sequence = np.random.SeedSequence([episode, sample])
+    return torch.Generator().manual_seed(_draw_word(sequence) % 2**63)
+
+
+def _draw_word(sequence: np.random.SeedSequence) -> int:
+    return int(sequence.generate_state(1, np.uint64)[0])

@@ -13,8 +13,13 @@ from aicon_baselines.agents.diffusion.checkpoint_formats import (
     read_shapes,
     split_statistics,
 )
-from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
-from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.diffusion.lerobot_names import (
+    ACTION,
+    KEYPOINTS,
+    PIXELS,
+    STATE,
+    import_lerobot,
+)
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import read_json
 

@@ -14,8 +14,7 @@ from typing import Any
 
 from torch import Tensor
 
-from aicon_baselines.agents.diffusion.feature_names import FEATURE_TYPES
-from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.diffusion.lerobot_names import FEATURE_TYPES, import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
 
 Shapes = dict[str, tuple[int, ...]]

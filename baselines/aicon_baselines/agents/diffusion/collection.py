@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from aicon_baselines.agents.diffusion.dataset_writer import write_dataset
+from aicon_baselines.agents.diffusion.configs import CHUNK_SIZE, RecordingConfig
+from aicon_baselines.agents.diffusion.dataset import write_dataset
 from aicon_baselines.agents.diffusion.demonstrations import Demonstration, record_chunk
-from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
-from aicon_baselines.agents.diffusion.recording_config import CHUNK_SIZE, RecordingConfig
+from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
 from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import only_writer, read_json, write_json

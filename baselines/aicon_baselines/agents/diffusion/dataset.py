@@ -1,17 +1,95 @@
-"""Datasets of demonstrations, checked and read into memory."""
+"""Datasets of demonstrations: written by LeRobot, checked, and read into memory."""
 
-from itertools import product
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import islice, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
-from aicon_baselines.agents.diffusion.frames import Frames
-from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.diffusion.configs import RecordingConfig
+from aicon_baselines.agents.diffusion.demonstrations import Demonstration
+from aicon_baselines.agents.diffusion.lerobot_names import (
+    ACTION,
+    KEYPOINTS,
+    PIXELS,
+    STATE,
+    import_lerobot,
+)
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import read_json
+
+
+@dataclass(frozen=True)
+class Frames:
+    """A dataset of N frames in memory.
+
+    Attributes:
+        columns: Arrays (N, ...) by the dataset's names; pictures as uint8 (N, 3, height, width).
+        first: (N,), index of the first frame of each frame's episode.
+        last: (N,), index of its last frame.
+        statistics: Those of the dataset, for the normalisation.
+        features: The features of the dataset, as LeRobot describes them.
+    """
+
+    columns: dict[str, NDArray[Any]]
+    first: NDArray[np.int64]
+    last: NDArray[np.int64]
+    statistics: dict[str, Any]
+    features: dict[str, dict[str, Any]]
+
+    def __len__(self) -> int:
+        """Count the frames."""
+        return len(self.first)
+
+    def windows(
+        self, index: NDArray[np.int64], offsets: dict[str, list[int]]
+    ) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[np.bool_]]]:
+        """Return the values around frames, and which of them are padding.
+
+        As in LeRobot, an episode's first frame stands for what would lie before it, and its last
+        for what lies after.
+
+        Args:
+            index: (B,), the frames.
+            offsets: For each column the T offsets to take, in frames.
+
+        Returns:
+            The values (B, T, ...) and the paddings (B, T), by column.
+        """
+        first, last = self.first[index], self.last[index]
+        values, paddings = {}, {}
+
+        for name, steps in offsets.items():
+            wanted = index[:, None] + np.array(steps)
+            available = np.clip(wanted, first[:, None], last[:, None])
+
+            values[name] = self.columns[name][available]
+            paddings[name] = wanted != available
+
+        return values, paddings
+
+
+def shuffled_batches(count: int, batch_size: int, seed: int) -> Iterator[NDArray[np.int64]]:
+    """Yield indices (B,) of frames without end; each epoch is a new permutation of all of them.
+
+    Args:
+        count: Number of frames.
+        batch_size: B; a batch may go over the end of an epoch.
+        seed: Seed of the permutations.
+    """
+    rng = np.random.default_rng(seed)
+    remaining: NDArray[np.int64] = np.empty(0, np.int64)
+
+    while True:
+        while len(remaining) < batch_size:
+            remaining = np.concatenate([remaining, rng.permutation(count)])
+
+        yield remaining[:batch_size]
+        remaining = remaining[batch_size:]
+
 
 _POSITION = {"dtype": "float32", "shape": (2,), "names": ["x", "y"]}
 _COORDINATES = [f"{axis}{i}" for i, axis in product(range(8), "xy")]
@@ -95,3 +173,43 @@ def _read_pictures(dataset: Any) -> NDArray[np.uint8]:
         pictures.append((picture * 255.0).round().astype(np.uint8))
 
     return np.stack(pictures)
+
+
+_FRAMES_PER_SECOND = 10
+_TASK = "Push the T onto its target."
+_SHOWN = {"keypoints": KEYPOINTS, "pixels": PIXELS}
+
+
+def write_dataset(
+    config: RecordingConfig, episodes: Iterable[Demonstration], folder: Path, name: str
+) -> None:
+    """Write as many demonstrations as are wanted as a `LeRobotDataset`.
+
+    Args:
+        config: What to write.
+        episodes: The demonstrations.
+        folder: Folder of the dataset, which does not exist yet.
+        name: Name of the dataset.
+    """
+    from datasets import disable_progress_bars
+
+    disable_progress_bars()  # one for each episode with pictures
+
+    shown = [_SHOWN[observation] for observation in config.observations]
+    names = [STATE, *shown, ACTION]
+    dataset: Any = import_lerobot("datasets.lerobot_dataset").LeRobotDataset.create(
+        repo_id=f"local/{name}",
+        fps=_FRAMES_PER_SECOND,
+        root=folder,
+        features={feature: FEATURES[feature] for feature in names},
+        use_videos=False,
+    )
+
+    # Frames belong to an episode by being added before it is saved.
+    for episode in islice(episodes, config.episodes):
+        for t in range(len(episode[ACTION])):
+            frame = {feature: episode[feature][t] for feature in names}
+            dataset.add_frame(frame | {"task": _TASK})
+        dataset.save_episode()
+
+    dataset.finalize()

@@ -3,19 +3,89 @@
 from typing import Any
 
 import gymnasium
+import gymnasium as gym
 import numpy as np
+from gymnasium import spaces
 from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
-from aicon_baselines.agents.diffusion.feature_names import ACTION, KEYPOINTS, PIXELS, STATE
-from aicon_baselines.agents.diffusion.keypoint_observation import KeypointObservation
-from aicon_baselines.agents.diffusion.recording_config import CHUNK_SIZE, RecordingConfig
-from aicon_baselines.agents.diffusion.start_states import reset_options
+from aicon_baselines.agents.diffusion.configs import CHUNK_SIZE, RecordingConfig
+from aicon_baselines.agents.diffusion.lerobot_names import ACTION, KEYPOINTS, PIXELS, STATE
 from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.tasks import side_by_side
-from aicon_envs.pusht import PushTEnv
+from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS, PushTEnv
+from aicon_envs.pusht.geometry import place
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
+
+
+class KeypointObservation(gym.ObservationWrapper[Any, Any, Any]):
+    """PushT that observes pictures and, beside them, the object's keypoints (2N,), px.
+
+    Args:
+        env: An environment whose observations are dictionaries, and whose object is the T.
+    """
+
+    def __init__(self, env: gym.Env[Any, Any]) -> None:
+        super().__init__(env)
+        self._keypoints = OBJECTS["T"].keypoints
+        self._pose: Any = None
+
+        readings: Any = env.observation_space
+        world = spaces.Box(0.0, 512.0, (2 * len(self._keypoints),), np.float64)
+        self.observation_space = spaces.Dict({**readings.spaces, "environment_state": world})
+
+    def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
+        """Start an episode."""
+        observation, info = self.env.reset(**arguments)
+        self._pose = info["block_pose"]
+        return self.observation(observation), info
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Move by one control step."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        self._pose = info["block_pose"]
+        return self.observation(observation), reward, terminated, truncated, info
+
+    def observation(self, observation: Any) -> Any:
+        """Add the keypoints."""
+        keypoints = place(self._keypoints, tuple(self._pose))
+        return {**observation, "environment_state": keypoints.ravel()}
+
+
+_GOAL_SPREAD = (40.0, 40.0, 0.5)  # standard deviations of a pose near the goal: px, px, rad
+_PUSHER_RANGE = (50.0, 450.0)  # px
+_CLEARANCE = 110.0  # px from the middle of the keypoints, where the pusher cannot touch the object
+
+
+def reset_options(seed: int, near: float) -> dict[str, Any]:
+    """Return the options of an episode's reset: none for the usual start, or a state near the goal.
+
+    Args:
+        seed: Seed of the episode.
+        near: Share of the episodes that start near the goal.
+    """
+    rng = np.random.default_rng(seed)
+    if rng.random() >= near:
+        return {}
+
+    object_pose = np.array(DEFAULT_GOAL) + rng.normal(size=3) * _GOAL_SPREAD
+    pusher = _sample_free_position(object_pose, rng)
+    return {"reset_to_state": [*pusher.tolist(), *object_pose.tolist()]}
+
+
+def _sample_free_position(
+    object_pose: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Draw a position (2,) of the pusher, px, where it does not touch the object at this pose."""
+    keypoints = place(OBJECTS["T"].keypoints, tuple(object_pose)).reshape(-1, 2)
+    middle = keypoints.mean(axis=0)
+
+    while True:
+        pusher = rng.uniform(*_PUSHER_RANGE, 2)
+        if np.linalg.norm(middle - pusher) > _CLEARANCE:
+            return pusher
+
 
 Demonstration = dict[str, NDArray[Any]]
 """One episode of T steps, by the names of LeRobot: `observation.state` (T, 2), `action` (T, 2), and

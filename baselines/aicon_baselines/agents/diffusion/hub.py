@@ -6,7 +6,7 @@ from urllib.error import HTTPError, URLError
 from urllib.request import Request, urlopen
 
 from aicon_baselines.agents.diffusion.checkpoint import WEIGHTS
-from aicon_baselines.agents.diffusion.lerobot_import import import_lerobot
+from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
 
 _TIMEOUT = 3.0  # s

@@ -3,12 +3,9 @@
 | file | content |
 |---|---|
 | `training_config.py` | what is trained |
-| `shaped_reward.py` | the reward of pushT in training; navigation has the environment's own |
-| `pusher_frame.py` | actions and keypoints of pushT, relative to the pusher |
-| `last_action.py` | an agent sees its last action |
+| `wrappers.py` | pushT's reward in training and its frame, and the last action, which agents see |
 | `environments.py` | the environments of the training, and everything that an agent observes |
-| `features_extractor.py` | how readings enter the network |
-| `algorithms.py` | networks and hyperparameters |
+| `algorithms.py` | networks and hyperparameters, and how readings enter |
 | `training.py` | training, and going on with it |
 | `checkpoints.py` | saving during training |
 | `agent_folder.py` | the folder of an agent |

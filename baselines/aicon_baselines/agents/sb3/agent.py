@@ -9,9 +9,8 @@ import torch
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.sb3.agent_folder import load_agent, read_config, weight_files
-from aicon_baselines.agents.sb3.last_action import LAST_ACTION
-from aicon_baselines.agents.sb3.pusher_frame import OFFSETS, add_offsets, target_of_action
 from aicon_baselines.agents.sb3.training_config import training_command
+from aicon_baselines.agents.sb3.wrappers import LAST_ACTION, OFFSETS, add_offsets, target_of_action
 from aicon_baselines.evaluation.errors import ComparisonError
 
 Observation = dict[str, NDArray[Any]]

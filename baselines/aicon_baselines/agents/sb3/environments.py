@@ -21,11 +21,9 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecFrameStack, VecNormalize
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_baselines.agents.sb3.features_extractor import is_bearing
-from aicon_baselines.agents.sb3.last_action import LAST_ACTION, LastAction
-from aicon_baselines.agents.sb3.pusher_frame import PusherFrame
-from aicon_baselines.agents.sb3.shaped_reward import ShapedReward
+from aicon_baselines.agents.sb3.algorithms import is_bearing
 from aicon_baselines.agents.sb3.training_config import TrainingConfig
+from aicon_baselines.agents.sb3.wrappers import LAST_ACTION, LastAction, PusherFrame, ShapedReward
 
 _ENV_IDS = {"nav2d": "aicon/Nav2D-v0", "pusht": "aicon/PushT-v0"}
 

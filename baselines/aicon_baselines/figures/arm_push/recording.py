@@ -18,10 +18,7 @@ _END_EFFECTOR = "x_ee"
 
 
 class ArmRecording(Recording):
-    """An episode with m frames, each of the scene from outside and of the camera in the hand.
-
-    The figure shows the gradients at the end effector, and those that arrive at the joints besides.
-    """
+    """An episode with m frames, each of the scene from outside and of the camera in the hand."""
 
     @property
     def outside(self) -> list[Frame]:
@@ -64,21 +61,16 @@ class ArmRecording(Recording):
 
 
 def record(policy: Policy, seed: int, horizon: int, *, progress: bool = False) -> ArmRecording:
-    """Run an episode with the camera and keep every tenth step.
+    """Run an episode of a policy that uses the camera, and keep every tenth step.
 
-    Args:
-        policy: A policy of the arm that uses the camera.
-        seed: Seed of the episode.
-        horizon: Steps after which it ends.
-        progress: Whether to show a progress bar, on a terminal only.
+    The episode ends by success, or after `horizon` steps: the film's own limit.
     """
     env = ArmPushEnv(render_mode="rgb_array", render_width=480, render_height=360)
 
     def look(observation: Any) -> tuple[Frame, Frame]:
         return env.picture("outside"), observation["rgb"]
 
-    # A picture of the scene is slow to render: every tenth step has one. The episode ends by
-    # success; the horizon is the film's own limit.
+    # A picture of the scene is slow to render: only the steps that are kept have one.
     return recording.record(
         ArmRecording,
         policy,

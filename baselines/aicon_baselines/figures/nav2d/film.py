@@ -3,19 +3,15 @@
 import math
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from aicon_baselines import palette
-from aicon_baselines.evaluation.recording import FloatArray, track
-from aicon_baselines.figures.film import Film
-from aicon_baselines.figures.nav2d import style
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.figures.nav2d.grid import Grid, grid_around
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
 from aicon_baselines.figures.nav2d.timeline import draw_strengths
 from aicon_baselines.figures.nav2d.view import NavigationView
-from aicon_baselines.figures.rendering import is_moving_picture, save_video
-from aicon_baselines.figures.style import TIMELINE_TINT, blend
+from aicon_baselines.figures.rendering import Film, is_moving_picture, save_video
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
 
 _DURATION = 22.0  # s that a film lasts at most
@@ -83,7 +79,7 @@ def draw_film(
 
     rate = _frame_rate(path)
     steps = track(film_steps(recording, path), "video", progress)
-    save_video(film.frames(steps, hold=rate), path, rate, _palette())
+    save_video(film.frames(steps, hold=rate), path, rate)
 
 
 def film_steps(recording: NavigationRecording, path: Path) -> range:
@@ -105,34 +101,3 @@ def _phase(recording: NavigationRecording, step: int) -> str:
     strengths = {name: values[step] for name, values in recording.strengths.items()}
     strongest = max(strengths, key=strengths.__getitem__)
     return _PHASES[strongest]
-
-
-def _palette() -> FloatArray:
-    """The colours of a gif: the heights, tinted ones where it would explore, and the marks."""
-    # The ground: heights, and the same where it would explore.
-    heights = style.HEIGHT(np.linspace(0, 1, 40))[:, :3]
-    tinted = blend(palette.EXPLORING, style.TINT, heights)
-
-    # The timeline.
-    white = np.ones(3)
-    colors = [white, blend(palette.EXPLORING, TIMELINE_TINT)]
-
-    # The soft edges of the marks lie half-way to what is behind them.
-    marks = (
-        palette.ROBOT,
-        palette.TARGET,
-        palette.BELIEF,
-        palette.OBSTACLE,
-        palette.EXPLORING,
-        style.ARROW,
-        palette.TOWARDS,
-        palette.CERTAINTY,
-        palette.AWAY,
-        "black",
-    )
-    for mark in marks:
-        colors.append(blend(mark, 1.0))
-        colors.append(blend(mark, 0.5, white))
-        colors.append(blend(mark, 0.5, heights[20]))
-
-    return np.concatenate([heights, tinted, colors])

@@ -6,8 +6,7 @@ from aicon_baselines.figures.pusht.film import draw_film
 from aicon_baselines.figures.pusht.panels import choose_panels, summarize
 from aicon_baselines.figures.pusht.recording import record
 from aicon_baselines.figures.pusht.rollout_picture import draw_rollout
-from aicon_baselines.figures.rendering import check_video
-from aicon_baselines.figures.summary import FigureSummary, save_numbers
+from aicon_baselines.figures.summary import FigureFiles, FigureSummary
 from aicon_torch import make_policy
 
 DEFAULT_SEED = 1043
@@ -29,26 +28,18 @@ def make_figure(
         ComparisonError: If the format of the video is unknown, the episode is too short for six
             panels, or imageio is not installed and the video is an mp4.
     """
-    check_video(video)
-    out.mkdir(parents=True, exist_ok=True)
-    picture, numbers_file = out / "pusht_rollout.png", out / "pusht_rollout.json"
+    files = FigureFiles(out, "pusht_rollout", video)
 
     # The episode, and what the figure is to show of it.
     recording = record(make_policy("pusht").compile(), seed)
     panels = choose_panels(recording)
     numbers = summarize(recording, panels)
 
-    # The picture and its numbers.
-    save_numbers(numbers, numbers_file)
-    draw_rollout(recording, panels, picture, progress=progress)
-    files = [picture, numbers_file]
-
-    # The film, of the whole episode.
-    if video != "none":
-        film = picture.with_suffix(f".{video}")
-        draw_film(recording, film, progress=progress)
-        files.append(film)
+    # The picture, and the film of the whole episode.
+    draw_rollout(recording, panels, files.picture, progress=progress)
+    if files.film is not None:
+        draw_film(recording, files.film, progress=progress)
 
     length = f"{numbers['path_length_px']} px"
     headline = f"{recording.ending} after {numbers['duration_s']} s and {length}"
-    return FigureSummary(headline, numbers, tuple(files))
+    return files.summary(headline, numbers)

@@ -2,20 +2,16 @@
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from aicon_baselines import palette
-from aicon_baselines.evaluation.recording import FloatArray, track
-from aicon_baselines.figures.film import Film
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.figures.pusht.panels import phase
 from aicon_baselines.figures.pusht.recording import PushRecording
 from aicon_baselines.figures.pusht.timeline import add_timelines
-from aicon_baselines.figures.pusht.view import GROUND_TINT, PushView
-from aicon_baselines.figures.rendering import is_moving_picture, save_video
-from aicon_baselines.figures.style import TIMELINE_TINT, blend
+from aicon_baselines.figures.pusht.view import PushView
+from aicon_baselines.figures.rendering import Film, is_moving_picture, save_video
 from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend
-from aicon_baselines.worlds.surroundings import GOAL_TINT
 
 _COST, _STRENGTHS = (0.098, 0.112, 0.887, 0.07), (0.098, 0.022, 0.887, 0.07)
 
@@ -73,35 +69,4 @@ def draw_film(recording: PushRecording, path: Path, *, progress: bool = False) -
 
     rate = round((0.5 if small else 1.0) / recording.time_step)
     moments = track(range(recording.steps + 1), "video", progress)
-    save_video(film.frames(moments, hold=rate), path, rate, _palette())
-
-
-def _palette() -> FloatArray:
-    """The colours of a gif: the marks on white, with their soft edges, pale areas and greys."""
-    marks = (
-        palette.ROBOT,
-        palette.TOWARDS,
-        palette.AWAY,
-        palette.EXPLORING,
-        palette.OBJECT,
-        palette.OUTLINE,
-        palette.GOAL,
-        palette.OBSTACLE,
-        palette.INK,
-        palette.MOTION,
-    )
-    # From opaque to almost white, as the edges of the marks are.
-    colors = []
-    for opacity in (1.0, 0.8, 0.6, 0.4, 0.2):
-        for mark in marks:
-            colors.append(blend(mark, opacity))
-
-    # Large areas need their very colour.
-    areas = [
-        blend(palette.EXPLORING, TIMELINE_TINT),
-        blend(palette.EXPLORING, GROUND_TINT),
-        blend(palette.GOAL, GOAL_TINT),
-        blend(palette.WALL, 1.0),
-    ]
-    greys = np.linspace(0, 1, 24)[:, np.newaxis].repeat(3, axis=1)
-    return np.concatenate([colors, areas, greys])
+    save_video(film.frames(moments, hold=rate), path, rate)

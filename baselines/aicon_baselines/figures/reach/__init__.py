@@ -1,7 +1,6 @@
 """The figure of arms that reach: moments of an episode of each, and how near it came to what."""
 
-from aicon_baselines.figures.reach.figure import make_figure
-from aicon_baselines.figures.reach.picture import draw_picture
+from aicon_baselines.figures.reach.figure import draw_picture, make_figure
 from aicon_baselines.figures.reach.recording import ReachRecording, record
 
 __all__ = ["ReachRecording", "draw_picture", "make_figure", "record"]

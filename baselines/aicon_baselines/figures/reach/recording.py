@@ -17,7 +17,7 @@ from aicon_envs.reach.simulation import CONTROL_STEP
 from aicon_torch import Policy
 
 STRIDE = 2
-"""Control steps from one picture to the next."""
+"""Control steps from one picture to the next; the last is of the end."""
 
 
 @dataclass(frozen=True)
@@ -30,35 +30,14 @@ class ReachRecording(Recording):
 
     robot: str = ""
 
-    @property
-    def frames(self) -> list[Frame]:
-        """Pictures, one in two steps, the first before the first step and the last of the end."""
-        return list(self.pictures)
-
     @cached_property
     def times(self) -> FloatArray:
         """When each step ended, (n,), s."""
         return CONTROL_STEP * np.arange(1.0, self.steps + 1.0, dtype=np.float64)
 
-    @property
-    def distance(self) -> FloatArray:
-        """To the target, (n,), m."""
-        return self.told("distance")[1:]
-
-    @property
-    def angle(self) -> FloatArray:
-        """To the target, (n,), rad."""
-        return self.told("angle")[1:]
-
-    @property
-    def self_gap(self) -> FloatArray:
-        """Smallest gap of the robot to itself, (n,), m."""
-        return self.told("self_gap")[1:]
-
-    @property
-    def limit_margin(self) -> FloatArray:
-        """Smallest distance of a joint to its stops, (n,), rad."""
-        return self.told("limit_margin")[1:]
+    def after(self, name: str) -> FloatArray:
+        """What the environment told by this name after each step, (n,)."""
+        return self.told(name)[1:]
 
     @cached_property
     def exploring(self) -> BoolArray:
@@ -77,15 +56,7 @@ def record(
     balls: int = 0,
     progress: bool = False,
 ) -> ReachRecording:
-    """Run an episode of a robot that reaches for a pose from its home.
-
-    Args:
-        policy: What moves it.
-        robot: Name of the robot.
-        seed: Seed of the episode.
-        horizon: Steps after which it ends.
-        balls: Number of balls about on its way.
-        progress: Whether to show a progress bar, on a terminal only.
+    """Run an episode of a robot that reaches for a pose from its home, with balls on its way.
 
     Raises:
         RuntimeError: If nothing can be rendered.

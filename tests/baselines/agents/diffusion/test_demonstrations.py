@@ -7,9 +7,8 @@ import pytest
 pytest.importorskip("pymunk")
 
 from aicon_baselines.agents.diffusion import demonstrations
-from aicon_baselines.agents.diffusion.demonstrations import record_chunk
-from aicon_baselines.agents.diffusion.recording_config import RecordingConfig
-from aicon_baselines.agents.diffusion.start_states import reset_options
+from aicon_baselines.agents.diffusion.configs import RecordingConfig
+from aicon_baselines.agents.diffusion.demonstrations import record_chunk, reset_options
 from aicon_baselines.evaluation import ComparisonError
 from aicon_envs.pusht import PushTEnv
 

@@ -1,6 +1,6 @@
 import numpy as np
 
-from aicon_baselines.agents.diffusion.frames import Frames, shuffled_batches
+from aicon_baselines.agents.diffusion.dataset import Frames, shuffled_batches
 
 
 def test_windows_stay_in_their_episode() -> None:

@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 
-from aicon_baselines.agents.diffusion.training_config import TrainingConfig
+from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.evaluation import ComparisonError
 
 

@@ -42,7 +42,7 @@ def demos(
 ) -> Path:
     """The folder of a dataset with keypoints and pictures."""
     from aicon_baselines.agents.diffusion.collection import collect
-    from aicon_baselines.agents.diffusion.recording_config import RecordingConfig
+    from aicon_baselines.agents.diffusion.configs import RecordingConfig
 
     folder = tmp_path_factory.mktemp("demos") / "data"
     with pytest.MonkeyPatch.context() as patch:
@@ -55,8 +55,8 @@ def demos(
 @pytest.fixture(scope="session")
 def policy(demos: Path, small: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a trained policy."""
+    from aicon_baselines.agents.diffusion.configs import TrainingConfig
     from aicon_baselines.agents.diffusion.training import train
-    from aicon_baselines.agents.diffusion.training_config import TrainingConfig
 
     folder = tmp_path_factory.mktemp("training")
     assert train(TrainingConfig(20, **small), demos, folder, checkpoint=20) == 20

@@ -13,10 +13,9 @@ from lerobot.envs.utils import preprocess_observation
 from lerobot.policies.diffusion.modeling_diffusion import DiffusionPolicy
 from lerobot.policies.factory import make_pre_post_processors
 
-from aicon_baselines.agents.diffusion.agent import Agent
-from aicon_baselines.agents.diffusion.random_seeds import sample_generator
+from aicon_baselines.agents.diffusion.agent import Agent, sample_generator
+from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.agents.diffusion.training import train
-from aicon_baselines.agents.diffusion.training_config import TrainingConfig
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.tasks import load as load_task
 

@@ -15,9 +15,9 @@ from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
 from aicon_baselines.agents.diffusion import collection
 from aicon_baselines.agents.diffusion.collection import collect
+from aicon_baselines.agents.diffusion.configs import RecordingConfig
 from aicon_baselines.agents.diffusion.dataset import read_frames
 from aicon_baselines.agents.diffusion.demonstrations import record_chunk
-from aicon_baselines.agents.diffusion.recording_config import RecordingConfig
 from aicon_baselines.evaluation import ComparisonError
 
 SetChunkSize = Callable[[pytest.MonkeyPatch, int], None]

@@ -11,10 +11,10 @@ from lerobot.policies.diffusion.modeling_diffusion import DiffusionPolicy
 from lerobot.policies.factory import make_pre_post_processors
 
 from aicon_baselines.agents.diffusion.checkpoint import load, save
+from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.agents.diffusion.dataset import read_frames
-from aicon_baselines.agents.diffusion.policy_config import make_policy_config
+from aicon_baselines.agents.diffusion.learner import make_policy_config
 from aicon_baselines.agents.diffusion.training import train
-from aicon_baselines.agents.diffusion.training_config import TrainingConfig
 from aicon_baselines.evaluation import ComparisonError
 
 

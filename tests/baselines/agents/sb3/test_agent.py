@@ -11,10 +11,9 @@ pytest.importorskip("pymunk")
 from aicon_baselines.agents import sb3
 from aicon_baselines.agents.registry import saved_agent
 from aicon_baselines.agents.sb3.environments import make_training_envs
-from aicon_baselines.agents.sb3.last_action import LAST_ACTION
-from aicon_baselines.agents.sb3.pusher_frame import OFFSETS, target_of_action
 from aicon_baselines.agents.sb3.statistics import load_statistics
 from aicon_baselines.agents.sb3.weights import load_trusted_algorithm
+from aicon_baselines.agents.sb3.wrappers import LAST_ACTION, OFFSETS, target_of_action
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.tasks import load
 

@@ -10,7 +10,7 @@ import gymnasium as gym
 from _inputs import driven
 
 import aicon_envs  # noqa: F401  (registers the environments)
-from aicon_baselines.agents.sb3.shaped_reward import ShapedReward
+from aicon_baselines.agents.sb3.wrappers import ShapedReward
 
 
 def potential(observation: dict[str, Any], info: dict[str, Any], approach: float) -> float:

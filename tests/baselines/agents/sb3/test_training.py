@@ -12,10 +12,10 @@ pytest.importorskip("pymunk")
 
 from aicon_baselines.agents import sb3
 from aicon_baselines.agents.sb3.environments import make_training_envs
-from aicon_baselines.agents.sb3.last_action import LAST_ACTION
 from aicon_baselines.agents.sb3.replay_file import load_replay_buffer
 from aicon_baselines.agents.sb3.statistics import load_statistics
 from aicon_baselines.agents.sb3.weights import load_algorithm
+from aicon_baselines.agents.sb3.wrappers import LAST_ACTION
 from aicon_baselines.evaluation import ComparisonError
 
 

@@ -15,7 +15,7 @@ from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.arm_push import ArmRecording, figure, make_figure, record
-from aicon_baselines.figures.arm_push.timeline import add_timelines
+from aicon_baselines.figures.arm_push.figure import add_timelines
 from aicon_baselines.tasks.arm_push import TASK
 
 SEED, HORIZON = 1000, 21

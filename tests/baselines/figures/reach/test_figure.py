@@ -15,8 +15,7 @@ from PIL import Image
 from aicon_baselines.agents import factory
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.reach import ReachRecording, draw_picture, make_figure, record
-from aicon_baselines.figures.reach.film import captioned, draw_film
-from aicon_baselines.figures.reach.picture import ZOOM, _draw_curves
+from aicon_baselines.figures.reach.figure import ZOOM, captioned, draw_curves, draw_film
 
 
 @pytest.fixture(scope="module")
@@ -29,10 +28,11 @@ def episode() -> ReachRecording:
 
 
 def test_every_second_step_is_seen_and_every_step_is_measured(episode: ReachRecording) -> None:
-    assert len(episode.frames) == 4 and episode.frames[0].shape == (480, 480, 3)
-    assert not np.array_equal(episode.frames[0], episode.frames[-1])
+    assert len(episode.pictures) == 4 and episode.pictures[0].shape == (480, 480, 3)
+    assert not np.array_equal(episode.pictures[0], episode.pictures[-1])
     np.testing.assert_allclose(episode.times, 0.02 * np.arange(1, 8))
-    for values in (episode.distance, episode.angle, episode.self_gap, episode.limit_margin):
+    for name in ("distance", "angle", "self_gap", "limit_margin"):
+        values = episode.after(name)
         assert values.shape == (7,) and (values > 0.0).all()
 
 
@@ -48,17 +48,17 @@ def test_the_film_says_what_happens(episode: ReachRecording, tmp_path: Path) -> 
         assert film.size == (320, 320) and film.n_frames > 2
 
     written = list(captioned(episode))
-    assert len(written) == len(episode.frames)
-    for frame, picture in zip(written, episode.frames, strict=True):
+    assert len(written) == len(episode.pictures)
+    for frame, picture in zip(written, episode.pictures, strict=True):
         plain = picture[ZOOM, ZOOM]
         assert (frame[:40] != plain[:40]).any() and (frame[50:] == plain[50:]).all()
 
 
 def test_the_curves_are_those_of_the_episode(episode: ReachRecording) -> None:
     axes = Figure().add_subplot()
-    _draw_curves(axes, episode)
-    np.testing.assert_array_equal(axes.lines[0].get_ydata(), episode.distance)
-    np.testing.assert_array_equal(axes.lines[2].get_ydata(), episode.self_gap)
+    draw_curves(axes, episode)
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), episode.after("distance"))
+    np.testing.assert_array_equal(axes.lines[2].get_ydata(), episode.after("self_gap"))
 
 
 def test_an_unknown_format_is_an_error_before_anything_runs(tmp_path: Path) -> None:

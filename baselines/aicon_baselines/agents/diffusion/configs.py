@@ -1,9 +1,86 @@
-"""What a diffusion policy is trained with."""
+"""What demonstrations to record, and what a diffusion policy is trained with."""
 
 from dataclasses import dataclass
 
-from aicon_baselines.agents.diffusion.recording_config import OBSERVATIONS
 from aicon_baselines.evaluation.errors import ComparisonError
+
+OBSERVATIONS = ("keypoints", "pixels")
+"""What a demonstration can show of the object; the pusher's position is always there."""
+
+CHUNK_SIZE = 50
+"""Number of seeds that are recorded as one batch."""
+
+_REPORTED_SEEDS = (range(1000), range(20_000, 21_000))  # no demonstration may use them
+
+
+@dataclass(frozen=True)
+class RecordingConfig:
+    """What demonstrations to record; lengths are those of the environment, px.
+
+    Attributes:
+        episodes: Number of successful episodes.
+        seed: First seed.
+        noises: Standard deviations of the noise on the executed action, px; chunks of seeds take
+            turns. What is recorded is the action that was sent, without the noise: how to go on
+            from where the noise led.
+        near: Share of the episodes that start with the object near its goal; see
+            `demonstrations.py`.
+        max_speed: Largest speed of the teacher, px/s. The default, with `smoothing`, makes
+            demonstrations that last as long as human ones. At its own speed AICON solves the task
+            in half the steps, but its targets jump, and a student that executes eight actions
+            before it looks again learned nothing from them.
+        smoothing: Time constant of the low-pass on the teacher's velocity, s.
+        observations: Some of `OBSERVATIONS`.
+        horizon: Steps within which an episode has to succeed.
+
+    Raises:
+        ComparisonError: Where this cannot be recorded.
+    """
+
+    episodes: int = 200
+    seed: int = 100_000
+    noises: tuple[float, ...] = (0.0, 2.0)
+    near: float = 0.0
+    max_speed: float = 250.0
+    smoothing: float = 0.3
+    observations: tuple[str, ...] = ("keypoints",)
+    horizon: int = 300
+
+    def __post_init__(self) -> None:
+        for name in ("episodes", "horizon"):
+            count = getattr(self, name)
+            if count < 1:
+                raise ComparisonError(f"{name} must be 1 or more, not {count}")
+
+        self._check_seeds()
+
+        if not self.noises or min(self.noises) < 0.0:
+            raise ComparisonError(f"noises must be one or more numbers >= 0, not {self.noises}")
+        if not 0.0 <= self.near <= 1.0:
+            raise ComparisonError(f"near must be a share between 0 and 1, not {self.near}")
+
+        for name in ("max_speed", "smoothing"):
+            value = getattr(self, name)
+            if not value > 0.0:
+                raise ComparisonError(f"{name} must be positive, not {value}")
+
+        if not self.observations or set(self.observations) - set(OBSERVATIONS):
+            raise ComparisonError(
+                f"observations must be some of {', '.join(OBSERVATIONS)}, not {self.observations}"
+            )
+
+    def _check_seeds(self) -> None:
+        """Reject seeds that results are reported on, if every tenth episode is a success."""
+        seeds = range(self.seed, self.seed + 10 * self.episodes + CHUNK_SIZE)
+
+        for reported in _REPORTED_SEEDS:
+            overlaps = seeds.start < reported.stop and reported.start < seeds.stop
+            if overlaps or self.seed < 0:
+                raise ComparisonError(
+                    "seed must leave out 0 to 999 and 20000 to 20999, which results are reported "
+                    f"on, not {self.seed}: take 100000"
+                )
+
 
 PREDICTIONS = ("sample", "epsilon")
 NORMALIZATIONS = ("MEAN_STD", "MIN_MAX")

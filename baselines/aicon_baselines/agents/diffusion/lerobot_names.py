@@ -1,4 +1,4 @@
-"""LeRobot, which is large and not always installed, imported on demand."""
+"""What LeRobot calls things, and LeRobot itself, which is large and not always installed."""
 
 import os
 from importlib import import_module
@@ -6,6 +6,21 @@ from types import ModuleType
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import pip_command
+
+STATE = "observation.state"
+"""(2,), the pusher's position, px."""
+
+KEYPOINTS = "observation.environment_state"
+"""(16,), the object's keypoints x0, y0, x1, ..., px."""
+
+PIXELS = "observation.image"
+"""(3, height, width) in a policy, (height, width, 3) in a dataset."""
+
+ACTION = "action"
+"""(2,), target of the pusher's controller, px."""
+
+FEATURE_TYPES = {STATE: "STATE", KEYPOINTS: "ENV", PIXELS: "VISUAL", ACTION: "ACTION"}
+"""LeRobot's types of them, which choose the normalisation."""
 
 
 def import_lerobot(module: str) -> ModuleType:
