@@ -11,6 +11,7 @@ no page: the episode becomes one HTML file that plays in any browser, without a 
 import argparse
 import logging
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -88,6 +89,7 @@ def _serve(opening: "Opening", arguments: argparse.Namespace) -> None:
     from aicon_baselines.view import LiveView, serve
 
     server = serve(arguments.host, arguments.port, arguments.allow_host)
+    usual = signal.signal(signal.SIGINT, _end_at_once)
     try:
         name = "localhost" if arguments.host in _EVERYWHERE else arguments.host
         print(f"watch it at http://{name}:{server.get_port()} (Ctrl-C ends it)", flush=True)
@@ -97,13 +99,19 @@ def _serve(opening: "Opening", arguments: argparse.Namespace) -> None:
         with server.waiting("The policy and its world are being built."):
             episode = opening.open()
         LiveView(episode, server, paused=arguments.paused, loops=arguments.loop).run()
-    except KeyboardInterrupt:
-        server.stop()
-        # A thread may still be compiling, and torch aborts where Python takes it down with itself.
-        print("\nstopped", file=sys.stderr, flush=True)
-        os._exit(130)
     finally:
         server.stop()
+        signal.signal(signal.SIGINT, usual)
+
+
+def _end_at_once(*_: object) -> None:
+    """End at Ctrl-C.
+
+    An exception may be lost on its way, where torch calls Python while it compiles; and torch
+    aborts where Python takes down a thread that is still compiling.
+    """
+    print("\nstopped", file=sys.stderr, flush=True)
+    os._exit(130)
 
 
 def _tell_progress() -> None:
