@@ -48,7 +48,9 @@ def assert_equal_but_for_roundings(
         return expected
 
     before = None if memory is None else _moved(memory)
-    _, around = policy.predict(_moved(observation), before)
+    like = policy.model.like
+    as_read = {name: torch.as_tensor(value).to(like) for name, value in observation.items()}
+    _, around = policy.predict(_moved(as_read), before)
     for name, value in expected.items():
         _assert_within(name, found[name], value, around[name])
     return expected

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from _inputs.shipped import quick
 from numpy.typing import NDArray
 
 from aicon_baselines.agents import make
@@ -75,7 +76,8 @@ def test_aicon_escapes_where_the_others_stay() -> None:
     episodes = [TASK.episode(seed) for seed in seeds]
     success = {}
     for name in ("aicon", "paper_literal", "steepest", "potential_field"):
-        outcome = rollout(make("nav2d", name), TASK, "range", episodes, seeds)
+        policy = quick(make("nav2d", name))
+        outcome = rollout(policy, TASK, "range", episodes, seeds)
         success[name] = float(outcome.success.mean())
 
     stay = max(success["steepest"], success["potential_field"])

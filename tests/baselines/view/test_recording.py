@@ -31,6 +31,7 @@ def test_a_recording_plays_from_its_file(tmp_path: Path, browser: Browser) -> No
     went = episode.info["position"][0] - first
 
     with opened(browser, file.as_uri()) as page:
+        page.set_viewport_size({"width": 900, "height": 800})  # the robot is a few pixels wide
         page.locator("canvas").first.wait_for()
         end = place_at(page, 4.0)
         start = place_at(page, 0.0)
