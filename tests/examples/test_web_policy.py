@@ -48,7 +48,9 @@ def in_node(program: str, *words: str) -> Any:
 REPLAY = """
     import { readFileSync, writeFileSync } from "node:fs";
     const folder = process.argv[2];
-    const numbers = (name) => new Float64Array(readFileSync(`${folder}/${name}`).buffer);
+    // Node.js puts small files side by side in one buffer.
+    const whole = (name) => new Uint8Array(readFileSync(`${folder}/${name}`));
+    const numbers = (name) => new Float64Array(whole(name).buffer);
     const policy = await Policy.load(`${folder}/policy.wasm`);
     const readings = numbers("readings.bin"), starts = numbers("starts.bin");
     const found = new Float64Array(starts.length * policy.memory.length);
