@@ -210,17 +210,17 @@ class Policy(nn.Module):
         """Write the control step to a file that runs without torch, in microseconds.
 
         What is in it, down to the reading of observations and the beginning of episodes, is plain C
-        without allocations: :func:`aicon_torch.load_exported` runs it in Python, and
-        ``examples/cpp`` in C++. A perception is not in it.
+        without allocations: :func:`aicon_torch.load_exported` runs it in Python, ``examples/cpp``
+        in C++ and ``examples/web`` in a web page. A perception is not in it.
 
         Args:
-            path: A file that ends in ``.so``, for a library compiled for this kind of machine, or
-                in ``.c``, for its source; with a target in ``.so``, ``.dylib`` or ``.dll``, as
-                libraries do there.
+            path: A file that ends in ``.so``, for a library compiled for this kind of machine, in
+                ``.wasm``, for a module that runs in web pages, or in ``.c``, for its source; with a
+                target in ``.so``, ``.dylib``, ``.dll`` or ``.wasm``, as libraries do there.
             target: Another machine that it shall run on: ``"x86_64-linux"``, ``"aarch64-linux"``,
-                ``"armv7-linux"``, ``"riscv64-linux"``, ``"x86_64-macos"``, ``"aarch64-macos"`` or
-                ``"x86_64-windows"``. It needs nothing there, and ziglang here
-                (``pip install 'aicon-torch[compiler]'``).
+                ``"armv7-linux"``, ``"riscv64-linux"``, ``"x86_64-macos"``, ``"aarch64-macos"``,
+                ``"x86_64-windows"`` or ``"wasm32-web"``, which needs no naming. It needs nothing
+                there, and ziglang here (``pip install 'aicon-torch[compiler]'``).
             **description: What is to be known of it, such as ``task="pusht"``.
 
         Raises:

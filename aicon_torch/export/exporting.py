@@ -16,7 +16,7 @@ from aicon_torch.control.step import ControlStep
 from aicon_torch.errors import OptionError
 from aicon_torch.export.codegen import cached_library, compile_library, in_c, prelude
 from aicon_torch.export.codegen.files import check_folder, write_whole
-from aicon_torch.export.codegen.targets import find_target
+from aicon_torch.export.codegen.targets import WEB, find_target
 from aicon_torch.export.flat_step import FlatStep
 from aicon_torch.export.in_turn import in_turn
 from aicon_torch.export.library import FORMAT, Library
@@ -39,8 +39,9 @@ def export(
 
     Args:
         step: The step.
-        path: A file that ends in ``.so``, for a library compiled for this kind of machine, or in
-            ``.c``, for its source; with a target as libraries do there.
+        path: A file that ends in ``.so``, for a library compiled for this kind of machine, in
+            ``.wasm``, for a module that runs in web pages, or in ``.c``, for its source; with a
+            target as libraries do there.
         description: What is to be known of it, such as its task.
         perceives: Whether a perception stands before it, which is not exported.
         target: The machine that the library is for, a name in
@@ -52,6 +53,8 @@ def export(
         GraphError: If an operation cannot be translated to C.
     """
     path = Path(path)
+    if target is None and path.suffix == find_target(WEB).suffix:
+        target = WEB
     _check_suffix(path, target)
     check_folder(path)
     source = library_source(step, description, perceives)
@@ -73,7 +76,8 @@ def _check_suffix(path: Path, target: str | None) -> None:
     elif path.suffix not in (".so", ".c"):
         raise OptionError(
             f"{str(path)!r}: expected a name that ends in .so (a library for this kind of machine; "
-            "another one is named by target=...) or in .c (its source, to be compiled elsewhere)."
+            "another one is named by target=...), in .wasm (a module that runs in web pages) or in "
+            ".c (its source, to be compiled elsewhere)."
         )
 
 

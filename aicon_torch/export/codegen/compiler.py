@@ -13,8 +13,8 @@ from pathlib import Path
 
 from aicon_torch.errors import OptionError
 from aicon_torch.export.codegen.files import check_folder, write_whole
-from aicon_torch.export.codegen.seal import MARK, Seal, sealed
-from aicon_torch.export.codegen.targets import find_target, this_machine
+from aicon_torch.export.codegen.seal import MARK, Seal, sealed, sealed_module
+from aicon_torch.export.codegen.targets import WEB, find_target, this_machine
 
 FLAGS = (
     *("-O2", "-std=gnu11", "-fPIC", "-fvisibility=hidden"),
@@ -33,6 +33,15 @@ NO_COMPILER = "no C compiler (pip install 'aicon-torch[compiler]' or apt install
 
 _ALONE = ("-shared", "-nostdlib", "-s", "-Wl,--gc-sections", "-Wl,-z,defs")
 """A library for another machine needs none that may not be there, not even C's."""
+
+_WEB = ("-Os", "-fno-pic", "-mbulk-memory")
+"""For a page: small, where it is, and what copies numbers is an instruction."""
+
+_ALONE_ON_THE_WEB = (
+    *("-nostdlib", "-s", "-Wl,--gc-sections", "-Wl,--no-entry", "-Wl,--export-dynamic"),
+    *("-Wl,--export=__heap_base", "-Wl,-z,stack-size=1048576"),
+)
+"""A module that imports nothing, and says from where on its memory is the page's."""
 
 _MARKED = f"""
 __attribute__((used, visibility("default"))) const char aicon_mark[] = "{MARK}";
@@ -142,7 +151,8 @@ def compiled(source: str, target: str | None = None) -> bytes:
         else:
             _compile_for(target, folder, text, library)
         content = library.read_bytes()
-    return sealed(content, Seal(target or this_machine(), identity(source, target)))
+    seal = Seal(target or this_machine(), identity(source, target))
+    return sealed_module(content, seal) if target == WEB else sealed(content, seal)
 
 
 def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
@@ -156,8 +166,9 @@ def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
 
     # In two steps, since without libraries there are no headers of C either.
     machine_code = library.with_suffix(".o")
-    _run(folder, *command, *FLAGS, "-c", "-o", machine_code, text)
-    _run(folder, *command, *_ALONE, "-o", library, machine_code)
+    flags, alone = (_WEB, _ALONE_ON_THE_WEB) if target == WEB else ((), _ALONE)
+    _run(folder, *command, *FLAGS, *flags, "-c", "-o", machine_code, text)
+    _run(folder, *command, *alone, "-o", library, machine_code)
 
 
 def _run(folder: str, *command: str | Path) -> None:

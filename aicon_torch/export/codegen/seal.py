@@ -45,6 +45,19 @@ def sealed(library: bytes, seal: Seal) -> bytes:
     return content + b"%08x\n" % zlib.crc32(content)
 
 
+def sealed_module(module: bytes, seal: Seal) -> bytes:
+    """A module of WebAssembly with its last line, in a section of its own.
+
+    Args:
+        module: The module.
+        seal: What the line says of it.
+    """
+    name = b"aicon"
+    length = 1 + len(name) + len(sealed(b"", seal))
+    assert length < 128, "a longer section writes its length in more than one byte"
+    return sealed(module + bytes([0, length, len(name)]) + name, seal)
+
+
 def read_seal(library: bytes, name: str) -> Seal | None:
     """What the last line of a library says; None if it was compiled elsewhere, and has none.
 

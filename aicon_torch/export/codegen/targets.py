@@ -31,8 +31,12 @@ TARGETS = {
     "x86_64-macos": Target("x86_64-macos.11.0", ".dylib", "Macs with Intel's processors"),
     "aarch64-macos": Target("aarch64-macos.11.0", ".dylib", "Macs with Apple's processors"),
     "x86_64-windows": Target("x86_64-windows-gnu", ".dll", "PCs with Windows"),
+    "wasm32-web": Target("wasm32-wasi", ".wasm", "browsers and Node.js, by WebAssembly"),
 }
 """The machines by name, processor and system."""
+
+WEB = "wasm32-web"
+"""The one of them that is no machine: a page."""
 
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64", "armv7l": "armv7", "armv8l": "armv7"}
 """Other names of processors, as systems call them."""

@@ -3,8 +3,8 @@
 Example: aicon export pusht -o pusht.so --target aarch64-linux
 
 A file that ends in .so is a library for this kind of machine, and needs a C compiler; one that ends
-in .c is its source, to be compiled elsewhere. aicon_torch.load_exported runs the library in Python,
-examples/cpp in C++.
+in .wasm is a module for web pages; one that ends in .c is its source, to be compiled elsewhere.
+aicon_torch.load_exported runs the library in Python, examples/cpp in C++, examples/web in a page.
 
 MACHINE is one of these; the compiler for it is pip install 'aicon-torch[compiler]'.
 
@@ -15,9 +15,11 @@ MACHINE is one of these; the compiler for it is pip install 'aicon-torch[compile
   x86_64-macos   .dylib Macs with Intel's processors
   aarch64-macos  .dylib Macs with Apple's processors
   x86_64-windows .dll   PCs with Windows
+  wasm32-web     .wasm  browsers and Node.js, by WebAssembly
 """
 
 import argparse
+import gzip
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the task, the file and the machine."""
     parser.add_argument("task", metavar="TASK", help=choices())
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="FILE", help="ends in .so or .c"
+        "-o", "--output", type=Path, required=True, metavar="FILE", help="ends in .so, .wasm or .c"
     )
     parser.add_argument(
         "--target",
@@ -52,6 +54,10 @@ def run(arguments: argparse.Namespace) -> None:
     policy.export(path, target=target, task=task, policy=arguments.policy, condition=condition)
 
     size = f"{path}: {path.stat().st_size / 1000:.0f} kB"
+    if path.suffix == ".wasm":
+        packed = len(gzip.compress(path.read_bytes()))
+        print(f"{size}, {packed / 1000:.0f} kB by gzip, for web pages: examples/web loads it")
+        return
     if path.suffix == ".c":
         print(size)
         return

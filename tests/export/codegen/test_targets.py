@@ -16,7 +16,7 @@ from aicon_torch.export.codegen.targets import TARGETS, this_machine
 
 needs_zig = pytest.mark.skipif(not find_spec("ziglang"), reason="no ziglang (pip install ziglang)")
 
-MAGIC = {"linux": b"\x7fELF", "macos": b"\xcf\xfa\xed\xfe", "windows": b"MZ"}
+MAGIC = {"linux": b"\x7fELF", "macos": b"\xcf\xfa\xed\xfe", "windows": b"MZ", "web": b"\0asm"}
 """How a library begins on each system."""
 
 
@@ -61,6 +61,7 @@ def test_a_target_that_there_is_not_is_an_error_with_those_that_there_are(
         ("aarch64-macos", "policy.so", "dylib"),
         ("x86_64-windows", "policy.so", "dll"),
         ("x86_64-windows", "policy.c", "dll"),
+        ("wasm32-web", "policy.so", "wasm"),
     ],
 )
 def test_a_name_ends_as_those_of_libraries_do_there(
