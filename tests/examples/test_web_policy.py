@@ -145,7 +145,7 @@ def test_a_damaged_file_is_refused(place: str, small: Path, tmp_path: Path) -> N
         "console.log(JSON.stringify(await Policy.load(process.argv[2]).catch(String)));",
         str(tmp_path / "spoilt.wasm"),
     )
-    assert "is damaged" in said
+    assert "damaged" in said  # a digit that is none any more ends the line
 
 
 def test_readings_of_another_number_are_refused(small: Path) -> None:
