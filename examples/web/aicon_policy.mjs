@@ -29,14 +29,14 @@ export class Policy {
 
     // Its readings, memory and commands stand behind its own data.
     this.#exports = exports;
-    this.#place = Math.ceil(exports.__heap_base.value / 8) * 8;
-    const end = this.#place + width * (readings + memory + commands);
+    const place = Math.ceil(exports.__heap_base.value / 8) * 8;
+    const end = place + width * (readings + memory + commands);
     const missing = end - exports.memory.buffer.byteLength;
     if (missing > 0) exports.memory.grow(Math.ceil(missing / PAGE));
 
     const Numbers = width === 4 ? Float32Array : Float64Array;
     const numbers = (from, count) =>
-      new Numbers(exports.memory.buffer, this.#place + width * from, count);
+      new Numbers(exports.memory.buffer, place + width * from, count);
     this.#readings = numbers(0, readings);
     this.#memory = numbers(readings, memory);
     this.#commands = numbers(readings + memory, commands);
@@ -107,7 +107,7 @@ export class Policy {
     };
   }
 
-  #exports; #place; #readings; #memory; #commands; #layout;
+  #exports; #readings; #memory; #commands; #layout;
 
   #optional(name) { return this.#layout.has(name) ? this.values(name) : []; }
 }

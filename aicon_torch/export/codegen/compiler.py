@@ -13,8 +13,8 @@ from pathlib import Path
 
 from aicon_torch.errors import OptionError
 from aicon_torch.export.codegen.files import check_folder, write_whole
-from aicon_torch.export.codegen.seal import MARK, Seal, sealed, sealed_module
-from aicon_torch.export.codegen.targets import WEB, find_target, this_machine
+from aicon_torch.export.codegen.seal import MARK, Seal, sealed
+from aicon_torch.export.codegen.targets import find_target, this_machine
 
 FLAGS = (
     *("-O2", "-std=gnu11", "-fPIC", "-fvisibility=hidden"),
@@ -30,18 +30,6 @@ Vectorizing what is written out, it (clang 20) crashed on the step of an object 
 
 NO_COMPILER = "no C compiler (pip install 'aicon-torch[compiler]' or apt install gcc)"
 """What is said where none is found."""
-
-_ALONE = ("-shared", "-nostdlib", "-s", "-Wl,--gc-sections", "-Wl,-z,defs")
-"""A library for another machine needs none that may not be there, not even C's."""
-
-_WEB = ("-Os", "-fno-pic", "-mbulk-memory")
-"""For a page: small, where it is, and what copies numbers is an instruction."""
-
-_ALONE_ON_THE_WEB = (
-    *("-nostdlib", "-s", "-Wl,--gc-sections", "-Wl,--no-entry", "-Wl,--export-dynamic"),
-    *("-Wl,--export=__heap_base", "-Wl,-z,stack-size=1048576"),
-)
-"""A module that imports nothing, and says from where on its memory is the page's."""
 
 _MARKED = f"""
 __attribute__((used, visibility("default"))) const char aicon_mark[] = "{MARK}";
@@ -151,13 +139,13 @@ def compiled(source: str, target: str | None = None) -> bytes:
         else:
             _compile_for(target, folder, text, library)
         content = library.read_bytes()
-    seal = Seal(target or this_machine(), identity(source, target))
-    return sealed_module(content, seal) if target == WEB else sealed(content, seal)
+    return sealed(content, Seal(target or this_machine(), identity(source, target)))
 
 
 def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
     """Compile a source for another machine."""
-    command = [*ZIG, "-target", find_target(target).triple]
+    machine = find_target(target)
+    command = [*ZIG, "-target", machine.triple]
     if not _has_zig():
         raise OptionError(
             f"Compiling for {target} needs the package ziglang: "
@@ -166,9 +154,8 @@ def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
 
     # In two steps, since without libraries there are no headers of C either.
     machine_code = library.with_suffix(".o")
-    flags, alone = (_WEB, _ALONE_ON_THE_WEB) if target == WEB else ((), _ALONE)
-    _run(folder, *command, *FLAGS, *flags, "-c", "-o", machine_code, text)
-    _run(folder, *command, *alone, "-o", library, machine_code)
+    _run(folder, *command, *FLAGS, *machine.flags, "-c", "-o", machine_code, text)
+    _run(folder, *command, *machine.link_flags, "-o", library, machine_code)
 
 
 def _run(folder: str, *command: str | Path) -> None:

@@ -21,6 +21,9 @@ _TAIL = re.compile(
 )
 _LONGEST = 200
 
+_WEB_ASSEMBLY = b"\0asm"
+"""What a module of WebAssembly begins with."""
+
 
 class Seal(NamedTuple):
     """What the last line says.
@@ -35,27 +38,29 @@ class Seal(NamedTuple):
 
 
 def sealed(library: bytes, seal: Seal) -> bytes:
-    """The library with its last line.
+    """The library with its last line; in a module of WebAssembly it is a section of its own.
 
     Args:
         library: The library.
         seal: What the line says of it.
     """
-    content = library + _LINE.format(target=seal.target, source=seal.source).encode()
+    if library.startswith(_WEB_ASSEMBLY):
+        library += _section(len(_with_line(b"", seal)))
+    return _with_line(library, seal)
+
+
+def _with_line(content: bytes, seal: Seal) -> bytes:
+    """What a file holds, and after it the last line."""
+    content += _LINE.format(target=seal.target, source=seal.source).encode()
     return content + b"%08x\n" % zlib.crc32(content)
 
 
-def sealed_module(module: bytes, seal: Seal) -> bytes:
-    """A module of WebAssembly with its last line, in a section of its own.
-
-    Args:
-        module: The module.
-        seal: What the line says of it.
-    """
+def _section(length: int) -> bytes:
+    """What stands before so many bytes that WebAssembly is to pass over."""
     name = b"aicon"
-    length = 1 + len(name) + len(sealed(b"", seal))
+    length += 1 + len(name)
     assert length < 128, "a longer section writes its length in more than one byte"
-    return sealed(module + bytes([0, length, len(name)]) + name, seal)
+    return bytes([0, length, len(name)]) + name
 
 
 def read_seal(library: bytes, name: str) -> Seal | None:
@@ -78,7 +83,7 @@ def read_seal(library: bytes, name: str) -> Seal | None:
         return None
 
     seal = Seal(line[1].decode(errors="replace"), line[2].decode())
-    if sealed(library[: line.start()], seal) != library:
+    if _with_line(library[: line.start()], seal) != library:
         raise OptionError(
             f"{name} is damaged: its checksum is not that of its content. Copy or export it again."
         )

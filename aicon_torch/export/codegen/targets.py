@@ -6,6 +6,18 @@ from typing import NamedTuple
 
 from aicon_torch.errors import OptionError, choices
 
+_ALONE = ("-shared", "-nostdlib", "-s", "-Wl,--gc-sections", "-Wl,-z,defs")
+"""A library for another machine needs none that may not be there, not even C's."""
+
+_WEB = ("-Os", "-fno-pic", "-mbulk-memory")
+"""For a page: small, where it is, and what copies numbers is an instruction."""
+
+_ALONE_ON_THE_WEB = (
+    *("-nostdlib", "-s", "-Wl,--gc-sections", "-Wl,--no-entry", "-Wl,--export-dynamic"),
+    *("-Wl,--export=__heap_base", "-Wl,-z,stack-size=1048576"),
+)
+"""A module that imports nothing, and says from where on its memory is the page's."""
+
 
 class Target(NamedTuple):
     """A machine that a library can be compiled for, on any other.
@@ -14,11 +26,15 @@ class Target(NamedTuple):
         triple: What ziglang calls it.
         suffix: How the name of a library ends there.
         computers: Which computers these are.
+        flags: Of the compiler, besides those of every library.
+        link_flags: Of the linker.
     """
 
     triple: str
     suffix: str
     computers: str
+    flags: tuple[str, ...] = ()
+    link_flags: tuple[str, ...] = _ALONE
 
 
 TARGETS = {
@@ -31,7 +47,9 @@ TARGETS = {
     "x86_64-macos": Target("x86_64-macos.11.0", ".dylib", "Macs with Intel's processors"),
     "aarch64-macos": Target("aarch64-macos.11.0", ".dylib", "Macs with Apple's processors"),
     "x86_64-windows": Target("x86_64-windows-gnu", ".dll", "PCs with Windows"),
-    "wasm32-web": Target("wasm32-wasi", ".wasm", "browsers and Node.js, by WebAssembly"),
+    "wasm32-web": Target(
+        "wasm32-wasi", ".wasm", "browsers and Node.js, by WebAssembly", _WEB, _ALONE_ON_THE_WEB
+    ),
 }
 """The machines by name, processor and system."""
 
