@@ -7,6 +7,9 @@ from aicon_baselines.evaluation.errors import ComparisonError
 OBSERVATIONS = ("keypoints", "pixels")
 """What a demonstration can show of the object; the pusher's position is always there."""
 
+PREDICTIONS = ("sample", "epsilon")
+NORMALIZATIONS = ("MEAN_STD", "MIN_MAX")
+
 CHUNK_SIZE = 50
 """Number of seeds that are recorded as one batch."""
 
@@ -80,10 +83,6 @@ class RecordingConfig:
                     "seed must leave out 0 to 999 and 20000 to 20999, which results are reported "
                     f"on, not {self.seed}: take 100000"
                 )
-
-
-PREDICTIONS = ("sample", "epsilon")
-NORMALIZATIONS = ("MEAN_STD", "MIN_MAX")
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,23 @@ from aicon_baselines.agents.diffusion.lerobot_names import (
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import read_json
 
+_POSITION = {"dtype": "float32", "shape": (2,), "names": ["x", "y"]}
+_COORDINATES = [f"{axis}{i}" for i, axis in product(range(8), "xy")]
+_KEYPOINTS = {"dtype": "float32", "shape": (16,), "names": _COORDINATES}
+_PIXELS = {"dtype": "image", "shape": (96, 96, 3), "names": ["height", "width", "channel"]}
+
+FEATURES: dict[str, dict[str, Any]] = {
+    STATE: _POSITION,
+    KEYPOINTS: _KEYPOINTS,
+    PIXELS: _PIXELS,
+    ACTION: _POSITION,
+}
+"""What a dataset of demonstrations can consist of, as LeRobot describes it."""
+
+_FRAMES_PER_SECOND = 10
+_TASK = "Push the T onto its target."
+_SHOWN = {"keypoints": KEYPOINTS, "pixels": PIXELS}
+
 
 @dataclass(frozen=True)
 class Frames:
@@ -91,20 +108,6 @@ def shuffled_batches(count: int, batch_size: int, seed: int) -> Iterator[NDArray
         remaining = remaining[batch_size:]
 
 
-_POSITION = {"dtype": "float32", "shape": (2,), "names": ["x", "y"]}
-_COORDINATES = [f"{axis}{i}" for i, axis in product(range(8), "xy")]
-_KEYPOINTS = {"dtype": "float32", "shape": (16,), "names": _COORDINATES}
-_PIXELS = {"dtype": "image", "shape": (96, 96, 3), "names": ["height", "width", "channel"]}
-
-FEATURES: dict[str, dict[str, Any]] = {
-    STATE: _POSITION,
-    KEYPOINTS: _KEYPOINTS,
-    PIXELS: _PIXELS,
-    ACTION: _POSITION,
-}
-"""What a dataset of demonstrations can consist of, as LeRobot describes it."""
-
-
 def read_frames(folder: Path, observation: str) -> Frames:
     """Read a dataset into memory.
 
@@ -173,11 +176,6 @@ def _read_pictures(dataset: Any) -> NDArray[np.uint8]:
         pictures.append((picture * 255.0).round().astype(np.uint8))
 
     return np.stack(pictures)
-
-
-_FRAMES_PER_SECOND = 10
-_TASK = "Push the T onto its target."
-_SHOWN = {"keypoints": KEYPOINTS, "pixels": PIXELS}
 
 
 def write_dataset(

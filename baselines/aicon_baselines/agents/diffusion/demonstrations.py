@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import gymnasium
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
@@ -17,6 +16,15 @@ from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS, PushTEnv
 from aicon_envs.pusht.geometry import place
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
+
+Demonstration = dict[str, NDArray[Any]]
+"""One episode of T steps, by the names of LeRobot: `observation.state` (T, 2), `action` (T, 2), and
+what was chosen of `observation.environment_state` (T, 16), all float32 in px, and
+`observation.image` (T, 96, 96, 3), uint8."""
+
+_GOAL_SPREAD = (40.0, 40.0, 0.5)  # standard deviations of a pose near the goal: px, px, rad
+_PUSHER_RANGE = (50.0, 450.0)  # px
+_CLEARANCE = 110.0  # px from the middle of the keypoints, where the pusher cannot touch the object
 
 
 class KeypointObservation(gym.ObservationWrapper[Any, Any, Any]):
@@ -53,11 +61,6 @@ class KeypointObservation(gym.ObservationWrapper[Any, Any, Any]):
         return {**observation, "environment_state": keypoints.ravel()}
 
 
-_GOAL_SPREAD = (40.0, 40.0, 0.5)  # standard deviations of a pose near the goal: px, px, rad
-_PUSHER_RANGE = (50.0, 450.0)  # px
-_CLEARANCE = 110.0  # px from the middle of the keypoints, where the pusher cannot touch the object
-
-
 def reset_options(seed: int, near: float) -> dict[str, Any]:
     """Return the options of an episode's reset: none for the usual start, or a state near the goal.
 
@@ -85,12 +88,6 @@ def _sample_free_position(
         pusher = rng.uniform(*_PUSHER_RANGE, 2)
         if np.linalg.norm(middle - pusher) > _CLEARANCE:
             return pusher
-
-
-Demonstration = dict[str, NDArray[Any]]
-"""One episode of T steps, by the names of LeRobot: `observation.state` (T, 2), `action` (T, 2), and
-what was chosen of `observation.environment_state` (T, 16), all float32 in px, and
-`observation.image` (T, 96, 96, 3), uint8."""
 
 
 def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
@@ -124,7 +121,7 @@ def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
 def _make_env(config: RecordingConfig, index: int) -> VectorEnv[Any, Any, Any]:
     noise = config.noises[index % len(config.noises)]
 
-    def make_one() -> gymnasium.Env[Any, Any]:
+    def make_one() -> gym.Env[Any, Any]:
         if "pixels" not in config.observations:
             return PushTEnv(action_noise=noise)
         return KeypointObservation(PushTEnv(action_noise=noise, obs_type="pixels_agent_pos"))

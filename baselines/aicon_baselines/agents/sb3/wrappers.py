@@ -12,6 +12,15 @@ from aicon_baselines.evaluation.errors import ComparisonError
 LAST_ACTION = "last_action"
 """The action that the agent took last, in its own units; zero at the start of an episode."""
 
+OFFSETS = "offsets"
+"""The keypoints relative to the pusher, px: nothing that is not in the other readings."""
+
+_WORLD_SIDE = 512.0  # px
+_LENGTH_UNIT = 100.0  # px; a reward of 1 for coming so much closer
+_SUCCESS_REWARD = 5.0
+
+Observation = dict[str, NDArray[Any]]
+
 
 class LastAction(gym.Wrapper[Any, Any, Any, Any]):
     """An environment that also observes the last action, as AICON's estimators know their command.
@@ -45,14 +54,6 @@ class LastAction(gym.Wrapper[Any, Any, Any, Any]):
         """Move by one control step."""
         observation, reward, terminated, truncated, info = self.env.step(action)
         return observation | {LAST_ACTION: action}, reward, terminated, truncated, info
-
-
-Observation = dict[str, NDArray[Any]]
-
-OFFSETS = "offsets"
-"""The keypoints relative to the pusher, px: nothing that is not in the other readings."""
-
-_WORLD_SIDE = 512.0  # px
 
 
 class PusherFrame(gym.Wrapper[Any, Any, Any, Any]):
@@ -108,10 +109,6 @@ def target_of_action(
     """Return the environment's action (*B, 2), px, for one of `PusherFrame`."""
     target = observation["agent_pos"] + reach * action
     return np.clip(target, 0.0, _WORLD_SIDE).astype(np.float32)
-
-
-_LENGTH_UNIT = 100.0  # px; a reward of 1 for coming so much closer
-_SUCCESS_REWARD = 5.0
 
 
 class ShapedReward(gym.Wrapper[Any, Any, Any, Any]):
