@@ -77,9 +77,6 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 def test_every_command_is_that_of_this_processor(
     recorded: Path, target: str, replay: list[str]
 ) -> None:
-    if (recorded.name, target) == ("reach", "armv7-linux"):
-        pytest.skip("its pairs of capsules compile for minutes; on the other processor they run")
-
     policy: Any = factory(recorded.name, "aicon")(CONDITIONS[recorded.name])
     policy.export(recorded / "policy.so", target=target)
 
