@@ -5,7 +5,7 @@ from typing import Any
 
 from torch import Tensor
 
-from aicon_torch.models.pusht.benchmark import PIXEL, WORKSPACE
+from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_NOISE, WORKSPACE
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
@@ -62,7 +62,7 @@ def _watched(options: Options) -> dict[str, Any]:
 
 def _moving(options: Options) -> dict[str, Any]:
     """The pusher's place changes while it is driven, and not faster than it can."""
-    noise = JUMP_DEVIATIONS * options.pusher_noise / options.dt
+    noise = JUMP_DEVIATIONS * PUSHER_NOISE / options.dt
     fastest = (FASTEST * options.max_speed + noise) / PIXEL
     return {"rate_limit": fastest, "driven_by": "a"} if options.watchdog else {}
 

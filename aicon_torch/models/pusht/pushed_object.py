@@ -10,6 +10,7 @@ from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.pusht.benchmark import (
     PIXEL,
     PRIOR_DEVIATION,
+    PROCESS_NOISE,
     PUSHER_RADIUS,
     T_CENTER_OF_MASS,
     T_KEYPOINTS,
@@ -108,7 +109,7 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     residual = Interconnection(_residual(options, registration), x_pose=pose_jacobian)
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
 
-    process = options.process_noise**2
+    process = PROCESS_NOISE**2
     return ekf_with_delay(
         "x_pose",
         "P_pose",
