@@ -120,9 +120,9 @@ def compare(before: Policy, after: Policy, door: Tensor, puddle: Tensor) -> tupl
 
     print(f"  velocity before {as_text(old_velocity)} m/s, after {as_text(new_velocity)} m/s")
     displacement = after.trace(memory).quantities["x"]
-    strengths, weights = displacement.strengths.tolist(), displacement.weights.tolist()
-    for path, strength, weight in zip(displacement.labels, strengths, weights, strict=True):
-        print(f"  {path}: strength {strength:.2f}, weight {weight:.2f}")
+    magnitudes, weights = displacement.magnitudes.tolist(), displacement.weights.tolist()
+    for path, magnitude, weight in zip(displacement.labels, magnitudes, weights, strict=True):
+        print(f"  {path}: magnitude {magnitude:.2f}, weight {weight:.2f}")
 
     return old_velocity, new_velocity
 

@@ -107,11 +107,11 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 def _watched(options: Options) -> dict[str, Any]:
     """How old readings may be, and that they change while the agent moves: all are noisy."""
     latency = options.delay * options.dt
-    told: dict[str, Any] = {"age": latency, "age_key": "age"}
+    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
     if options.watchdog:
         gap = MAX_GAP * options.dt
-        told |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
-    return told
+        watched |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
+    return watched
 
 
 def _actuator(options: Options, obstacle: Clearance) -> Actuator:

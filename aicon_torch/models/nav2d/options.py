@@ -12,9 +12,9 @@ from aicon_torch.parts.validation import (
     check_positive,
     check_steps,
 )
-from aicon_torch.resolution import Escape, Exploration, NullspaceProjection, Resolution
+from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution, TrapEscape
 
-ESCAPE = Escape(progress="reach", hold="avoid", along="avoid")
+ESCAPE = TrapEscape(progress="reach", hold="avoid", along="avoid")
 """How it leaves a trap: exploration ends only once the target is nearer than when it began, holds
 the level of p_collision, and moves in the nullspace of p₃ even where p₁ dominates."""
 

@@ -43,9 +43,9 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
         found["z_elapsed"] = clock(options.dt)
     if options.observe_goal:
         scale = (PIXEL, PIXEL, 1.0)
-        told: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}
+        prompt: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}
         found["z_target"] = Sensor(
-            3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **told
+            3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **prompt
         )
     return found
 
@@ -53,11 +53,11 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
 def _watched(options: Options) -> dict[str, Any]:
     """How old readings are, and may be."""
     latency = options.delay * options.dt
-    told: dict[str, Any] = {"age": latency, "age_key": "age"}
+    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
     if options.watchdog:
         gap = MAX_GAP * options.dt
-        told |= {"max_age": latency + gap, "max_gap": gap}
-    return told
+        watched |= {"max_age": latency + gap, "max_gap": gap}
+    return watched
 
 
 def _moving(options: Options) -> dict[str, Any]:

@@ -112,11 +112,11 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
         "z_position": Sensor(3, "m", key="target_position", **watched),
     }
 
-    told: dict[str, Any] = {"key": "target_orientation", **watched}
+    oriented: dict[str, Any] = {"key": "target_orientation", **watched}
     if options.orientation == "axis":
-        sensors["z_orientation"] = Sensor(3, "a direction", **told)
+        sensors["z_orientation"] = Sensor(3, "a direction", **oriented)
     if options.orientation == "full":
-        sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **told)
+        sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **oriented)
     for ball in _balls(options):
         sensors[f"z_{ball}"] = Sensor(3, "m", key=ball, **watched)
     return sensors

@@ -192,8 +192,8 @@ class ModelPolicy:
         from aicon_torch import make_policy
 
         task = _loaded(self.task)
-        told = task.policy_options(condition)
-        return make_policy(model_of(task), preset=self.preset, **{**told, **self.options})
+        known = task.policy_options(condition)
+        return make_policy(model_of(task), preset=self.preset, **{**known, **self.options})
 
 
 @dataclass(frozen=True)
@@ -207,19 +207,19 @@ class PlainAgent:
     task: TaskOrName
     options: Mapping[str, Any] = field(default_factory=dict)
 
-    def make(self, **told: Any) -> Predictor:
+    def make(self, **known: Any) -> Predictor:
         """Build it; an unknown option is an error that lists the valid ones."""
         from aicon_torch.models import replace_options
 
-        options = {**told, **self.options}
+        options = {**known, **self.options}
         agent: Predictor = replace_options(self.agent(), options, self.agent.__name__)
         return agent
 
     def __call__(self, condition: str) -> Predictor:
         """Build it for a condition."""
         own = {option.name for option in fields(self.agent)}
-        told = _loaded(self.task).policy_options(condition)
-        return self.make(**{name: value for name, value in told.items() if name in own})
+        known = _loaded(self.task).policy_options(condition)
+        return self.make(**{name: value for name, value in known.items() if name in own})
 
 
 @dataclass(frozen=True)

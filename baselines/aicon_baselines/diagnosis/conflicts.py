@@ -63,14 +63,14 @@ def _explored(name: str, meeting: MeetingCurve, since: int) -> tuple[str, tuple[
     if pair is None:
         return None
 
-    leader, opponent, share, cosine = pair
+    dominant, opponent, share, cosine = pair
     still = "and was not over at the end" if exploring[-1] else "and paused at the end"
     text = (
         f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
         f"the time, began {times(_beginnings(exploring))}, {still}. In {percent(share)} of that it "
-        f"was {meeting.labels[leader]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
+        f"was {meeting.labels[dominant]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
     )
-    return text, _goals(meeting, leader, opponent)
+    return text, _goals(meeting, dominant, opponent)
 
 
 def _not_explored(
@@ -82,37 +82,37 @@ def _not_explored(
     if pair is None:
         return None
 
-    leader, opponent, _, cosine = pair
-    strengths = meeting.strengths[since:][opposed]
-    ratio = np.median(strengths[:, leader] / np.maximum(strengths[:, opponent], 1e-300))
+    dominant, opponent, _, cosine = pair
+    magnitudes = meeting.magnitudes[since:][opposed]
+    ratio = np.median(magnitudes[:, dominant] / np.maximum(magnitudes[:, opponent], 1e-300))
     strength = "Both are about equally strong, and nothing is explored."
     if ratio > 1.5:
         strength = f"The first is {ratio:.2g} times as strong, so that it hardly ever explores."
     text = (
         f"Gradients oppose each other at {name} in {percent(opposed.mean())} of the time (cosine "
-        f"{cosine:+.2f}): {meeting.labels[leader]} against {meeting.labels[opponent]}. "
+        f"{cosine:+.2f}): {meeting.labels[dominant]} against {meeting.labels[opponent]}. "
         f"{strength}"
     )
-    return text, _goals(meeting, leader, opponent)
+    return text, _goals(meeting, dominant, opponent)
 
 
 def _most_frequent(
     meeting: MeetingCurve, steps: NDArray[np.bool_], since: int
 ) -> tuple[int, int, float, float] | None:
-    """The leader and opponent of most of these steps, their share of them, and their cosine."""
+    """Dominant gradient and opponent of most of these steps, their share, and their cosine."""
     if not steps.any():
         return None
-    leaders, opponents = meeting.leader[since:][steps], meeting.opponent[since:][steps]
-    pairs = Counter(zip(leaders.tolist(), opponents.tolist(), strict=True))
+    firsts, seconds = meeting.dominant[since:][steps], meeting.opponent[since:][steps]
+    pairs = Counter(zip(firsts.tolist(), seconds.tolist(), strict=True))
 
-    (leader, opponent), count = pairs.most_common(1)[0]
-    theirs = (leaders == leader) & (opponents == opponent)
+    (dominant, opponent), count = pairs.most_common(1)[0]
+    theirs = (firsts == dominant) & (seconds == opponent)
     cosine = float(np.median(meeting.cosine[since:][steps][theirs]))
-    return leader, opponent, count / int(steps.sum()), cosine
+    return dominant, opponent, count / int(steps.sum()), cosine
 
 
-def _goals(meeting: MeetingCurve, leader: int, opponent: int) -> tuple[str, ...]:
-    return tuple(dict.fromkeys((meeting.goals[leader], meeting.goals[opponent])))
+def _goals(meeting: MeetingCurve, dominant: int, opponent: int) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((meeting.goals[dominant], meeting.goals[opponent])))
 
 
 def _beginnings(flags: NDArray[np.bool_]) -> int:

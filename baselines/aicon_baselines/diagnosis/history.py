@@ -41,8 +41,8 @@ class MeetingCurve:
     Attributes:
         labels: For each of g gradients its path, such as "reach → p_tar → x_rob".
         goals: For each gradient its goals, joined by "+".
-        strengths: (n, g).
-        leader: Index of the leading gradient, (n,).
+        magnitudes: (n, g).
+        dominant: Index of the dominant gradient, (n,).
         opponent: Index of the gradient that it was compared with, (n,); −1 for none.
         cosine: Between the two, (n,).
         exploring: (n,).
@@ -50,8 +50,8 @@ class MeetingCurve:
 
     labels: tuple[str, ...]
     goals: tuple[str, ...]
-    strengths: FloatArray
-    leader: IntArray
+    magnitudes: FloatArray
+    dominant: IntArray
     opponent: IntArray
     cosine: FloatArray
     exploring: BoolArray
@@ -171,8 +171,8 @@ def _meeting_curves(trace: StepTrace) -> Iterator[tuple[str, MeetingCurve]]:
                 MeetingCurve(
                     labels=quantity.labels,
                     goals=tuple("+".join(goals) for goals in quantity.goals),
-                    strengths=to_array(quantity.strengths),
-                    leader=_indices(quantity.leader),
+                    magnitudes=to_array(quantity.magnitudes),
+                    dominant=_indices(quantity.dominant),
                     opponent=_indices(quantity.opponent),
                     cosine=to_array(quantity.cosine),
                     exploring=_flags(quantity.exploring),
@@ -208,7 +208,7 @@ def _share_of_limit(actuator: Actuator, action: FloatArray) -> FloatArray:
 
 def _strongest(quantity: QuantityTrace) -> FloatArray:
     """The norm of the strongest gradient, (n,)."""
-    return to_array(quantity.strengths.amax(-1))
+    return to_array(quantity.magnitudes.amax(-1))
 
 
 def _smallest_step(policy: Policy) -> float | None:

@@ -21,7 +21,7 @@ class Robot:
             by default the largest torque comes at 0.02 rad and the servo lags behind by 0.1 s, as a
             Panda's do.
         capsules: Where it pushes, a URDF whose links are cylinders with round ends, by which the
-            robot's distance to itself is told; by default that of its collision shapes is told, up
+            robot's distance to itself is taken; by default it is that of its collision shapes, up
             to 50 mm.
     """
 

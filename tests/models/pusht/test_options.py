@@ -52,7 +52,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"resolution.projector": "best"}, "projector='best'"),
     ({"resolution.temperature": 0.0}, "temperature"),
     ({"resolution.margin": -0.1}, "margin"),
-    ({"resolution.exploration.partner": "best"}, "partner='best'"),
+    ({"resolution.exploration.opponent": "best"}, "opponent='best'"),
     ({"resolution.exploration.ratio_of": "best"}, "ratio_of='best'"),
     ({"resolution.exploration.enter_cosine": -0.1}, "enter_cosine"),
     ({"resolution.exploration.ratio": 0.5}, "ratio"),
