@@ -46,7 +46,6 @@ def _add_config(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--down-dims", nargs="+", type=int, default=[64, 128, 256], help="default: 64 128 256"
     )
-    parser.add_argument("--kernel", type=int, default=3, help="size of convolutions (default: 3)")
     parser.add_argument(
         "--horizon", type=int, default=16, help="actions predicted at once (default: 16)"
     )
@@ -55,24 +54,13 @@ def _add_config(parser: argparse.ArgumentParser) -> None:
     )
 
     # What it learns.
-    parser.add_argument(
-        "--prediction", default="sample", help="sample or epsilon (default: sample)"
-    )
-    parser.add_argument(
-        "--normalization", default="MEAN_STD", help="MEAN_STD or MIN_MAX (default: MEAN_STD)"
-    )
-    parser.add_argument(
-        "--shift", type=float, default=2.0, help="of observations with MEAN_STD, σ (default: 2)"
-    )
+    parser.add_argument("--shift", type=float, default=2.0, help="of observations, σ (default: 2)")
 
     # How it learns.
     parser.add_argument("--steps", type=int, default=20_000, help="gradient steps (default: 20000)")
     parser.add_argument("--batch", type=int, default=64, help="windows in a step (default: 64)")
     parser.add_argument(
         "--learning-rate", type=float, default=1e-3, help="its largest value (default: 1e-3)"
-    )
-    parser.add_argument(
-        "--warmup", type=int, default=200, help="steps until it is reached (default: 200)"
     )
     parser.add_argument(
         "--seed", type=int, default=100_000, help="of network, order and noise (default: 100000)"
@@ -113,12 +101,8 @@ def make_config(arguments: argparse.Namespace) -> TrainingConfig:
         down_dims=tuple(arguments.down_dims),
         batch=arguments.batch,
         learning_rate=arguments.learning_rate,
-        warmup=arguments.warmup,
         horizon=arguments.horizon,
         action_steps=arguments.action_steps,
-        kernel=arguments.kernel,
-        prediction=arguments.prediction,
-        normalization=arguments.normalization,
         shift=arguments.shift,
         seed=arguments.seed,
     )
