@@ -49,7 +49,7 @@ from aicon_torch.parts.landmark import (
     expected_distance,
 )
 from aicon_torch.parts.moving_obstacle import MovingObstacle
-from aicon_torch.parts.obstacle import Box, Obstacle, Rod, Sphere, moving_point
+from aicon_torch.parts.obstacle import Box, Obstacle, Sphere, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate, wrap_angle
 from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import (
@@ -72,7 +72,6 @@ from aicon_torch.parts.self_collision import (
     segment_distance,
 )
 from aicon_torch.parts.servo import PositionTarget, PusherMotion, Servo
-from aicon_torch.parts.speed_limit import SpeedLimit
 from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
@@ -126,10 +125,8 @@ __all__ = [
     "RigidObject",
     "RigidShape",
     "Robot",
-    "Rod",
     "SelfCollision",
     "Servo",
-    "SpeedLimit",
     "Sphere",
     "SquaredHinge",
     "TipMetric",

@@ -13,7 +13,7 @@ from aicon_envs.arm_push.arms import ARMS
 from aicon_envs.arm_push.capsules import robot_capsules
 from aicon_envs.arm_push.description import describe
 from aicon_envs.arm_push.hand_camera import HandCamera
-from aicon_envs.arm_push.inverse_kinematics import find_home
+from aicon_envs.arm_push.inverse_kinematics import home_of
 from aicon_envs.arm_push.objects import Prism, resolve_object
 from aicon_envs.arm_push.rendering import Camera
 from aicon_envs.arm_push.reset import (
@@ -104,7 +104,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
     | `robot` | "panda", "ur5" or a `Robot` |
     | `obs_type` | "rgbd" or "pose" |
     | `render_mode` | None or "rgb_array" |
-    | `render_camera` | "outside" or "hand" |
     | `object` | a name of `OBJECT_NAMES`, a `Prism` or an outline, m |
     | `mass`, `friction` | of the object, 0.5 kg and 0.35 |
     | `image_delay` | from when an image is taken to when it arrives, s |
@@ -140,7 +139,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         robot: str | Robot = "panda",
         obs_type: ObsType = "rgbd",
         render_mode: str | None = None,
-        render_camera: str = "outside",
         object: str | Prism | ArrayLike = "T",
         mass: float = 0.5,
         friction: float = 0.35,
@@ -162,8 +160,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
             ValueError: If a value is not valid; the message names it and says what is.
         """
         check_choice("obs_type", obs_type, get_args(ObsType))
-        if render_camera not in ("outside", "hand"):
-            raise ValueError(f'render_camera must be "outside" or "hand", got {render_camera!r}')
         check_number("mass", mass, positive=True)
         check_number("friction", friction, positive=True)
 
@@ -177,7 +173,7 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         model = build_scene(self.robot, self.object, mass, friction)
         joints = [model.joint(number).name for number in range(model.nu)]
         capsules = robot_capsules(self.robot, joints)
-        self._simulation = Simulation(model, find_home(model, self.robot), capsules)
+        self._simulation = Simulation(model, home_of(model, self.robot), capsules)
         self.observation_space = observation_space(model.nu, obs_type, width, height)
         self.action_space = action_space(model.actuator_ctrlrange[:, 1])
 
@@ -194,7 +190,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
             check_integer("render_width", render_width, 1),
             check_integer("render_height", render_height, 1),
         )
-        self._render_camera = render_camera
         self._cameras: dict[str, Camera] = {}
         self._hand_camera = HandCamera(
             _to_steps("image_delay", image_delay), check_number("depth_noise", depth_noise)
@@ -272,7 +267,7 @@ class ArmPushEnv(gym.Env[Observation, Action]):
             return None
 
         self._current_episode()
-        return self.picture(self._render_camera)
+        return self.picture("outside")
 
     def picture(self, camera: str) -> NDArray[np.uint8]:
         """Return a picture of the camera "outside" or "hand"."""

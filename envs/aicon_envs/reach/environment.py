@@ -19,8 +19,8 @@ from aicon_envs.checks import (
     check_render_mode,
 )
 from aicon_envs.reach.reset import EpisodeDrawer, EpisodeStart, Start
-from aicon_envs.reach.robots import Robot, find_file, resolve_robot
-from aicon_envs.reach.scene import Scene, build_scene
+from aicon_envs.reach.robots import Robot, find_file, find_home, resolve_robot
+from aicon_envs.reach.scene import build_scene
 from aicon_envs.reach.simulation import CONTROL_STEP, Simulation
 from aicon_envs.reach.spaces import Action, Observation, Target, action_space, observation_space
 
@@ -138,7 +138,7 @@ class ReachEnv(gym.Env[Observation, Action]):
         self.observation_space = observation_space(len(scene.joints), target, balls)
         self.action_space = action_space(self._speed)
 
-        home = _home(self.robot, scene)
+        home = find_home(self.robot, scene.low, scene.high)
         self._draw = EpisodeDrawer(self._simulation, home, start, balls, ball_radius, ball_speed)
         self._episode: EpisodeStart | None = None
 
@@ -329,20 +329,3 @@ def _to_quaternion(rotation: FloatArray) -> FloatArray:
     quaternion = np.zeros(4)
     mujoco.mju_mat2Quat(quaternion, rotation.ravel())
     return quaternion
-
-
-def _home(robot: Robot, scene: Scene) -> FloatArray:
-    """Return the robot's home, ``(n,)``; by default the middles of the limits, 0 without.
-
-    Raises:
-        ValueError: If it has another number of joints, or is not within their limits.
-    """
-    if robot.home is None:
-        return np.where(np.isfinite(scene.low), (scene.low + scene.high) / 2.0, 0.0)
-
-    count = len(scene.joints)
-    expected = f"{count} finite numbers within the limits, in rad or m"
-    home = np.array(check_numbers("home", robot.home, expected, count))
-    if (home < scene.low).any() or (home > scene.high).any():
-        raise ValueError(f"home must be {expected}, got {robot.home}")
-    return home
