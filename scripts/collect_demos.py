@@ -31,12 +31,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--near", type=float, default=0.0, help="share of starts near the goal (default: 0)"
     )
     parser.add_argument(
-        "--max-speed", type=float, default=250.0, help="the teacher's, px/s (default: 250)"
-    )
-    parser.add_argument(
-        "--smoothing", type=float, default=0.3, help="of its velocity, s (default: 0.3)"
-    )
-    parser.add_argument(
         "--observe",
         nargs="+",
         choices=OBSERVATIONS,
@@ -57,8 +51,6 @@ def run(arguments: argparse.Namespace) -> None:
         seed=arguments.seed,
         noises=tuple(arguments.noises),
         near=arguments.near,
-        max_speed=arguments.max_speed,
-        smoothing=arguments.smoothing,
         observations=tuple(arguments.observe),
     )
     with ProgressBar(0, config.episodes) as bar:

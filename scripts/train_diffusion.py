@@ -44,9 +44,6 @@ def _add_config(parser: argparse.ArgumentParser) -> None:
         "--observe", choices=OBSERVATIONS, default="keypoints", help="default: keypoints"
     )
     parser.add_argument(
-        "--down-dims", nargs="+", type=int, default=[64, 128, 256], help="default: 64 128 256"
-    )
-    parser.add_argument(
         "--horizon", type=int, default=16, help="actions predicted at once (default: 16)"
     )
     parser.add_argument(
@@ -58,10 +55,6 @@ def _add_config(parser: argparse.ArgumentParser) -> None:
 
     # How it learns.
     parser.add_argument("--steps", type=int, default=20_000, help="gradient steps (default: 20000)")
-    parser.add_argument("--batch", type=int, default=64, help="windows in a step (default: 64)")
-    parser.add_argument(
-        "--learning-rate", type=float, default=1e-3, help="its largest value (default: 1e-3)"
-    )
     parser.add_argument(
         "--seed", type=int, default=100_000, help="of network, order and noise (default: 100000)"
     )
@@ -98,9 +91,6 @@ def make_config(arguments: argparse.Namespace) -> TrainingConfig:
     return TrainingConfig(
         steps=arguments.steps,
         observation=arguments.observe,
-        down_dims=tuple(arguments.down_dims),
-        batch=arguments.batch,
-        learning_rate=arguments.learning_rate,
         horizon=arguments.horizon,
         action_steps=arguments.action_steps,
         shift=arguments.shift,
