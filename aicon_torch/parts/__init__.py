@@ -36,8 +36,6 @@ from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.image_registration import Detection, ImageRegistration
-from aicon_torch.parts.image_segmentation import RGBDImage, TopFace, TopFaceSegmentation
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.landmark import (
@@ -97,14 +95,12 @@ __all__ = [
     "ContactForce",
     "ContactLikelihood",
     "ContactOptions",
-    "Detection",
     "DifferentialDrive",
     "DisplacementCommand",
     "EndEffector",
     "FixedTarget",
     "ForceServo",
     "ForceThreshold",
-    "ImageRegistration",
     "Intrinsics",
     "Joint",
     "JointLimits",
@@ -119,7 +115,6 @@ __all__ = [
     "PoseReach",
     "PositionTarget",
     "PusherMotion",
-    "RGBDImage",
     "ReadingPrior",
     "Recent",
     "RigidObject",
@@ -132,8 +127,6 @@ __all__ = [
     "TipMetric",
     "TipPose",
     "ToolPose",
-    "TopFace",
-    "TopFaceSegmentation",
     "TouchedSide",
     "TouchedTop",
     "VelocityLag",

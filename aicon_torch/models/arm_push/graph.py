@@ -23,6 +23,7 @@ from aicon_torch.models.arm_push.goals import (
     Ring,
     StayUpright,
 )
+from aicon_torch.models.arm_push.image_registration import ImageRegistration
 from aicon_torch.models.arm_push.limits import JOINT_SPEED, TIP_SPEED, ArmLimits
 from aicon_torch.models.arm_push.options import Options
 from aicon_torch.models.arm_push.perception import BLOB, KEYPOINTS, SEEN_AGE, CameraPerception
@@ -30,7 +31,6 @@ from aicon_torch.models.arm_push.pushed_object import object_top, pushed_object
 from aicon_torch.models.arm_push.scene import Scene
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
-from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import PoseDistance

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_torch.errors import ObservationError, choices
+from aicon_torch.models.arm_push.image_registration import ImageRegistration
+from aicon_torch.models.arm_push.image_segmentation import RGBDImage
+from aicon_torch.models.arm_push.polygon import Array, Mask
 from aicon_torch.parts.chain import Chain
-from aicon_torch.parts.image_registration import ImageRegistration
-from aicon_torch.parts.image_segmentation import RGBDImage
 from aicon_torch.parts.joint_product import Transform
-from aicon_torch.parts.polygon import Array, Mask
 
 KEYPOINTS, BLOB = "z_keypoints", "z_blob"
 """The readings: keypoints, and the middle of what is seen where these are not found."""

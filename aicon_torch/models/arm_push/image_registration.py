@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aicon_torch.parts.camera import Intrinsics
-from aicon_torch.parts.image_segmentation import (
+from aicon_torch.models.arm_push.image_segmentation import (
     RGBDImage,
     TopFace,
     TopFaceSegmentation,
     is_colored,
     thin,
 )
-from aicon_torch.parts.polygon import Array, contains, place, signed_distance
+from aicon_torch.models.arm_push.polygon import Array, contains, place, signed_distance
+from aicon_torch.parts.camera import Intrinsics
 
 FIT_TOLERANCE = 0.006
 """An edge fits, and a surface point is inside, within this of the outline, m."""

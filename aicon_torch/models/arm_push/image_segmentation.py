@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from aicon_torch.models.arm_push.polygon import Array, Mask
 from aicon_torch.parts.camera import Intrinsics
-from aicon_torch.parts.polygon import Array, Mask
 
 DARKEST_COLOR = 60
 """Value of a pixel, of 255, below which it has no colour."""
