@@ -10,7 +10,14 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_action, check_render_mode, copy_options
+from aicon_envs.checks import check_action, check_integer, check_render_mode, copy_options
+from aicon_envs.nav2d.batching import (
+    BoolArray,
+    check_autoreset_mode,
+    check_reset_mask,
+    split_options,
+    split_seed,
+)
 from aicon_envs.nav2d.maps import check_map_name
 from aicon_envs.nav2d.physics import Physics
 from aicon_envs.nav2d.rendering import Scene
@@ -25,14 +32,6 @@ from aicon_envs.nav2d.spaces import (
     observation_space,
 )
 from aicon_envs.nav2d.world import NavigationMap
-from aicon_envs.vectorized import (
-    BoolArray,
-    check_autoreset_mode,
-    check_count,
-    check_reset_mask,
-    split_options,
-    split_seed,
-)
 
 RENDERING = {"render_modes": ["rgb_array"], "render_fps": 20}
 """What Gymnasium's metadata say of pictures."""
@@ -94,8 +93,8 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
             ValueError: If a value is not valid; the message names it and lists what is.
             TypeError: If a keyword is unknown.
         """
-        self.num_envs = check_count("num_envs", num_envs)
-        self.max_episode_steps = check_count("max_episode_steps", max_episode_steps)
+        self.num_envs = check_integer("num_envs", num_envs, 1)
+        self.max_episode_steps = check_integer("max_episode_steps", max_episode_steps, 1)
         self.autoreset_mode = check_autoreset_mode(autoreset_mode)
         self.metadata = RENDERING | {"autoreset_mode": self.autoreset_mode}
         self.physics = Physics.from_options(physics, type(self))
