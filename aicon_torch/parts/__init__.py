@@ -55,7 +55,6 @@ from aicon_torch.parts.pose import (
     KeypointRegistration,
     PoseDistance,
     PoseMotion,
-    pose_jacobian,
     resting_pose,
 )
 from aicon_torch.parts.pose_reach import PoseReach
@@ -148,7 +147,6 @@ __all__ = [
     "moving_point",
     "norm",
     "pose_error",
-    "pose_jacobian",
     "quarter_turn",
     "range_residual",
     "resting_pose",

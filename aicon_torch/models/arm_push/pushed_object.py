@@ -3,21 +3,21 @@
 from collections.abc import Sequence
 from typing import Any
 
+import torch
+
 from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
-from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.interconnections import Affine, Constant, Interconnection
 from aicon_torch.models.arm_push.measurements import (
     ObservedPose,
     SeenKeypoints,
-    position_jacobian,
     seen_middle,
     seen_top,
-    top_jacobian,
 )
 from aicon_torch.models.arm_push.options import Options
 from aicon_torch.models.arm_push.perception import BLOB, KEYPOINTS
 from aicon_torch.models.arm_push.scene import Scene
 from aicon_torch.parts.camera import Visibility
-from aicon_torch.parts.pose import PoseMotion, pose_jacobian
+from aicon_torch.parts.pose import PoseMotion
 from aicon_torch.parts.touch import ForceThreshold, TouchedSide, TouchedTop
 
 UNSEEN_DEVIATION = (0.1, 1 / 6, 2.0)
@@ -63,7 +63,7 @@ def pushed_object(scene: Scene) -> list[Estimator]:
 def observed_pose(scene: Scene) -> EKF:
     """x_pose, corrected by a pose that is observed."""
     observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION)
-    residual = Interconnection(observed, x_pose=pose_jacobian)
+    residual = Interconnection(observed, x_pose=Constant(torch.eye(3)))
     reading = Measurement(residual, pose_variances(scene, scene.options.pose_noise), size=3)
     return _pushed_pose(
         scene,
@@ -85,8 +85,8 @@ def seen_pose(scene: Scene) -> EKF:
         height=2 * options.height,
     )
 
-    seen = Interconnection(SeenKeypoints(scene.body), x_pose=pose_jacobian)
-    middle = Interconnection(seen_middle, x_pose=position_jacobian)
+    seen = Interconnection(SeenKeypoints(scene.body), x_pose=Constant(torch.eye(3)))
+    middle = Interconnection(seen_middle, x_pose=Constant(torch.eye(3)[:2]))
     shown = [
         Measurement(seen, visibility, size=3),
         Measurement(middle, MIDDLE_DEVIATION**2, size=2),
@@ -118,7 +118,7 @@ def _pushed_pose(scene: Scene, felt: Sequence[Measurement] = (), **belief: Any) 
         "P_pose",
         moved_by=moved_by,
         prompt=felt,
-        predict=Interconnection(motion, inputs, x_pose=pose_jacobian),
+        predict=Interconnection(motion, inputs, x_pose=Constant(torch.eye(3))),
         noise=pose_variances(scene, deviation),
         **belief,
     )
@@ -138,7 +138,7 @@ def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]
 
 def object_top(options: Options) -> EKF:
     """x_top: height of the object's top face, m, from the depth of its keypoints and by touch."""
-    seen = Interconnection(seen_top, x_top=top_jacobian)
+    seen = Interconnection(seen_top, x_top=Constant(torch.eye(1)))
     correct = [Measurement(seen, TOP_NOISE, size=1)]
     if options.touch:
         touched = TouchedTop(TOP_DEVIATION, TOP_FORCE)
