@@ -39,7 +39,7 @@ PRIVILEGED = frozenset({"expected_place", "height", "law.horizon", "stick_fricti
 """Options that hold the simulation's own numbers: where the object starts, half its thickness, the
 servos' time constant, the friction at the stick."""
 
-CONSTANTS = {
+CONSTANTS: dict[str, dict[str, tuple[str, ...]]] = {
     "nav2d": {"graph": ("COLLISION_LENGTH", "TARGET_DISTANCE", "TARGET_DISTANCE_DEVIATION")},
     "arm_push": {
         "limits": ("TIP_SPEED", "JOINT_SPEED", "SETTLING_TIME"),

@@ -180,7 +180,7 @@ class Learner:
         batch = self._preprocess(self._load_batch(next(self._batches)))
         loss, _ = self._policy(batch)
 
-        loss.backward()  # type: ignore[no-untyped-call]  # torch leaves it untyped
+        loss.backward()
         torch.nn.utils.clip_grad_norm_(self._policy.parameters(), _MAX_GRADIENT_NORM)
         self._optimizer.step()
         self._schedule.step()
