@@ -1,6 +1,6 @@
 """What changes during training: network, averaged weights, optimiser and random numbers."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,10 @@ from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.agents.diffusion.dataset import Frames, shuffled_batches
 from aicon_baselines.agents.diffusion.lerobot_names import (
     ACTION,
-    FEATURE_TYPES,
     KEYPOINTS,
     PIXELS,
     STATE,
+    describe_features,
     import_lerobot,
 )
 
@@ -76,7 +76,7 @@ def make_policy_config(
         features: The features of the dataset, as LeRobot describes them.
         device: "cpu" or "cuda".
     """
-    inputs = {name: _describe(name, features[name]["shape"]) for name in features}
+    inputs = describe_features({name: _shape_in_policy(name, features[name]) for name in features})
     outputs = {ACTION: inputs.pop(ACTION)}
     encoder = _IMAGE_ENCODER | ({} if config.observation == "pixels" else {"crop_shape": None})
 
@@ -113,14 +113,12 @@ def _normalization_modes() -> dict[str, Any]:
     }
 
 
-def _describe(name: str, shape: Sequence[int]) -> Any:
-    """Describe a feature of a dataset as one of a policy, where pictures have channels first."""
+def _shape_in_policy(name: str, feature: Mapping[str, Any]) -> tuple[int, ...]:
+    """Return the shape of a dataset's feature in a policy, where pictures have channels first."""
     if name == PIXELS:
-        height, width, channels = shape
-        shape = (channels, height, width)
-
-    types = import_lerobot("configs.types")
-    return types.PolicyFeature(type=types.FeatureType[FEATURE_TYPES[name]], shape=tuple(shape))
+        height, width, channels = feature["shape"]
+        return channels, height, width
+    return tuple(feature["shape"])
 
 
 _MAX_GRADIENT_NORM = 10.0
