@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from aicon_envs.checks import check_option_names, copy_options
 from aicon_envs.reach.balls import BallPath, draw_path
 from aicon_envs.reach.gaps import SIGHT
-from aicon_envs.reach.robots import check_posture
-from aicon_envs.reach.scene import draw_postures
+from aicon_envs.reach.robots import check_posture, draw_postures
 from aicon_envs.reach.simulation import Simulation
 
 FloatArray = NDArray[np.float64]

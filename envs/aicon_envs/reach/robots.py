@@ -1,6 +1,7 @@
 """The robots that come with `example-robot-data`, and where their files are."""
 
 import importlib.metadata
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 from aicon_envs.checks import check_numbers
 
 FloatArray = NDArray[np.float64]
+
+_WIDEST = math.pi
+"""Joints without limits are drawn from ± this, rad."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +127,16 @@ def check_posture(name: str, values: Any, low: FloatArray, high: FloatArray) -> 
     if (posture < low).any() or (posture > high).any():
         raise ValueError(f"{name} must be {expected}, got {posture.tolist()}")
     return posture
+
+
+def draw_postures(
+    low: FloatArray, high: FloatArray, count: int, generator: np.random.Generator
+) -> FloatArray:
+    """Return values of n joints within their limits, ``(count, n)``; ±π where there are none."""
+    bounded = np.isfinite(low)
+    least, most = np.where(bounded, low, -_WIDEST), np.where(bounded, high, _WIDEST)
+    postures: FloatArray = generator.uniform(least, most, (count, len(low)))
+    return postures
 
 
 def find_file(name: str) -> Path:
