@@ -40,7 +40,9 @@ _LIGHTER = 1.2
 def draw_observation(simulation: Simulation, goal: Goal, size: tuple[int, int]) -> Picture:
     """Return the picture of an observation, (height, width, 3), for `size` (width, height)."""
     surface = _draw_world(simulation, goal)
-    pixels = pygame.surfarray.pixels3d(surface).transpose(1, 0, 2)
+    side = surface.get_width()
+    content = pygame.image.tobytes(surface, "RGB")
+    pixels = np.frombuffer(content, np.uint8).reshape(side, side, 3)
     return np.asarray(cv2.resize(pixels, size), np.uint8)
 
 
