@@ -49,8 +49,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Record what is missing and say what to do with it."""
     # Imported late: it loads torch, which reads the number of threads.
+    from tqdm import tqdm
+
     from aicon_baselines.agents.diffusion.collection import collect
-    from aicon_baselines.evaluation.progress import ProgressBar
 
     config = RecordingConfig(
         episodes=arguments.episodes,
@@ -61,8 +62,8 @@ def run(arguments: argparse.Namespace) -> None:
         smoothing=arguments.smoothing,
         observations=tuple(arguments.observe),
     )
-    with ProgressBar(0, config.episodes) as bar:
-        collect(config, arguments.out, bar.received)
+    with tqdm(total=config.episodes, unit="episode", disable=None) as bar:
+        collect(config, arguments.out, bar.update)
 
     print(f"{config.episodes} episodes, saved in {arguments.out}; to train a diffusion policy:")
     print(f"python scripts/train_diffusion.py --data {arguments.out} --out runs/diffusion")

@@ -17,7 +17,7 @@ from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.run_folder import RunFolder
-from aicon_baselines.evaluation.study_report import write_study
+from aicon_baselines.evaluation.study import write_study
 from aicon_baselines.tasks import load
 
 

@@ -9,13 +9,10 @@ batch.
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from gymnasium.vector import VectorEnv, VectorWrapper
-from numpy.typing import NDArray
+from gymnasium.vector import VectorEnv
 from PIL import Image
 
 from aicon_baselines.agents.registry import factory
@@ -23,6 +20,7 @@ from aicon_baselines.agents.variants import REFERENCE, parse_variant
 from aicon_baselines.cli.command_line import Command
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.episodes import Step
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.task import Task
@@ -70,15 +68,25 @@ def run(arguments: argparse.Namespace) -> None:
     name, options = parse_variant(arguments.policy)
     builds = {name: factory(task.name, name, **options)}
     build = compiled_as_asked(builds, arguments.compile)[name]
-    policy = _Remembering(build(condition))
+    policy: Any = build(condition)
 
-    with _filmed(task, arguments.render, arguments.video) as filmed_task:
-        episodes = [filmed_task.episode(arguments.seed)]
-        outcome = rollout(policy, filmed_task, condition, episodes, [arguments.seed])
+    memory: Any = None
+    episodes = [task.episode(arguments.seed)]
+    with _camera(arguments.render, arguments.video, task.time_step) as camera:
+
+        def on_step(env: VectorEnv[Any, Any, Any], step: Step) -> None:
+            nonlocal memory
+            memory = step.memory
+            if camera is not None:
+                camera.look(env)
+
+        seeing = {} if camera is None else {"render_mode": "rgb_array"}
+        seeds = [arguments.seed]
+        outcome = rollout(policy, task, condition, episodes, seeds, on_step=on_step, **seeing)
 
     print(describe_outcome(task, outcome))
-    if policy.can_explain:
-        print(f"\nits last step:\n{policy.explain()}")
+    if hasattr(policy, "explain"):  # a planner has nothing to tell
+        print(f"\nits last step:\n{policy.explain(memory, 0)}")
     for path in (arguments.render, arguments.video):
         if path:
             print(f"saved: {path}")
@@ -102,92 +110,44 @@ def describe_outcome(task: Task, outcome: Outcome) -> str:
     return "; ".join(parts)
 
 
-class _Remembering:
-    """A policy that keeps its memory, to tell afterwards what its last step decided."""
-
-    def __init__(self, policy: Any) -> None:
-        self._policy: Any = policy
-        self._memory: Any = None
-        self.env_options = getattr(policy, "env_options", {})
-
-    @property
-    def can_explain(self) -> bool:
-        """Whether it says what it decided; a planner has nothing to tell."""
-        return hasattr(self._policy, "explain")
-
-    def predict(
-        self,
-        observation: dict[str, NDArray[Any]],
-        state: Any = None,
-        episode_start: NDArray[np.bool_] | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Any, Any]:
-        """Choose the next action, and keep the memory."""
-        action, self._memory = self._policy.predict(observation, state, episode_start)
-        return action, self._memory
-
-    def explain(self) -> str:
-        """Tell what the last step decided."""
-        return str(self._policy.explain(self._memory, 0))
-
-
 class _Camera:
-    """Takes pictures of an episode, and saves the last one and a film of them."""
+    """Takes pictures of the only episode of an environment, as often as a film shows them."""
 
-    def __init__(self, time_step: float, writer: Any) -> None:
-        self._writer = writer
-        self._every = max(1, round(1.0 / (_PICTURES_PER_SECOND * time_step)))
+    def __init__(self, every: int, writer: Any) -> None:
+        self._every, self._writer = every, writer
         self._steps = 0
-        self.last: NDArray[np.uint8] | None = None
+        self.last: Any = None
 
     def look(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """Look at the only episode of an environment, at those steps that the film shows."""
+        """Look at it, where it is time to."""
         if self._steps % self._every == 0:
-            pictures: Any = env.render()
-            self.last = pictures[0]
-            if self._writer:
+            (self.last,) = env.render() or ()
+            if self._writer is not None:
                 self._writer.append_data(self.last)
         self._steps += 1
 
 
-class _Watched(VectorWrapper):
-    """An environment that a camera looks at after every step."""
-
-    def __init__(self, env: VectorEnv[Any, Any, Any], camera: _Camera) -> None:
-        super().__init__(env)
-        self._camera = camera
-
-    def step(self, actions: Any) -> Any:
-        """Step, and be looked at."""
-        result = self.env.step(actions)
-        self._camera.look(self.env)
-        return result
-
-
 @contextmanager
-def _filmed(task: Task, picture: Path | None, video: Path | None) -> Iterator[Task]:
-    """Give a task whose episodes are filmed; the files are there when the context ends."""
+def _camera(picture: Path | None, video: Path | None, time_step: float) -> Iterator[_Camera | None]:
+    """Give a camera, if there is anything to save; the files are there when the context ends."""
     if picture is None and video is None:
-        yield task
+        yield None
         return
 
-    with _open_video(video, task.time_step) as writer:
-        camera = _Camera(task.time_step, writer)
+    every = max(1, round(1.0 / (_PICTURES_PER_SECOND * time_step)))
+    rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))
+    with _film_writer(video, rate) as writer:
+        camera = _Camera(every, writer)
+        yield camera
 
-        def make_env(*arguments: Any, **options: Any) -> VectorEnv[Any, Any, Any]:
-            env = task.make_env(*arguments, render_mode="rgb_array", **options)
-            return _Watched(env, camera)
-
-        yield replace(task, make_env=make_env)
-
-    if picture is not None and camera.last is not None:
+    if picture is not None:
         picture.parent.mkdir(parents=True, exist_ok=True)
         with replacing(picture) as place:
             Image.fromarray(camera.last).save(place)
 
 
 @contextmanager
-def _open_video(path: Path | None, time_step: float) -> Iterator[Any]:
+def _film_writer(path: Path | None, rate: int) -> Iterator[Any]:
     """Give what writes pictures into a film; None without a path."""
     if path is None:
         yield None
@@ -201,7 +161,6 @@ def _open_video(path: Path | None, time_step: float) -> Iterator[Any]:
         raise missing_extra(error) from error
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))
     options = {"duration": 1000 / rate, "loop": 0} if path.suffix == ".gif" else {"fps": rate}
     with replacing(path) as place, imageio.get_writer(place, **options) as writer:
         yield writer

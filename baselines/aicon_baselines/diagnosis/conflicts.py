@@ -6,9 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.diagnosis.finding import Finding
+from aicon_baselines.diagnosis.finding import Finding, listed, percent, times
 from aicon_baselines.diagnosis.history import History, MeetingCurve
-from aicon_baselines.diagnosis.words import listed, percent, times
 
 OPPOSED = -0.6
 """Cosine below which gradients oppose each other, as in :class:`aicon_torch.Exploration`."""
@@ -52,8 +51,7 @@ def find_constraints(history: History, since: int) -> Iterator[Finding]:
             "descending to get away from where they brought it to rest, "
             f"{times(_beginnings(curve.escaping[since:]))}.{held}"
         )
-        goals = tuple(goal for goal, curve in history.goals.items() if curve.safety)
-        yield Finding("constraint", text, since * history.dt, goals)
+        yield Finding("constraint", text, since * history.dt, tuple(history.gaps))
 
 
 def _explored(name: str, meeting: MeetingCurve, since: int) -> tuple[str, tuple[str, ...]] | None:
@@ -123,10 +121,8 @@ def _beginnings(flags: NDArray[np.bool_]) -> int:
 def _near_goals(history: History, since: int) -> list[str]:
     """Safety goals whose gap was almost used up, with how often."""
     near: list[str] = []
-    for name, curve in history.goals.items():
-        if curve.gap is None:
-            continue
-        share = (curve.gap[since:] < 0.1 * np.median(curve.gap)).mean()
+    for name, gap in history.gaps.items():
+        share = (gap[since:] < 0.1 * np.median(gap)).mean()
         if share >= OFTEN:
-            near.append(f"{name} ({percent(share)} of the time, least gap {curve.gap.min():.3g})")
+            near.append(f"{name} ({percent(share)} of the time, least gap {gap.min():.3g})")
     return near

@@ -145,7 +145,7 @@ def configure(
         episodes=episodes,
         repeats=repeats,
         conditions=conditions,
-        maps=_check_names("map", maps, task.maps) if maps else task.maps,
+        maps=_check_maps(maps, task) if maps else task.maps,
         horizon=task.horizon if horizon is None else horizon,
         time_step=task.time_step,
     )
@@ -165,11 +165,11 @@ def _check_conditions(names: Sequence[str], task: Task) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _check_names(kind: str, names: Sequence[str], valid: Sequence[str]) -> tuple[str, ...]:
-    """Return the names, each once; one that is not valid is an error that lists those that are."""
+def _check_maps(names: Sequence[str], task: Task) -> tuple[str, ...]:
+    """Return the classes of maps, each once."""
     for name in names:
-        if name not in valid:
-            choices = ", ".join(dict.fromkeys(valid))
-            raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {choices}")
+        if name not in task.maps:
+            choices = ", ".join(dict.fromkeys(task.maps))
+            raise ComparisonError(f"unknown map {name!r}; valid maps: {choices}")
 
     return tuple(dict.fromkeys(names))

@@ -133,10 +133,9 @@ def record(
     kind: Callable[..., Kind],
     policy: Any,
     env: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any],
-    seed: int,
+    reset: dict[str, Any],
     horizon: int | None = None,
     *,
-    options: dict[str, Any] | None = None,
     stride: int = 1,
     look: Callable[[Any], Any] | None = None,
     every: int = 1,
@@ -149,17 +148,15 @@ def record(
         kind: What to make of it: a recording of the task.
         policy: The policy.
         env: Its environment, or a vector of one; it is closed in the end.
-        seed: Seed of the episode.
+        reset: The arguments of its `reset`, a seed among them.
         horizon: Steps after which it ends; by default the environment's.
-        options: Of the environment's `reset`.
         stride: Steps from one memory that is kept to the next.
         look: Makes a picture of what is there, from the latest observation.
         every: Steps from one picture to the next; the first one is of the start.
         beyond: Whether to keep also what the policy would do after the end.
         progress: Whether to show a progress bar, on a terminal only.
     """
-    is_vector = isinstance(env, VectorEnv)
-    start = env.reset(seed=[seed] if is_vector else seed, options=options)  # type: ignore[arg-type]
+    start = env.reset(**reset)
     pictures = [look(start[0])] if look is not None else []
     memories, infos = [], []
 
@@ -174,10 +171,10 @@ def record(
     infos.append(step.info)
     if beyond:
         memories.append(policy.predict(step.next_observation, step.memory)[1])
-    if is_vector:
+    if isinstance(env, VectorEnv):
         infos = [{name: values[0] for name, values in info.items()} for info in infos]
     env.close()
-    success = bool(infos[-1]["is_success"])
+    success, (seed,) = bool(infos[-1]["is_success"]), np.ravel(reset["seed"]).tolist()
     return kind(policy, memories, success, infos, pictures, env.unwrapped, seed, stride)
 
 

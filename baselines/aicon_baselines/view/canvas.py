@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from aicon_baselines.view.marks import FloatArray, Marks
-from aicon_baselines.view.outlines import arrow_outline, triangulate
 from aicon_baselines.view.server import viser
 from aicon_baselines.worlds.shape import Shape, believed, circle
 
@@ -166,3 +166,25 @@ class Canvas(Marks):
         corners = arrow_outline(length, width) @ np.stack([along, across])
         vertices = start + np.pad(corners, ((0, 0), (0, 1)))
         self.mesh(name, vertices, _ARROW_FACES, color)
+
+
+def arrow_outline(length: float, width: float) -> FloatArray:
+    """Corners of a shaft and a head along the first axis, (7, 2)."""
+    head_width = max(2.6 * width, 0.16)
+    neck = length - min(1.1 * head_width, 0.6 * length)
+    shaft = [(0.0, -width / 2), (neck, -width / 2), (neck, width / 2), (0.0, width / 2)]
+    head = [(neck, -head_width / 2), (length, 0.0), (neck, head_width / 2)]
+    return np.array(shaft + head)
+
+
+def triangulate(rings: Sequence[FloatArray]) -> NDArray[np.int_]:
+    """Triangles that fill polygons without holes: indices into all their points, (F, 3)."""
+    faces, first = [], 0
+    for ring in rings:
+        pieces = shapely.constrained_delaunay_triangles(shapely.Polygon(ring))
+        for triangle in shapely.get_parts(pieces):
+            corners = shapely.get_coordinates(triangle)[:3]
+            gaps = np.linalg.norm(corners[:, np.newaxis] - ring, axis=-1)
+            faces.append(first + gaps.argmin(axis=1))
+        first += len(ring)
+    return np.array(faces)

@@ -1,6 +1,5 @@
 """A world in the plane, seen from above, and how gradients are drawn in it."""
 
-from abc import abstractmethod
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -38,21 +37,13 @@ class PlaneScene(Scene):
 
     def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
         self.canvas = Canvas(server, self.flipped)
-        super().__init__(server, episode, self.canvas)
+        super().__init__(server, episode, self.canvas, words_at=(0.0, 0.45 * HEIGHT, 0.5))
         self._trail: list[FloatArray] = []
 
     def clear(self) -> None:
         """Remove everything that was drawn."""
         super().clear()
         self._trail = []
-
-    @abstractmethod
-    def draw_world(self) -> None:
-        """Draw what an episode does not change, and fit the canvas to it."""
-
-    def write(self, words: str) -> None:
-        """Write a line above the world."""
-        self.canvas.text("words", words, np.array([0.0, 0.45 * HEIGHT, 0.5]))
 
     def handle(self, where: Callable[[], FloatArray], move: Callable[[FloatArray], None]) -> Handle:
         """What a hand drags, by its place (2,) in the world."""
@@ -69,22 +60,20 @@ class PlaneScene(Scene):
 
     def draw_arrow(
         self, name: str, tail: ArrayLike, arrow: GradientArrow, share: float
-    ) -> FloatArray:
-        """Draw a gradient, all of one length; stronger ones cover weaker ones."""
-        width = max(_WIDEST * share**0.5, 0.03)
-        layer = _ARROW_LAYER + 1.0 - share
-        self.canvas.arrow(name, tail, arrow.direction, arrow.color, layer, _LONGEST, width)
+    ) -> FloatArray | None:
+        """Draw a gradient, all of one length; the wider ones lie below."""
+        norm = np.linalg.norm(arrow.direction[:2])
+        if norm == 0.0:
+            return None
 
+        width, length = max(_WIDEST * share**0.5, 0.03), arrow.length * _LONGEST
+        layer = _ARROW_LAYER + 1.0 - share
+        self.canvas.arrow(name, tail, arrow.direction[:2], arrow.color, layer, length, width)
         if arrow.source is not None:
             radius = 0.09 / self.canvas.scale
             self.canvas.disc(f"{name}.source", arrow.source, radius, arrow.color, layer)
 
         # Beyond the tip.
-        way = np.array(arrow.direction[:2]) / np.linalg.norm(arrow.direction[:2])
-        tip = np.asarray(tail) + 1.12 * _LONGEST / self.canvas.scale * way
+        way = arrow.direction[:2] / norm
+        tip = np.asarray(tail) + 1.12 * length / self.canvas.scale * way
         return self.canvas.to_scene(tip, _ARROW_LAYER + 5)
-
-    def draw_motion(self, tail: ArrayLike, action: FloatArray, color: str) -> None:
-        """Draw the motion that an action is, thin and above the gradients."""
-        layer, length = _ARROW_LAYER + 3, 1.25 * _LONGEST
-        self.canvas.arrow("motion", tail, action, color, layer, length, width=0.05)

@@ -10,7 +10,7 @@ from matplotlib.patches import FancyArrowPatch
 
 from aicon_baselines.evaluation.recording import FloatArray, to_array
 from aicon_baselines.figures.rendering import save_picture
-from aicon_baselines.figures.style import TARGET_MARK
+from aicon_baselines.figures.view import target_mark
 from aicon_baselines.palette import EXPLORING, INK, OBJECT, OBSTACLE, ROBOT, TARGET
 from aicon_torch.inspection import QuantityTrace
 from concepts.world import Wall
@@ -60,7 +60,7 @@ def as_world(
     axes.set_title(title, fontsize=11, loc="left", color=INK)
     axes.spines[:].set_color(OBJECT)
 
-    axes.plot(*target, **TARGET_MARK, zorder=6)
+    axes.add_line(target_mark(*target))
     if wall is not None:
         ends = np.array([wall.start, wall.end])
         axes.plot(*ends.T, color=OBSTACLE, linewidth=9, solid_capstyle="round", zorder=3)

@@ -9,8 +9,7 @@ pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.palette import rgb
-from aicon_baselines.view.canvas import Canvas
-from aicon_baselines.view.outlines import triangulate
+from aicon_baselines.view.canvas import Canvas, triangulate
 from aicon_baselines.view.server import serve
 
 

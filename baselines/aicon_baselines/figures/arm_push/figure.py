@@ -5,28 +5,23 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from PIL import Image
 
 from aicon_baselines.evaluation.recording import track
 from aicon_baselines.figures.arm_push.recording import ArmRecording, record
-from aicon_baselines.figures.rendering import Film, is_moving_picture, render, save_video
+from aicon_baselines.figures.rendering import Film, is_moving_picture, save_picture, save_video
 from aicon_baselines.figures.summary import FigureFiles, FigureSummary
 from aicon_baselines.figures.timeline import (
     TimeCursor,
-    add_curve_legend,
+    curve_handles,
     gaps_at_zero,
     prepare_timeline,
 )
-from aicon_baselines.files import replacing
-from aicon_baselines.palette import ANGLE, DISTANCE, GOALS, TOWARDS
+from aicon_baselines.palette import ANGLE, DISTANCE, GOALS, INK, TOWARDS
 from aicon_baselines.tasks.arm_push import TASK
 from aicon_torch import make_policy
 
 _FASTER = 5
 """How much faster than real time a moving picture plays."""
-
-_SHADE = {"color": "0.9"}
-_LEGEND = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.05), "fontsize": 7.5}
 
 
 def make_figure(
@@ -46,7 +41,9 @@ def make_figure(
     policy = make_policy("arm_push", **TASK.policy_options("camera")).compile()
     recording = record(policy, seed, horizon, progress=progress)
 
-    draw_still(recording, files.picture)
+    still = ArmFilm(recording)
+    still.show(len(recording.times) // 2)
+    save_picture(still.figure, files.picture)
     if files.film is not None:
         draw_film(recording, files.film, progress=progress)
 
@@ -74,21 +71,16 @@ class ArmFilm(Film):
             axes.set_title(title, fontsize=10)
             self._views.append((axes.imshow(pictures[0]), pictures))
 
-        self._cursor = TimeCursor(add_timelines(self.figure, recording), "black", width=1.0)
+        strengths = self.figure.add_axes((0.08, 0.23, 0.67, 0.17))
+        errors = self.figure.add_axes((0.08, 0.07, 0.67, 0.13))
+        draw_curves(strengths, errors, recording)
+        self._cursor = TimeCursor((strengths, errors), INK)
 
     def show(self, step: int) -> None:
         """Bring views and cursors to a frame of the recording."""
         for image, pictures in self._views:
             image.set_data(pictures[step])
         self._cursor.move(self._recording.times[step])
-
-
-def draw_still(recording: ArmRecording, path: Path) -> None:
-    """Save the frame in the middle of the film as a png."""
-    film = ArmFilm(recording)
-    film.show(len(recording.times) // 2)
-    with replacing(path) as place:
-        Image.fromarray(render(film.figure)).save(place)
 
 
 def draw_film(recording: ArmRecording, path: Path, *, progress: bool = False) -> None:
@@ -103,36 +95,18 @@ def draw_film(recording: ArmRecording, path: Path, *, progress: bool = False) ->
     save_video(film.frames(steps, hold=rate), path, rate)
 
 
-def add_timelines(figure: Figure, recording: ArmRecording) -> tuple[Axes, Axes]:
-    """Add the strengths of the gradients and, below them, the errors."""
-    strengths = figure.add_axes((0.08, 0.23, 0.67, 0.17))
-    errors = figure.add_axes((0.08, 0.07, 0.67, 0.13))
-    _draw_strengths(strengths, recording)
-    _draw_errors(errors, recording)
-
+def draw_curves(strengths: Axes, errors: Axes, recording: ArmRecording) -> None:
+    """Draw the strength of each gradient; the errors and the height of the tip below it."""
     for axes in (strengths, errors):
+        prepare_timeline(axes, recording)
+        axes.set(yscale="log")
         axes.tick_params(labelsize=8)
-    return strengths, errors
 
+    for (label, values), color in zip(recording.strengths.items(), GOALS, strict=False):
+        shown = gaps_at_zero(values)
+        strengths.plot(recording.times, shown, ".", color=color, label=label, markersize=3)
+    strengths.set_ylabel("gradients", fontsize=9)
 
-def _draw_strengths(axes: Axes, recording: ArmRecording) -> None:
-    """Draw the strength of each gradient over time."""
-    prepare_timeline(axes, recording, _SHADE)
-    axes.set(yscale="log")
-
-    gradients = recording.strengths
-    colors = GOALS[: len(gradients)]
-    for (label, strengths), color in zip(gradients.items(), colors, strict=True):
-        shown = gaps_at_zero(strengths)
-        axes.plot(recording.times, shown, ".", color=color, label=label, markersize=3)
-
-    axes.set_ylabel("gradients", fontsize=9)
-    add_curve_legend(axes, shade=_SHADE, **_LEGEND)
-
-
-def _draw_errors(axes: Axes, recording: ArmRecording) -> None:
-    """Draw distance and angle to the target, and the height of the tip, over time."""
-    axes.set(yscale="log", xlim=(0, recording.times[-1]))
     curves = (
         ("distance, mm", DISTANCE, recording.distance),
         ("angle, degrees", ANGLE, recording.angle),
@@ -140,7 +114,15 @@ def _draw_errors(axes: Axes, recording: ArmRecording) -> None:
     )
     for label, color, values in curves:
         shown = np.maximum(values, 0.1)
-        axes.plot(recording.times, shown, color=color, label=label, linewidth=1.2)
+        errors.plot(recording.times, shown, color=color, label=label, linewidth=1.2)
+    errors.set_xlabel("s", fontsize=9)
 
-    axes.set_xlabel("s", fontsize=9)
-    add_curve_legend(axes, shade=None, **_LEGEND)
+    for axes in (strengths, errors):
+        handles = curve_handles([axes], explorations=axes is strengths)
+        axes.legend(
+            handles=handles,
+            loc="upper left",
+            bbox_to_anchor=(1.01, 1.05),
+            fontsize=7.5,
+            frameon=False,
+        )

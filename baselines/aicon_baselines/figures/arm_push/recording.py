@@ -75,7 +75,7 @@ def record(policy: Policy, seed: int, horizon: int, *, progress: bool = False) -
         ArmRecording,
         policy,
         env,
-        seed,
+        {"seed": seed},
         horizon,
         stride=STRIDE,
         look=look,

@@ -169,4 +169,4 @@ def record(policy: Policy, seed: int, limit: int | None = None) -> PushRecording
         limit: Limit of the episode, steps; by default the environment's.
     """
     env = gymnasium.make("aicon/PushT-v0", max_episode_steps=limit)
-    return recording.record(PushRecording, policy, env, seed, beyond=True)
+    return recording.record(PushRecording, policy, env, {"seed": seed}, beyond=True)

@@ -6,21 +6,21 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.patches import Circle, FancyArrow, Polygon
+from matplotlib.colors import to_rgba
+from matplotlib.patches import Circle, FancyArrow, Rectangle
 
 from aicon_baselines import palette
 from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.figures.pusht.recording import PushRecording
-from aicon_baselines.figures.style import blend
 from aicon_baselines.figures.view import WorldView, rectangle_around
 from aicon_baselines.worlds import disc, pushing
 from aicon_baselines.worlds.paper import Paper
 from aicon_envs.pusht.simulation import PUSHER_RADIUS, WALL_HIGH, WALL_LOW
 
-GROUND_TINT = 0.08
-"""Opacity of the ground that says "exploring"."""
+ASPECT = 1.5
+"""Width of the picture over its height."""
 
-_ASPECT = 1.5  # width of a view over its height
+_TINT = 0.08  # opacity of the ground that says "exploring"
 _MARGIN = 10.0  # px around what is shown
 _ARROWS = 4  # gradients to show at most
 _WEAKEST = 0.06  # and as strong as this share of the strongest
@@ -44,15 +44,13 @@ class PushView(WorldView):
         # The walls are what is left of the axes; y points down.
         (left, top), (right, bottom) = _limits(recording)
         axes.set(xlim=(left, right), ylim=(bottom, top), facecolor=palette.WALL)
-        floor = [
-            (WALL_LOW, WALL_LOW),
-            (WALL_HIGH, WALL_LOW),
-            (WALL_HIGH, WALL_HIGH),
-            (WALL_LOW, WALL_HIGH),
-        ]
-        self._floor = Polygon(floor, edgecolor="none", zorder=0)
-        axes.add_patch(self._floor)
+        size = WALL_HIGH - WALL_LOW
+        axes.add_patch(Rectangle((WALL_LOW, WALL_LOW), size, size, facecolor="white", zorder=0))
 
+        # Where it explores, the floor says so.
+        tint = to_rgba(palette.EXPLORING, _TINT)
+        self._tint = Rectangle((WALL_LOW, WALL_LOW), size, size, facecolor=tint, zorder=0)
+        axes.add_patch(self._tint)
         self._paper = Paper(axes)
 
     def show(self, step: int) -> None:
@@ -61,13 +59,11 @@ class PushView(WorldView):
             artist.remove()
         self._artists = []
 
-        # Where it explores, the floor says so.
         recording = self._recording
         ended = step == recording.steps
         exploring = bool(recording.exploring[step]) and not ended
-        ground = blend(palette.EXPLORING, GROUND_TINT) if exploring else "white"
-        self._floor.set(facecolor=ground)
-        self.set_time(recording.times[step], size=11)
+        self._tint.set_visible(exploring)
+        self.set_time(recording.times[step])
 
         # What is there.
         pusher = disc(recording.pushers[step], PUSHER_RADIUS, 8, palette.ROBOT)
@@ -92,12 +88,10 @@ class PushView(WorldView):
         """Where the pusher has been so far, the paler the longer ago."""
         ages = np.arange(moment)[::-1]
         opacities = 0.2 + 0.6 * np.clip(1 - ages / _FADING, 0, 1)
-        colors = [blend(palette.ROBOT, opacity) for opacity in opacities]
+        colors = [to_rgba(palette.ROBOT, opacity) for opacity in opacities]
 
         pieces = list(self._recording.trajectory[:moment])
-        lines = LineCollection(
-            pieces, colors=colors, linewidths=2.2, capstyle="round", joinstyle="round"
-        )
+        lines = LineCollection(pieces, colors=colors, linewidths=2.2, joinstyle="round")
         self._add(lines, zorder=3)
 
     def _add_motion(self, moment: int) -> None:
@@ -141,8 +135,8 @@ class PushView(WorldView):
 
         # At a corner two contacts coincide: the smaller dot is on top.
         radius = 2.5 + 6.0 * float(recording.likelihoods[moment, side])
-        center = _point(recording.contacts[moment, side])
-        dot = Circle(center, radius, facecolor=color, edgecolor="white")
+        x, y = recording.contacts[moment, side].tolist()
+        dot = Circle((x, y), radius, facecolor=color, edgecolor="white")
         self._add(dot, zorder=10 - radius / 100)
 
     def _add_arrow(
@@ -200,9 +194,4 @@ def _limits(recording: PushRecording) -> tuple[FloatArray, FloatArray]:
     for moment in range(recording.steps + 1):
         points.append(recording.corners(moment))
 
-    return rectangle_around(np.concatenate(points), _MARGIN, _ASPECT)
-
-
-def _point(vector: FloatArray) -> tuple[float, float]:
-    x, y = vector.tolist()
-    return x, y
+    return rectangle_around(np.concatenate(points), _MARGIN, ASPECT)

@@ -5,13 +5,12 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 
 from aicon_baselines.evaluation import recording
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.evaluation.recording import BoolArray, FloatArray, Recording
 from aicon_baselines.figures.rendering import Frame
-from aicon_baselines.tasks.side_by_side import SideBySide
+from aicon_baselines.tasks import side_by_side
 from aicon_envs.reach import ReachEnv
 from aicon_envs.reach.simulation import CONTROL_STEP
 from aicon_torch import Policy
@@ -63,7 +62,6 @@ def record(
     """
     size: dict[str, Any] = {"render_width": 480, "render_height": 480}
     env = ReachEnv(robot, balls=balls, render_mode="rgb_array", **size)
-    alone = SideBySide([lambda: env], autoreset_mode=AutoresetMode.DISABLED)
 
     def look(_: Any) -> Frame:
         picture = env.render()
@@ -73,8 +71,8 @@ def record(
     return recording.record(
         partial(ReachRecording, robot=robot),
         policy,
-        alone,
-        seed,
+        side_by_side(lambda: env, 1, horizon),
+        {"seed": [seed]},
         horizon,
         look=look,
         every=STRIDE,

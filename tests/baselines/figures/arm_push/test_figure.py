@@ -15,7 +15,7 @@ from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.arm_push import ArmRecording, figure, make_figure, record
-from aicon_baselines.figures.arm_push.figure import add_timelines
+from aicon_baselines.figures.arm_push.figure import draw_curves
 from aicon_baselines.tasks.arm_push import TASK
 
 SEED, HORIZON = 1000, 21
@@ -51,7 +51,8 @@ def test_gradients_come_by_the_end_effector_or_straight_to_the_joints(
 
 
 def test_no_colour_stands_for_two_curves_and_none_is_left_out(episode: ArmRecording) -> None:
-    strengths, errors = add_timelines(Figure(), episode)
+    strengths, errors = Figure().subplots(2)
+    draw_curves(strengths, errors, episode)
     assert len(strengths.lines) == len(episode.strengths)
     for axes in (strengths, errors):
         colors = [to_hex(line.get_color()) for line in axes.lines]

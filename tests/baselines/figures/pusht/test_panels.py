@@ -5,20 +5,15 @@ import pytest
 from _inputs import driven
 
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.figures.pusht import (
-    PushRecording,
-    at_corners,
-    choose_panels,
-    phase,
-    record,
-    summarize,
-)
+from aicon_baselines.figures.pusht import PushRecording, PushRollout, record
+from aicon_baselines.figures.pusht.moments import at_corners, phase
+from aicon_baselines.figures.rollout import choose_panels, summarize
 from aicon_envs.pusht.simulation import PUSHER_RADIUS
 
 
 def test_default_episode_shows_the_story(episode: PushRecording) -> None:
     contact, harmful, conflict, around, corner, last = (
-        panel.step for panel in choose_panels(episode)
+        panel.step for panel in choose_panels(PushRollout(episode))
     )
     assert contact < harmful < conflict < around < corner < last == episode.steps
     assert episode.touched[contact]
@@ -33,7 +28,7 @@ def test_default_episode_shows_the_story(episode: PushRecording) -> None:
 
 
 def test_exploration_is_across_the_strongest_gradient(episode: PushRecording) -> None:
-    conflict = choose_panels(episode)[2].step
+    conflict = choose_panels(PushRollout(episode))[2].step
     strongest = episode.descents[conflict, episode.strengths[conflict].argmax()]
     motion = episode.motions[conflict]
 
@@ -45,17 +40,18 @@ def test_exploration_is_across_the_strongest_gradient(episode: PushRecording) ->
 def test_panels_are_in_order_in_any_episode(limit: int) -> None:
     policy = driven("pusht", **{"resolution.exploration": None})
     recording = record(policy, 1011, limit)
-    panels = choose_panels(recording)
+    rollout = PushRollout(recording)
+    panels = choose_panels(rollout)
 
     assert recording.ending == "time limit"
     assert panels[-1].title == "Out of time"
     assert all(np.diff([panel.step for panel in panels]) > 0)
-    assert summarize(recording, panels)["explorations_s"] == []
+    assert summarize(rollout, panels)["explorations_s"] == []
 
 
 def test_too_short_an_episode_is_an_error() -> None:
     with pytest.raises(ComparisonError, match="5 steps"):
-        choose_panels(record(driven("pusht"), 1050, limit=5))
+        choose_panels(PushRollout(record(driven("pusht"), 1050, limit=5)))
 
 
 def test_corners_are_near(episode: PushRecording) -> None:

@@ -1,15 +1,10 @@
-"""The six moments that the figure shows, and its numbers."""
+"""The six moments of an episode that the navigation figure shows."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.panels import LABELS, Panel, increasing
-from aicon_baselines.figures.summary import episode_numbers, panel_numbers
-from aicon_envs.nav2d import shortest_path_length
 
 _ENDINGS = {
     "arrival": "Arrival at the target",
@@ -19,39 +14,29 @@ _ENDINGS = {
 _REACH = 0.7  # m before and after a turn, from which it is seen
 
 
-def choose_panels(recording: NavigationRecording) -> list[Panel]:
-    """Six moments, in order of time.
+def story(recording: NavigationRecording) -> tuple[list[int], list[str]]:
+    """The steps of six moments, and their titles.
 
     (a) The uncertainty's path is the strongest for the last time; (b) the longest exploration
     begins; (c)-(e) from there to the end of the last exploration, a quarter of the distance apart,
     one of them moved to the sharpest turn; (f) the end. Without exploration (b)-(e) are a fifth of
     the distance apart.
-
-    Raises:
-        ComparisonError: If the rollout is too short for six panels.
     """
     last = recording.steps - 1
-    if last < len(LABELS):
-        raise ComparisonError(f"the rollout has {recording.steps} steps; six panels need 7 or more")
-
-    # (b)-(e): how it gets past what is in the way.
     if recording.explorations:
-        middle, middle_titles = _explorations(recording)
+        middle, titles = _explorations(recording)
     else:
         middle = _steps_along(recording, 0, last, (0.2, 0.4, 0.6, 0.8))
-        middle_titles = ["On the way"] * len(middle)
+        titles = ["On the way"] * len(middle)
 
-    # (a) comes before them, and (f) after.
-    first = _end_of_triangulation(recording, middle[0])
-    steps = increasing([first, *middle, last], last)
-    titles = ["Triangulating: sideways first", *middle_titles, _ENDINGS[recording.ending]]
-
-    return [Panel(*panel) for panel in zip(LABELS, steps, titles, strict=True)]
+    first = _end_of_triangulation(recording, before=middle[0])
+    ending = _ENDINGS[recording.ending]
+    return [first, *middle, last], ["Triangulating: sideways first", *titles, ending]
 
 
 def _explorations(recording: NavigationRecording) -> tuple[list[int], list[str]]:
-    """Steps and titles of the panels (b)-(e) of a rollout that explores."""
-    begin, _ = max(recording.explorations, key=_duration)
+    """Steps and titles of the moments (b)-(e) of a rollout that explores."""
+    begin, _ = max(recording.explorations, key=lambda interval: interval[1] - interval[0])
     _, end = recording.explorations[-1]
 
     steps = [begin, *_steps_along(recording, begin, end, (0.25, 0.5, 0.75))]
@@ -64,11 +49,6 @@ def _explorations(recording: NavigationRecording) -> tuple[list[int], list[str]]
     steps[nearest], titles[nearest] = corner, "Rounding a corner"
 
     return steps, titles
-
-
-def _duration(interval: tuple[int, int]) -> int:
-    begin, end = interval
-    return end - begin
 
 
 def _steps_along(
@@ -118,24 +98,3 @@ def _end_of_triangulation(recording: NavigationRecording, before: int) -> int:
 
     shares = strengths[0] / strengths.sum(axis=0)
     return 1 + int(shares.argmax())
-
-
-def summarize(recording: NavigationRecording, panels: Sequence[Panel]) -> dict[str, Any]:
-    """The numbers of the figure."""
-    world = recording.world
-    shortest = shortest_path_length(world.obstacles, world.start, world.target, recording.radius)
-
-    uncertainty: dict[str, float] = {}
-    for seconds in (0, 1, 5):
-        step = round(seconds / recording.time_step)
-        if step < recording.steps:
-            uncertainty[f"{seconds} s"] = float(recording.uncertainty[step])
-
-    return {
-        "map": recording.world.name,
-        **episode_numbers(recording),
-        "path_length_m": round(float(recording.travelled[-1]), 3),
-        "shortest_path_m": round(shortest, 3),
-        **panel_numbers(recording, panels),
-        "trace_sigma_m2": uncertainty,
-    }

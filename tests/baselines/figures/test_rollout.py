@@ -1,9 +1,9 @@
-"""The panels of all figures: their order, and their marks over time."""
+"""The panels of a rollout: their order, and their marks over time."""
 
 import pytest
 from matplotlib.figure import Figure
 
-from aicon_baselines.figures.panels import Panel, increasing, mark_panels
+from aicon_baselines.figures.rollout import Panel, increasing, mark_panels
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ side. The action is then one for each actuator, by name.
 Two robots on wheels are watched by a camera above them, and each is to go to where the other one
 stands.
 
-    python examples/10_two_robots.py
+    python examples/07_two_robots.py
 """
 
 import math

@@ -1,15 +1,10 @@
-"""The six moments that the figure shows, what happens in each, and the figure's numbers."""
-
-from collections.abc import Sequence
-from typing import Any
+"""The six moments of an episode that the pushing figure shows, and what happens in each."""
 
 import numpy as np
 
-from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.recording import BoolArray, FloatArray, true_intervals
-from aicon_baselines.figures.panels import LABELS, Panel, increasing
 from aicon_baselines.figures.pusht.recording import PushRecording
-from aicon_baselines.figures.summary import episode_numbers, panel_numbers
+from aicon_baselines.figures.rollout import LABELS, increasing
 from aicon_envs.pusht.simulation import PUSHER_RADIUS
 
 _CORNER = 1.0  # px from a corner within which a contact is at it
@@ -18,21 +13,16 @@ _NEAR = 10.0  # px between pusher and object within which a contact is at stake
 _ENDINGS = {"arrival": "Arrival in the goal pose", "time limit": "Out of time"}
 
 
-def choose_panels(recording: PushRecording) -> list[Panel]:
-    """The six moments of the paper's figure, in order of time.
+def story(recording: PushRecording) -> tuple[list[int], list[str]]:
+    """The steps of the six moments of the paper's figure, and their titles.
 
     (a) The first contact; (b) the last moment before (c) in which the pusher withdraws from a
     detrimental contact; (c) the strongest conflict on the detour, the trajectory without contact
     that goes farthest around the object; (d) half of the rest of the detour; (e) the first
     exploration at a corner after it; (f) the end. Where the episode lacks one, it is a moment
     between the others.
-
-    Raises:
-        ComparisonError: If the episode is too short for six panels.
     """
     last = recording.steps
-    if last < len(LABELS):
-        raise ComparisonError(f"the episode has {last} steps; six panels need 6 or more")
 
     # (a) to (d): from the first contact to the far side of the object.
     contact = _first(recording.touched, 0, last, otherwise=last // 6)
@@ -47,10 +37,8 @@ def choose_panels(recording: PushRecording) -> list[Panel]:
 
     # Each in its order, with what is true of it.
     moments = increasing([contact, withdrawal, conflict, around, corner, last], last)
-    panels = []
-    for label, moment in zip(LABELS, moments, strict=True):
-        panels.append(Panel(label, moment, _title(recording, label, moment)))
-    return panels
+    titles = [_title(recording, *panel) for panel in zip(LABELS, moments, strict=True)]
+    return moments, titles
 
 
 def _title(recording: PushRecording, label: str, moment: int) -> str:
@@ -97,19 +85,6 @@ def at_corners(recording: PushRecording) -> BoolArray:
     near_object = distances.min(axis=1) < PUSHER_RADIUS + _NEAR
     at_corner: BoolArray = near_corner & near_object
     return at_corner
-
-
-def summarize(recording: PushRecording, panels: Sequence[Panel]) -> dict[str, Any]:
-    """The numbers of the figure."""
-    pieces = np.linalg.norm(np.diff(recording.pushers, axis=0), axis=1)
-    start, end = recording.costs[[0, -1]].tolist()
-
-    return {
-        **episode_numbers(recording),
-        "path_length_px": round(float(pieces.sum()), 1),
-        "pose_error_px": {"start": round(start, 2), "end": round(end, 2)},
-        **panel_numbers(recording, panels),
-    }
 
 
 def _withdrawing(recording: PushRecording) -> BoolArray:
