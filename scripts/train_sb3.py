@@ -14,7 +14,15 @@ from pathlib import Path
 from aicon_baselines.agents.registry import import_sb3
 from aicon_baselines.cli.command_line import Command, run_command
 
-_TASK_OPTIONS = ("seed", "envs", "rollout", "epochs", "horizon", "stack", "approach")
+_TASK_OPTIONS = {
+    "seed": "1000 or more (default: 10000)",
+    "envs": "environments (default: 8)",
+    "rollout": "steps of each environment between updates of PPO (default: 512)",
+    "epochs": "times PPO learns from them (default: 5 in nav2d, 10 in pusht)",
+    "horizon": "steps of a training episode (default: 1000 in nav2d, 300 in pusht)",
+    "stack": "observations seen at once (default: 8 in nav2d, 1 in pusht)",
+}
+"""Options of the training whose defaults may differ between tasks."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,29 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--checkpoint", type=int, default=50_000, help="steps between saves (default: 50000)"
     )
-    _add_task_options(parser)
 
-
-def _add_task_options(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of the training whose defaults may differ between tasks."""
-    parser.add_argument("--seed", type=int, help="seed, 1000 or more (default: 10000)")
-    parser.add_argument("--envs", type=int, help="environments (default: 8)")
-    parser.add_argument(
-        "--rollout",
-        type=int,
-        help="steps of each environment between updates of PPO (default: 512)",
-    )
-    parser.add_argument(
-        "--epochs", type=int, help="times PPO learns from them (default: 5 in nav2d, 10 in pusht)"
-    )
-    parser.add_argument(
-        "--horizon",
-        type=int,
-        help="steps of a training episode (default: 1000 in nav2d, 300 in pusht)",
-    )
-    parser.add_argument(
-        "--stack", type=int, help="observations seen at once (default: 8 in nav2d, 1 in pusht)"
-    )
+    for name, text in _TASK_OPTIONS.items():
+        parser.add_argument(f"--{name}", type=int, help=text)
     parser.add_argument(
         "--approach", type=float, help="pusht: weight of the way to the object (default: 0.2)"
     )
@@ -59,7 +47,7 @@ def _add_task_options(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Train what is missing and say what to do with it."""
     sb3 = import_sb3()
-    options = {name: getattr(arguments, name) for name in _TASK_OPTIONS}
+    options = {name: getattr(arguments, name) for name in (*_TASK_OPTIONS, "approach")}
     config = sb3.TrainingConfig.for_task(
         arguments.task, arguments.algorithm, arguments.steps, **options
     )

@@ -10,9 +10,10 @@ anyway, and no tree of dataclasses that tyro would spare us writing out.
 
 import argparse
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import extra_of, missing_extra
@@ -68,6 +69,38 @@ def make_parser(description: str | None, program: str | None = None) -> argparse
         description=description,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+
+
+def add_fields(
+    parser: argparse._ActionsContainer, defaults: object, helps: Mapping[str, str]
+) -> None:
+    """Declare an option for some fields of a dataclass; `fields_of` gives them back.
+
+    Args:
+        parser: Where to declare them.
+        defaults: An instance, whose values are the defaults. A tuple takes several.
+        helps: What each field is, by its name.
+    """
+    for name, text in helps.items():
+        value = getattr(defaults, name)
+        several = isinstance(value, tuple)
+        shown = " ".join(map(str, value)) if several else value
+        parser.add_argument(
+            f"--{name.replace('_', '-')}",
+            type=type(value[0] if several else value),
+            nargs="+" if several else None,
+            default=value,
+            metavar=name.upper(),
+            help=f"{text} (default: {shown})",
+        )
+
+
+def fields_of(arguments: argparse.Namespace, helps: Mapping[str, str]) -> dict[str, Any]:
+    """The values of the fields that were declared by `add_fields`."""
+    values = {name: getattr(arguments, name) for name in helps}
+    return {
+        name: tuple(value) if isinstance(value, list) else value for name, value in values.items()
+    }
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aicon_baselines import worlds
 from aicon_baselines.view.canvas import HEIGHT, Canvas
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.marks import FloatArray
@@ -66,14 +67,15 @@ class PlaneScene(Scene):
         if norm == 0.0:
             return None
 
-        width, length = max(_WIDEST * share**0.5, 0.03), arrow.length * _LONGEST
-        layer = _ARROW_LAYER + 1.0 - share
-        self.canvas.arrow(name, tail, arrow.direction[:2], arrow.color, layer, length, width)
+        unit, layer = 1.0 / self.canvas.scale, _ARROW_LAYER + 1.0 - share
+        width = max(_WIDEST * share**0.5, 0.03)
+        head = 1.1 * max(2.6 * width, 0.16)
+        along = arrow.length * _LONGEST * unit / norm * arrow.direction[:2]
+        shape = worlds.arrow(tail, along, unit * width, unit * head, layer, arrow.color)
+        self.canvas.draw({name: shape})
         if arrow.source is not None:
-            radius = 0.09 / self.canvas.scale
-            self.canvas.disc(f"{name}.source", arrow.source, radius, arrow.color, layer)
+            source = worlds.disc(arrow.source, 0.09 * unit, layer, arrow.color)
+            self.canvas.draw({f"{name}.source": source})
 
         # Beyond the tip.
-        way = arrow.direction[:2] / norm
-        tip = np.asarray(tail) + 1.12 * length / self.canvas.scale * way
-        return self.canvas.to_scene(tip, _ARROW_LAYER + 5)
+        return self.canvas.to_scene(np.asarray(tail) + 1.12 * along, _ARROW_LAYER + 5)

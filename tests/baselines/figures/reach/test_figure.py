@@ -27,8 +27,10 @@ def episode() -> ReachRecording:
         pytest.skip(f"no OpenGL without a display: {error}")
 
 
-def test_every_second_step_is_seen_and_every_step_is_measured(episode: ReachRecording) -> None:
-    assert len(episode.pictures) == 4 and episode.pictures[0].shape == (480, 480, 3)
+def test_every_second_step_and_the_end_are_seen_and_every_step_is_measured(
+    episode: ReachRecording,
+) -> None:
+    assert len(episode.pictures) == 5 and episode.pictures[0].shape == (480, 480, 3)
     assert not np.array_equal(episode.pictures[0], episode.pictures[-1])
     np.testing.assert_allclose(episode.times, 0.02 * np.arange(1, 8))
     for name in ("distance", "angle", "self_gap", "limit_margin"):
