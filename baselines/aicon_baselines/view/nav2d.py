@@ -21,7 +21,7 @@ from aicon_baselines.palette import (
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.plane import PlaneScene
 from aicon_baselines.view.scene import Handle
-from aicon_baselines.worlds import believed, disc, navigation
+from aicon_baselines.worlds import Shape, believed, disc, navigation
 from aicon_baselines.worlds.surroundings import ARRIVAL
 
 _MARGIN = 0.9  # m of ground around what there is
@@ -69,7 +69,7 @@ class NavigationScene(PlaneScene):
         self.canvas.fit(low, high)
 
         ground = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-        self.canvas.fill("ground", [ground], GROUND, 0)
+        self.canvas.draw({"ground": Shape(ground, 0, GROUND)})
 
     def draw_moving(self) -> None:
         """Draw the walls, the target, the robot, its trail, its beliefs and its gradients."""
