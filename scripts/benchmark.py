@@ -25,7 +25,7 @@ from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Any
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 
 # isort: split
 
@@ -61,17 +61,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     subjects = parser.add_subparsers(dest="subject", required=True, metavar="SUBJECT")
 
     subject = subjects.add_parser("arm", help="the arm's loop")
-    subject.add_argument("--steps", type=int, default=3000, help="control steps (default: 3000)")
+    add_option(subject, "--steps", 3000, "control steps")
     subject.add_argument("--seed", type=int, default=1000, help="seed of the first episode")
     subject.add_argument("--background", action="store_true", help="do not wait for images")
 
     subject = subjects.add_parser("peers", help="the tools of others beside ours")
-    subject.add_argument("--rounds", type=int, default=60, help="turns (default: 60)")
-    subject.add_argument("--steps", type=int, default=20, help="of a turn (default: 20)")
+    add_option(subject, "--rounds", 60, "turns")
+    add_option(subject, "--steps", 20, "of a turn")
 
     subject = subjects.add_parser("watch", help="what watching costs")
     subject.add_argument("--tasks", nargs="+", default=["nav2d", "pusht"], metavar="TASK")
-    subject.add_argument("--seconds", type=float, default=20.0, help="with the view (default: 20)")
+    add_option(subject, "--seconds", 20.0, "with the view")
     subject.add_argument("--seed", type=int, default=1004)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
@@ -35,9 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=FAULTS,
         help=f"conditions with one of {', '.join(FAULTS)} (default: each alone)",
     )
-    parser.add_argument("--episodes", type=int, default=20, help="per fault (default: 20)")
-    parser.add_argument("--seed", type=int, default=1000, help="first seed (default: 1000)")
-    parser.add_argument("--horizon", type=int, default=1200, help="steps (default: 1200)")
+    add_option(parser, "--episodes", 20, "per fault")
+    add_option(parser, "--seed", 1000, "first seed")
+    add_option(parser, "--horizon", 1200, "steps")
 
 
 def run(arguments: argparse.Namespace) -> None:

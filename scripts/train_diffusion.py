@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 from aicon_baselines.agents.diffusion.configs import OBSERVATIONS, TrainingConfig
-from aicon_baselines.cli.command_line import Command, add_fields, fields_of, run_command
+from aicon_baselines.cli.command_line import Command, add_fields, add_option, fields_of, run_command
 
 FIELDS = {
     # The network.
@@ -43,10 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_fields(parser, TrainingConfig(steps=20_000), FIELDS)
 
-    parser.add_argument("--device", default="cpu", help="cpu or cuda (default: cpu)")
-    parser.add_argument(
-        "--checkpoint", type=int, default=1000, help="steps between saves (default: 1000)"
-    )
+    add_option(parser, "--device", "cpu", "cpu or cuda")
+    add_option(parser, "--checkpoint", 1000, "steps between saves")
     parser.add_argument(
         "--stop-after", type=float, metavar="MINUTES", help="save and stop then, to go on later"
     )

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import make
-from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
@@ -34,12 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TASK",
         help=f"of {choices()} (default: the 2D ones)",
     )
-    parser.add_argument(
-        "--rounds", type=int, default=30, help="rounds in which the two take turns (default: 30)"
-    )
-    parser.add_argument(
-        "--steps", type=int, default=100, help="steps of each in a round (default: 100)"
-    )
+    add_option(parser, "--rounds", 30, "rounds in which the two take turns")
+    add_option(parser, "--steps", 100, "steps of each in a round")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -13,6 +13,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
@@ -71,6 +72,30 @@ def make_parser(description: str | None, program: str | None = None) -> argparse
     )
 
 
+def add_option(
+    parser: argparse._ActionsContainer, name: str, default: Any, text: str, **others: Any
+) -> None:
+    """Declare an option that has a default of its own type; a tuple takes several values.
+
+    Args:
+        parser: Where to declare it.
+        name: Its name, such as "--seed".
+        default: Its default.
+        text: What it is, for its help, to which the default is added.
+        **others: Further arguments of argparse.
+    """
+    several = isinstance(default, tuple)
+    first = default[0] if several else default
+    parser.add_argument(
+        name,
+        type=Path if isinstance(first, Path) else type(first),
+        nargs="+" if several else None,
+        default=default,
+        help=f"{text} (default: {' '.join(map(str, default)) if several else default})",
+        **others,
+    )
+
+
 def add_fields(
     parser: argparse._ActionsContainer, defaults: object, helps: Mapping[str, str]
 ) -> None:
@@ -78,21 +103,12 @@ def add_fields(
 
     Args:
         parser: Where to declare them.
-        defaults: An instance, whose values are the defaults. A tuple takes several.
+        defaults: An instance, whose values are the defaults.
         helps: What each field is, by its name.
     """
     for name, text in helps.items():
-        value = getattr(defaults, name)
-        several = isinstance(value, tuple)
-        shown = " ".join(map(str, value)) if several else value
-        parser.add_argument(
-            f"--{name.replace('_', '-')}",
-            type=type(value[0] if several else value),
-            nargs="+" if several else None,
-            default=value,
-            metavar=name.upper(),
-            help=f"{text} (default: {shown})",
-        )
+        option = f"--{name.replace('_', '-')}"
+        add_option(parser, option, getattr(defaults, name), text, metavar=name.upper())
 
 
 def fields_of(arguments: argparse.Namespace, helps: Mapping[str, str]) -> dict[str, Any]:

@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from gymnasium.vector import VectorEnv
-from PIL import Image
 
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.agents.variants import REFERENCE, parse_variant
-from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.episodes import Step
@@ -41,12 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
     )
     parser.add_argument("--condition", metavar="NAME", help="variant of the task (default: first)")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the episode (default: 0)")
+    add_option(parser, "--seed", 0, "seed of the episode")
     parser.add_argument(
         "--horizon", type=int, metavar="STEPS", help="limit of the episode (default: the task's)"
     )
     add_compile_option(parser)
-    parser.add_argument("--render", type=Path, metavar="FILE", help="save the last view, as png")
     parser.add_argument("--video", type=Path, metavar="FILE", help="save a film, as mp4 or gif")
 
 
@@ -71,25 +69,26 @@ def run(arguments: argparse.Namespace) -> None:
     policy: Any = build(condition)
 
     memory: Any = None
+    steps = 0
     episodes = [task.episode(arguments.seed)]
-    with _camera(arguments.render, arguments.video, task.time_step) as camera:
+    every = max(1, round(1.0 / (_PICTURES_PER_SECOND * task.time_step)))
+    with _film_writer(arguments.video, task.time_step) as film:
 
         def on_step(env: VectorEnv[Any, Any, Any], step: Step) -> None:
-            nonlocal memory
-            memory = step.memory
-            if camera is not None:
-                camera.look(env)
+            nonlocal memory, steps
+            if film is not None and steps % every == 0:
+                film.append_data((env.render() or ())[0])
+            memory, steps = step.memory, steps + 1
 
-        seeing = {} if camera is None else {"render_mode": "rgb_array"}
+        seeing = {} if film is None else {"render_mode": "rgb_array"}
         seeds = [arguments.seed]
         outcome = rollout(policy, task, condition, episodes, seeds, on_step=on_step, **seeing)
 
     print(describe_outcome(task, outcome))
     if hasattr(policy, "explain"):  # a planner has nothing to tell
         print(f"\nits last step:\n{policy.explain(memory, 0)}")
-    for path in (arguments.render, arguments.video):
-        if path:
-            print(f"saved: {path}")
+    if arguments.video:
+        print(f"saved: {arguments.video}")
 
 
 def describe_outcome(task: Task, outcome: Outcome) -> str:
@@ -110,44 +109,8 @@ def describe_outcome(task: Task, outcome: Outcome) -> str:
     return "; ".join(parts)
 
 
-class _Camera:
-    """Takes pictures of the only episode of an environment, as often as a film shows them."""
-
-    def __init__(self, every: int, writer: Any) -> None:
-        self._every, self._writer = every, writer
-        self._steps = 0
-        self.last: Any = None
-
-    def look(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """Look at it, where it is time to."""
-        if self._steps % self._every == 0:
-            (self.last,) = env.render() or ()
-            if self._writer is not None:
-                self._writer.append_data(self.last)
-        self._steps += 1
-
-
 @contextmanager
-def _camera(picture: Path | None, video: Path | None, time_step: float) -> Iterator[_Camera | None]:
-    """Give a camera, if there is anything to save; the files are there when the context ends."""
-    if picture is None and video is None:
-        yield None
-        return
-
-    every = max(1, round(1.0 / (_PICTURES_PER_SECOND * time_step)))
-    rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))
-    with _film_writer(video, rate) as writer:
-        camera = _Camera(every, writer)
-        yield camera
-
-    if picture is not None:
-        picture.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(picture) as place:
-            Image.fromarray(camera.last).save(place)
-
-
-@contextmanager
-def _film_writer(path: Path | None, rate: int) -> Iterator[Any]:
+def _film_writer(path: Path | None, time_step: float) -> Iterator[Any]:
     """Give what writes pictures into a film; None without a path."""
     if path is None:
         yield None
@@ -161,6 +124,7 @@ def _film_writer(path: Path | None, rate: int) -> Iterator[Any]:
         raise missing_extra(error) from error
 
     path.parent.mkdir(parents=True, exist_ok=True)
+    rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))
     options = {"duration": 1000 / rate, "loop": 0} if path.suffix == ".gif" else {"fps": rate}
     with replacing(path) as place, imageio.get_writer(place, **options) as writer:
         yield writer

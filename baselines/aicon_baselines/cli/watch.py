@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from aicon_baselines.agents.variants import REFERENCE
-from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name, choices
@@ -40,9 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
     )
     parser.add_argument("--condition", metavar="NAME", help="variant of the task")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the episode (default: 0)")
+    add_option(parser, "--seed", 0, "seed of the episode")
 
-    parser.add_argument("--port", type=int, default=8080, help="port of the page (default: 8080)")
+    add_option(parser, "--port", 8080, "port of the page")
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen at (default: this machine only)"
     )

@@ -116,20 +116,10 @@ def configure(
     maps: Sequence[str] | None = None,
     horizon: int | None = None,
 ) -> Config:
-    """Describe a comparison on a task.
+    """Describe a comparison on a task; the arguments are the attributes of `Config`.
 
-    Args:
-        task: The task.
-        seed: First seed.
-        episodes: Number of seeds, per condition and repeat.
-        repeats: Number of runs of each seed, with different noise.
-        conditions: Some of the task's conditions; by default its first.
-        maps: Some of the task's classes of maps, which seeds then take turns on; by default the
-            task's slots.
-        horizon: Limit of an episode, steps; by default the task's.
-
-    Returns:
-        The configuration; an unknown condition or map is an error that lists the valid ones.
+    By default it is the task's first condition, its slots of maps and its horizon. An unknown
+    condition or map is an error that lists the valid ones.
     """
     # The repeats of an episode differ in their noise only.
     conditions = _check_conditions(conditions or task.conditions[:1], task)

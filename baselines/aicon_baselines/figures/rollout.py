@@ -278,7 +278,7 @@ class RolloutFilm(Film):
 
 
 def draw_film(rollout: Rollout, path: Path, *, progress: bool = False) -> None:
-    """Save the episode as a video, mp4, webp or gif by the name of the file.
+    """Save the episode as a video, mp4 or webp by the name of the file.
 
     An mp4 plays in real time where 15 frames a second allow it; moving pictures are slower and
     coarser. The last frame rests for a second.

@@ -1,8 +1,8 @@
 """An episode in which one may interfere: the environment, the policy and its memory."""
 
 import logging
-import threading
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from gymnasium.vector import VectorEnv
@@ -14,6 +14,9 @@ from aicon_torch.resolution import Memory
 
 ANYWHERE = "where most meet"
 """Stands for the quantity where the most gradients meet."""
+
+_COMPILER = ThreadPoolExecutor(max_workers=1)
+"""Compiles all policies: torch crashes where another thread has compiled and ended before."""
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -57,7 +60,7 @@ class LiveEpisode:
         self._resolutions = resolutions_of(policy)
         self.resolution = next(iter(self._resolutions))
         self._compiles = False
-        self._compiled: dict[str, Policy | None] = {}  # by resolution; None while it is made
+        self._compiled: dict[str, Future[Policy]] = {}  # by resolution
 
         self.seed, self.steps, self.ended = 0, 0, False
         self.watched = ANYWHERE
@@ -116,7 +119,8 @@ class LiveEpisode:
     @property
     def compiled(self) -> bool:
         """Whether the policy in use is compiled."""
-        return self._compiled.get(self.resolution) is not None
+        future = self._compiled.get(self.resolution)
+        return future is not None and future.done() and future.exception() is None
 
     def compile(self) -> None:
         """Compile in the background, also the resolutions that are chosen later.
@@ -199,7 +203,7 @@ class LiveEpisode:
 
     def _decide(self) -> None:
         """Let the policy see the world as it is and choose, from what it knew before."""
-        policy = self._compiled.get(self.resolution) or self.policy
+        policy = self._compiled[self.resolution].result() if self.compiled else self.policy
         starts = [True] if self._starts else None
         self._action, self._memory = policy.predict(self._observation, self._started(), starts)
         self._trace = None
@@ -210,16 +214,15 @@ class LiveEpisode:
         if not self._compiles or name in self._compiled:
             return
 
-        def work(policy: Policy, observation: Any, memory: Memory) -> None:
+        def work(policy: Policy, observation: Any, memory: Memory) -> Policy:
             compiled = policy.compile()
             compiled.predict(observation, memory)  # at its first step it compiles
-            self._compiled[name] = compiled
             _LOGGER.info("The policy with %s is compiled.", name)
+            return compiled
 
-        self._compiled[name] = None
         _LOGGER.info("Compiling the policy with %s; until then its readable step acts.", name)
-        arguments = (self.policy, self._observation, self._started())
-        threading.Thread(target=work, args=arguments, daemon=True).start()
+        known = (self.policy, self._observation, self._started())
+        self._compiled[name] = _COMPILER.submit(work, *known)
 
     def _started(self) -> Memory:
         """The memory before the step that was decided last."""

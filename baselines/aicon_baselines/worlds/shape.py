@@ -48,7 +48,7 @@ def star(center: ArrayLike, radius: float, layer: float, color: str) -> Shape:
 def arrow(
     tail: ArrayLike,
     along: ArrayLike,
-    width: float,
+    shaft: float,
     head: float,
     layer: float,
     color: str,
@@ -59,7 +59,7 @@ def arrow(
     Args:
         tail: The point.
         along: The vector.
-        width: Of the shaft.
+        shaft: Width of the shaft.
         head: Width of the head.
         layer: Higher layers cover lower ones.
         color: Of its area.
@@ -69,7 +69,7 @@ def arrow(
     length = float(np.linalg.norm(way))
     neck = length - min(head, 0.6 * length)
 
-    side = [(0.0, width / 2), (neck, width / 2), (neck, head / 2)]
+    side = [(0.0, shaft / 2), (neck, shaft / 2), (neck, head / 2)]
     corners = [*side, (length, 0.0), *((x, -y) for x, y in reversed(side))]
     ahead = way / length
     axes = np.array([ahead, (-ahead[1], ahead[0])])

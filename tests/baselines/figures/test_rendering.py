@@ -59,18 +59,6 @@ def test_saved_picture_looks_like_the_rendered_one(tmp_path: Path) -> None:
     assert np.abs(difference).max() <= 2
 
 
-def test_a_gif_has_the_colours_of_all_its_frames(tmp_path: Path) -> None:
-    path = tmp_path / "video.gif"
-    save_video(frames(4), path, 5)
-
-    with Image.open(path) as image:
-        assert image.n_frames == 4
-        first = np.asarray(image.convert("RGB"))
-        image.seek(1)
-        second = np.asarray(image.convert("RGB"))
-    np.testing.assert_equal([first[0, 0], second[0, 0]], [[0, 0, 250], [250, 0, 0]])
-
-
 @pytest.mark.parametrize(("height", "width"), [(100, 150), (101, 151)])
 def test_an_mp4_has_the_size_of_its_frames_and_nothing_is_said_of_it(
     height: int, width: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
@@ -107,5 +95,5 @@ def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
 
 
 def test_unknown_format_is_an_error_that_lists_the_valid_ones() -> None:
-    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, none"):
         check_video("avi")

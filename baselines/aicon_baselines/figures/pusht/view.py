@@ -121,14 +121,14 @@ class PushView(WorldView):
         self,
         moment: int,
         along: FloatArray,
-        thickness: float,
+        size: float,
         layer: float,
         color: str,
         **edge: Any,
     ) -> Shape:
         """An arrow from the edge of the pusher along a vector (2,), px."""
         tail = self._recording.pushers[moment] + PUSHER_RADIUS * along / np.linalg.norm(along)
-        return arrow(tail, along, thickness, 1.7 * thickness + 5.5, layer, color, **edge)
+        return arrow(tail, along, size, 1.7 * size + 5.5, layer, color, **edge)
 
 
 def _limits(recording: PushRecording) -> tuple[FloatArray, FloatArray]:

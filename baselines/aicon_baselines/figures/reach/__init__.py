@@ -1,6 +1,5 @@
 """The figure of arms that reach: moments of an episode of each, and how near it came to what."""
 
-from aicon_baselines.figures.reach.figure import draw_picture, make_figure
-from aicon_baselines.figures.reach.recording import ReachRecording, record
+from aicon_baselines.figures.reach.figure import draw_picture, make_figure, record_reach
 
-__all__ = ["ReachRecording", "draw_picture", "make_figure", "record"]
+__all__ = ["draw_picture", "make_figure", "record_reach"]

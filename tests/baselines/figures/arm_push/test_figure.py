@@ -63,15 +63,15 @@ def test_all_files_are_written(
     episode: ArmRecording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(figure, "record", lambda *arguments, **options: episode)
-    summary = make_figure(tmp_path, video="gif", progress=False)
+    summary = make_figure(tmp_path, video="webp", progress=False)
 
     with Image.open(tmp_path / "arm_push_film.png") as image:
         assert image.size == (960, 640)
-    assert imageio.mimread(tmp_path / "arm_push_film.gif")[0].shape[:2] == (384, 576)
+    assert imageio.mimread(tmp_path / "arm_push_film.webp")[0].shape[:2] == (384, 576)
     assert all(path.exists() for path in summary.files)
     assert str(summary).startswith("time limit after 0.2 s")
 
 
 def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:
-    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, none"):
         make_figure(tmp_path, SEED, "avi", progress=False)

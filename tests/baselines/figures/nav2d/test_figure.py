@@ -21,7 +21,7 @@ MAP, SEED = "u_trap_05", 1000
 def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rollout, "DURATION", 1.0)
     folder = tmp_path / "figures"
-    summary = make_figure(folder, SEED, "gif", map_name=MAP, spacing=0.2, progress=False)
+    summary = make_figure(folder, SEED, "webp", map_name=MAP, spacing=0.2, progress=False)
     numbers = summary.numbers
 
     assert json.loads((folder / "nav2d_rollout.json").read_text()) == numbers
@@ -33,7 +33,7 @@ def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     with Image.open(folder / "nav2d_rollout.png") as image:
         assert image.size == (1820, 1066)
     assert (folder / "nav2d_rollout.png").stat().st_size < 1e6
-    assert len(imageio.mimread(folder / "nav2d_rollout.gif")) > 3
+    assert len(imageio.mimread(folder / "nav2d_rollout.webp")) > 3
 
     assert all(path.exists() for path in summary.files)
     assert str(summary).startswith(f"arrival after {numbers['duration_s']} s")
@@ -68,5 +68,5 @@ def test_no_colour_stands_for_two_curves(recording: NavigationRecording) -> None
 def test_unknown_names_are_errors_that_list_the_valid_ones(tmp_path: Path) -> None:
     with pytest.raises(ComparisonError, match="u_trap_2"):
         make_figure(tmp_path, SEED, "none", map_name="u_trop", progress=False)
-    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, none"):
         make_figure(tmp_path, SEED, "avi", map_name=MAP, progress=False)
