@@ -5,6 +5,7 @@ Navigation and pushing are told in the same way; what differs between them is a 
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from math import ceil
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -23,6 +24,9 @@ from aicon_baselines.palette import ROBOT
 
 LABELS = "abcdef"
 """Labels of the panels, in order of time: three in each of two rows."""
+
+BRIEF = 0.02
+"""Share of the episode below which a phase is not shown."""
 
 DURATION = 22.0
 """How long a film lasts at most, s; of a longer one some steps are left out."""
@@ -56,10 +60,6 @@ class Rollout(ABC):
     curves: ClassVar[Mapping[str, float]]
     caption: ClassVar[str]
     first_step: ClassVar[int] = 0
-
-    @abstractmethod
-    def moments(self) -> tuple[Sequence[int], Sequence[str]]:
-        """The steps of six moments, about in order of time, and their titles."""
 
     @abstractmethod
     def phase(self, step: int) -> str:
@@ -99,7 +99,10 @@ def save_rollout(rollout: Rollout, files: FigureFiles, *, progress: bool = False
 
 
 def choose_panels(rollout: Rollout) -> list[Panel]:
-    """The moments of a rollout, each at a step of its own.
+    """The moments of a rollout: the middle of the longest run of each phase, and the end.
+
+    Of more than five phases those with the longest runs are shown; where there are fewer, the
+    longest runs are shown more than once.
 
     Raises:
         ComparisonError: If the episode is too short for six panels.
@@ -109,21 +112,38 @@ def choose_panels(rollout: Rollout) -> list[Panel]:
         raise ComparisonError(
             f"the episode has {rollout.recording.steps} steps; six panels need 7 or more"
         )
-    steps, titles = rollout.moments()
-    return list(map(Panel, LABELS, increasing(steps, last), titles))
+
+    phases = [rollout.phase(step) for step in range(1, last)]
+    longest: dict[str, range] = {}
+    for begin, end in runs_of(phases):
+        if end - begin > len(longest.get(phases[begin], ())):
+            longest[phases[begin]] = range(1 + begin, 1 + end)
+
+    # A phase of a moment is none; the longest run is halved until there are five.
+    count = len(LABELS) - 1
+    lasting = [run for run in longest.values() if len(run) >= BRIEF * last]
+    if sum(map(len, lasting)) < count:
+        lasting = [range(1, last)]
+    shown = sorted(lasting, key=len)[-count:]
+    while len(shown) < count:
+        run = max(shown, key=len)
+        middle = len(run) // 2
+        shown[shown.index(run)] = run[:middle]
+        shown.append(run[middle:])
+
+    steps = sorted(run[len(run) // 2] for run in shown)
+    panels = zip(LABELS, (*steps, last), strict=True)
+    return [Panel(label, step, rollout.phase(step)) for label, step in panels]
 
 
-def increasing(steps: Sequence[int], last: int) -> list[int]:
-    """The steps, moved where needed so that they increase strictly and lie within 1 to `last`."""
-    moved: list[int] = []
-    earliest = 1
-
-    for index, step in enumerate(steps):
-        latest = last - (len(steps) - 1 - index)  # leaves room for those that follow
-        moved.append(min(max(step, earliest), latest))
-        earliest = moved[-1] + 1
-
-    return moved
+def runs_of(items: Sequence[str]) -> list[tuple[int, int]]:
+    """First index of each run of equal items, and the first one after it."""
+    runs, begin = [], 0
+    for _, run in groupby(items):
+        end = begin + len(list(run))
+        runs.append((begin, end))
+        begin = end
+    return runs
 
 
 def summarize(rollout: Rollout, panels: Sequence[Panel]) -> dict[str, Any]:

@@ -1,6 +1,5 @@
 """The navigation figure: the potential as it changes, above the strengths of the paths."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from aicon_baselines import palette
-from aicon_baselines.figures.nav2d.moments import story
 from aicon_baselines.figures.nav2d.recording import NavigationRecording, record
 from aicon_baselines.figures.nav2d.view import ASPECT, HEIGHT, TINT, NavigationView
 from aicon_baselines.figures.rollout import Rollout, save_rollout
@@ -27,6 +25,12 @@ _PATHS = {
     "p3": ("Keeping clear", "p₃ clear of obstacles", palette.AWAY),
 }
 """What the agent does where a path is the strongest, what the path is for, and its colour."""
+
+_ENDINGS = {
+    "arrival": "Arrival at the target",
+    "collision": "Collision",
+    "time limit": "Out of time",
+}
 
 
 class NavigationRollout(Rollout):
@@ -52,14 +56,12 @@ class NavigationRollout(Rollout):
     def __init__(self, recording: NavigationRecording, spacing: float = 0.04) -> None:
         self.recording, self._spacing = recording, spacing
 
-    def moments(self) -> tuple[Sequence[int], Sequence[str]]:
-        """How it gets out of its trap."""
-        return story(self.recording)
-
     def phase(self, step: int) -> str:
         """What the agent does."""
+        if step == self.recording.steps - 1:
+            return _ENDINGS[self.recording.ending]
         if self.recording.exploring[step]:
-            return "Conflict: exploring along the obstacle"
+            return "Conflict: exploring along the wall"
 
         strengths = self.recording.strengths
         strongest = max(strengths, key=lambda name: strengths[name][step])

@@ -141,11 +141,7 @@ def draw_film(robot: str, recording: Recording, path: Path) -> None:
     frames += frames[-1:] * (_REST // stride)
 
     if small:
-        side = (_SIDE, _SIDE)
-        pictures = [
-            Image.fromarray(frame).resize(side, Image.Resampling.LANCZOS) for frame in frames
-        ]
-        frames = [np.asarray(picture) for picture in pictures]
+        frames = [_scaled(frame) for frame in frames]
     save_video(frames, path, rate)
 
 

@@ -37,15 +37,12 @@ def test_too_short_a_rollout_is_an_error() -> None:
         choose_panels(NavigationRollout(recording))
 
 
-def test_default_rollout_shows_the_story() -> None:
+def test_the_default_rollout_shows_the_story() -> None:
     recording = record(driven("nav2d"), "u_trap_2", 1006)
-    first, conflict, *exploring, _ = (
-        panel.step for panel in choose_panels(NavigationRollout(recording))
-    )
+    titles = [panel.title for panel in choose_panels(NavigationRollout(recording))]
 
     assert recording.ending == "arrival"
-    assert recording.strengths["p2"][first] > recording.strengths["p1"][first]
-    assert recording.exploring[conflict]
-    assert not recording.exploring[conflict - 1]
-    assert recording.exploring[exploring].all()
+    assert titles[0] == "Triangulating"
+    assert titles.count("Conflict: exploring along the wall") >= 2
+    assert titles[-1] == "Arrival at the target"
     assert recording.uncertainty[100] < 0.1 * recording.uncertainty[0]
