@@ -23,17 +23,20 @@ def find_conflicts(history: History, since: int) -> Iterator[Finding]:
         history: The episode.
         since: The step.
     """
-    for name, meeting in history.meetings.items():
-        exploring = meeting.exploring[since:]
-        opposed = (meeting.cosine[since:] < OPPOSED) & (meeting.opponent[since:] >= 0)
-        found = None
-        if exploring.mean() >= OFTEN:
-            found = _explored(name, meeting, since)
-        elif opposed.mean() >= 0.5:
-            found = _not_explored(name, meeting, since)
+    for name, whole in history.meetings.items():
+        meeting = whole.since(since)
+        compared = meeting.opponent >= 0
+        opposed = (meeting.cosine < OPPOSED) & compared
 
-        if found is not None:
-            text, goals = found
+        if meeting.exploring.mean() >= OFTEN:
+            steps, in_words = meeting.exploring & compared, _explored
+        elif opposed.mean() >= 0.5:
+            steps, in_words = opposed, _not_explored
+        else:
+            continue
+
+        if steps.any():
+            text, goals = in_words(name, meeting, steps)
             yield Finding("conflict", text, since * history.dt, goals)
 
 
@@ -49,19 +52,17 @@ def find_constraints(history: History, since: int) -> Iterator[Finding]:
         text = (
             f"Safety goals hold {name} up: in {percent(escaping.mean())} of the time it gave up "
             "descending to get away from where they brought it to rest, "
-            f"{times(_beginnings(curve.escaping[since:]))}.{held}"
+            f"{times(_beginnings(escaping))}.{held}"
         )
         yield Finding("constraint", text, since * history.dt, tuple(history.gaps))
 
 
-def _explored(name: str, meeting: MeetingCurve, since: int) -> tuple[str, tuple[str, ...]] | None:
-    """A conflict that was explored, in words, and its goals."""
-    exploring = meeting.exploring[since:]
-    pair = _most_frequent(meeting, exploring & (meeting.opponent[since:] >= 0), since)
-    if pair is None:
-        return None
-
-    leader, opponent, share, cosine = pair
+def _explored(
+    name: str, meeting: MeetingCurve, steps: NDArray[np.bool_]
+) -> tuple[str, tuple[str, ...]]:
+    """A conflict that was explored in some steps, in words, and its goals."""
+    exploring = meeting.exploring
+    leader, opponent, share, cosine = _most_frequent(meeting, steps)
     still = "and was not over at the end" if exploring[-1] else "and paused at the end"
     text = (
         f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
@@ -72,22 +73,17 @@ def _explored(name: str, meeting: MeetingCurve, since: int) -> tuple[str, tuple[
 
 
 def _not_explored(
-    name: str, meeting: MeetingCurve, since: int
-) -> tuple[str, tuple[str, ...]] | None:
-    """A conflict in which one gradient was too strong to be explored."""
-    opposed = (meeting.cosine[since:] < OPPOSED) & (meeting.opponent[since:] >= 0)
-    pair = _most_frequent(meeting, opposed, since)
-    if pair is None:
-        return None
-
-    leader, opponent, _, cosine = pair
-    strengths = meeting.strengths[since:][opposed]
+    name: str, meeting: MeetingCurve, steps: NDArray[np.bool_]
+) -> tuple[str, tuple[str, ...]]:
+    """A conflict in some steps in which one gradient was too strong to be explored."""
+    leader, opponent, _, cosine = _most_frequent(meeting, steps)
+    strengths = meeting.strengths[steps]
     ratio = np.median(strengths[:, leader] / np.maximum(strengths[:, opponent], 1e-300))
     strength = "Both are about equally strong, and nothing is explored."
     if ratio > 1.5:
         strength = f"The first is {ratio:.2g} times as strong, so that it hardly ever explores."
     text = (
-        f"Gradients oppose each other at {name} in {percent(opposed.mean())} of the time (cosine "
+        f"Gradients oppose each other at {name} in {percent(steps.mean())} of the time (cosine "
         f"{cosine:+.2f}): {meeting.labels[leader]} against {meeting.labels[opponent]}. "
         f"{strength}"
     )
@@ -95,17 +91,15 @@ def _not_explored(
 
 
 def _most_frequent(
-    meeting: MeetingCurve, steps: NDArray[np.bool_], since: int
-) -> tuple[int, int, float, float] | None:
+    meeting: MeetingCurve, steps: NDArray[np.bool_]
+) -> tuple[int, int, float, float]:
     """The leader and opponent of most of these steps, their share of them, and their cosine."""
-    if not steps.any():
-        return None
-    leaders, opponents = meeting.leader[since:][steps], meeting.opponent[since:][steps]
+    leaders, opponents = meeting.leader[steps], meeting.opponent[steps]
     pairs = Counter(zip(leaders.tolist(), opponents.tolist(), strict=True))
 
     (leader, opponent), count = pairs.most_common(1)[0]
     theirs = (leaders == leader) & (opponents == opponent)
-    cosine = float(np.median(meeting.cosine[since:][steps][theirs]))
+    cosine = float(np.median(meeting.cosine[steps][theirs]))
     return leader, opponent, count / int(steps.sum()), cosine
 
 

@@ -39,6 +39,15 @@ class MeetingCurve:
     cosine: FloatArray
     exploring: BoolArray
 
+    def since(self, step: int) -> "MeetingCurve":
+        """The same from a step on."""
+        curves = {
+            name: values[step:]
+            for name, values in vars(self).items()
+            if name not in ("labels", "goals")
+        }
+        return MeetingCurve(self.labels, self.goals, **curves)
+
 
 @dataclass(frozen=True)
 class ActuatorCurve:
