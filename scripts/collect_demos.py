@@ -51,7 +51,11 @@ def run(arguments: argparse.Namespace) -> None:
     observed = tuple(arguments.observe)
     config = RecordingConfig(observations=observed, **fields_of(arguments, FIELDS))
     with tqdm(total=config.episodes, unit="episode", disable=None) as bar:
-        collect(config, arguments.out, bar.update)
+
+        def on_recorded(count: int) -> None:
+            bar.update(count)
+
+        collect(config, arguments.out, on_recorded)
 
     print(f"{config.episodes} episodes, saved in {arguments.out}; to train a diffusion policy:")
     print(f"python scripts/train_diffusion.py --data {arguments.out} --out runs/diffusion")

@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
                 film.append_data((env.render() or ())[0])
             memory, steps = step.memory, steps + 1
 
-        seeing = {} if film is None else {"render_mode": "rgb_array"}
+        seeing: dict[str, Any] = {} if film is None else {"render_mode": "rgb_array"}
         seeds = [arguments.seed]
         outcome = rollout(policy, task, condition, episodes, seeds, on_step=on_step, **seeing)
 

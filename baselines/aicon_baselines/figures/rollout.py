@@ -25,7 +25,7 @@ from aicon_baselines.palette import ROBOT
 LABELS = "abcdef"
 """Labels of the panels, in order of time: three in each of two rows."""
 
-BRIEF = 0.02
+BRIEF = 0.005
 """Share of the episode below which a phase is not shown."""
 
 DURATION = 22.0
@@ -201,8 +201,8 @@ def draw_picture(
         hspace=title / panel_height,
         wspace=0.025,
     )
-    for cell, panel in zip(cells, track(panels, "picture", progress), strict=True):
-        view = rollout.make_view(figure.add_subplot(cell))
+    for index, panel in enumerate(track(panels, "picture", progress)):
+        view = rollout.make_view(figure.add_subplot(cells[index]))
         view.show(panel.step)
         view.set_title(rf"$\mathbf{{{panel.label}}}$   {panel.title}", size=12)
     _add_legend(figure, rollout.marks())
@@ -329,7 +329,7 @@ def _add_diagrams(figure: Figure, heights: Sequence[float], **area: float) -> li
     """Diagrams below each other within an area, in shares of the figure."""
     gap = 0.14 if len(heights) > 1 else 0.0
     cells = figure.add_gridspec(len(heights), 1, height_ratios=heights, hspace=gap, **area)
-    return [figure.add_subplot(cell) for cell in cells]
+    return [figure.add_subplot(cells[row]) for row in range(len(heights))]
 
 
 def _add_curve_legend(figure: Figure, diagrams: Sequence[Axes], height: float, size: float) -> None:

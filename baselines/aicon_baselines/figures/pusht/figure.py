@@ -94,7 +94,7 @@ class PushRollout(Rollout):
         """Pusher, object and goal, contacts and their gradients."""
         trail = Line2D([], [], color=to_rgba(palette.ROBOT, 0.6), linewidth=2.2)
         goal_area = to_rgba(palette.GOAL, GOAL_TINT)
-        motion = {"facecolor": palette.MOTION, "edgecolor": palette.INK, "linewidth": 1.5}
+        motion = Patch(facecolor=palette.MOTION, edgecolor=palette.INK, linewidth=1.5)
 
         return {
             "pusher and its way": (trail, dot(palette.ROBOT, 10)),
@@ -102,7 +102,7 @@ class PushRollout(Rollout):
             "goal pose": Patch(facecolor=goal_area, edgecolor=palette.GOAL, linewidth=2),
             "useful contact, its gradient": _contact(palette.TOWARDS),
             "detrimental contact, its gradient": _contact(palette.AWAY),
-            "commanded motion": Patch(**motion),
+            "commanded motion": motion,
         }
 
     def numbers(self) -> dict[str, Any]:

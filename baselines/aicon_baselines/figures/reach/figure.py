@@ -82,8 +82,9 @@ def record_reach(condition: str, seed: int, horizon: int, *, progress: bool = Fa
     policy = make_policy("reach", **TASK.policy_options(condition))
 
     def look(_: Any) -> Frame:
-        (picture,) = env.render() or ()
-        return picture
+        pictures: Any = env.render()
+        frame: Frame = pictures[0]
+        return frame
 
     return record(
         Recording, policy, env, reset, horizon, look=look, every=STRIDE, progress=progress
