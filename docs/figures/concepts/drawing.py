@@ -90,7 +90,7 @@ def draw_arrow(
     """An arrow from a point (2,) along a vector (2,), if it has a length."""
     if np.linalg.norm(vector) < 1e-6:
         return
-    ends = {"xy": tuple(start + vector), "xytext": tuple(start)}
+    ends: dict[str, Any] = {"xy": tuple(start + vector), "xytext": tuple(start)}
     shape = {"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, "joinstyle": "miter"}
     size = {"linewidth": width, "mutation_scale": 6 + 3 * width}
     axes.annotate("", **ends, arrowprops={"color": color, **shape, **size, **looks}, zorder=5)

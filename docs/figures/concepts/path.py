@@ -1,7 +1,7 @@
 """What a path is: from a goal back to the actuator, one derivative after the other."""
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -67,7 +67,7 @@ def _draw_box(axes: Axes, box: _Box, *, meets: bool) -> None:
     axes.add_patch(round_box)
 
     name, words = box.words.split("\n")
-    centred = {"ha": "center", "va": "center"}
+    centred: dict[str, Any] = {"ha": "center", "va": "center"}
     axes.text(box.x, box.y + 0.1, name, fontsize=11.5, fontweight="bold", **centred)
     axes.text(box.x, box.y - 0.14, words, fontsize=9.5, color="0.35", **centred)
 

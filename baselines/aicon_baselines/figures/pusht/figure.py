@@ -125,15 +125,7 @@ def make_figure(
 ) -> FigureSummary:
     """Roll the policy out and save `pusht_rollout.png`, `.json` and, unless "none", the video.
 
-    Args:
-        out: Folder, made if it does not exist.
-        seed: Seed of the episode.
-        video: One of `aicon_baselines.figures.VIDEO_FORMATS`.
-        progress: Whether to show progress bars, on a terminal only.
-
-    Raises:
-        ComparisonError: If the format of the video is unknown, the episode is too short for six
-            panels, or imageio is not installed and the video is an mp4.
+    The arguments and errors are those of :func:`aicon_baselines.figures.nav2d.make_figure`.
     """
     files = FigureFiles(out, PushRollout.name, video)
     recording = record(make_policy("pusht").compile(), seed)
