@@ -4,11 +4,10 @@ Example: aicon figures nav2d --out runs/figures
 
 nav2d saves nav2d_rollout.png (six moments of the evolving potential), nav2d_rollout.json (the
 figure's numbers) and the film nav2d_rollout.mp4. pusht saves the same as pusht_rollout: six moments
-of an episode, and the gradients that arrive at the pusher. arm_push saves arm_push_film.mp4, an
-episode of the arm from outside and from its hand above the strengths of its gradients, and
-arm_push_film.png, a picture from the middle of it. reach saves reach.png, moments of three arms'
-episodes beside their errors and gaps, and reach.mp4, one of them with a ball in its way. With
---video webp a film is a small moving picture for a page.
+of an episode, and the gradients that arrive at the pusher. arm_push saves the same as
+arm_push_film: the arm from outside and from its hand, and its gradients. reach saves reach.png,
+moments of three arms' episodes beside their errors and gaps, and reach.mp4, one of them with a ball
+in its way. With --video webp a film is a small moving picture for a page.
 """
 
 import argparse

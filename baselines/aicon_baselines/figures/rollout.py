@@ -1,6 +1,6 @@
 """A rollout as a figure: six moments above curves over time, and a film of the whole episode.
 
-Navigation and pushing are told in the same way; what differs between them is a `Rollout`.
+Navigation, pushing and the arm are told in the same way; what differs between them is a `Rollout`.
 """
 
 from abc import ABC, abstractmethod
@@ -51,6 +51,7 @@ class Rollout(ABC):
         aspect: Width of the world's picture over its height.
         curves: The diagrams over time, from the top, with their heights in the picture, inches.
         caption: How to read the picture, in two lines.
+        legend_rows: Rows of the curves' legend.
         first_step: The first step that can be shown.
     """
 
@@ -59,6 +60,7 @@ class Rollout(ABC):
     aspect: ClassVar[float]
     curves: ClassVar[Mapping[str, float]]
     caption: ClassVar[str]
+    legend_rows: ClassVar[int] = 1
     first_step: ClassVar[int] = 0
 
     @abstractmethod
@@ -73,9 +75,9 @@ class Rollout(ABC):
     def draw_curves(self, *diagrams: Axes) -> None:
         """Draw the curves, labelled, into the diagrams of `curves`."""
 
-    @abstractmethod
     def marks(self) -> dict[str, Any]:
         """What the pictures of the world consist of: a handle of the legend by its label."""
+        return {}
 
     @abstractmethod
     def numbers(self) -> dict[str, Any]:
@@ -186,7 +188,7 @@ def draw_picture(
     panel_height = panel_width / rollout.aspect
     curves_height = sum(rollout.curves.values()) + 0.12 * (len(rollout.curves) - 1)
     curves_top = 0.95 + curves_height
-    panels_bottom = curves_top + 0.56
+    panels_bottom = curves_top + 0.34 + 0.22 * rollout.legend_rows
     panels_top = panels_bottom + 2 * panel_height + title
     height = panels_top + 0.6
     figure = Figure(figsize=(width, height), dpi=130)
@@ -221,7 +223,8 @@ def draw_picture(
     for axes in diagrams[:-1]:
         axes.tick_params(labelbottom=False)
     mark_panels(diagrams, panels, rollout.recording.time_step)
-    _add_curve_legend(figure, diagrams, (curves_top + 0.17) / height, size=10)
+    place = (0.055, (curves_top + 0.17) / height)
+    _add_curve_legend(figure, diagrams, place, rollout.legend_rows, size=10)
 
     figure.text(0.012, 0.1 / height, rollout.caption, fontsize=8.5, color="0.3", linespacing=1.35)
     save_picture(figure, path)
@@ -265,7 +268,7 @@ class RolloutFilm(Film):
     def __init__(self, rollout: Rollout, coarseness: float, dpi: float) -> None:
         # From the bottom, in inches: curves, their legend, the world, its title.
         width, curves_top = 8.0, 0.1 + 0.6 * len(rollout.curves)
-        world_bottom = curves_top + 0.38
+        world_bottom = curves_top + 0.2 + 0.18 * rollout.legend_rows
         world_height = 0.97 * width / rollout.aspect
         height = round(world_bottom + world_height + 0.3, 1)
         self.figure = Figure(figsize=(width, height), dpi=dpi)
@@ -287,7 +290,8 @@ class RolloutFilm(Film):
         for axes, label in zip(diagrams, rollout.curves, strict=True):
             axes.set(xticks=[], yticks=[], xlabel="")
             axes.set_ylabel(label, fontsize=9, rotation=0, ha="right", va="center")
-        _add_curve_legend(self.figure, diagrams, (curves_top + 0.02) / height, size=8)
+        corner = (0.09, (curves_top + 0.02) / height)
+        _add_curve_legend(self.figure, diagrams, corner, rollout.legend_rows, size=8)
         self._cursor = TimeCursor(diagrams, ROBOT)
 
     def show(self, step: int) -> None:
@@ -332,15 +336,16 @@ def _add_diagrams(figure: Figure, heights: Sequence[float], **area: float) -> li
     return [figure.add_subplot(cells[row]) for row in range(len(heights))]
 
 
-def _add_curve_legend(figure: Figure, diagrams: Sequence[Axes], height: float, size: float) -> None:
-    """Explain the curves just above them, at a height in shares of the figure."""
+def _add_curve_legend(
+    figure: Figure, diagrams: Sequence[Axes], corner: tuple[float, float], rows: int, size: float
+) -> None:
+    """Explain the curves just above them, from a lower left corner, in shares of the figure."""
     handles = curve_handles(diagrams)
-    left = diagrams[0].get_position().x0 - 0.01
     figure.legend(
         handles=handles,
         loc="lower left",
-        bbox_to_anchor=(left, height),
-        ncols=len(handles),
+        bbox_to_anchor=corner,
+        ncols=ceil(len(handles) / rows),
         frameon=False,
         fontsize=size,
         columnspacing=1.6,
@@ -350,6 +355,8 @@ def _add_curve_legend(figure: Figure, diagrams: Sequence[Axes], height: float, s
 
 def _add_legend(figure: Figure, marks: Mapping[str, Any]) -> None:
     """Explain above all panels, in one row, what they show; a tuple of handles is drawn as one."""
+    if not marks:
+        return
     figure.legend(
         handles=list(marks.values()),
         labels=list(marks),

@@ -32,7 +32,7 @@ def simplify(axes: Axes) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
 
 
-def curve_handles(diagrams: Sequence[Axes], *, explorations: bool = True) -> list[Any]:
+def curve_handles(diagrams: Sequence[Axes]) -> list[Any]:
     """Handles of a legend: the labelled curves from the highest to the lowest, then explorations.
 
     Curves that show nothing come last, but are named.
@@ -41,9 +41,7 @@ def curve_handles(diagrams: Sequence[Axes], *, explorations: bool = True) -> lis
     for axes in diagrams:
         lines, _ = axes.get_legend_handles_labels()
         handles += sorted(lines, key=_median_height, reverse=True)
-    if explorations:
-        handles.append(Patch(**SHADE, label="exploring"))
-    return handles
+    return [*handles, Patch(**SHADE, label="exploring")]
 
 
 def _median_height(line: Line2D) -> float:

@@ -20,11 +20,6 @@ def test_legend_is_in_the_order_of_the_curves() -> None:
     assert labels == ["high", "low, with a peak", "nothing", "exploring"]
 
 
-def test_legend_without_explorations() -> None:
-    handles = curve_handles([axes_with_curves()], explorations=False)
-    assert [handle.get_label() for handle in handles] == ["high", "low, with a peak", "nothing"]
-
-
 def test_values_that_a_logarithm_does_not_have_are_gaps() -> None:
     np.testing.assert_equal(gaps_at_zero(np.array([0.0, 2.0])), [np.nan, 2.0])
 
