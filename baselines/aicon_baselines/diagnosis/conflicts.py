@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.diagnosis.finding import Finding, listed, percent, times
 from aicon_baselines.diagnosis.history import History, MeetingCurve
+from aicon_baselines.evaluation.recording import true_intervals
 
 OPPOSED = -0.6
 """Cosine below which gradients oppose each other, as in :class:`aicon_torch.Exploration`."""
@@ -52,7 +53,7 @@ def find_constraints(history: History, since: int) -> Iterator[Finding]:
         text = (
             f"Safety goals hold {name} up: in {percent(escaping.mean())} of the time it gave up "
             "descending to get away from where they brought it to rest, "
-            f"{times(_beginnings(escaping))}.{held}"
+            f"{times(len(true_intervals(escaping)))}.{held}"
         )
         yield Finding("constraint", text, since * history.dt, tuple(history.gaps))
 
@@ -63,10 +64,11 @@ def _explored(
     """A conflict that was explored in some steps, in words, and its goals."""
     exploring = meeting.exploring
     leader, opponent, share, cosine = _most_frequent(meeting, steps)
+    began = times(len(true_intervals(exploring)))
     still = "and was not over at the end" if exploring[-1] else "and paused at the end"
     text = (
         f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
-        f"the time, began {times(_beginnings(exploring))}, {still}. In {percent(share)} of that it "
+        f"the time, began {began}, {still}. In {percent(share)} of that it "
         f"was {meeting.labels[leader]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
     )
     return text, _goals(meeting, leader, opponent)
@@ -105,11 +107,6 @@ def _most_frequent(
 
 def _goals(meeting: MeetingCurve, leader: int, opponent: int) -> tuple[str, ...]:
     return tuple(dict.fromkeys((meeting.goals[leader], meeting.goals[opponent])))
-
-
-def _beginnings(flags: NDArray[np.bool_]) -> int:
-    """How often a flag rose."""
-    return int(flags[0]) + int((flags[1:] & ~flags[:-1]).sum())
 
 
 def _near_goals(history: History, since: int) -> list[str]:

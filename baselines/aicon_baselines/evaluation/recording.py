@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice
+from itertools import groupby, islice
 from typing import Any, ClassVar, TypeVar
 
 import gymnasium
@@ -178,11 +178,19 @@ def record(
     return kind(policy, memories, success, infos, pictures, env.unwrapped, seed, stride)
 
 
+def runs_of(items: Iterable[Any]) -> list[tuple[int, int]]:
+    """First index of each run of equal items, and the first one after it."""
+    runs, begin = [], 0
+    for _, run in groupby(items):
+        end = begin + len(list(run))
+        runs.append((begin, end))
+        begin = end
+    return runs
+
+
 def true_intervals(mask: BoolArray) -> list[tuple[int, int]]:
     """First index of each run of true values and the first one after it."""
-    padded = np.concatenate([[False], mask, [False]])
-    edges = np.flatnonzero(padded[1:] != padded[:-1])
-    return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
+    return [(begin, end) for begin, end in runs_of(mask.tolist()) if mask[begin]]
 
 
 def to_array(tensor: Tensor) -> FloatArray:

@@ -5,7 +5,6 @@ Navigation, pushing and the arm are told in the same way; what differs between t
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from itertools import groupby
 from math import ceil
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -15,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.recording import Recording, track
+from aicon_baselines.evaluation.recording import Recording, runs_of, track
 from aicon_baselines.figures.rendering import Film, is_moving_picture, save_picture, save_video
 from aicon_baselines.figures.summary import FigureFiles, FigureSummary
 from aicon_baselines.figures.timeline import TimeCursor, curve_handles
@@ -59,7 +58,7 @@ class Rollout(ABC):
     name: ClassVar[str]
     aspect: ClassVar[float]
     curves: ClassVar[Mapping[str, float]]
-    caption: ClassVar[str]
+    caption: ClassVar[str] = ""
     legend_rows: ClassVar[int] = 1
     first_step: ClassVar[int] = 0
 
@@ -79,9 +78,9 @@ class Rollout(ABC):
         """What the pictures of the world consist of: a handle of the legend by its label."""
         return {}
 
-    @abstractmethod
     def numbers(self) -> dict[str, Any]:
         """The numbers of the figure besides those that every episode has."""
+        return {}
 
 
 def save_rollout(rollout: Rollout, files: FigureFiles, *, progress: bool = False) -> FigureSummary:
@@ -136,16 +135,6 @@ def choose_panels(rollout: Rollout) -> list[Panel]:
     steps = sorted(run[len(run) // 2] for run in shown)
     panels = zip(LABELS, (*steps, last), strict=True)
     return [Panel(label, step, rollout.phase(step)) for label, step in panels]
-
-
-def runs_of(items: Sequence[str]) -> list[tuple[int, int]]:
-    """First index of each run of equal items, and the first one after it."""
-    runs, begin = [], 0
-    for _, run in groupby(items):
-        end = begin + len(list(run))
-        runs.append((begin, end))
-        begin = end
-    return runs
 
 
 def summarize(rollout: Rollout, panels: Sequence[Panel]) -> dict[str, Any]:

@@ -1,11 +1,13 @@
 """The view of a task's world at one step, the rectangle that it shows, and marks for its legend."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.recording import FloatArray
 from aicon_baselines.palette import TARGET
@@ -34,6 +36,28 @@ class WorldView(ABC):
     def set_time(self, time: float) -> None:
         """Write the time above the picture, s."""
         self.axes.set_title(f"{time:.1f} s", loc="right", fontsize=10, color="0.35", pad=4)
+
+
+class PictureView(WorldView):
+    """A world that was seen by a camera.
+
+    Args:
+        axes: Where to draw.
+        times: When each step was, s.
+        picture_at: Returns the picture of a step, (H, W, 3).
+    """
+
+    def __init__(
+        self, axes: Axes, times: FloatArray, picture_at: Callable[[int], NDArray[np.uint8]]
+    ) -> None:
+        super().__init__(axes)
+        self._times, self._picture_at = times, picture_at
+        self._image = axes.imshow(picture_at(0))
+
+    def show(self, step: int) -> None:
+        """Bring the picture, and the time above it, to a step."""
+        self.set_time(self._times[step])
+        self._image.set_data(self._picture_at(step))
 
 
 def rectangle_around(

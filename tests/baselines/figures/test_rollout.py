@@ -3,7 +3,8 @@
 import pytest
 from matplotlib.figure import Figure
 
-from aicon_baselines.figures.rollout import Panel, mark_panels, runs_of
+from aicon_baselines.evaluation.recording import runs_of
+from aicon_baselines.figures.rollout import Panel, mark_panels
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from aicon_baselines.figures.arm_push.recording import ArmRecording, record
 from aicon_baselines.figures.rollout import Rollout, save_rollout
 from aicon_baselines.figures.summary import FigureFiles, FigureSummary
 from aicon_baselines.figures.timeline import gaps_at_zero, prepare_timeline
-from aicon_baselines.figures.view import WorldView
+from aicon_baselines.figures.view import PictureView
 from aicon_baselines.palette import ANGLE, DISTANCE, GOALS, INK
 from aicon_baselines.tasks.arm_push import TASK
 from aicon_torch import make_policy
@@ -50,9 +50,9 @@ class ArmRollout(Rollout):
         met = self.recording.trace.quantities["x_ee"]
         return f"Descending: {', '.join(met.goals[int(met.leader[step])])}"
 
-    def make_view(self, axes: Axes, coarseness: float = 1.0) -> "ArmView":
+    def make_view(self, axes: Axes, coarseness: float = 1.0) -> PictureView:
         """Both pictures, side by side."""
-        return ArmView(axes, self.recording)
+        return PictureView(axes, self.recording.times, self.recording.side_by_side)
 
     def draw_curves(self, *diagrams: Axes) -> None:
         """The strength of each gradient; the errors and the height of the tip."""
@@ -80,20 +80,6 @@ class ArmRollout(Rollout):
         """The errors in the end."""
         distance, angle = self.recording.distance[-1], self.recording.angle[-1]
         return {"distance_mm": round(float(distance), 2), "angle_deg": round(float(angle), 2)}
-
-
-class ArmView(WorldView):
-    """The scene from outside beside the camera in the hand."""
-
-    def __init__(self, axes: Axes, recording: ArmRecording) -> None:
-        super().__init__(axes)
-        self._recording = recording
-        self._image = axes.imshow(recording.side_by_side(0))
-
-    def show(self, step: int) -> None:
-        """Bring the picture, and the time above it, to a step of the recording."""
-        self.set_time(self._recording.times[step])
-        self._image.set_data(self._recording.side_by_side(step))
 
 
 def make_figure(

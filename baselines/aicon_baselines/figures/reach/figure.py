@@ -1,18 +1,20 @@
 """The figure of arms that reach: moments and curves of each, and a film with a ball in the way."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from PIL import Image, ImageDraw
 
 from aicon_baselines.evaluation.recording import Recording, record
-from aicon_baselines.figures.rendering import Frame, is_moving_picture, save_picture, save_video
+from aicon_baselines.figures.rendering import Frame, save_picture
+from aicon_baselines.figures.rollout import Rollout, draw_film
 from aicon_baselines.figures.summary import FigureFiles, FigureSummary
-from aicon_baselines.palette import ANGLE, AWAY, DISTANCE, EXPLORING, INK
+from aicon_baselines.figures.timeline import prepare_timeline
+from aicon_baselines.figures.view import PictureView
+from aicon_baselines.palette import ANGLE, AWAY, DISTANCE, OBSTACLE
 from aicon_baselines.tasks.reach import ROBOTS, TASK
 from aicon_torch import make_policy
 
@@ -26,18 +28,52 @@ ZOOM = slice(45, 435)
 """What is shown of what was seen, in both directions, px."""
 
 STRIDE = 2
-"""Control steps from one picture to the next; the last is of the end."""
-
-_RATE = 25  # pictures a second, as they are recorded
-_REST = 15  # pictures that the last one stands
-_SIDE = 320  # of a moving picture, px
+"""Control steps from one picture to the next; the last one is of the end."""
 
 _CURVES = {
     "distance": ("distance to the target, m", DISTANCE),
     "angle": ("angle to the target, rad", ANGLE),
     "self_gap": ("gap to itself (up to 0.05), m", AWAY),
-    "limit_margin": ("joint to its stop, rad", EXPLORING),
+    "limit_margin": ("joint to its stop, rad", OBSTACLE),
 }
+
+
+class ReachRollout(Rollout):
+    """An episode of an arm that reaches.
+
+    Args:
+        recording: The episode.
+    """
+
+    name = "reach"
+    aspect = 1.0
+    curves = {"errors": 1.3}
+    legend_rows = 2
+
+    def __init__(self, recording: Recording) -> None:
+        self.recording = recording
+
+    def phase(self, step: int) -> str:
+        """What the arm does."""
+        if step == self.recording.steps - 1:
+            return "Arrived" if self.recording.success else "Out of time"
+        return "Held up: exploring" if self.recording.exploring[step] else "Descending"
+
+    def make_view(self, axes: Axes, coarseness: float = 1.0) -> PictureView:
+        """What the camera saw."""
+        pictures = self.recording.pictures
+        return PictureView(axes, self.recording.times, lambda step: pictures[step][ZOOM, ZOOM])
+
+    def draw_curves(self, *diagrams: Axes) -> None:
+        """What is missing to the pose, and what is left to what must not be touched."""
+        (axes,) = diagrams
+        prepare_timeline(axes, self.recording)
+        for name, (label, color) in _CURVES.items():
+            values = np.maximum(self.recording.told(name)[:-1], 1e-4)
+            axes.plot(self.recording.times, values, color=color, label=label, linewidth=1.3)
+
+        axes.set(yscale="log", ylim=(3e-3, 10.0))
+        axes.tick_params(labelsize=8)
 
 
 def make_figure(
@@ -60,7 +96,8 @@ def make_figure(
     recordings = {robot: record_reach(f"{robot}_pose_home", **how) for robot in ROBOTS}
     draw_picture(recordings, files.picture)
     if files.film is not None:
-        draw_film(FILMED, record_reach(f"{FILMED}_pose_home_ball", **how), files.film)
+        filmed = ReachRollout(record_reach(f"{FILMED}_pose_home_ball", **how))
+        draw_film(filmed, files.film, progress=progress)
 
     endings, times = [], {}
     for robot, recording in recordings.items():
@@ -71,7 +108,7 @@ def make_figure(
 
 
 def record_reach(condition: str, seed: int, horizon: int, *, progress: bool = False) -> Recording:
-    """Run an episode in a condition of the task, and look at every second step.
+    """Run an episode in a condition of the task, and keep every second step with a picture.
 
     Raises:
         RuntimeError: If nothing can be rendered.
@@ -86,9 +123,8 @@ def record_reach(condition: str, seed: int, horizon: int, *, progress: bool = Fa
         frame: Frame = pictures[0]
         return frame
 
-    return record(
-        Recording, policy, env, reset, horizon, look=look, every=STRIDE, progress=progress
-    )
+    seen: dict[str, Any] = {"stride": STRIDE, "look": look, "every": STRIDE}
+    return record(Recording, policy, env, reset, horizon, **seen, progress=progress)
 
 
 def draw_picture(recordings: Mapping[str, Recording], path: Path) -> None:
@@ -112,57 +148,8 @@ def draw_picture(recordings: Mapping[str, Recording], path: Path) -> None:
             axes.set_title(name, loc="left", fontsize=10, pad=4)
 
         axes = figure.add_subplot(cells[row, -1])
-        draw_curves(axes, recording)
+        ReachRollout(recording).draw_curves(axes)
         if row == 0:
             axes.legend(loc="upper right", fontsize=7.5, frameon=False)
     axes.set_xlabel("time, s")
     save_picture(figure, path)
-
-
-def draw_curves(axes: Axes, recording: Recording) -> None:
-    """Draw what is missing after each step, and what is left to what must not be touched."""
-    times = recording.times + recording.time_step
-    for name, (label, color) in _CURVES.items():
-        values = np.maximum(recording.told(name)[1:], 1e-4)
-        axes.plot(times, values, color=color, label=label, linewidth=1.3)
-
-    axes.set(yscale="log", ylim=(3e-3, 10.0), xlim=(0.0, times[-1]))
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.tick_params(labelsize=8)
-
-
-def draw_film(robot: str, recording: Recording, path: Path) -> None:
-    """Save an episode as a video, whose last frame rests.
-
-    A moving picture has every second frame, and is smaller.
-    """
-    small = is_moving_picture(path)
-    stride, rate = (2, _RATE // 2) if small else (1, _RATE)
-    frames = list(captioned(robot, recording, stride))
-    frames += frames[-1:] * (_REST // stride)
-
-    if small:
-        frames = [_scaled(frame) for frame in frames]
-    save_video(frames, path, rate)
-
-
-def captioned(robot: str, recording: Recording, stride: int = 1) -> Iterator[Frame]:
-    """Every picture of an episode, or every second one, …, with its time and what happens."""
-    last = len(recording.pictures) - 1
-    for number in (*range(0, last, stride), last):
-        step = min(number * STRIDE, recording.steps)
-        explores = step > 0 and bool(recording.exploring[step - 1])
-        doing = "held up: exploring" if explores else "descending"
-        if number == last:
-            doing = "arrived" if recording.success else "did not arrive"
-
-        picture = Image.fromarray(recording.pictures[number][ZOOM, ZOOM])
-        words = f"{robot}   {step * recording.time_step:.1f} s   {doing}"
-        color = EXPLORING if explores and number < last else INK
-        ImageDraw.Draw(picture).text((12, 8), words, fill=color, font_size=21)
-        yield np.asarray(picture)
-
-
-def _scaled(frame: Frame) -> Frame:
-    """A frame as large as moving pictures are."""
-    return np.asarray(Image.fromarray(frame).resize((_SIDE, _SIDE), Image.Resampling.LANCZOS))
