@@ -23,7 +23,7 @@ from aicon_baselines.evaluation.episodes import Step
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 from aicon_baselines.files import replacing
 from aicon_baselines.tasks import choices, load
 
@@ -118,10 +118,8 @@ def _film_writer(path: Path | None, time_step: float) -> Iterator[Any]:
     if path.suffix not in (".mp4", ".gif"):
         raise ComparisonError(f"a video ends in .mp4 or .gif, not {path.suffix!r}")
 
-    try:
+    with naming_extra():
         import imageio.v2 as imageio
-    except ModuleNotFoundError as error:
-        raise missing_extra(error) from error
 
     path.parent.mkdir(parents=True, exist_ok=True)
     rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))

@@ -9,12 +9,10 @@ from threading import Thread
 from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 
-try:
+with naming_extra():
     from joblib import parallel_config
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 BACKENDS = ("loky", "dask")
 """Names of the backends, the usual one first."""

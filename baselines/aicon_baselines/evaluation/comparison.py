@@ -18,13 +18,11 @@ from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.row import Key, Row, key
 from aicon_baselines.evaluation.run_folder import RunFolder, keep
 from aicon_baselines.evaluation.task import Episode, Task
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 
-try:
+with naming_extra():
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import TerminatedWorkerError
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 
 class _Job(NamedTuple):

@@ -14,16 +14,14 @@ from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.statistics import group_rows, median_of
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 from aicon_baselines.files import replacing
 from aicon_baselines.palette import CURVES
 
-try:
+with naming_extra():
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, StrMethodFormatter
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 _PANELS_PER_LINE = 3
 

@@ -4,12 +4,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Event, Thread
 
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 
-try:
+with naming_extra():
     from tqdm import tqdm
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 _INTERVAL = 0.5  # s between two looks
 

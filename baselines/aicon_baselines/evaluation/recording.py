@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.evaluation.episodes import run_episodes
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 from aicon_torch import Policy, StepTrace
 from aicon_torch.inspection import QuantityTrace
 from aicon_torch.resolution import Memory
@@ -200,8 +200,6 @@ def to_array(tensor: Tensor) -> FloatArray:
 
 def track(items: Iterable[Item], description: str, show: bool) -> Iterable[Item]:
     """The items, with a progress bar on a terminal if it is to be shown."""
-    try:
+    with naming_extra():
         from tqdm import tqdm  # a recording that somebody else made does without
-    except ModuleNotFoundError as error:
-        raise missing_extra(error) from error
     return tqdm(items, desc=description, disable=None if show else True)

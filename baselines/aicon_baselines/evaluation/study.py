@@ -19,15 +19,13 @@ from aicon_baselines.evaluation.statistics import (
 )
 from aicon_baselines.evaluation.tables import to_markdown, to_percent, to_text
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 from aicon_baselines.files import replacing, write_json
 from aicon_baselines.palette import ROBOT
 
-try:
+with naming_extra():
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
 """Figures rendered, and saved as pictures and videos."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,14 +9,12 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import missing_extra, pip_command
+from aicon_baselines.extras import naming_extra, pip_command
 from aicon_baselines.files import replacing
 
-try:
+with naming_extra():
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 Frame = NDArray[np.uint8]
 """A rendered picture, (height, width, 3)."""
@@ -57,26 +54,6 @@ def save_picture(figure: Figure, path: Path) -> None:
 
     with replacing(path) as place:
         Image.fromarray(frame).save(place, optimize=True)
-
-
-class Film(ABC):
-    """A figure that can be brought to any step of an episode."""
-
-    figure: Figure
-
-    @abstractmethod
-    def show(self, step: int) -> None:
-        """Bring the figure to a step."""
-
-    def frames(self, steps: Iterable[int], hold: int = 0) -> Iterator[Frame]:
-        """Render the figure at each step, and the last one `hold` times more."""
-        for step in steps:
-            self.show(step)
-            frame = render(self.figure)
-            yield frame
-
-        for _ in range(hold):
-            yield frame
 
 
 def save_video(frames: Iterable[Frame], path: Path, rate: int) -> None:

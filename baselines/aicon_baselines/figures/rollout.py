@@ -4,7 +4,7 @@ Navigation, pushing and the arm are told in the same way; what differs between t
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import ceil
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -15,7 +15,13 @@ from matplotlib.legend_handler import HandlerTuple
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.recording import Recording, runs_of, track
-from aicon_baselines.figures.rendering import Film, is_moving_picture, save_picture, save_video
+from aicon_baselines.figures.rendering import (
+    Frame,
+    is_moving_picture,
+    render,
+    save_picture,
+    save_video,
+)
 from aicon_baselines.figures.summary import FigureFiles, FigureSummary
 from aicon_baselines.figures.timeline import TimeCursor, curve_handles
 from aicon_baselines.figures.view import WorldView
@@ -30,6 +36,7 @@ BRIEF = 0.005
 DURATION = 22.0
 """How long a film lasts at most, s; of a longer one some steps are left out."""
 
+_TITLE = 0.3  # inches
 _MARK: dict[str, Any] = {"color": "0.25", "linewidth": 0.8, "linestyle": (0, (2, 2))}
 
 
@@ -173,39 +180,26 @@ def draw_picture(
         progress: Whether to show a progress bar, on a terminal only.
     """
     # From the bottom, in inches: caption, curves, their legend, two rows of panels, the legend.
-    width, panel_width, title = 14.0, 4.5, 0.3
-    panel_height = panel_width / rollout.aspect
-    curves_height = sum(rollout.curves.values()) + 0.12 * (len(rollout.curves) - 1)
-    curves_top = 0.95 + curves_height
+    panel_height = 4.5 / rollout.aspect
+    curves_top = 0.95 + sum(rollout.curves.values()) + 0.12 * (len(rollout.curves) - 1)
     panels_bottom = curves_top + 0.34 + 0.22 * rollout.legend_rows
-    panels_top = panels_bottom + 2 * panel_height + title
+    panels_top = panels_bottom + 2 * panel_height + _TITLE
     height = panels_top + 0.6
-    figure = Figure(figsize=(width, height), dpi=130)
+    figure = Figure(figsize=(14.0, height), dpi=130)
 
-    cells = figure.add_gridspec(
-        2,
-        3,
-        left=0.012,
-        right=0.988,
-        bottom=panels_bottom / height,
-        top=panels_top / height,
-        hspace=title / panel_height,
-        wspace=0.025,
-    )
+    # The world at each moment.
+    area = {"bottom": panels_bottom / height, "top": panels_top / height}
+    gaps = {"hspace": _TITLE / panel_height, "wspace": 0.025}
+    cells = figure.add_gridspec(2, 3, left=0.012, right=0.988, **area, **gaps)
     for index, panel in enumerate(track(panels, "picture", progress)):
         view = rollout.make_view(figure.add_subplot(cells[index]))
         view.show(panel.step)
         view.set_title(rf"$\mathbf{{{panel.label}}}$   {panel.title}", size=12)
     _add_legend(figure, rollout.marks())
 
-    diagrams = _add_diagrams(
-        figure,
-        list(rollout.curves.values()),
-        left=0.065,
-        right=0.988,
-        bottom=0.95 / height,
-        top=curves_top / height,
-    )
+    # What happens meanwhile.
+    area = {"left": 0.065, "right": 0.988, "bottom": 0.95 / height, "top": curves_top / height}
+    diagrams = _add_diagrams(figure, list(rollout.curves.values()), **area)
     rollout.draw_curves(*diagrams)
     for axes in diagrams:
         axes.yaxis.set_label_coords(-0.04, 0.5)
@@ -245,7 +239,7 @@ def mark_panels(diagrams: Sequence[Axes], panels: Sequence[Panel], dt: float) ->
         )
 
 
-class RolloutFilm(Film):
+class RolloutFilm:
     """The world above the curves over time.
 
     Args:
@@ -256,38 +250,38 @@ class RolloutFilm(Film):
 
     def __init__(self, rollout: Rollout, coarseness: float, dpi: float) -> None:
         # From the bottom, in inches: curves, their legend, the world, its title.
-        width, curves_top = 8.0, 0.1 + 0.6 * len(rollout.curves)
+        curves_top = 0.1 + 0.6 * len(rollout.curves)
         world_bottom = curves_top + 0.2 + 0.18 * rollout.legend_rows
-        world_height = 0.97 * width / rollout.aspect
-        height = round(world_bottom + world_height + 0.3, 1)
-        self.figure = Figure(figsize=(width, height), dpi=dpi)
+        world_height = 7.76 / rollout.aspect
+        height = round(world_bottom + world_height + _TITLE, 1)
+        self._figure = Figure(figsize=(8.0, height), dpi=dpi)
         self._rollout = rollout
 
         place = (0.015, world_bottom / height, 0.97, world_height / height)
-        self._view = rollout.make_view(self.figure.add_axes(place), coarseness)
+        self._view = rollout.make_view(self._figure.add_axes(place), coarseness)
 
-        diagrams = _add_diagrams(
-            self.figure,
-            [1.0] * len(rollout.curves),
-            left=0.1,
-            right=0.985,
-            bottom=0.1 / height,
-            top=curves_top / height,
-        )
+        area = {"left": 0.1, "right": 0.985, "bottom": 0.1 / height, "top": curves_top / height}
+        diagrams = _add_diagrams(self._figure, [1.0] * len(rollout.curves), **area)
         rollout.draw_curves(*diagrams)
         # Time passes in the picture above: the axes need no numbers.
         for axes, label in zip(diagrams, rollout.curves, strict=True):
             axes.set(xticks=[], yticks=[], xlabel="")
             axes.set_ylabel(label, fontsize=9, rotation=0, ha="right", va="center")
         corner = (0.09, (curves_top + 0.02) / height)
-        _add_curve_legend(self.figure, diagrams, corner, rollout.legend_rows, size=8)
+        _add_curve_legend(self._figure, diagrams, corner, rollout.legend_rows, size=8)
         self._cursor = TimeCursor(diagrams, ROBOT)
 
-    def show(self, step: int) -> None:
-        """Bring the world and the cursor to a step."""
-        self._view.show(step)
-        self._view.set_title(self._rollout.phase(step), size=11)
-        self._cursor.move(self._rollout.recording.times[step])
+    def frames(self, steps: Iterable[int], hold: int = 0) -> Iterator[Frame]:
+        """Render the world and the curves at each step, and the last one `hold` times more."""
+        for step in steps:
+            self._view.show(step)
+            self._view.set_title(self._rollout.phase(step), size=11)
+            self._cursor.move(self._rollout.recording.times[step])
+            frame = render(self._figure)
+            yield frame
+
+        for _ in range(hold):
+            yield frame
 
 
 def draw_film(rollout: Rollout, path: Path, *, progress: bool = False) -> None:

@@ -12,7 +12,6 @@ from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.rendering import (
-    Film,
     Frame,
     check_video,
     render,
@@ -21,32 +20,11 @@ from aicon_baselines.figures.rendering import (
 )
 
 
-class Slides(Film):
-    """A figure that notes what it shows."""
-
-    def __init__(self) -> None:
-        self.figure = Figure(figsize=(1, 1), dpi=20)
-        self.shown: list[int] = []
-
-    def show(self, step: int) -> None:
-        self.shown.append(step)
-        self.figure.set_facecolor("red" if step % 2 else "blue")
-
-
 def frames(count: int) -> Iterator[Frame]:
     for index in range(count):
         frame = np.zeros((160, 320, 3), np.uint8)
         frame[..., 0 if index % 2 else 2] = 250
         yield frame
-
-
-def test_film_holds_its_last_frame() -> None:
-    film = Slides()
-    rendered = list(film.frames([4, 7], hold=2))
-    assert film.shown == [4, 7]
-    assert len(rendered) == 4
-    np.testing.assert_equal(rendered[1:], [rendered[1]] * 3)
-    assert (rendered[0] != rendered[1]).any()
 
 
 def test_saved_picture_looks_like_the_rendered_one(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import imageio.v2 as imageio
+import numpy as np
 import pytest
 from _inputs import driven
 from matplotlib.colors import to_hex
@@ -13,7 +14,7 @@ from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.pusht import PushRecording, PushRollout, figure, make_figure, record
-from aicon_baselines.figures.rollout import draw_film
+from aicon_baselines.figures.rollout import RolloutFilm, draw_film
 
 SEED = 1043
 
@@ -47,6 +48,13 @@ def test_summary_says_what_the_figure_shows(
     assert summary.startswith("arrival after")
     assert "(f)" in summary
     assert (tmp_path / "pusht_rollout.png").stat().st_size < 3e5
+
+
+def test_a_film_holds_its_last_frame(episode: PushRecording) -> None:
+    first, *last = RolloutFilm(PushRollout(episode), 1.0, dpi=20).frames([4, 7], hold=2)
+    assert len(last) == 3
+    np.testing.assert_equal(last, [last[0]] * 3)
+    assert (first != last[0]).any()
 
 
 def test_mp4(tmp_path: Path) -> None:
