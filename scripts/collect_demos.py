@@ -23,8 +23,6 @@ FIELDS = {
     "seed": "first seed",
     "noises": "noise on actions, px",
     "near": "share of starts near the goal",
-    "max_speed": "the teacher's, px/s",
-    "smoothing": "of its velocity, s",
 }
 
 

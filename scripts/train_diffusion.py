@@ -16,20 +16,10 @@ from aicon_baselines.agents.diffusion.configs import OBSERVATIONS, TrainingConfi
 from aicon_baselines.cli.command_line import Command, add_fields, add_option, fields_of, run_command
 
 FIELDS = {
-    # The network.
-    "down_dims": "channels of its stages",
-    "kernel": "size of its convolutions",
     "horizon": "actions predicted at once",
     "action_steps": "executed before it looks again",
-    # What it learns.
-    "prediction": "sample or epsilon",
-    "normalization": "MEAN_STD or MIN_MAX",
-    "shift": "of observations with MEAN_STD, σ",
-    # How it learns.
+    "shift": "of observations, σ",
     "steps": "gradient steps",
-    "batch": "windows in a step",
-    "learning_rate": "its largest value",
-    "warmup": "steps until it is reached",
     "seed": "of network, order and noise",
 }
 

@@ -14,16 +14,6 @@ from pathlib import Path
 from aicon_baselines.agents.registry import import_sb3
 from aicon_baselines.cli.command_line import Command, add_option, run_command
 
-_TASK_OPTIONS = {
-    "seed": "1000 or more (default: 10000)",
-    "envs": "environments (default: 8)",
-    "rollout": "steps of each environment between updates of PPO (default: 512)",
-    "epochs": "times PPO learns from them (default: 5 in nav2d, 10 in pusht)",
-    "horizon": "steps of a training episode (default: 1000 in nav2d, 300 in pusht)",
-    "stack": "observations seen at once (default: 8 in nav2d, 1 in pusht)",
-}
-"""Options of the training whose defaults may differ between tasks."""
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is trained, and how."""
@@ -32,20 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_option(parser, "--steps", 1_000_000, "steps in all")
     parser.add_argument("--out", type=Path, required=True, help="folder of the agent")
     add_option(parser, "--checkpoint", 50_000, "steps between saves")
-
-    for name, text in _TASK_OPTIONS.items():
-        parser.add_argument(f"--{name}", type=int, help=text)
-    parser.add_argument(
-        "--approach", type=float, help="pusht: weight of the way to the object (default: 0.2)"
-    )
+    parser.add_argument("--seed", type=int, help="seed, 1000 or more (default: 10000)")
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Train what is missing and say what to do with it."""
     sb3 = import_sb3()
-    options = {name: getattr(arguments, name) for name in (*_TASK_OPTIONS, "approach")}
     config = sb3.TrainingConfig.for_task(
-        arguments.task, arguments.algorithm, arguments.steps, **options
+        arguments.task, arguments.algorithm, arguments.steps, seed=arguments.seed
     )
 
     trained = sb3.train(config, arguments.out, arguments.checkpoint, report=print)
