@@ -98,10 +98,10 @@ def rules() -> dict[str, Any]:
 
 
 def explorers() -> dict[str, Any]:
-    """The same with exploration: the text's, the shipped one, and one that lets progress be."""
+    """The same with exploration: the text's, the shipped one, and one that lets tracking be."""
     from aicon_torch import Exploration, NullspaceProjection
 
-    patient = Exploration(unless_moved=True)
+    patient = Exploration(unless_tracking=True)
     return {
         "sum, explores": NullspaceProjection(projector="none", temperature=None),
         "as in the text": NullspaceProjection.as_in_paper(),
