@@ -127,7 +127,8 @@ def make_policy(rule: str, count: int) -> Any:
         def cost(x: Tensor, z: Tensor) -> Tensor:
             position = z + x
             beside = torch.relu(DOOR / 2 - side * position[..., 1])
-            return nearness(torch.hypot(position[..., 0], beside + 1e-9) - RADIUS)
+            distance = (position[..., 0].square() + beside.square() + 1e-12).sqrt()
+            return nearness(distance - RADIUS)
 
         return cost
 
@@ -185,8 +186,7 @@ def drive_by_orca(discs: Array, targets: Array, steps: int) -> Array:
         simulator = pyrvo.RVOSimulator(DT, 3.0, 20, 2.0, 1.0, RADIUS + 0.02, SPEED)
         agents = [simulator.add_agent(tuple(place)) for place in begins.tolist()]
         for side in (-1.0, 1.0):
-            ends_of_wall = sorted((side * DOOR / 2, side * WALL))
-            low, high = ends_of_wall
+            low, high = sorted((side * DOOR / 2, side * WALL))
             simulator.add_obstacle([(0.01, low), (0.01, high), (-0.01, high), (-0.01, low)])
         simulator.process_obstacles()
 
@@ -217,10 +217,74 @@ def measure(rule: str, count: int, arguments: argparse.Namespace) -> Cell:
     cleared = through[-1]
     times = DT * through.argmax(0)[cleared]
     overlaps = (2 * RADIUS - _distances(path)).clip(min=0.0).max((0, 2))
-    beside = (DOOR / 2 - np.abs(path[..., 1])).clip(max=0.0)
-    walls = (RADIUS - np.hypot(path[..., 0], beside)) * (beside < 0)
-    in_walls = walls.clip(min=0.0).max((0, 2))
+    beside = (DOOR / 2 - np.abs(path[..., 1])).clip(min=0.0)
+    in_walls = (RADIUS - np.hypot(path[..., 0], beside)).clip(min=0.0).max((0, 2))
     untouched = int((np.maximum(overlaps, in_walls) <= TOUCH).sum())
     median = float(np.median(times)) if cleared.any() else float("nan")
     largest = round(float(overlaps.max()), 4)
     return Cell(rule, count, arguments.tries, int(cleared.sum()), median, untouched, largest)
+
+
+def starts(count: int, tries: int, seed: int) -> tuple[Array, Array]:
+    """Where the discs begin before the door, and their targets behind it, ``(tries, M, 2)``, m."""
+    generator = np.random.default_rng([seed, count])
+    discs = [_scattered(generator, count, (-4.0, -0.8)) for _ in range(tries)]
+    targets = [_scattered(generator, count, (1.2, 4.4)) for _ in range(tries)]
+    return np.array(discs), np.array(targets)
+
+
+def _scattered(generator: np.random.Generator, count: int, along: tuple[float, float]) -> Array:
+    """Places ``(count, 2)`` at least three radii apart, m."""
+    places = np.empty((0, 2))
+    while len(places) < count:
+        place = generator.uniform((along[0], -1.5), (along[1], 1.5))
+        if (np.linalg.norm(places - place, axis=-1) > 3 * RADIUS).all():
+            places = np.vstack((places, place))
+    return places
+
+
+def _distances(path: Array) -> Array:
+    """Distances of all pairs, ``(steps, tries, pairs)``, m."""
+    first, second = np.triu_indices(path.shape[2], 1)
+    return np.asarray(np.linalg.norm(path[:, :, first] - path[:, :, second], axis=-1))
+
+
+def _has_orca() -> bool:
+    try:
+        import pyrvo  # noqa: F401
+    except ModuleNotFoundError:
+        print("without ORCA: pip install pyrvo")
+        return False
+    return True
+
+
+def draw(cells: list[Cell], names: list[str], path: Path) -> None:
+    """How many tries are cleared, how many untouched, and how long they take, over M."""
+    import matplotlib.pyplot as plt
+
+    figure, panels = plt.subplots(1, 3, figsize=(12, 4), layout="constrained")
+    for number, name in enumerate(names):
+        own = [cell for cell in cells if cell.rule == name]
+        counts = [cell.discs for cell in own]
+        style: dict[str, Any] = {"marker": "osD^v<>"[number], "label": name, "alpha": 0.8}
+        panels[0].plot(counts, [100 * cell.cleared / cell.tries for cell in own], **style)
+        panels[1].plot(counts, [100 * cell.untouched / cell.tries for cell in own], **style)
+        panels[2].plot(counts, [cell.seconds for cell in own], **style)
+
+    for panel, title in zip(
+        panels,
+        ("all discs through, % of the tries", "nobody touched, %", "median time of these, s"),
+        strict=True,
+    ):
+        panel.set_title(title, fontsize=10)
+        panel.set_xticks(DISCS)
+        panel.set_xlabel("discs")
+        panel.set_ylim(bottom=0.0)
+    panels[0].legend(fontsize=8)
+    figure.savefig(path, dpi=150)
+
+
+COMMAND = Command(__doc__, add_arguments, run)
+
+if __name__ == "__main__":
+    run_command(COMMAND)

@@ -4,6 +4,7 @@ The arm is kinematic, and everything is read as it is: its joints, where the ref
 and the wall, which is a plane x = const.
 """
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ MARGIN = 0.03  # m, how far before the wall its cost begins
 HOME = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # rad
 
 
+@functools.cache
 def make_policy(resolution: Any, count: int) -> Any:
     """An arm with so many points, which looks ahead without a dither.
 
