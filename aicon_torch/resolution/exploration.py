@@ -57,6 +57,9 @@ class Exploration:
             which a conflict among three or more needs.
         ratio_of: Whether λ compares the normalised magnitudes (the text) or the magnitudes
             themselves.
+        unless_tracking: Whether it does not begin, beyond the text, where standing still would have
+            cost more than the leader's slope explains: :meth:`is_tracking`. Then the quantity keeps
+            up with something that moves, or comes to rest where many goals are balanced.
     """
 
     enter_cosine: float = -0.6
@@ -66,6 +69,7 @@ class Exploration:
     escape: TrapEscape = field(default_factory=TrapEscape)
     opponent: Literal["second", "opposing"] = "opposing"
     ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
+    unless_tracking: bool = False
 
     def __post_init__(self) -> None:
         """Check the options."""
@@ -125,6 +129,8 @@ class Exploration:
         comparison = self.compare(ranked, was_exploring)
         enters = (comparison.cosine < self.enter_cosine) & ~comparison.is_decided
         stays = (comparison.cosine <= self.exit_cosine) & ~comparison.is_decided
+        if self.unless_tracking:
+            enters = enters & ~self.is_tracking(stack, ranked, average)
         new_memory = {
             "cosine": comparison.cosine,
             "opponent": comparison.opponent,
@@ -172,6 +178,23 @@ class Exploration:
 
         is_decided = magnitudes.gather(-1, ranked.dominant) > self.ratio * magnitude
         return Comparison(cosine, opponent.masked_fill(is_alone, -1), is_decided.squeeze(-1))
+
+    def is_tracking(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
+        """Whether standing still would have cost more than the leader's slope explains, ``(*B,)``.
+
+        That is Σᵢ cᵢ(x − d) − cᵢ(x) > ‖∇₁‖ ‖d‖ with the present costs cᵢ of the goals that meet
+        and d, the motion within the time of the average. Where one goal leads into another, no
+        path costs more than the steepest slope times its length; where many goals are balanced,
+        their costs curve.
+        """
+        moved = average * (self.average_time / stack.dt)
+        standing, here = (torch.zeros_like(average[..., 0]) for _ in range(2))
+        for goal in sorted(stack.all_goals):
+            standing = standing + stack.displaced_cost(goal, -moved)
+            here = here + stack.costs[goal]
+
+        slope = ranked.norms.gather(-1, ranked.leader).squeeze(-1)
+        return standing - here > slope * torch.linalg.vector_norm(moved, dim=-1)
 
     def direction(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
         """The unit direction in a nullspace that best continues the motion average, ``(*B, d)``."""

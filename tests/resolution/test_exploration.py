@@ -11,6 +11,7 @@ from _inputs import (
     SCENARIOS,
     explores,
     fresh,
+    gradient_stack,
     literal,
     pair,
     projection_in_paper,
@@ -25,6 +26,7 @@ from aicon_torch import (
     DirectDescent,
     Exploration,
     Goal,
+    NullspaceProjection,
     OptionError,
     Policy,
     Sensor,
@@ -88,6 +90,26 @@ def test_the_dominance_ratio_is_of_the_normalised_magnitudes() -> None:
     gradients = torch.tensor([[1.0, 0.0], [-0.3, 0.0]], dtype=torch.float64)
     assert explores(projection_in_paper(), gradients)
     assert not explores(literal(), gradients)
+
+
+@pytest.mark.parametrize(
+    ("speed", "curvature", "begins"), [(0.05, 0.0, True), (0.05, 50.0, False), (0.0, 50.0, True)]
+)
+def test_it_may_leave_be_what_tracks(speed: float, curvature: float, begins: bool) -> None:
+    """Costs ∇ᵢ·d + c ‖d‖²/2: standing still costs more than a slope explains where they curve."""
+    gradients = pair(-0.9)
+
+    def displaced_cost(goal: str, shift: Tensor) -> Tensor:
+        slope = gradients[..., int(goal[1:]), :]
+        return (slope * shift).sum(-1) + 0.5 * curvature * shift.square().sum(-1)
+
+    rule = NullspaceProjection(exploration=Exploration(unless_tracking=True))
+    average = torch.tensor([speed, 0.0], dtype=gradients.dtype)
+    memory = fresh(rule, gradients) | {"average": average}
+
+    _, state = rule(gradient_stack(gradients, displaced_cost=displaced_cost), memory)
+    assert bool(state["exploring"]) == begins
+    assert explores(NullspaceProjection(), gradients)  # as shipped it does not ask
 
 
 # --- in a graph
