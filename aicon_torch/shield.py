@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from torch import Tensor
 
 from aicon_torch.control import DirectDescent
-from aicon_torch.dampers import ConstraintEscape, WayAround
-from aicon_torch.errors import GraphError, OptionError
+from aicon_torch.dampers import WayAround
+from aicon_torch.errors import GraphError, OptionError, choices
 from aicon_torch.estimation import Deterministic
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -61,7 +61,7 @@ class Shield:
             of ``proposal`` and any quantities, wired by its parameters' names, that returns the
             action ``(*B, size)`` that is meant. (``Actuator(command=)`` is the way back.)
         size: Number of components of a proposal, where there is a wish; by default the actuator's.
-        escape: How it comes free where it is held up; None stays there.
+        goes_around: Whether it goes around what holds it up, or stays there.
 
     Raises:
         GraphError: If the model has another number of actuators than one, no safety goal that
@@ -80,13 +80,13 @@ class Shield:
         model: WorldModel,
         wish: Callable[..., Tensor] | None = None,
         size: int | None = None,
-        escape: WayAround | ConstraintEscape | None = WayAround(),  # noqa: B008  # it is frozen
+        goes_around: bool = True,
     ) -> None:
         if not callable(getattr(policy, "predict", policy)):
             raise OptionError(f"policy={policy!r}: expected something with predict, or a function.")
         self.inner = policy
-        shielded = _following(model, wish, size, escape)
-        self.policy = Policy(shielded, law=DirectDescent(gain=1.0, smoothing=0.0))
+        following = _following(model, wish, size, goes_around)
+        self.policy = Policy(following, law=DirectDescent(gain=1.0, smoothing=0.0))
         self._state: ShieldState | None = None
 
     @property
@@ -164,21 +164,21 @@ def _following(
     model: WorldModel,
     wish: Callable[..., Tensor] | None,
     size: int | None,
-    escape: WayAround | ConstraintEscape | None,
+    goes_around: bool,
 ) -> WorldModel:
     """The model with the goal to do what is proposed."""
     if len(model.actuators) != 1:
-        names = ", ".join(map(repr, model.actuators))
-        raise GraphError(f"model: it has the actuators {names}; a shield drives exactly one.")
-    if not any(goal.safety for goal in model.goals.values()):
-        names = ", ".join(map(repr, model.goals))
         raise GraphError(
-            f"model: none of its goals ({names}) is a safety goal, so there is nothing to keep: "
-            "Goal(..., safety=True)."
+            f"model: it has the actuators {choices(model.actuators)}; a shield drives exactly one."
+        )
+    if not any(goal.safety for goal in model.goals.values()):
+        raise GraphError(
+            f"model: none of its goals ({choices(model.goals)}) is a safety goal, so there is "
+            "nothing to keep: Goal(..., safety=True)."
         )
 
     ((name, actuator),) = model.actuators.items()
-    dampers = replace(actuator.dampers, escape=escape)
+    dampers = replace(actuator.dampers, escape=WayAround() if goes_around else None)
     proposal = Sensor(size or actuator.size, actuator.unit)
     asked = Deterministic(WISH, _asked if wish is None else wish)
     follow = Goal("follow", Interconnection(_disagreement, inputs=[name, WISH]))

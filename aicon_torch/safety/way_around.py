@@ -14,6 +14,7 @@ MEMORY = 2.0  # time constant of that share
 ASKING = 0.05  # share of the actuator's limit below which a proposal asks for nothing
 LEAN = 0.5  # by how much it leans against the constraint on its way along it
 GAIN = 1 / 3  # how much farther it must have come, as a share of the way on which it brakes
+ASIDE = 0.1  # by how much the side of a sequence counts beside that of the proposal
 CONTACT = 1e-3  # share of what is tried that the constraints must take away to be felt
 
 
@@ -60,6 +61,7 @@ class Around:
 
     def __init__(self, limits: Tensor, dt: float, time: float) -> None:
         self.speed, self.dt, self.time = float(limits.median()), dt, time
+        self.rate = min(1.0, dt / (MEMORY * time))
 
     def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
         """What it tries, ``(*B, n)``: the nominal action, or as fast as that along the constraint.
@@ -85,22 +87,20 @@ class Around:
         around, action = memory["escaping"], safe.action
         asked = torch.linalg.vector_norm(nominal, dim=-1)
         is_asking = asked > ASKING * self.speed
-        rate = self.dt / self.time
 
         # What is carried out of the proposal, and how far it has come along it.
         ahead = (action * unit(nominal)).sum(-1)
         share = torch.where(is_asking, ahead / asked.clamp(min=ASKING * self.speed), 1.0)
-        kept = memory["kept"] + rate / MEMORY * (share - memory["kept"])
+        kept = torch.lerp(memory["kept"], share, self.rate)
         gained = memory["gained"] + ahead * self.dt
 
         # Where the constraint is now; where none is felt, around the corner.
-        push = torch.linalg.vector_norm(safe.force, dim=-1)
-        is_felt = push > CONTACT * torch.linalg.vector_norm(tried, dim=-1)
-        of_force = torch.atan2(
-            (safe.force * memory["tangent"]).sum(-1), (safe.force * memory["normal"]).sum(-1)
-        )
-        onwards = memory["angle"] + rate * asked / self.speed
-        angle = torch.where(is_felt, of_force, onwards)
+        push, effort = (torch.linalg.vector_norm(x, dim=-1) for x in (safe.force, tried))
+        is_felt = push > CONTACT * effort
+        along_normal = (safe.force * memory["normal"]).sum(-1)
+        along_tangent = (safe.force * memory["tangent"]).sum(-1)
+        onwards = memory["angle"] + asked / self.speed * self.dt / self.time
+        angle = torch.where(is_felt, torch.atan2(along_tangent, along_normal), onwards)
 
         # From FREE to AROUND, and back.
         begins = ~around & is_felt & is_asking & (kept < HELD)
@@ -109,17 +109,16 @@ class Around:
         has_passed = is_open & (gained > GAIN * self.speed * self.time)
         ends = around & (has_passed | ~is_asking)
 
+        # The plane of the way; to either side alike, the sides of a sequence are tried.
         entry = unit(safe.force)
-        sideways = reject(unit(nominal), entry) + 0.1 * reject(
-            spread(memory["escapes"], nominal), entry
-        )
+        sideways = unit(nominal) + ASIDE * spread(memory["escapes"], nominal)
         is_new = begins.unsqueeze(-1)
         return {
             "escaping": (around | begins) & ~ends,
             "normal": torch.where(is_new, entry, memory["normal"]),
-            "tangent": torch.where(is_new, unit(sideways), memory["tangent"]),
+            "tangent": torch.where(is_new, unit(reject(sideways, entry)), memory["tangent"]),
             "angle": torch.where(begins, 0.0, angle),
-            "kept": torch.where(begins | ends | around, 1.0, kept),
+            "kept": torch.where(begins | around, 1.0, kept),
             "gained": torch.where(begins, 0.0, gained),
             "escapes": memory["escapes"] + begins,
         }
@@ -127,6 +126,7 @@ class Around:
 
 def _turned(memory: Memory) -> tuple[Tensor, Tensor]:
     """The constraint's normal n and the tangent Jn in the plane of the way, ``(*B, n)`` both."""
-    cosine, sine = (f(memory["angle"]).unsqueeze(-1) for f in (torch.cos, torch.sin))
+    angle = memory["angle"].unsqueeze(-1)
+    cosine, sine = torch.cos(angle), torch.sin(angle)
     normal, tangent = memory["normal"], memory["tangent"]
     return cosine * normal + sine * tangent, cosine * tangent - sine * normal
