@@ -10,10 +10,12 @@ from torch import Tensor
 
 from aicon_torch import (
     Actuator,
-    Deterministic,
+    Affine,
     Goal,
     GraphError,
     Interconnection,
+    KalmanFilter,
+    Measurement,
     OptionError,
     Sensor,
     WorldModel,
@@ -29,8 +31,11 @@ TRAP = {f"post_{i}": (1.5 + 0.25 * abs(i), 0.6 * i) for i in (-1, 0, 1)} | {
 }
 
 
-def ahead(position: Tensor, v: Tensor, dt: Tensor) -> Tensor:
-    return position + v * dt
+def located() -> KalmanFilter:
+    """Where the point is: as it is read, and moved by its velocity."""
+    agreement = Measurement(Affine(x=1.0, position=-1.0), 1e-12, size=2)
+    moved, start = Affine(x=1.0, v="dt"), ((0.0, 0.0), 1.0)
+    return KalmanFilter("x", "P", predict=moved, noise=1e-6, initial=start, correct=[agreement])
 
 
 def world(pillars: Mapping[str, tuple[float, float]] = PILLARS, **actuator: Any) -> WorldModel:
@@ -43,7 +48,7 @@ def world(pillars: Mapping[str, tuple[float, float]] = PILLARS, **actuator: Any)
     return WorldModel(
         sensors={"position": Sensor(2, "m")},
         actuators={"v": Actuator(2, "m/s", limit=1.0, **{"dampers": dampers, **actuator})},
-        estimators=[Deterministic("x", ahead)],
+        estimators=[located()],
         goals=[Goal(name, gap_to(centre), safety=True) for name, centre in pillars.items()],
         dt=DT,
         dtype=torch.float64,
@@ -184,7 +189,7 @@ def test_what_cannot_be_shielded_is_refused_by_name() -> None:
     def far(x: Tensor) -> Tensor:
         return x.norm(dim=-1)
 
-    parts = {"sensors": {"position": Sensor(2, "m")}, "estimators": [Deterministic("x", ahead)]}
+    parts = {"sensors": {"position": Sensor(2, "m")}, "estimators": [located()]}
     one = {"v": Actuator(2, "m/s", limit=1.0)}
     with pytest.raises(GraphError, match="'far'.* is a safety goal"):
         Shield(straight, WorldModel(**parts, actuators=one, goals=[Goal("far", far)]))
