@@ -27,6 +27,15 @@ class ConstraintEscape:
 
 
 @dataclass(frozen=True)
+class WayAround:
+    """What is done where constraints bring to rest an actuator that follows somebody's proposal.
+
+    The actuator moves along the constraints until it has come farther in the direction that is
+    proposed than where it was held up: :class:`aicon_torch.safety.way_around.Around` has the rules.
+    """
+
+
+@dataclass(frozen=True)
 class VelocityDampers:
     """A gap closes the slower, the smaller it is (Faverjon and Tournassoud 1987).
 
@@ -48,7 +57,7 @@ class VelocityDampers:
     """
 
     braking: float = 0.3
-    escape: ConstraintEscape | None = field(default_factory=ConstraintEscape)
+    escape: ConstraintEscape | WayAround | None = field(default_factory=ConstraintEscape)
 
     def __post_init__(self) -> None:
         """Check the number."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
+from aicon_torch.dampers import ConstraintEscape
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -15,6 +16,7 @@ from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafetyBounds, nearest_safe
 from aicon_torch.safety.stuck import Stalemate, initial_escape
 from aicon_torch.safety.task_cost import FollowedCost
+from aicon_torch.safety.way_around import Around, initial_way
 
 FARTHEST = 1e3
 """A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
@@ -60,7 +62,11 @@ class ActuatorSafety:
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
 
         escape = declared.dampers.escape
-        self.stalemate = None if escape is None else Stalemate(escape, limits, model.dt, self.time)
+        self.stalemate: Stalemate | Around | None = None
+        if isinstance(escape, ConstraintEscape):
+            self.stalemate = Stalemate(escape, limits, model.dt, self.time)
+        elif escape is not None:
+            self.stalemate = Around(limits, model.dt, self.time)
 
     def __call__(
         self,
@@ -93,11 +99,16 @@ class ActuatorSafety:
             escaping = own["escaping"][..., None, None]
             identity = torch.eye(nominal.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
-        safe = nearest_safe(self.stalemate.aim(nominal, own), within, SWEEPS, inverse)
+        aim = self.stalemate.aim(nominal, own)
+        aim = self.model.constrain(self.actuator, {**values, self.actuator: aim})
+        safe = nearest_safe(aim, within, SWEEPS, inverse)
         action = self.model.actuators[self.actuator].clip(safe.action)  # its norm, if limited
 
-        cost = FollowedCost(self.model, self.actuator, values, goal_factors)
-        remembered = self.stalemate.judge(cost, nominal, safe, self._room(values), own)
+        if isinstance(self.stalemate, Around):
+            remembered = self.stalemate.judge(nominal, aim, safe, own)
+        else:
+            cost = FollowedCost(self.model, self.actuator, values, goal_factors)
+            remembered = self.stalemate.judge(cost, nominal, safe, self._room(values), own)
         return action, {start + key: value for key, value in remembered.items()}
 
     def _inverse_metric(self, values: Mapping[str, Tensor]) -> Tensor | None:
@@ -133,7 +144,7 @@ class ActuatorSafety:
 
         for goal in self.goals:
             is_box = goal.name in self._boxed
-            slope, bound = self._rows_of(goal, values, most=None if is_box else MOST_GAPS)
+            slope, bound, _ = self.rows_of(goal, values, most=None if is_box else MOST_GAPS)
             is_on = goal_factors[..., names.index(goal.name), None] != 0
             bound = torch.where(is_on, bound, -FARTHEST / self.model.dt)
             if is_box:
@@ -143,9 +154,9 @@ class ActuatorSafety:
                 bounds.append(bound)
         return SafetyBounds(torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1), low, high)
 
-    def _rows_of(
+    def rows_of(
         self, goal: Goal, values: Mapping[str, Tensor], most: int | None = None
-    ) -> tuple[Tensor, Tensor]:
+    ) -> tuple[Tensor, Tensor, Tensor]:
         """The rows c·a ≥ b of a goal's smallest gaps.
 
         One step ahead a gap is d⁺(a) ≈ d⁺(0) + (∂d⁺/∂a)·a, and shall be e^(−dt/T) d or more, so
@@ -158,15 +169,16 @@ class ActuatorSafety:
             most: So many gaps at most; None for all.
 
         Returns:
-            c ``(*B, m, n)`` and b ``(*B, m)``.
+            c ``(*B, m, n)``, b ``(*B, m)`` and the gaps ``(*B, m)``.
         """
         gaps = goal.gaps(values).clamp(max=FARTHEST)
         count = gaps.shape[-1] if most is None else min(most, gaps.shape[-1])
         smallest = gaps.topk(count, dim=-1, largest=False).indices
 
-        least = math.exp(-self.model.dt / self.time) * gaps.gather(-1, smallest)
+        gaps = gaps.gather(-1, smallest)
+        least = math.exp(-self.model.dt / self.time) * gaps
         at_rest, slopes = self._ahead(goal, values, smallest)
-        return slopes / self.model.dt, (least - at_rest) / self.model.dt
+        return slopes / self.model.dt, (least - at_rest) / self.model.dt, gaps
 
     def _ahead(
         self, goal: Goal, values: Mapping[str, Tensor], which: Tensor
@@ -213,7 +225,7 @@ class ActuatorSafety:
             readings[name + AGE] = like.new_zeros(4)
 
         values = self.model.update(self.model.initial(readings, (4,)))
-        slopes, _ = self._rows_of(goal, values)
+        slopes, _, _ = self.rows_of(goal, values)
         return bool(((slopes != 0).sum(-1) == 1).all())
 
 
@@ -248,8 +260,10 @@ def safety_memory(model: WorldModel) -> Memory:
     memory: Memory = {}
     for name in _safety_goals(model):
         actuator = model.actuators[name]
-        if actuator.dampers.escape is not None:
-            for key, value in initial_escape(actuator.size).items():
+        escape = actuator.dampers.escape
+        if escape is not None:
+            initial = initial_escape if isinstance(escape, ConstraintEscape) else initial_way
+            for key, value in initial(actuator.size).items():
                 memory[f"{name}/escape/{key}"] = value
     return memory
 

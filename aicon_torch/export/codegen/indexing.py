@@ -108,9 +108,12 @@ def join(writer: Writer, kind: Kind, values: Sequence[Array], dim: int = 0) -> A
 def pad(
     writer: Writer, kind: Kind, value: Array, widths: Sequence[int], filling: float = 0
 ) -> Array:
-    """More elements on either side, from the last dimension to the first."""
+    """More elements on either side, from the last dimension to the first; fewer where negative."""
     pairs = list(zip(widths[::2], widths[1::2], strict=True))
     pairs += [(0, 0)] * (value.ndim - len(pairs))
+    for dim, (before, after) in enumerate(pairs[::-1]):
+        value = value.take(range(max(-before, 0), value.shape[dim] - max(-after, 0)), axis=dim)
+    pairs = [(max(before, 0), max(after, 0)) for before, after in pairs]
     inner = tuple(
         slice(before, before + size)
         for (before, _), size in zip(pairs[::-1], value.shape, strict=True)

@@ -1,0 +1,211 @@
+"""A shield: somebody else's policy, within bounds that nothing violates."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike
+from torch import Tensor
+
+from aicon_torch.control import DirectDescent
+from aicon_torch.dampers import WayAround
+from aicon_torch.errors import GraphError, OptionError, choices
+from aicon_torch.estimation import Deterministic
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.inspection.shielding import Shielding, shielding
+from aicon_torch.inspection.trace import StepTrace
+from aicon_torch.interconnections import Interconnection
+from aicon_torch.policy import Policy
+from aicon_torch.quantities import Sensor
+from aicon_torch.resolution import Memory
+
+PROPOSAL = "proposal"
+"""The sensor, and the observation's key, of what is proposed."""
+
+WISH = "x_proposal"
+"""The estimate of it as an action of the actuator."""
+
+
+class ShieldState(NamedTuple):
+    """What lives from step to step.
+
+    Attributes:
+        memory: Of the shield.
+        inner: The state of the policy within.
+    """
+
+    memory: Memory
+    inner: Any
+
+
+class Shield:
+    """A policy that does what another one proposes, as far as the safety goals of a graph allow.
+
+    What is proposed, w, is read by the graph like a sensor, and to act accordingly is its goal,
+    g = −a·w. Its gradient −w makes the nominal action w itself, and of all actions that keep the
+    safety goals the nearest is taken. Where they bring to rest what w asks for, that is a conflict,
+    and explored: see :class:`aicon_torch.safety.way_around.Around`.
+
+    It is a policy like any other: batched, and compiled; what it exports reads the proposal as a
+    part of the observation.
+
+    Args:
+        policy: Anything with the ``predict`` of stable-baselines3, or a function of the
+            observation, that proposes actions ``(*B, size)``. What is not finite asks for nothing.
+        model: The graph: sensors, one actuator with a finite limit, estimators, safety goals.
+        wish: Where proposals are no actions of the actuator, such as places to go to: a function
+            of ``proposal`` and any quantities, wired by its parameters' names, that returns the
+            action ``(*B, size)`` that is meant. (``Actuator(command=)`` is the way back.)
+        size: Number of components of a proposal, where there is a wish; by default the actuator's.
+        goes_around: Whether it goes around what holds it up, or stays there.
+
+    Raises:
+        GraphError: If the model has another number of actuators than one, no safety goal that
+            bounds it, or one of the names that the shield adds.
+
+    Example:
+        >>> shield = Shield(PPO.load("agent.zip"), WorldModel(...))
+        >>> action, state = shield.predict(observation)
+        >>> action, state = shield.predict(observation, state)
+        >>> print(shield.explain(state))
+    """
+
+    def __init__(
+        self,
+        policy: Any,
+        model: WorldModel,
+        wish: Callable[..., Tensor] | None = None,
+        size: int | None = None,
+        goes_around: bool = True,
+    ) -> None:
+        if not callable(getattr(policy, "predict", policy)):
+            raise OptionError(f"policy={policy!r}: expected something with predict, or a function.")
+        self.inner = policy
+        following = _following(model, wish, size, goes_around)
+        self.policy = Policy(following, law=DirectDescent(gain=1.0, smoothing=0.0))
+        self._state: ShieldState | None = None
+
+    @property
+    def model(self) -> WorldModel:
+        """The graph, with the proposal in it."""
+        return self.policy.model
+
+    def predict(
+        self,
+        observation: Mapping[str, Any],
+        state: ShieldState | None = None,
+        episode_start: ArrayLike | Tensor | None = None,
+        deterministic: bool = True,
+    ) -> tuple[Any, ShieldState]:
+        """One step of the policy within and of the shield, with stable-baselines3's signature.
+
+        Args:
+            observation: What the policy within observes, and a reading for each sensor.
+            state: What the last step returned; None starts an episode.
+            episode_start: Rows ``(*B,)`` whose observation is the first of an episode.
+            deterministic: For the policy within.
+
+        Returns:
+            The action ``(*B, size)``, and the state.
+        """
+        memory, inner = (None, None) if state is None else state
+        if hasattr(self.inner, "predict"):
+            proposal, inner = self.inner.predict(observation, inner, episode_start, deterministic)
+        else:
+            proposal = self.inner(observation)
+
+        proposed = {**observation, PROPOSAL: _finite(proposal)}
+        action, memory = self.policy.predict(proposed, memory, episode_start)
+        return action, ShieldState(memory, inner)
+
+    def act(self, observation: Mapping[str, Any]) -> Any:
+        """One step of a single episode, with the state kept here."""
+        action, self._state = self.predict(observation, self._state)
+        return action
+
+    def reset(self) -> None:
+        """Forget the state that :meth:`act` keeps; the policy within, too, if it can."""
+        self._state = None
+        getattr(self.inner, "reset", lambda: None)()
+
+    def compile(self) -> "Shield":
+        """The same shield with its step compiled: see :meth:`aicon_torch.Policy.compile`."""
+        compiled = object.__new__(Shield)
+        compiled.inner, compiled._state = self.inner, None
+        compiled.policy = self.policy.compile()
+        return compiled
+
+    def export(self, path: str | Path, target: str | None = None, **description: str) -> None:
+        """Write the shield, without the policy within: see :meth:`aicon_torch.Policy.export`.
+
+        It reads what is proposed under the key ``"proposal"``.
+        """
+        self.policy.export(path, target, **description)
+
+    def trace(self, state: ShieldState) -> StepTrace:
+        """What the step that returned this state knew and decided."""
+        return self.policy.trace(state.memory)
+
+    def explain(self, state: ShieldState, row: int | tuple[int, ...] = ()) -> Shielding:
+        """What the step that returned this state made of the proposal, and why.
+
+        Args:
+            state: The state.
+            row: Which row of the batch.
+        """
+        return shielding(self.policy.model, WISH, state.memory, row)
+
+
+def _following(
+    model: WorldModel,
+    wish: Callable[..., Tensor] | None,
+    size: int | None,
+    goes_around: bool,
+) -> WorldModel:
+    """The model with the goal to do what is proposed."""
+    if len(model.actuators) != 1:
+        raise GraphError(
+            f"model: it has the actuators {choices(model.actuators)}; a shield drives exactly one."
+        )
+    if not any(goal.safety for goal in model.goals.values()):
+        raise GraphError(
+            f"model: none of its goals ({choices(model.goals)}) is a safety goal, so there is "
+            "nothing to keep: Goal(..., safety=True)."
+        )
+
+    ((name, actuator),) = model.actuators.items()
+    dampers = replace(actuator.dampers, escape=WayAround() if goes_around else None)
+    proposal = Sensor(size or actuator.size, actuator.unit)
+    asked = Deterministic(WISH, _asked if wish is None else wish)
+    follow = Goal("follow", Interconnection(_disagreement, inputs=[name, WISH]))
+    return WorldModel(
+        sensors={**model.sensors, PROPOSAL: proposal},
+        actuators={name: replace(actuator, dampers=dampers)},
+        estimators=[*model.declaration.estimators, asked],
+        goals=[*model.goals.values(), follow],
+        dt=model.dt,
+        clock=model.clock,
+        dtype=model.like.dtype,
+    )
+
+
+def _asked(proposal: Tensor) -> Tensor:
+    """The proposal is an action, ``(*B, size)``."""
+    return proposal
+
+
+def _disagreement(action: Tensor, wish: Tensor) -> Tensor:
+    """g = −a·w ``(*B,)``, whose gradient is −w wherever the action is."""
+    return -(action * wish.detach()).sum(-1)  # stops: moving is not to change what is asked for
+
+
+def _finite(proposal: Any) -> Any:
+    """A proposal of which what is not finite asks for nothing, ``(*B, size)``."""
+    if isinstance(proposal, Tensor):
+        return torch.where(proposal.isfinite(), proposal, 0.0)
+    proposal = np.asarray(proposal)
+    return np.where(np.isfinite(proposal), proposal, 0.0)

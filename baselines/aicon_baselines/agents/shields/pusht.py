@@ -1,0 +1,141 @@
+"""pushT behind a shield: a disc on the board that the pusher must not enter."""
+
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+from torch import Tensor
+
+from aicon_baselines.ablations.pusht import PIXEL
+from aicon_baselines.evaluation.predictor import Predictor
+from aicon_baselines.tasks.side_by_side import SideBySide, side_by_side
+from aicon_envs.pusht import PushTEnv
+from aicon_torch import Goal, Sensor, WorldModel
+from aicon_torch.dampers import VelocityDampers
+from aicon_torch.models.pusht.benchmark import GOAL_POSE, SUBSTEP
+from aicon_torch.models.pusht.interface import actuator
+from aicon_torch.models.pusht.options import Options
+from aicon_torch.models.pusht.pusher import pusher_estimators
+from aicon_torch.parts.servo import Servo
+from aicon_torch.shield import Shield
+
+RADIUS = 40.0
+"""Of the region, px."""
+
+MARGIN = 8.0
+"""What is kept from it, px: within a step the pusher's controller may swing out."""
+
+BRAKING = 0.1
+"""The way on which the pusher brakes, m."""
+
+SERVO = Servo.of(substep=SUBSTEP)
+
+
+def shielded(policy: Predictor, goes_around: bool = True) -> Shield:
+    """A shield around a policy that proposes places to go to, px, compiled."""
+    return Shield(policy, model(), wish=mean_velocity, goes_around=goes_around).compile()
+
+
+def model() -> WorldModel:
+    """The pusher, its controller, and the region that it sees."""
+    options = Options()
+    velocity = replace(actuator(options, SERVO), dampers=VelocityDampers(braking=BRAKING))
+    return WorldModel(
+        sensors={
+            "z_pusher": Sensor(2, "m", key="agent_pos", scale=PIXEL),
+            "z_region": Sensor(2, "m", key="region", scale=PIXEL),
+        },
+        actuators={"a": velocity},
+        estimators=pusher_estimators(options, SERVO),
+        goals=[Goal("region", inside, safety=True)],
+        dt=options.dt,
+        dtype=options.dtype,
+    )
+
+
+def inside(x_pusher: Tensor, z_region: Tensor) -> Tensor:
+    """r + m − ‖x − c‖, ``(*B,)``, m: how far it is inside."""
+    distance = (x_pusher - z_region).square().sum(-1).clamp(min=1e-12).sqrt()
+    return (RADIUS + MARGIN) * PIXEL - distance
+
+
+def mean_velocity(proposal: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: Tensor) -> Tensor:
+    """The mean velocity in a step that a place in px brings about, ``(*B, 2)``, m/s."""
+    offset = proposal * PIXEL - x_pusher
+    moved = SERVO.displacement_by_offset[-1] * offset
+    return (moved + SERVO.displacement_by_velocity[-1] * v_pusher) / dt
+
+
+@dataclass(frozen=True)
+class Clamp:
+    """A policy whose places are clamped to the outside of the region.
+
+    Attributes:
+        policy: Who proposes.
+    """
+
+    policy: Any
+
+    def predict(
+        self, observation: dict[str, NDArray[Any]], *others: Any, **named: Any
+    ) -> tuple[NDArray[Any], Any]:
+        """The place (B, 2), px."""
+        place, state = self.policy.predict(observation, *others, **named)
+        away = place - observation["region"]
+        distance = np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-9)
+        return observation["region"] + away * np.maximum(1.0, (RADIUS + MARGIN) / distance), state
+
+
+class Region(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """A region that the pusher must not enter, on its way to the object or near it.
+
+    Its middle is in the observation, `region` (2,), px; `info["collision"]` says whether the pusher
+    was inside in this step, or in one of the sub-steps of its controller.
+    """
+
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        super().__init__(env)
+        region = gymnasium.spaces.Box(0.0, 512.0, (2,), np.float64)
+        seen = cast(gymnasium.spaces.Dict, env.observation_space)
+        self.observation_space = gymnasium.spaces.Dict({**seen.spaces, "region": region})
+
+    def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
+        """Start an episode; the region hangs on its seed."""
+        observation, info = super().reset(**arguments)
+        self._middle = _drawn(observation, np.random.default_rng(arguments["seed"]))
+        self._before = info
+        return observation | {"region": self._middle}, info
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Move by one control step."""
+        place, velocity = self._before["pos_agent"], self._before["vel_agent"]
+        observation, reward, terminated, truncated, info = super().step(action)
+
+        offset = np.clip(action, 0.0, 512.0) - place
+        by_offset = np.outer(SERVO.displacement_by_offset, offset)
+        way = place + by_offset + np.outer(SERVO.displacement_by_velocity, velocity)
+        nearest = np.linalg.norm(way - self._middle, axis=-1).min()
+
+        self._before = info
+        info = info | {"collision": bool(nearest < RADIUS)}
+        return observation | {"region": self._middle}, reward, terminated, truncated, info
+
+
+def _drawn(observation: Any, random: np.random.Generator) -> NDArray[Any]:
+    """A middle, px, off the pusher and the object, at the start and at the goal."""
+    goal = np.asarray(GOAL_POSE[:2]) / PIXEL
+    corners = observation["environment_state"].reshape(-1, 2)
+    while True:
+        middle = random.uniform(RADIUS, 512.0 - RADIUS, 2)
+        is_off_goal = np.linalg.norm(middle - goal) > 120.0 + RADIUS
+        is_off_object = np.linalg.norm(corners - middle, axis=-1).min() > 30.0 + RADIUS
+        is_off_pusher = np.linalg.norm(observation["agent_pos"] - middle) > 30.0 + RADIUS
+        if is_off_goal and is_off_object and is_off_pusher:
+            return middle
+
+
+def make_env(count: int, horizon: int) -> SideBySide:
+    """Episodes of pushT with a region each."""
+    return side_by_side(lambda: Region(PushTEnv()), count, horizon)

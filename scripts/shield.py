@@ -1,0 +1,223 @@
+"""What a shield is worth: policies of others with nothing, a clamp, bounds alone, and a shield.
+
+Example: python scripts/shield.py nav2d --episodes 100 --seed 300000 --out runs/shield
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from aicon_baselines.agents.registry import diffusion_policy, saved_agent
+from aicon_baselines.agents.shields import nav2d, pusht
+from aicon_baselines.agents.shipped import shipped_folder
+from aicon_baselines.evaluation.episodes import Step, run_episodes
+from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.evaluation.predictor import Predictor
+from aicon_baselines.tasks import load
+from aicon_envs.nav2d import Physics
+from aicon_torch import load_exported
+
+STILL = {"nav2d": (600, 0.5), "pusht": (50, 20.0)}
+"""An episode that does not end is stuck where it stays for so many steps within so far, m or px."""
+
+
+class World(NamedTuple):
+    """What is compared in a task: who proposes, what guards, in which episodes, for how long."""
+
+    proposers: Mapping[str, Callable[[], Predictor]]
+    guards: Mapping[str, Callable[[Any], Predictor]]
+    start: Callable[[int, int], tuple[Any, Any]]
+    time_step: float
+
+
+class Heard:
+    """A policy that remembers what it proposed last."""
+
+    def __init__(self, policy: Predictor) -> None:
+        self.policy, self.proposal = policy, np.zeros(2)
+
+    def predict(self, *arguments: Any, **named: Any) -> tuple[Any, Any]:
+        """Propose, and remember it."""
+        self.proposal, state = self.policy.predict(*arguments, **named)
+        return self.proposal, state
+
+
+def worlds() -> dict[str, World]:
+    """The tasks, by name."""
+    ppo = saved_agent("nav2d", shipped_folder("sb3", "nav2d"))[1]
+    student = diffusion_policy("pusht", str(shipped_folder("diffusion", "pusht")))[1]
+    return {
+        "nav2d": World(
+            {"straight": nav2d.Straight, "PPO": lambda: ppo("range")},
+            _guards(nav2d.Clamp, nav2d.shielded),
+            _navigation,
+            0.05,
+        ),
+        "pusht": World(
+            {"student": lambda: student("deterministic")},
+            _guards(pusht.Clamp, pusht.shielded),
+            _pushing,
+            0.1,
+        ),
+    }
+
+
+def _guards(clamp: Any, shielded: Any) -> dict[str, Callable[[Any], Predictor]]:
+    return {
+        "nothing": lambda policy: policy,
+        "clamp": clamp,
+        "bounds alone": lambda policy: shielded(policy, goes_around=False),
+        "shield": shielded,
+    }
+
+
+def _navigation(first: int, count: int) -> tuple[Any, Any]:
+    task = load("nav2d")
+    episodes = [task.episode(seed) for seed in range(first, first + count)]
+    env = task.make_env(count, "range", task.horizon)
+    return env, env.reset(**task.reset_arguments(episodes))
+
+
+def _pushing(first: int, count: int) -> tuple[Any, Any]:
+    env = pusht.make_env(count, 1000)
+    return env, env.reset(seed=list(range(first, first + count)))
+
+
+def compare(task: str, out: Path, first: int, count: int, horizon: int, only: list[str]) -> None:
+    """Run every policy with every guard, and print a row of the table each."""
+    world = worlds()[task]
+    for proposer, make in world.proposers.items():
+        for name, guard in world.guards.items():
+            if only and proposer not in only:
+                continue
+            env, start = world.start(first, count)
+            heard = Heard(make())
+            steps = run_episodes(guard(heard), env, start)
+            row = measured(task, steps, heard, count, horizon, first)
+            told = {"policy": proposer, "guard": name, **row}
+            print(_in_words(told, world.time_step), flush=True)
+            with (out / f"{task}.jsonl").open("a") as file:
+                file.write(json.dumps(told) + "\n")
+
+
+def measured(
+    task: str, steps: Iterator[Step], heard: Heard, count: int, horizon: int, first: int
+) -> dict[str, Any]:
+    """What became of the episodes, each of which ends at a success."""
+    longest = Physics().max_speed if task == "nav2d" else np.inf
+    success, touched = np.zeros(count, bool), np.zeros(count, bool)
+    duration, change, total = np.zeros(count), 0.0, 0
+    places: list[NDArray[Any]] = []
+    for number, step in enumerate(steps):
+        on = step.running
+        difference = _shortened(step.action, longest) - _shortened(heard.proposal, longest)
+        change += float(np.linalg.norm(difference, axis=-1)[on].sum())
+        total += int(on.sum())
+        touched |= on & np.asarray(step.info["collision"], bool)
+        success |= on & np.asarray(step.info["is_success"], bool)
+        duration[on] += 1
+        places.append(np.asarray(step.info["position"], float))
+        if number + 1 >= horizon:
+            break
+
+    still, near = STILL[task]
+    way = np.stack(places)[-still:]
+    spread = np.ptp(way, axis=0).max(-1)
+    failed = ~success & ~(touched if task == "nav2d" else np.zeros(count, bool))
+    good = success & ~touched
+    return {
+        "episodes": count,
+        "seed": first,
+        "success": int(success.sum()),
+        "clean": int(good.sum()),
+        "touched": int(touched.sum()),
+        "stuck": int((failed & (spread < near)).sum()),
+        "steps": float(np.median(duration[success])) if success.any() else None,
+        "change": change / max(total, 1),
+        "failed": (first + np.flatnonzero(~good)).tolist(),
+    }
+
+
+def _shortened(action: NDArray[Any], longest: float) -> NDArray[Any]:
+    """Actions (B, n) as the environment executes them."""
+    length = np.linalg.norm(action, axis=-1, keepdims=True)
+    return action * np.minimum(1.0, longest / np.maximum(length, 1e-9))
+
+
+def _in_words(row: Mapping[str, Any], time_step: float) -> str:
+    low, high = (100 * bound for bound in wilson_interval(row["clean"], row["episodes"]))
+    seconds = "-" if row["steps"] is None else f"{row['steps'] * time_step:.0f} s"
+    return (
+        f"| {row['policy']} | {row['guard']} | {row['touched']} | {row['clean']} "
+        f"({low:.1f} to {high:.1f} %) | {row['stuck']} | {seconds} | {row['change']:.3g} |"
+    )
+
+
+def wander(first: int, count: int, horizon: int) -> None:
+    """Random policies in navigation, until so many steps were taken."""
+    task, total, touched, least = load("nav2d"), 0, 0, np.inf
+    for hold in (1.0, 10.0, 40.0, 200.0):
+        env, start = _navigation(first, count)
+        shield = nav2d.shielded(nav2d.Wandering(hold, seed=int(hold)))
+        for number, step in enumerate(run_episodes(shield, env, start)):
+            on = step.running
+            total += int(on.sum())
+            touched += int((on & step.info["collision"]).sum())
+            if "clearance" in step.info:
+                least = min(least, float(step.info["clearance"][on].min()))
+            if number + 1 >= horizon:
+                break
+    print(f"{task.name}: {total} steps, {touched} collisions, least clearance {least:.3f} m")
+
+
+def timed(out: Path, count: int) -> None:
+    """How long a step of an exported shield takes, µs of the processor, Python's call included."""
+    generator = np.random.default_rng(0)
+    for name, module, seen in (
+        ("nav2d", nav2d, {"range": 1, "proposal": 2}),
+        ("pusht", pusht, {"agent_pos": 2, "region": 2, "proposal": 2}),
+    ):
+        module.shielded(lambda observation: 0).export(out / f"{name}.so")
+        shield, memory = load_exported(out / f"{name}.so"), None
+        reading = {key: generator.random(size) for key, size in seen.items()}
+        taken = []
+        for _ in range(count):
+            before = time.thread_time_ns()
+            _, memory = shield.predict(reading, memory)
+            taken.append((time.thread_time_ns() - before) / 1e3)
+        median, tail = np.percentile(taken, (50, 99.9))
+        print(f"{name}: median {median:.1f}, 99.9 % {tail:.1f}, largest {max(taken):.1f} µs")
+
+
+def main() -> None:
+    """Run what is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("what", choices=("nav2d", "pusht", "random", "time"))
+    parser.add_argument("--episodes", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=300_000)
+    parser.add_argument("--horizon", type=int, default=1000, help="steps")
+    parser.add_argument("--policies", nargs="*", default=[])
+    parser.add_argument("--out", type=Path, default=Path("runs/shield"))
+    asked = parser.parse_args()
+
+    torch.set_num_threads(1)
+    asked.out.mkdir(parents=True, exist_ok=True)
+    if asked.what == "random":
+        wander(asked.seed, asked.episodes, asked.horizon)
+    elif asked.what == "time":
+        timed(asked.out, asked.horizon)
+    else:
+        compare(
+            asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.policies
+        )
+
+
+if __name__ == "__main__":
+    main()

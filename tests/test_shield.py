@@ -1,0 +1,201 @@
+"""A shield does what a policy proposes, keeps its safety goals, and goes around what is in the way."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from aicon_torch import (
+    Actuator,
+    Affine,
+    Goal,
+    GraphError,
+    Interconnection,
+    KalmanFilter,
+    Measurement,
+    OptionError,
+    Sensor,
+    WorldModel,
+    load_exported,
+)
+from aicon_torch.dampers import VelocityDampers
+from aicon_torch.shield import Shield
+
+DT, RADIUS, TARGET = 0.05, 0.5, (3.0, 0.0)
+PILLARS = {"pillar": (1.5, 0.0)}
+TRAP = {f"post_{i}": (1.5 + 0.25 * abs(i), 0.6 * i) for i in (-1, 0, 1)} | {
+    f"end_{i}": (1.0, 0.9 * i) for i in (-1, 1)
+}
+
+
+def located() -> KalmanFilter:
+    """Where the point is: as it is read, and moved by its velocity."""
+    agreement = Measurement(Affine(x=1.0, position=-1.0), 1e-12, size=2)
+    moved, start = Affine(x=1.0, v="dt"), ((0.0, 0.0), 1.0)
+    return KalmanFilter("x", "P", predict=moved, noise=1e-6, initial=start, correct=[agreement])
+
+
+def world(pillars: Mapping[str, tuple[float, float]] = PILLARS, **actuator: Any) -> WorldModel:
+    """A point that knows where it is, among round pillars."""
+
+    def gap_to(centre: tuple[float, float]) -> Callable[[Tensor], Tensor]:
+        return lambda x: RADIUS - (x - x.new_tensor(centre)).norm(dim=-1)
+
+    dampers = VelocityDampers(braking=0.2)
+    return WorldModel(
+        sensors={"position": Sensor(2, "m")},
+        actuators={"v": Actuator(2, "m/s", limit=1.0, **{"dampers": dampers, **actuator})},
+        estimators=[located()],
+        goals=[Goal(name, gap_to(centre), safety=True) for name, centre in pillars.items()],
+        dt=DT,
+        dtype=torch.float64,
+    )
+
+
+def straight(observation: Mapping[str, Any]) -> Any:
+    """Toward the target, whatever is in the way."""
+    way = np.asarray(TARGET) - observation["position"]
+    return way / np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), 0.3)
+
+
+def drive(shield: Shield, start: Any, steps: int = 400) -> tuple[Any, Any]:
+    """The way ``(steps + 1, *B, 2)``, and the last state."""
+    way, state = [np.asarray(start, float)], None
+    for _ in range(steps):
+        action, state = shield.predict({"position": way[-1]}, state)
+        way.append(way[-1] + DT * action)
+    return np.stack(way), state
+
+
+def gaps(way: Any, pillars: Mapping[str, tuple[float, float]]) -> Any:
+    return np.min([np.linalg.norm(way - c, axis=-1) - RADIUS for c in pillars.values()], axis=0)
+
+
+def test_what_is_allowed_is_done_as_it_was_proposed() -> None:
+    shield = Shield(straight, world())
+    observation = {"position": np.array([0.0, 2.0])}
+    action, _ = shield.predict(observation)
+    np.testing.assert_allclose(action, straight(observation), rtol=1e-6)
+
+
+@pytest.mark.parametrize("pillars", [PILLARS, TRAP], ids=["pillar", "trap"])
+def test_it_keeps_its_bounds_and_goes_around_what_is_in_the_way(
+    pillars: Mapping[str, tuple[float, float]],
+) -> None:
+    starts = np.array([[0.0, 0.0], [0.0, 0.05], [0.2, -0.3]])
+    way, _ = drive(Shield(straight, world(pillars)).compile(), starts)
+    assert gaps(way, pillars).min() > 0.0
+    np.testing.assert_allclose(way[-1], np.tile(TARGET, (3, 1)), atol=0.05)
+
+
+def test_without_the_way_around_it_stays_where_it_is_held_up() -> None:
+    way, _ = drive(Shield(straight, world(), goes_around=False), (0.0, 0.0))
+    np.testing.assert_allclose(way[-1], (1.5 - RADIUS, 0.0), atol=0.05)
+
+
+def test_a_random_policy_never_violates_its_bounds() -> None:
+    generator = np.random.default_rng(0)
+    shield = Shield(lambda seen: 3 * generator.normal(size=(64, 2)), world(TRAP)).compile()
+    way, _ = drive(shield, generator.uniform(-0.5, 0.3, (64, 2)), 500)
+    assert gaps(way, TRAP).min() > 0.0
+
+
+def test_a_batch_is_its_rows_compiled_or_not_and_so_is_what_it_exports(tmp_path: Any) -> None:
+    starts = np.array([[0.0, 0.0], [0.9, 0.1], [0.0, 2.0]])
+    shield = Shield(straight, world())
+    together, _ = drive(shield, starts, 60)
+    compiled, _ = drive(shield.compile(), starts, 60)
+    np.testing.assert_allclose(compiled, together, atol=1e-6)
+    for row, start in enumerate(starts):
+        np.testing.assert_allclose(drive(shield, start, 60)[0], together[:, row], atol=1e-6)
+
+    shield.export(tmp_path / "shield.so")
+    exported, position, memory = load_exported(tmp_path / "shield.so"), starts[0], None
+    for step in range(60):
+        seen = {"position": position, "proposal": straight({"position": position})}
+        action, memory = exported.predict(seen, memory)
+        position = position + DT * action
+        np.testing.assert_allclose(position, together[step + 1, 0], atol=1e-5)
+
+
+@pytest.mark.parametrize("broken", [np.nan, np.inf, -np.inf])
+def test_a_proposal_that_is_not_finite_asks_for_nothing(broken: float) -> None:
+    shield = Shield(lambda seen: np.array([broken, 0.3]), world())
+    action, _ = shield.predict({"position": np.array([0.0, 2.0])})
+    np.testing.assert_allclose(action, (0.0, 0.3), atol=1e-6)
+
+
+class Counting:
+    """A policy with a state of its own: it counts the steps of each episode."""
+
+    def predict(self, observation: Any, state: Any, starts: Any, deterministic: bool) -> Any:
+        count = len(observation["position"])
+        steps = np.zeros(count) if state is None else np.where(starts, 0, state) + 1
+        return np.stack([steps, np.zeros(count)], axis=-1) / 100, steps
+
+
+def test_the_policy_within_keeps_its_state_and_begins_anew_where_an_episode_does() -> None:
+    shield, state = Shield(Counting(), world()), None
+    seen = {"position": np.array([[0.0, 2.0], [0.0, 2.0]])}
+    for _ in range(3):
+        action, state = shield.predict(seen, state, np.array([False, False]))
+    action, state = shield.predict(seen, state, np.array([True, False]))
+    np.testing.assert_allclose(action[:, 0], (0.01, 0.03), atol=1e-6)
+
+
+def test_places_to_go_to_are_read_by_a_wish_and_sent_by_a_command() -> None:
+    def towards(proposal: Tensor, position: Tensor, dt: Tensor) -> Tensor:
+        return (proposal - position) / dt
+
+    def place(v: Tensor, position: Tensor, dt: Tensor) -> Tensor:
+        return position + v * dt
+
+    shield = Shield(lambda seen: np.array([0.02, 2.01]), world(command=place), wish=towards)
+    action, _ = shield.predict({"position": np.array([0.0, 2.0])})
+    np.testing.assert_allclose(action, (0.02, 2.01), atol=1e-6)
+
+
+def test_it_explains_what_it_changed_and_why() -> None:
+    shield = Shield(straight, world())
+    _, state = drive(shield, (0.0, 0.0), 40)
+    told = shield.explain(state)
+    assert list(told.held) == ["pillar"] and told.held["pillar"].asked < told.held["pillar"].allowed
+    assert "pillar: a gap of" in str(told)
+
+    _, free = shield.predict({"position": np.array([0.0, 2.0])})
+    assert shield.explain(free).held == {} and "on the way around" not in str(shield.explain(free))
+
+    _, both = shield.predict({"position": np.zeros((2, 2))})
+    with pytest.raises(ValueError, match="batch shape"):
+        shield.explain(both)
+
+
+def test_for_those_in_a_hurry_it_keeps_its_state_itself() -> None:
+    shield = Shield(straight, world())
+    seen = {"position": np.array([0.8, 0.0])}
+    first = shield.act(seen)
+    shield.act(seen)
+    shield.reset()
+    np.testing.assert_array_equal(shield.act(seen), first)
+
+
+def test_what_cannot_be_shielded_is_refused_by_name() -> None:
+    with pytest.raises(OptionError, match="something with predict, or a function"):
+        Shield(3, world())
+
+    def far(x: Tensor) -> Tensor:
+        return x.norm(dim=-1)
+
+    parts = {"sensors": {"position": Sensor(2, "m")}, "estimators": [located()]}
+    one = {"v": Actuator(2, "m/s", limit=1.0)}
+    with pytest.raises(GraphError, match="'far'.* is a safety goal"):
+        Shield(straight, WorldModel(**parts, actuators=one, goals=[Goal("far", far)]))
+
+    two = {**one, "w": Actuator(2, "m/s", limit=1.0)}
+    norm = Interconnection(far, inputs=["w"])
+    goals = [Goal("far", far, safety=True), Goal("w rests", norm, safety=True)]
+    with pytest.raises(GraphError, match="'v'.*'w'.* drives exactly one"):
+        Shield(straight, WorldModel(**parts, actuators=two, goals=goals))
