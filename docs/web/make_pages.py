@@ -12,7 +12,7 @@ from string import Template
 from typing import Any, NamedTuple
 
 from aicon_baselines import palette
-from building import navigation, scripts
+from building import navigation, pushing, scripts
 
 HERE = Path(__file__).parent
 
@@ -31,6 +31,7 @@ class Page(NamedTuple):
 
 PAGES: Mapping[str, Page] = {
     "navigation": Page("tasks/navigation.mjs", navigation.data),
+    "pusht": Page("tasks/pusht.mjs", pushing.data),
 }
 """The pages by name."""
 

@@ -33,14 +33,23 @@ def bundle(entry: str) -> str:
     return script.replace("</script", r"<\/script")
 
 
-def _run(program: str, *words: str) -> str:
-    """What a program prints, in the folder of the scripts."""
-    found = shutil.which(program, path=_PATH)
+def program(name: str) -> str:
+    """Where a program of Node.js is.
+
+    Raises:
+        FileNotFoundError: If there is none.
+    """
+    found = shutil.which(name, path=_PATH)
     if found is None:
-        raise FileNotFoundError(f"There is no {program}: pip install '.[docs]' brings Node.js.")
-    done = subprocess.run(
-        [found, *words], cwd=HERE, env={**os.environ, "PATH": _PATH}, capture_output=True, text=True
-    )
+        raise FileNotFoundError(f"There is no {name}: pip install '.[docs]' brings Node.js.")
+    return found
+
+
+def _run(name: str, *words: str) -> str:
+    """What a program prints, in the folder of the scripts."""
+    environment = {**os.environ, "PATH": _PATH}
+    command = [program(name), *words]
+    done = subprocess.run(command, cwd=HERE, env=environment, capture_output=True, text=True)
     if done.returncode != 0:
-        raise RuntimeError(f"{program} {' '.join(words)} failed: {done.stderr.strip()[:1000]}")
+        raise RuntimeError(f"{name} {' '.join(words)} failed: {done.stderr.strip()[:1000]}")
     return done.stdout

@@ -1,0 +1,88 @@
+"""Push the T in two worlds from the same starts: gym-pusht's, and that of the page, in Node.js.
+
+The policy is one and the same file. Starts are those of gym-pusht with these seeds.
+
+Example: python docs/web/count_pushes.py --seed 300000 --starts 200
+"""
+
+import argparse
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+
+import aicon_envs  # noqa: F401  # registers the environments
+from aicon_torch import Policy, make_policy
+from building.packing import compiled
+from building.pushing import table
+from building.scripts import HERE, install, program
+
+STEPS = 300
+"""How many steps there are, those of the benchmark."""
+
+Row = dict[str, Any]
+
+
+def main() -> None:
+    """Print a line for each world: how many succeed, after how many steps, and which do not."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, default=300_000, help="the first (default: 300000)")
+    parser.add_argument("--starts", type=int, default=200, help="how many (default: 200)")
+    arguments = parser.parse_args()
+
+    policy = make_policy("pusht", observe_goal=True)
+    seeds = range(arguments.seed, arguments.seed + arguments.starts)
+    starts = [start_of(seed) for seed in seeds]
+    for world, rows in (
+        ("gym-pusht", in_the_benchmark(policy, seeds)),
+        ("planck", in_planck(policy, starts)),
+    ):
+        print(f"{world:10} {told(rows, seeds)}")
+
+
+def told(rows: list[Row], seeds: range) -> str:
+    """What came of some starts, in words."""
+    steps = sorted(row["steps"] for row in rows if row["success"])
+    failed = [seed for seed, row in zip(seeds, rows, strict=True) if not row["success"]]
+    middle = steps[len(steps) // 2] if steps else None
+    return f"{len(steps)}/{len(rows)} within {STEPS} steps, median {middle}; failed: {failed}"
+
+
+def start_of(seed: int) -> Row:
+    """Where gym-pusht puts the disc and the T, px and rad."""
+    _, info = gym.make("aicon/PushT-v0", observe_goal=True).reset(seed=seed)
+    return {"pusher": info["pos_agent"].tolist(), "pose": info["block_pose"].tolist()}
+
+
+def in_the_benchmark(policy: Policy, seeds: range) -> list[Row]:
+    """The starts in our copy of gym-pusht, which equals it number for number."""
+    env, compiled_policy = gym.make("aicon/PushT-v0", observe_goal=True), policy.compile()
+    rows: list[Row] = []
+    for seed in seeds:
+        (observation, info), memory, steps = env.reset(seed=seed), None, 0
+        while steps < STEPS and not info["is_success"]:
+            action, memory = compiled_policy.predict(observation, memory)
+            observation, _, _, _, info = env.step(action)
+            steps += 1
+        rows.append({"success": bool(info["is_success"]), "steps": steps})
+    return rows
+
+
+def in_planck(policy: Policy, starts: list[Row]) -> list[Row]:
+    """The starts in the page's world."""
+    install()
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "policy.wasm").write_bytes(compiled(policy))
+        task = {"table": table(), "starts": starts, "steps": STEPS}
+        Path(folder, "task.json").write_text(json.dumps(task))
+        words = [program("node"), str(HERE / "worlds" / "push_from.mjs"), folder]
+        done = subprocess.run(words, check=True, capture_output=True, text=True)
+    rows: list[Row] = json.loads(done.stdout)
+    return rows
+
+
+if __name__ == "__main__":
+    main()
