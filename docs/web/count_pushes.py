@@ -7,7 +7,6 @@ Example: python docs/web/count_pushes.py --seed 300000 --starts 200
 
 import argparse
 import json
-import subprocess
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ import aicon_envs  # noqa: F401  # registers the environments
 from aicon_torch import Policy, make_policy
 from building.packing import compiled
 from building.pushing import table
-from building.scripts import HERE, install, program
+from building.scripts import bundle, run
 
 STEPS = 300
 """How many steps there are, those of the benchmark."""
@@ -73,14 +72,13 @@ def in_the_benchmark(policy: Policy, seeds: range) -> list[Row]:
 
 def in_planck(policy: Policy, starts: list[Row]) -> list[Row]:
     """The starts in the page's world."""
-    install()
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "policy.wasm").write_bytes(compiled(policy))
         task = {"table": table(), "starts": starts, "steps": STEPS}
         Path(folder, "task.json").write_text(json.dumps(task))
-        words = [program("node"), str(HERE / "worlds" / "push_from.mjs"), folder]
-        done = subprocess.run(words, check=True, capture_output=True, text=True)
-    rows: list[Row] = json.loads(done.stdout)
+        script = bundle("worlds/push_from.mjs", "esm")
+        told = run("node", "--input-type=module", "-", folder, given=script)
+    rows: list[Row] = json.loads(told)
     return rows
 
 

@@ -12,7 +12,7 @@ from string import Template
 from typing import Any, NamedTuple
 
 from aicon_baselines import palette
-from building import navigation, pushing, scripts
+from building import arm_page, navigation, pushing, scripts, theory
 
 HERE = Path(__file__).parent
 
@@ -32,6 +32,8 @@ class Page(NamedTuple):
 PAGES: Mapping[str, Page] = {
     "navigation": Page("tasks/navigation.mjs", navigation.data),
     "pusht": Page("tasks/pusht.mjs", pushing.data),
+    "arm": Page("tasks/arm.mjs", arm_page.data),
+    "theory": Page("theory/theory.mjs", theory.data),
 }
 """The pages by name."""
 
@@ -43,7 +45,6 @@ def make_pages(folder: Path, names: tuple[str, ...] = tuple(PAGES)) -> None:
         FileNotFoundError: If there is no Node.js.
         RuntimeError: If npm or esbuild fails; what they print is told.
     """
-    scripts.install()
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         (folder / f"{name}.html").write_text(page(name), encoding="utf-8")

@@ -18,14 +18,19 @@ def data() -> dict[str, Any]:
     """What the page holds."""
     return {
         "policies": {name: pack(policy) for name, policy in variants("nav2d")},
-        "maps": [_map(name, seed) for seed in MAP_SEEDS for name in MAP_NAMES],
-        "physics": {**dataclasses.asdict(Physics()), "arrival": ARRIVAL_DISTANCE},
+        "maps": [map_of(name, seed) for seed in MAP_SEEDS for name in MAP_NAMES],
+        "physics": physics(),
     }
 
 
-def _map(name: str, seed: int) -> dict[str, Any]:
+def map_of(name: str, seed: int) -> dict[str, Any]:
     """A map, to the millimetre."""
     world = make_map(name, np.random.default_rng(seed))
     obstacles = [np.round(corners, 3).tolist() for corners in world.obstacles]
     start, target = np.round(world.start, 3).tolist(), np.round(world.target, 3).tolist()
     return {"name": world.name, "obstacles": obstacles, "start": start, "target": target}
+
+
+def physics() -> dict[str, float]:
+    """The constants of the agent and its sensors."""
+    return {**dataclasses.asdict(Physics()), "arrival": ARRIVAL_DISTANCE}

@@ -12,9 +12,10 @@ import torch
 from aicon_torch import Policy
 from aicon_torch.export.codegen import compile_library
 from aicon_torch.export.codegen.targets import WEB
+from building.scripts import KEPT
 
-COMPILED = Path(__file__).parents[2] / "_build" / "_policies"
-"""Where modules are kept that were compiled before, by their source: a minute each on a slow machine."""
+COMPILED = KEPT / "policies"
+"""Where modules are kept that were compiled before, by their source."""
 
 
 def pack(policy: Policy) -> dict[str, Any]:

@@ -19,11 +19,12 @@ export class Episode {
     policy.reset();
   }
 
-  /** Sense, decide, move. */
+  /** Sense, decide, move; once it has arrived, rest. */
   step() {
+    this.before = this.world.moving;
+    if (this.world.arrived) return;
     this.read = this.world.readings(this.policy);
     const command = this.policy.step(this.read);
-    this.before = this.world.moving;
     this.world.step(command);
     this.steps += 1;
   }

@@ -18,6 +18,11 @@ export class Policies {
     return this.loaded.get(name);
   }
 
+  /** One more of the same, with a memory of its own. @param {string} name */
+  fresh(name) {
+    return this.#load(name);
+  }
+
   /** The paths of the gradients that meet at a quantity. @param {string} name @param {string} meeting */
   paths(name, meeting) {
     return this.packed[name].paths[meeting];

@@ -58,23 +58,25 @@ const task = {
   handles(world, at) {
     const object = /** @type {Pose} */ ([at[2], at[3], at[4]]);
     /** @param {string} name @param {string} label @param {Pose} pose @param {string} color
+     * @param {[Point, Point]} grips Where it is held to be moved and to be turned, in its frame.
      * @param {(pose: Pose) => void} set */
-    const both = (name, label, pose, color, set) => [
+    const both = (name, label, pose, color, [hold, turn], set) => [
       {
-        name, label, color, place: placed([0, 30], pose), step: 8,
-        move: ([x, y]) => {
-          const [left, top] = placed([0, 30], pose);
+        name, label, color, place: placed(hold, pose), step: 8,
+        move: (/** @type {Point} */ [x, y]) => {
+          const [left, top] = placed(hold, pose);
           set([pose[0] + x - left, pose[1] + y - top, pose[2]]);
         },
       },
       {
-        name: `turn ${name}`, label: `Turn the ${label.toLowerCase()}`, color, place: placed([0, LEVER], pose), step: 8,
-        move: ([x, y]) => set([pose[0], pose[1], Math.atan2(y - pose[1], x - pose[0]) - Math.PI / 2]),
+        name: `turn ${name}`, label: `Turn the ${label}`, color, place: placed(turn, pose), step: 8,
+        move: (/** @type {Point} */ [x, y]) =>
+          set([pose[0], pose[1], Math.atan2(y - pose[1], x - pose[0]) - Math.atan2(turn[1], turn[0])]),
       },
     ];
     return [
-      ...both("goal", "Goal", world.goal, "#2e7d1e", (pose) => world.moveGoal(pose)),
-      ...both("object", "T", object, palette.OUTLINE, (pose) => world.moveObject(pose)),
+      ...both("goal", "goal", world.goal, "#2e7d1e", [[-42, 15], [42, 15]], (pose) => world.moveGoal(pose)),
+      ...both("object", "T", object, palette.OUTLINE, [[0, 30], [0, LEVER]], (pose) => world.moveObject(pose)),
     ];
   },
 

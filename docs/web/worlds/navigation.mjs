@@ -59,10 +59,10 @@ export class NavigationWorld {
     return readingsOf(policy, { z_tar: [bearing], z_obs: [Math.min(Math.max(range, 0), max_range)] });
   }
 
-  /** One step with a velocity, m/s. A wall stops the agent; at its target it stays.
+  /** One step with a velocity, m/s. A wall stops the agent.
    * @param {ArrayLike<number>} command */
   step([vx, vy]) {
-    if (this.arrived || (vx === 0 && vy === 0)) return;
+    if (vx === 0 && vy === 0) return;
     const { actuation_noise, dt, max_speed } = this.physics;
     const factor = max_speed / Math.max(Math.hypot(vx, vy), max_speed);
     const noisy = (v) => factor * v + actuation_noise * this.random.normal();

@@ -1,6 +1,6 @@
-// Push the T from many starts: node worlds/push_from.mjs FOLDER
+// Push the T from many starts, in Node.js; ../count_pushes.py runs it.
 //
-// The folder has policy.wasm and task.json: the table, the starts and how many steps there are at
+// The folder that is named has policy.wasm and task.json: the table, the starts and how many steps there are at
 // most. Prints for each start whether the T came to cover its goal, and after how many steps.
 import { readFileSync } from "node:fs";
 import { Policy } from "../../../examples/web/aicon_policy.mjs";

@@ -82,7 +82,6 @@ export class PushingWorld {
   /** One step, in which a controller drives the disc to a place, px: v ← v + (k_p (place − p) − k_v v) dt.
    * @param {ArrayLike<number>} command */
   step(command) {
-    if (this.arrived) return;
     const { size, stiffness, damping, sub_step, sub_steps } = this.table;
     const [x, y] = Array.from(command, (value) => Math.min(Math.max(value, 0), size) / METRE);
     for (let k = 0; k < sub_steps; k += 1) {
