@@ -12,6 +12,8 @@ from aicon_torch import (
     Actuator,
     Affine,
     Deterministic,
+    Escape,
+    Exploration,
     Foresight,
     Goal,
     Interconnection,
@@ -40,8 +42,11 @@ from aicon_torch.parts import (
 DT, SPEED, STOP = 0.02, 1.5, 2.6
 """Time step, s; largest speed of a joint, rad/s; where its stops are, ± rad."""
 
-LINKS, THICKNESS, BALL = (0.4, 0.35, 0.25), 0.03, 0.1
+LINKS, THICKNESS, BALL = (0.4, 0.35, 0.25), 0.03, 0.07
 """Lengths of the links, their radius and that of the ball, m."""
+
+ESCAPE = Escape(hold="keep off", along="keep off")
+"""Exploration goes along the ball, as near as it was."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,7 @@ class Options:
         law: From the gradients to the action.
     """
 
-    resolution: Resolution = field(default_factory=NullspaceProjection)
+    resolution: Resolution = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
     law: ActionLaw = field(default_factory=Foresight)
 
 
@@ -62,14 +67,14 @@ PRESETS = MappingProxyType({"aicon": {}})
 
 
 def build(options: Options) -> Policy:
-    """The arm's policy: its tip goes to a target, its links keep off a ball, its joints off their stops."""
+    """Its tip goes to a target, its links keep off a ball, and its joints off their stops."""
     chain, pose = make_chain(), TipPose("free")
     capsules = [
         Capsule(number, (0.0, 0.0, 0.0), (length, 0.0, 0.0), THICKNESS)
         for number, length in enumerate(LINKS, start=1)
     ]
-    ball = Obstacle(Sphere(BALL), capsules, SquaredHinge(margin=0.15, weight=0.2))
-    stops = JointLimits([-STOP] * 3, [STOP] * 3, SquaredHinge(margin=0.3, weight=0.1))
+    ball = Obstacle(Sphere(BALL), capsules, SquaredHinge(margin=0.2, weight=0.5))
+    stops = JointLimits([-STOP] * 3, [STOP] * 3, SquaredHinge(margin=0.15, weight=0.05))
     agreement = Measurement(Affine(q=1.0, z_joints=-1.0), noise=1e-8, size=3)
 
     model = WorldModel(

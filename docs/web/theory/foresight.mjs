@@ -26,14 +26,13 @@ export async function startForesight({ root, policies, palette }) {
     const [x, y] = policy.step(readingsOf(policy, { z_target: target, z_wall: NOTHING_NEAR }));
     return times(DT, [x, y]);
   };
-  const count = slider(root, "iterations", () => draw());
 
+  let count = 1;
   function draw() {
-    if (!count) return;
     const foreseen = [/** @type {Point} */ ([0, 0]), ...many.map(motion)];
     const full = motion(one);
     const distance = (/** @type {Point} */ place) => 100 * norm(minus(target, place)); // cm
-    const shown = foreseen.slice(0, count.value + 1);
+    const shown = foreseen.slice(0, count + 1);
     const dots = (/** @type {Point} */ way) => norm(way) * stage.scale;
 
     stage.clear(palette.GROUND);
@@ -42,7 +41,7 @@ export async function startForesight({ root, policies, palette }) {
     stage.disc(target, 0.003, palette.TARGET);
     stage.arrow([0, 0], full, dots(full), palette.AWAY, 3);
     stage.line(shown, palette.TRAIL, 1.5);
-    const end = shown[count.value];
+    const end = shown[count];
     stage.arrow([0, 0], end, dots(end), palette.ROBOT, 4);
     shown.slice(1).forEach((place) => stage.disc(place, 0.0012, palette.WHITE, palette.ROBOT));
     stage.disc([0, 0], 0.004, palette.ROBOT, palette.WHITE);
@@ -54,10 +53,13 @@ export async function startForesight({ root, policies, palette }) {
     plot.line([[0, distance(full)], [MOST, distance(full)]], palette.AWAY, 1.5, [4, 4]);
     plot.text("one gradient, at full speed", [MOST - 5, distance(full)], palette.AWAY, [0, -10]);
     plot.line(foreseen.map((place, k) => [k, distance(place)]), palette.ROBOT, 2);
-    plot.disc([count.value, distance(end)], 0.25, palette.ROBOT);
+    plot.disc([count, distance(end)], 0.25, palette.ROBOT);
     plot.text("gradients in the step: 0 … 20", [MOST / 2, 0], palette.INK, [0, 12]);
-    tell(root, '[data-told="left"]', `After ${count.value} ${count.value === 1 ? "gradient" : "gradients"} it is ${distance(end).toFixed(2)} cm from the target; with one at full speed ${distance(full).toFixed(2)} cm.`);
+    tell(root, '[data-told="left"]', `After ${count} ${count === 1 ? "gradient" : "gradients"} it is ${distance(end).toFixed(2)} cm from the target; with one at full speed ${distance(full).toFixed(2)} cm.`);
   }
-  draw();
+  slider(root, "iterations", (value) => {
+    count = value;
+    draw();
+  });
   new ResizeObserver(draw).observe(stage.element);
 }

@@ -1,4 +1,4 @@
-import { minus, norm, times } from "../core/plane.mjs";
+import { cosine, minus, norm, times } from "../core/plane.mjs";
 import { readingsOf } from "../core/readings.mjs";
 import { Stage } from "../core/stage.mjs";
 import { tell } from "./screen.mjs";
@@ -26,7 +26,7 @@ export async function startNullspace({ root, policies, palette }) {
     const projected = result(projection);
     const explored = result(explore);
     const { ranks } = projection.decided("x");
-    const { exploring, cosine } = explore.decided("x");
+    const { exploring } = explore.decided("x");
     const leader = ranks[0] === 0 ? 0 : 1;
     const along = wants[leader];
     const across = times(3 / (norm(along) || 1), [-along[1], along[0]]);
@@ -58,7 +58,7 @@ export async function startNullspace({ root, policies, palette }) {
       const line = root.querySelector(`[data-row="${name}"]`);
       wants.forEach(([x, y], i) => (line.children[i + 1].textContent = (motion[0] * x + motion[1] * y).toFixed(2)));
     }
-    tell(root, '[data-told="leader"]', `The ${["first", "second"][leader]} leads. Cosine ${cosine.toFixed(2)}: ${exploring ? "a conflict; it explores." : "no conflict."}`);
+    tell(root, '[data-told="leader"]', `The ${["first", "second"][leader]} leads. Cosine ${cosine(...wants).toFixed(2)}: ${exploring ? "a conflict; it explores." : "no conflict."}`);
   }
   draw();
   new ResizeObserver(draw).observe(stage.element);

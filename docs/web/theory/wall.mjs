@@ -8,6 +8,7 @@ import { PointWorld, Runners, tell, whileSeen } from "./screen.mjs";
 
 const START = /** @type {Point} */ ([-1.6, 0.02]);
 const FAR = 1.2; // m, from where the curves begin
+const RISE = 0.2; // height of a strength of 1 in them
 
 /** A target behind a wall: where two gradients cancel, and what leads on.
  * @param {import("./screen.mjs").Screen} screen */
@@ -15,7 +16,7 @@ export async function startWall({ root, policies, palette }) {
   const stage = new Stage(root.querySelector(".stage"));
   stage.fit([-1.9, -1.3], [1.7, 1.3], false);
   const plot = new Stage(root.querySelector(".plot"));
-  plot.fit([0, -0.12], [FAR, 1.9], false);
+  plot.fit([0, -0.1 * FAR], [FAR, 0.4 * FAR], false);
   const names = ["wall sum", "wall projection", "wall explore"];
   const colors = [palette.AWAY, palette.ROBOT, palette.EXPLORING];
   const loaded = await Promise.all(names.map((name) => policies.get(name)));
@@ -79,11 +80,11 @@ export async function startWall({ root, policies, palette }) {
     plot.line([[0, 0], [FAR, 0]], palette.PALE, 1);
     goals.forEach((goal, row) => {
       const color = goal === "avoid" ? palette.OBSTACLE : palette.TARGET;
-      const curve = strengths.map(({ gap: at, norms }) => /** @type {Point} */ ([FAR - at, scale * norms[row]]));
+      const curve = strengths.map(({ gap: at, norms }) => /** @type {Point} */ ([FAR - at, RISE * scale * norms[row]]));
       plot.line(curve, color, 2.5);
       plot.text(goal, curve[goal === "avoid" ? 40 : 8], color, [goal === "avoid" ? -30 : 0, -12]);
     });
-    plot.line([[FAR - gap, 0], [FAR - gap, 1.8]], palette.AWAY, 1.5, [4, 4]);
+    plot.line([[FAR - gap, 0], [FAR - gap, 0.38 * FAR]], palette.AWAY, 1.5, [4, 4]);
     plot.text("distance to the wall: 1.2 m … 0", [FAR / 2, 0], palette.INK, [0, 10]);
   }
 }

@@ -19,15 +19,16 @@ export class ArmWorld {
     this.draw();
   }
 
-  /** Posture, target and ball of a seed: the ball lies on the way, but not at either end. */
+  /** Posture, target and ball of a seed: the ball lies about on the way, but not at either end. */
   draw() {
     const between = (/** @type {number} */ low, /** @type {number} */ high) => low + (high - low) * this.random.uniform();
     for (;;) {
       this.joints = [between(-1.5, 1.5), between(-1.5, 1.5), between(-1.5, 1.5)];
-      const [distance, angle] = [between(0.45, 0.9), between(-Math.PI, Math.PI)];
+      const [distance, angle] = [between(0.45, 0.9), between(-2, 2)];
       this.target = /** @type {Point} */ ([distance * Math.cos(angle), distance * Math.sin(angle)]);
       const tip = this.chain[3];
-      this.ball = plus(tip, times(between(0.4, 0.6), minus(this.target, tip)));
+      const way = minus(this.target, tip);
+      this.ball = plus(plus(tip, times(between(0.4, 0.6), way)), times(between(-0.2, 0.2), [-way[1], way[0]]));
       const isClear = this.gap > 0.1 && norm(this.ball) > 0.3 && norm(minus(this.ball, this.target)) > this.sizes.ball + 0.12;
       if (isClear && norm(minus(this.target, tip)) > 0.4) return;
     }
