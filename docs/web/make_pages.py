@@ -12,9 +12,10 @@ from string import Template
 from typing import Any, NamedTuple
 
 from aicon_baselines import palette
-from building import arm_page, navigation, pushing, scripts, theory
 
 HERE = Path(__file__).parent
+sys.path.append(str(HERE.parent / "figures"))  # the pictures of the concepts have a world to share
+from building import arm_page, navigation, pushing, scripts, theory  # noqa: E402
 
 
 class Page(NamedTuple):

@@ -180,8 +180,10 @@ export class TaskPage {
     requestAnimationFrame((later) => this.#frame(later));
   }
 
+  /** @returns {Meeting} */
   #meeting() {
-    const { policy } = this.episode;
+    const { policy, world } = this.episode;
+    if (world.arrived) return { wants: [], leader: null, against: null, exploring: false };
     const paths = this.policies.paths(this.name, policy.meetings[0]);
     return meetingOf(policy, paths, (path, gradient) => this.task.look(path, gradient, policy));
   }
@@ -253,7 +255,7 @@ function row(want, share) {
 /** @param {import("./meeting.mjs").Want | null} leader @param {import("./meeting.mjs").Want | null} against
  * @param {boolean} exploring @param {string} variant */
 function conflictInWords(leader, against, exploring, variant) {
-  if (!leader) return "No goal pulls.";
+  if (!leader) return "Nothing is left to do.";
   const pair = against && `“${leader.label}” against “${against.label}” (cosine ${against.toLeader.toFixed(2)})`;
   if (exploring) {
     return pair ? `Conflict: ${pair}. It explores: it moves along the nullspace of the leader.`

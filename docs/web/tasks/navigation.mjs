@@ -51,6 +51,7 @@ const task = {
     if (distance < 3) stage.line([robot, felt], palette.AWAY, 1.5, [4, 4]);
 
     stage.disc(robot, physics.radius, palette.ROBOT, palette.WHITE);
+    if (world.arrived) return;
     for (const { gradient, strength, color } of wants) {
       stage.arrow(robot, [-gradient[0], -gradient[1]], 16 + (64 * strength) / wants[0].strength, color, 5);
     }

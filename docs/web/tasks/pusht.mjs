@@ -43,6 +43,7 @@ const task = {
     }
 
     stage.disc(disc, table.radius, palette.ROBOT, palette.WHITE);
+    if (world.arrived) return;
     const contacts = Array.from(policy.values("x_contact"), (value) => value / table.pixel);
     for (const { gradient, strength, color, label } of wants.slice(0, 8)) {
       const share = strength / wants[0].strength;
