@@ -13,8 +13,12 @@ export class Stage {
     this.pen = this.canvas.getContext("2d");
     /** @type {Map<string, { button: HTMLButtonElement, handle: Handle }>} */
     this.buttons = new Map();
+    this.redraw = () => {}; // what is called when another size has left it blank
     this.fit([0, 0], [1, 1], false);
-    new ResizeObserver(() => this.#resize()).observe(element);
+    new ResizeObserver(() => {
+      this.#resize();
+      this.redraw();
+    }).observe(element);
   }
 
   /** Show a part of the world. @param {Point} low @param {Point} high
@@ -53,7 +57,7 @@ export class Stage {
   /** @param {string} color */
   clear(color) {
     this.pen.fillStyle = color;
-    this.pen.fillRect(0, 0, this.size[0], this.size[1]);
+    this.pen.fillRect(0, 0, this.size[0] + 1, this.size[1] + 1); // a half dot at the edge is a whole one
   }
 
   /** @param {Point[]} corners @param {{ fill?: string, edge?: string, width?: number, open?: boolean,

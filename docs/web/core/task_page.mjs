@@ -50,6 +50,7 @@ export class TaskPage {
     element("speed").value = String(this.task.speed);
     this.#connect();
     await this.bringBack(moment);
+    this.stage.redraw = () => this.#draw(1);
     this.#showLegend();
     requestAnimationFrame((now) => this.#frame(now));
   }
@@ -116,6 +117,7 @@ export class TaskPage {
   #play(isPlaying) {
     this.isPlaying = isPlaying;
     element("pause").textContent = isPlaying ? "Pause" : "Go on";
+    if (!isPlaying) this.#draw(1); // where the last step led, no share of it
   }
 
   /** Let the switches show a policy. @param {string} name */

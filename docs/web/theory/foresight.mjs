@@ -61,5 +61,5 @@ export async function startForesight({ root, policies, palette }) {
     count = value;
     draw();
   });
-  new ResizeObserver(draw).observe(stage.element);
+  stage.redraw = draw;
 }

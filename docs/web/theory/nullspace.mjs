@@ -61,5 +61,5 @@ export async function startNullspace({ root, policies, palette }) {
     tell(root, '[data-told="leader"]', `The ${["first", "second"][leader]} leads. Cosine ${cosine(...wants).toFixed(2)}: ${exploring ? "a conflict; it explores." : "no conflict."}`);
   }
   draw();
-  new ResizeObserver(draw).observe(stage.element);
+  stage.redraw = draw;
 }

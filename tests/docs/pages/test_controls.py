@@ -66,9 +66,7 @@ def test_a_link_brings_back_the_moment(name: str, pages: Path, browser: Any) -> 
 
 
 @every_task
-def test_the_rule_changes_in_the_middle_of_an_episode(
-    name: str, pages: Path, browser: Any
-) -> None:
+def test_the_rule_changes_in_the_middle_of_an_episode(name: str, pages: Path, browser: Any) -> None:
     with visited(browser, pages / f"{name}.html") as page:
         start(page)
         for _ in range(5):

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from _pages import place, visited
-from playwright.sync_api import Locator, Page
+from _pages import visited
+from playwright.sync_api import Locator, Page, expect
 
 pytestmark = pytest.mark.slow
 
@@ -35,7 +35,9 @@ def test_projection_takes_nothing_from_the_leader(pages: Path, browser: Any) -> 
     with visited(browser, pages / "theory.html") as page:
         part = screen(page, "nullspace")
         rows = {
-            name: [float(text) for text in part.locator(f'[data-row="{name}"] td').all_inner_texts()]
+            name: [
+                float(text) for text in part.locator(f'[data-row="{name}"] td').all_inner_texts()
+            ]
             for name in ("sum", "projection")
         }
         first = 1.6**2 + 0.3**2  # what the leader wants, along itself
@@ -78,16 +80,14 @@ def test_the_sum_holds_with_a_weight_that_grows(pages: Path, browser: Any) -> No
 def test_the_sum_rests_where_both_gradients_are_equal(pages: Path, browser: Any) -> None:
     with visited(browser, pages / "theory.html") as page:
         part = screen(page, "wall")
-        page.wait_for_timeout(10_000)
-        told = part.locator('[data-told="sum"]').inner_text()
-        assert "their sum 0.0" in told
-        assert part.locator('[data-told="with exploration"]').inner_text() == "there"
+        part.locator('[data-told="with exploration"]').filter(has_text="there").wait_for()
+        assert "their sum 0.0" in part.locator('[data-told="sum"]').inner_text()
 
-        x, y = place(page, "end 1")
-        part.locator('[data-name="end 1"]').focus()
+        end = part.locator('[data-name="end 1"]')
+        before = str(end.get_attribute("style"))
+        end.focus()
         page.keyboard.press("ArrowRight")
-        page.wait_for_timeout(200)
-        assert place(page, "end 1") != (x, y)
+        expect(end).not_to_have_attribute("style", before)
 
 
 def test_more_gradients_come_nearer_than_one(pages: Path, browser: Any) -> None:

@@ -42,7 +42,9 @@ def test_distances_to_walls_are_those_of_the_environment() -> None:
     boundaries = Boundaries(1)
     boundaries.load([0], [[[tuple(corner) for corner in wall] for wall in world["obstacles"]]])
     expected = [np.linalg.norm(boundaries.nearest(place[:, None])) - 0.1 for place in places]
-    outside = np.array(found) < np.array(expected) + 0.05  # walls overlap: within one there is another
+    outside = (
+        np.array(found) < np.array(expected) + 0.05
+    )  # walls overlap: within one there is another
     assert np.mean(outside) > 0.5
     np.testing.assert_allclose(np.array(found)[outside], np.array(expected)[outside], atol=1e-9)
 
