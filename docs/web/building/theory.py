@@ -25,7 +25,7 @@ from building.packing import pack
 from concepts import world as corridor
 
 PULLS, SLACK, MARGIN = 12, 0.02, 0.1
-"""Most pulls on the floor; below which distance one pulls less; how far above the floor it is felt, m."""
+"""Most pulls on the floor; where one pulls less, and how far above it the floor is felt, m."""
 
 PLAIN = NullspaceProjection(temperature=None, exploration=None)
 """Projection by itself: magnitudes as they are, and nobody explores."""
@@ -58,7 +58,7 @@ def data() -> dict[str, Any]:
 
 
 def floor(resolution: Resolution) -> Policy:
-    """A point above a floor, and things below it that pull with slope 1; any number is switched on."""
+    """A point above a floor, and what pulls it down with slope 1, of which any are switched on."""
     sensors = {"z": Sensor(2, "m"), "z_slope": Sensor(1, "1")}
     estimators = [
         Deterministic("x", displacement, is_motion=True),
@@ -104,12 +104,12 @@ def nearness(gap: Tensor) -> Tensor:
 
 
 def sinking(place: Tensor, z_slope: Tensor) -> Tensor:
-    """s max(0, m − h): slope s from a margin above the floor downward."""
+    """S max(0, m − h): slope s from a margin above the floor downward."""
     return z_slope[..., 0] * torch.relu(MARGIN - place[..., 1])
 
 
 def at_wall(resolution: Resolution) -> Policy:
-    """A robot before a wall, as in the pictures of the concepts; it slows down where little pulls."""
+    """The robot of the concepts before a wall; it slows down where little pulls."""
     return corridor.make_policy(resolution, DirectDescent(gain=5.0, smoothing=0.0))
 
 
@@ -127,7 +127,7 @@ def two_gradients(resolution: Resolution) -> Policy:
 
 
 def displacement_by_action(a: Tensor, dt: Tensor) -> Tensor:
-    """x = a dt."""
+    """X = a dt."""
     return a * dt
 
 

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(not shutil.which("node"), reason="no Node.js")
 
 
 def in_node(program: str, given: Any = None) -> Any:
-    """What a program prints, in JSON; ``given`` is a value that it has, ``at`` the address of scripts."""
+    """What a program prints, in JSON; it has ``given``, and ``at``, where the scripts are."""
     head = f"const given = {json.dumps(given)}, at = {json.dumps(SCRIPTS.as_uri())};\n"
     command = ["node", "--input-type=module", "-"]
     done = subprocess.run(command, input=head + program, capture_output=True, text=True)
@@ -85,9 +85,8 @@ def test_random_numbers_are_normal_and_repeat() -> None:
 def test_the_t_is_pushed_home_in_planck() -> None:
     """From ten starts that are not reported."""
     pytest.importorskip("ziglang", reason="no ziglang (pip install ziglang)")
-    from count_pushes import in_planck, start_of
-
     from aicon_torch import make_policy
+    from count_pushes import in_planck, start_of
 
     starts = [start_of(seed) for seed in range(1000, 1010)]
     rows = in_planck(make_policy("pusht", observe_goal=True), starts)
