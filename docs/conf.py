@@ -18,8 +18,9 @@ from sphinx.util.nodes import make_refnode
 import aicon_torch
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE / "figures"), str(HERE.parent / "scripts")]
+sys.path[:0] = [str(HERE / "figures"), str(HERE / "web"), str(HERE.parent / "scripts")]
 from flowcharts import draw  # noqa: E402  # among the figures of these pages
+from make_pages import make_pages  # noqa: E402
 from notebooks import NOTEBOOKS, save_notebook  # noqa: E402
 
 project = "aicon-torch"
@@ -41,7 +42,7 @@ myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]  # a page that is included begins with its own heading
 
 # README.md is what a reader of the repository sees of this folder; the site has index.md.
-exclude_patterns = ["_build", "README.md"]
+exclude_patterns = ["_build", "README.md", "web"]
 
 # Docstrings are Google's style; a word in single backquotes is code.
 default_role = "code"
@@ -84,6 +85,12 @@ def make_notebooks(app: Sphinx) -> None:
     """Make the notebooks of tutorials, for those who would rather run them."""
     for name in NOTEBOOKS:
         save_notebook(HERE / "tutorials" / f"{name}.md", HERE / "_build" / "_notebooks")
+
+
+def make_pages_to_play_with(app: Sphinx, exception: Exception | None) -> None:
+    """Put the pages where policies run beside those of the site."""
+    if exception is None and app.builder.format == "html":
+        make_pages(Path(app.outdir) / "try")
 
 
 def link_to_notebook(app: Sphinx, page: str, source: list[str]) -> None:
@@ -166,3 +173,4 @@ def setup(app: Sphinx) -> None:
     app.connect("source-read", link_to_pages)
     app.connect("source-read", link_to_notebook)
     app.connect("autodoc-process-docstring", escape_bars)
+    app.connect("build-finished", make_pages_to_play_with)

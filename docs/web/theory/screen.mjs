@@ -1,0 +1,96 @@
+import { Episode } from "../core/episode.mjs";
+import { plus, times } from "../core/plane.mjs";
+import { readingsOf } from "../core/readings.mjs";
+
+/** @typedef {import("../core/plane.mjs").Point} Point */
+/** @typedef {import("../../../examples/web/aicon_policy.mjs").Policy} Policy */
+
+/** What a screen gets: its part of the page, the page's policies, and everything else that it holds.
+ * @typedef {{ root: HTMLElement, policies: import("../core/policies.mjs").Policies,
+ *   palette: Record<string, string>, data: any }} Screen */
+
+/** Call something for every frame in which a part of the page is seen, with the time since the last, s.
+ * @param {HTMLElement} element @param {(passed: number) => void} frame */
+export function whileSeen(element, frame) {
+  let isSeen = false;
+  let last = 0;
+  const next = (/** @type {number} */ now) => {
+    if (!isSeen) return;
+    frame(Math.min((now - last) / 1000, 0.1));
+    last = now;
+    requestAnimationFrame(next);
+  };
+  new IntersectionObserver(([entry]) => {
+    if (entry.isIntersecting && !isSeen) requestAnimationFrame((now) => ((last = now), next(now)));
+    isSeen = entry.isIntersecting;
+  }).observe(element);
+}
+
+/** A slider, and what shows its number. @param {HTMLElement} root @param {string} name
+ * @param {(value: number) => void} [does] */
+export function slider(root, name, does = () => {}) {
+  const input = /** @type {HTMLInputElement} */ (root.querySelector(`input[name="${name}"]`));
+  const output = /** @type {HTMLOutputElement} */ (root.querySelector(`output[name="${name}"]`));
+  const show = () => {
+    output.textContent = input.value;
+    does(input.valueAsNumber);
+  };
+  input.addEventListener("input", show);
+  show();
+  return { get value() { return input.valueAsNumber; } };
+}
+
+/** Write words into a part of a screen, unless they stand there. @param {HTMLElement} root
+ * @param {string} selector @param {string} words */
+export function tell(root, selector, words) {
+  const part = root.querySelector(selector);
+  if (part.textContent !== words) part.textContent = words;
+}
+
+/** A point that moves as it is told. @implements {import("../core/episode.mjs").World} */
+export class PointWorld {
+  /** @param {number} dt @param {Point} place
+   * @param {(place: Point) => Record<string, ArrayLike<number>>} sense What is read where it is. */
+  constructor(dt, place, sense) {
+    [this.dt, this.place, this.sense, this.arrived] = [dt, place, sense, false];
+    this.trail = [place];
+  }
+
+  get moving() {
+    return [...this.place];
+  }
+
+  get numbers() {
+    return [...this.place];
+  }
+
+  /** @param {Policy} policy */
+  readings(policy) {
+    return readingsOf(policy, this.sense(this.place));
+  }
+
+  /** @param {ArrayLike<number>} command */
+  step([x, y]) {
+    this.place = plus(this.place, times(this.dt, [x, y]));
+    this.trail = [...this.trail.slice(-400), this.place];
+  }
+
+  kick() {}
+}
+
+/** Episodes side by side, which keep step with the time. */
+export class Runners {
+  /** @param {Episode[]} episodes All with the same time step. */
+  constructor(episodes) {
+    this.episodes = episodes;
+    this.debt = 0;
+  }
+
+  /** Let some time pass, and say where each is now. @param {number} passed s @returns {Point[]} */
+  after(passed) {
+    const { dt } = this.episodes[0].world;
+    this.debt += passed;
+    for (; this.debt >= dt; this.debt -= dt) for (const episode of this.episodes) episode.step();
+    return this.episodes.map((episode) => /** @type {Point} */ (episode.at(this.debt / dt)));
+  }
+}

