@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn
@@ -50,9 +51,9 @@ class PoseMotion:
         # What moved the object is past, and what will move it is the contact model's matter; how a
         # push depends on the pose is of second order. So the belief moves as it is, and no gradient
         # leaves through the push.
-        way, pose = d_pusher.detach(), x_pose.detach()
+        way, pose = stop(d_pusher), stop(x_pose)
         way = way.reshape(*way.shape[:-1], -1, 2)
-        start = x_pusher.detach() - way[..., -1, :]
+        start = stop(x_pusher) - way[..., -1, :]
 
         moved = torch.zeros_like(pose)
         before = torch.zeros_like(start)

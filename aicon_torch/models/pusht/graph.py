@@ -15,6 +15,7 @@ from collections.abc import Callable
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -84,6 +85,6 @@ def _likelihood(options: Options) -> Callable[..., Tensor]:
     likelihood = options.contact.likelihood(PUSHER_RADIUS)
 
     def fixed_likelihood(x_pusher: Tensor, x_contact: Tensor, x_side: Tensor) -> Tensor:
-        return likelihood(x_pusher.detach(), x_contact, x_side)  # stops p₁
+        return likelihood(stop(x_pusher), x_contact, x_side)  # stops p₁
 
     return likelihood if options.likelihood_path else fixed_likelihood
