@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from aicon_torch.differentiation import through_time
-from aicon_torch.errors import ObservationError, choices
+from aicon_torch.errors import GraphError, ObservationError, choices
 from aicon_torch.estimation import Innovation
 from aicon_torch.graph.build import Graph
 from aicon_torch.graph.declaration import Declaration
@@ -19,6 +19,10 @@ from aicon_torch.readings.validation import BEGINS, MeasurementValidation
 
 Named = Mapping[str, Tensor]
 """Tensors by name."""
+
+
+PROBE_STEPS = 3
+"""Steps after which what learns must have had an effect."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,7 @@ class Innovations:
     gate: float | None
 
     def log_likelihood(self) -> Tensor:
-        """log N(ν; 0, S) of each step, ``(*B, T)``, zero where nothing is told.
+        """Log N(ν; 0, S) of each step, ``(*B, T)``, zero where nothing is told.
 
         What the gate refuses counts as if it were at the gate: otherwise a filter that refuses
         everything would be the likeliest.
@@ -75,7 +79,7 @@ class Filtered:
     innovations: dict[str, Innovations]
 
     def log_likelihood(self) -> Tensor:
-        """log p of all readings, ``(*B,)``: Σ −½ (νᵀS⁻¹ν + log det 2πS) (Schweppe 1965)."""
+        """The log-likelihood Σ −½ (νᵀS⁻¹ν + log det 2πS) of all readings (Schweppe 1965), ``(*B,)``."""
         steps = [innovations.log_likelihood() for innovations in self.innovations.values()]
         return torch.stack(steps).sum((0, -1))
 
@@ -220,6 +224,46 @@ class LogFilter(NamedTuple):
         for sensor in set(innovation.inputs).intersection(owner.prior_inputs):
             counts = counts & ~begins & ~values.get(sensor + RESTART, torch.zeros_like(begins))
         return counts
+
+
+def check_effect(
+    declaration: Declaration, graph: Graph, parameters: Mapping[str, nn.Parameter], like: Tensor
+) -> None:
+    """Check that what shall learn has an effect on what is estimated, expected or wanted.
+
+    Raises:
+        GraphError: If nothing is differentiable by it.
+    """
+    generator = torch.Generator("cpu").manual_seed(0)
+
+    def random(size: int) -> Tensor:
+        numbers = torch.rand((PROBE_STEPS, size), generator=generator, dtype=torch.float64)
+        return (0.1 + numbers).to(like)
+
+    sizes = {name: sensor.size for name, sensor in declaration.sensors.items()}
+    readings = {name: random(size) for name, size in sizes.items()}
+    actions = {name: random(actuator.size) for name, actuator in declaration.actuators.items()}
+    filtered = LogFilter(declaration, graph, like)(readings, actions, None)
+
+    with through_time():
+        last = {name: series[-1] for name, series in filtered.estimates.items()}
+        last |= {name: series[-1] for name, series in (readings | actions).items()}
+        last["dt"] = like.new_tensor(declaration.dt)
+        ahead = [estimator(last, name) for name, estimator in graph.owners.items()]
+        costs = [goal(last) for goal in declaration.goals.values()]
+        limited = [f(last) for name in actions for f in declaration.functions_of(name)]
+
+    found = [*filtered.estimates.values(), *ahead, *costs, *limited]
+    for innovations in filtered.innovations.values():
+        found += [innovations.residual, innovations.spread]
+    total = torch.stack([value.sum() for value in found]).sum()
+    effects = torch.autograd.grad(total, list(parameters.values()), allow_unused=True)
+    for name, effect in zip(parameters, effects, strict=True):
+        if effect is None:
+            raise GraphError(
+                f"{name!r} cannot learn: nothing that is estimated, expected or wanted can be "
+                "differentiated by it."
+            )
 
 
 def _check_names(kind: str, given: Named, known: tuple[str, ...]) -> None:

@@ -1,8 +1,9 @@
 """The world model: a graph of sensors, actuators, estimators and goals, run one step at a time."""
 
+import copy
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -14,10 +15,11 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph.build import build_graph
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
-from aicon_torch.graph.filtering import Filtered, LogFilter
+from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
 from aicon_torch.graph.paths import Edge, PathTable
 from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
+from aicon_torch.learned import learned_in, make_learn, numbers_of
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.shaping import straight_through
 
@@ -97,6 +99,7 @@ class WorldModel(nn.Module):
         self.to("cpu", dtype or torch.get_default_dtype())
 
         self.graph = build_graph(self.declaration, self.like)
+        self._register_learned()
 
     @property
     def sensors(self) -> dict[str, Sensor]:
@@ -196,6 +199,58 @@ class WorldModel(nn.Module):
                 clock=self.clock,
                 dtype=self.like.dtype,
             )
+
+    def learn(self, *names: str, start: Mapping[str, Any] | None = None) -> "WorldModel":
+        """A copy of this model of which some numbers learn, and nothing else.
+
+        Variances, lengths, masses and whatever else is positive stay so, by what they are computed
+        from; weights of a network learn under the name of what it is in.
+
+        Args:
+            *names: The names of the numbers: see :attr:`numbers`.
+            start: Where some of them start, if not where they are; a variance rather too large.
+
+        Raises:
+            GraphError: If there is no such number, or it has no effect on what is estimated or
+                wanted.
+
+        Example:
+            >>> learner = model.learn("p_tar.noise", start={"p_tar.measurements.0.noise": 0.1})
+            >>> optimizer = torch.optim.Adam(learner.parameters(), lr=0.05)
+        """
+        model = copy.deepcopy(self)
+        chosen = {**dict.fromkeys(names), **(start or {})}
+        parameters = make_learn(model._named_parts(), chosen, self.like)
+        model._register_learned()
+        check_effect(model.declaration, model.graph, parameters, model.like)
+        return model
+
+    @property
+    def numbers(self) -> dict[str, Tensor]:
+        """What can learn, by name: the constants that the parts are made of, as they are now."""
+        numbers = numbers_of(self._named_parts())
+        return {name: torch.as_tensor(number.value) for name, number in numbers.items()}
+
+    def named_parameters(self, *args: Any, **kwargs: Any) -> Iterator[tuple[str, nn.Parameter]]:
+        """Those that learn: see :meth:`learn`."""
+        for name, parameter in super().named_parameters(*args, **kwargs):
+            if parameter.requires_grad:
+                yield name, parameter
+
+    def _named_parts(self) -> dict[str, nn.Module]:
+        """Estimators by their first output, goals, and the functions of actuators."""
+        parts: dict[str, nn.Module] = {}
+        for estimator in self.declaration.estimators:
+            parts[estimator.outputs[0]] = estimator
+        for name in self.actuators:
+            for place, function in enumerate(self.declaration.functions_of(name)):
+                parts[f"{name}.{place}"] = function
+        return {**parts, **self.goals}
+
+    def _register_learned(self) -> None:
+        """Own what learns in the parts."""
+        learned = learned_in(self._named_parts())
+        self.learned = nn.ModuleDict({name.replace(".", "/"): v for name, v in learned.items()})
 
     def values(self, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """The values that a memory holds: estimates, readings, actions, and the time step ``dt``.
