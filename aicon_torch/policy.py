@@ -159,8 +159,8 @@ class Policy(nn.Module):
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
             values = lasting(self.model, self._step.estimate(memory, readings, executed))
-            _, new_memory = keep_finite(self.model, {}, memory | values, memory)
-        return new_memory
+            _, kept = keep_finite(self.model, {}, values, memory)
+        return memory | kept
 
     def learn(self, *names: str, start: Mapping[str, Any] | None = None) -> "Policy":
         """A copy of this policy of which some numbers learn: see :meth:`WorldModel.learn`.

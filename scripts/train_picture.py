@@ -45,11 +45,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 def draw_pictures(folder: Path, count: int) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     """Pictures ``(count, 96, 96, 3)`` and poses of the object's frame ``(count, 3)``, px and rad."""
+    from tqdm import tqdm
+
     from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS, Goal
     from aicon_envs.pusht.geometry import place
     from aicon_envs.pusht.rendering import draw_observation
     from aicon_envs.pusht.simulation import Simulation
-    from tqdm import tqdm
 
     shape = (count, 96, 96, 3)
     mode: Any = "r+" if (folder / "pictures.npy").exists() else "w+"
@@ -100,9 +101,10 @@ def train(
 ) -> None:
     """Train the network, from where it was stopped."""
     import torch
+    from tqdm import tqdm
+
     from aicon_torch.models.pusht import PIXEL, Options, rigid_object
     from aicon_torch.models.pusht.picture import PoseNetwork
-    from tqdm import tqdm
 
     torch.manual_seed(SEED)
     body = rigid_object(Options())
@@ -144,14 +146,15 @@ def train(
             saved |= {"schedule": schedule.state_dict(), "done": step + 1}
             torch.save(saved, state)
     torch.save(network.state_dict(), arguments.out)
-    _report(network, [batch(-1 - index % 1, 0, held_out) for index in range(1)], PIXEL)
+    unseen = [batch(arguments.steps + number, 0, held_out) for number in range(8)]
+    _report(network, unseen, PIXEL)
 
 
 def _loss(network: Any, pictures: Any, truth: Any) -> tuple[Any, Any]:
     """Corners by their distance, variances by the likelihood of the pose's error."""
-    import torch
-    from aicon_torch.parts.planar import pose_error
     from torch.nn.functional import smooth_l1_loss
+
+    from aicon_torch.parts.planar import pose_error
 
     seen, corners = network(pictures)
     wanted = network.body.keypoints_at(truth)
@@ -164,18 +167,22 @@ def _loss(network: Any, pictures: Any, truth: Any) -> tuple[Any, Any]:
 
 
 def _report(network: Any, batches: list[tuple[Any, Any]], pixel: float) -> None:
-    """How far it is off where it has seen no picture, and whether it knows."""
+    """How far it is off in pictures that it has not seen, and whether it knows."""
     import torch
+
     from aicon_torch.parts.planar import pose_error
 
+    errors, log_variances = [], []
     with torch.no_grad():
         for pictures, truth in batches:
             seen, _ = network(pictures)
-            error = pose_error(seen[..., :3], truth, 1.0)
-            off = error[..., :2].norm(dim=-1) / pixel
-            ratio = (error.square() / seen[..., 3:].exp()).mean(0)
-            print(f"held out: median {off.median():.2f} px, mean {off.mean():.2f} px")
-            print("χ² for each degree of freedom:", [round(x, 2) for x in ratio.tolist()])
+            errors.append(pose_error(seen[..., :3], truth, 1.0))
+            log_variances.append(seen[..., 3:])
+    error, log_variance = torch.cat(errors), torch.cat(log_variances)
+    off = error[..., :2].norm(dim=-1) / pixel
+    ratio = (error.square() / log_variance.exp()).mean(0)
+    print(f"held out: median {off.median():.2f} px, mean {off.mean():.2f} px")
+    print("chi² for each degree of freedom:", [round(x, 2) for x in ratio.tolist()])
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

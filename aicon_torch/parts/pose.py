@@ -10,6 +10,7 @@ from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn
 from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.vectors import constants
 
 NO_FORCE = 1e-12
 """Motion along the normal that counts as none, m."""
@@ -146,9 +147,8 @@ class KeypointRegistration:
     def prior(self, z_keypoints: Tensor) -> tuple[Tensor, Tensor]:
         """Mean ``(*B, 3)`` and covariance ``(3, 3)`` at first: where the first reading shows it."""
         rotation_deviation = self.prior_deviation / self.body.radius_of_gyration
-        deviations = z_keypoints.new_tensor(
-            (self.prior_deviation, self.prior_deviation, rotation_deviation)
-        )
+        each = (self.prior_deviation, self.prior_deviation, rotation_deviation)
+        deviations = constants(each, z_keypoints)
         return self.observed_pose(z_keypoints), torch.diag(deviations**2)
 
     def variances(self, noise: float) -> tuple[float, float, float]:

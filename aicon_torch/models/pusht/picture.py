@@ -127,5 +127,3 @@ class PicturePerception:
         seen, _ = self.network(flat.float() / 255)
         told = {name: value for name, value in observation.items() if name != "pixels"}
         return {**told, "seen": seen.reshape(*batch, SEEN).double().numpy()}
-
-
