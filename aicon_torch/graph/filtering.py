@@ -79,7 +79,7 @@ class Filtered:
     innovations: dict[str, Innovations]
 
     def log_likelihood(self) -> Tensor:
-        """The log-likelihood Σ −½ (νᵀS⁻¹ν + log det 2πS) of all readings (Schweppe 1965), ``(*B,)``."""
+        """Log-likelihood Σ −½ (νᵀS⁻¹ν + log det 2πS) of the readings (Schweppe 1965), ``(*B,)``."""
         steps = [innovations.log_likelihood() for innovations in self.innovations.values()]
         return torch.stack(steps).sum((0, -1))
 

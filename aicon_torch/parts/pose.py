@@ -102,6 +102,32 @@ class PoseMotion:
         return torch.cat((direction, turn.unsqueeze(-1)), dim=-1) / speed.unsqueeze(-1)
 
 
+@dataclass(frozen=True)
+class PushNoise:
+    """Variances of a pose that a step adds: σ² = σ₀² + (κ d)², where a push has moved it by d.
+
+    An object at rest stays, and what a push does is known to a share κ of it.
+
+    Attributes:
+        motion: What a push does.
+        rest: σ₀, m.
+        share: κ.
+    """
+
+    motion: PoseMotion
+    rest: float
+    share: float
+
+    def __call__(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
+        """The variances ``(*B, 3)``, m² and rad²; the arguments are those of the motion."""
+        gyration = self.motion.dynamics.body.radius_of_gyration
+        moved = stop(self.motion(x_pose, x_pusher, d_pusher) - x_pose)
+        turned = gyration * moved[..., 2:]
+        square = (moved[..., :2] ** 2).sum(-1, keepdim=True) + turned**2
+        variance = self.rest**2 + self.share**2 * square
+        return torch.cat((variance, variance, variance / gyration**2), dim=-1)
+
+
 def resting_pose(x_pose: Tensor) -> Tensor:
     """The pose where it was last seen, ``(*B, 3)``."""
     return x_pose

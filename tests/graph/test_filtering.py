@@ -87,7 +87,7 @@ def tracker(gate: float | None = None) -> WorldModel:
 
 
 def test_likelihood_is_that_of_the_joint_gaussian_of_all_readings() -> None:
-    """The oracle builds the covariance of a random walk that is read with noise; it has no filter."""
+    """The oracle is the covariance of a random walk that is read with noise; it has no filter."""
     readings, steps = normal(3, 6, 2, seed=1), 6
     filtered = tracker().filter({"z": readings}, {"a": torch.zeros(3, steps, 2)})
 

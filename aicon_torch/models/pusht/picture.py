@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from aicon_torch.errors import OptionError
 from aicon_torch.models.pusht.benchmark import WORKSPACE
-from aicon_torch.parts.planar import norm
+from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
 
 CHANNELS = 28
@@ -76,6 +76,21 @@ class PoseNetwork(nn.Module):
         told = torch.cat((*pooled, 100 * off, 100 * spread), dim=-1)
         variances = self.variances(told) + told.new_tensor(TYPICAL)
         return torch.cat((pose, variances), dim=-1), corners
+
+
+def seen_off(x_pose: Tensor, z_seen: Tensor) -> Tensor:
+    """The residual ``(*B, 3)`` of a pose and of what is seen ``(*B, 6)``, m and rad."""
+    return pose_error(x_pose, z_seen[..., :3], 1.0)
+
+
+def seen_variances(z_seen: Tensor) -> Tensor:
+    """The variances ``(*B, 3)`` of the pose that is seen, m² and rad²."""
+    return z_seen[..., 3:].exp()
+
+
+def first_sight(z_seen: Tensor) -> tuple[Tensor, Tensor]:
+    """The pose at first and its covariance, as it is seen: wide where that is unsure."""
+    return z_seen[..., :3], torch.diag_embed(seen_variances(z_seen))
 
 
 def _places(features: Tensor) -> Tensor:
