@@ -41,10 +41,8 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     if options.picture is None:
         found["z_keypoints"] = Sensor(size, "m", key="environment_state", **rigid, **seen)
     else:
-        told = _watched(options)
-        found["z_seen"] = Sensor(
-            SEEN, "m, rad and their logarithms", key="seen", optional=True, **told
-        )
+        told = {"key": "seen", "optional": True, **_watched(options)}
+        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", **told)
 
     if options.command == "velocity":  # a place is reached, and held, in a time of its own
         found["z_elapsed"] = clock(options.dt)

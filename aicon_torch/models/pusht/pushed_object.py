@@ -107,10 +107,9 @@ def _residual(options: Options, registration: KeypointRegistration) -> Callable[
 
 def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
     """The pose as a network sees it in a picture, with the variances that it tells."""
-    motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
-    noise = PushNoise(
-        PoseMotion(dynamics, PUSHER_RADIUS), options.process_noise, options.push_noise
-    )
+    pushed = PoseMotion(dynamics, PUSHER_RADIUS)
+    motion = pushed if options.estimation else resting_pose
+    noise = PushNoise(pushed, options.process_noise, options.push_noise)
     return EKF(
         "x_pose",
         "P_pose",
