@@ -24,6 +24,7 @@ from aicon_torch.control.step import ControlStep
 from aicon_torch.differentiation import learns, through_time
 from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.estimation import Estimator
+from aicon_torch.export.exported_policy import ExportedPolicy
 from aicon_torch.export.native import NativeSteps
 from aicon_torch.goals import Goal
 from aicon_torch.graph import Filtered, WorldModel
@@ -294,6 +295,13 @@ class Policy(nn.Module):
 
         step = ControlStep(self.model, self.backward_pass, self.law)
         export(step, path, description, self.perception is not None, target)
+
+    def is_exported(self, exported: ExportedPolicy) -> bool:
+        """Whether an exported policy has this one's parameters, as they are now."""
+        from aicon_torch.export.exporting import parameters_of  # loads the translation to C
+
+        same: bool = exported.metadata.get("parameters", "") == parameters_of(self.model)
+        return same
 
     def reset(self) -> None:
         """Forget the memory that :meth:`act` keeps."""
