@@ -7,6 +7,7 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import hop_from, learns, pull
 from aicon_torch.errors import GraphError, choices
 
 Values = Mapping[str, Tensor]
@@ -155,11 +156,12 @@ class Interconnection(Node):
         self, values: Values, name: str, rows: int, differentiable: bool
     ) -> tuple[Tensor, Tensor]:
         """:meth:`linearize` by autograd, all rows in one backward pass."""
+        differentiable = differentiable or learns()
         with torch.enable_grad():
             # A leaf of its own, unless the Jacobian must lead on to what the point depends on.
             point = values[name]
-            if not (differentiable and point.requires_grad):
-                point = point.detach().requires_grad_()  # stops what led to the point
+            if learns() or not (differentiable and point.requires_grad):
+                point = hop_from(point).requires_grad_()
             inputs = {key: values[key] for key in self.inputs} | {name: point}
 
             if rows == 1:
@@ -177,7 +179,7 @@ class Interconnection(Node):
         """Value ``(*B, 1)`` and Jacobian ``(*B, 1, n)``: a gradient."""
         value = self(inputs)
         seed = torch.ones_like(value)
-        (row,) = torch.autograd.grad(value, point, seed, create_graph=differentiable)
+        (row,) = pull(value, point, seed, create_graph=differentiable)
         return value, row.unsqueeze(-2)
 
     def _several_rows(
@@ -196,9 +198,7 @@ class Interconnection(Node):
         selector = torch.eye(rows, dtype=outputs.dtype, device=outputs.device)
         batch = (1,) * (outputs.dim() - 2)
         selector = selector.reshape(rows, *batch, rows).expand_as(outputs)
-        (jacobian,) = torch.autograd.grad(
-            outputs, copies[name], selector, create_graph=differentiable
-        )
+        (jacobian,) = pull(outputs, copies[name], selector, create_graph=differentiable)
         return outputs[0], jacobian.movedim(0, -2)
 
 

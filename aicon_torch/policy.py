@@ -1,6 +1,6 @@
 """The policy: from an observation to an action, one control step at a time."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
@@ -21,11 +21,13 @@ from aicon_torch.control.memory import (
     starting_rows,
 )
 from aicon_torch.control.step import ControlStep
+from aicon_torch.differentiation import learns, through_time
 from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.estimation import Estimator
+from aicon_torch.export.exported_policy import ExportedPolicy
 from aicon_torch.export.native import NativeSteps
 from aicon_torch.goals import Goal
-from aicon_torch.graph import WorldModel
+from aicon_torch.graph import Filtered, WorldModel
 from aicon_torch.inspection.explanation import Explanation, explain
 from aicon_torch.inspection.trace import StepTrace, trace
 from aicon_torch.quantities import Sensor
@@ -82,6 +84,7 @@ class Policy(nn.Module):
         state: Memory | None = None,
         episode_start: ArrayLike | Tensor | None = None,
         deterministic: bool = True,
+        create_graph: bool = False,
     ) -> tuple[Any, Memory]:
         """One control step, with the signature of stable-baselines3.
 
@@ -91,6 +94,10 @@ class Policy(nn.Module):
             episode_start: Rows ``(*B,)`` whose observation is the first of an episode; their memory
                 starts anew.
             deterministic: Accepted for the signature's sake; the policy has no randomness.
+            create_graph: Whether action and memory are to be differentiable by what learns, and by
+                the memory that went in: for imitation, and for search through the model's own
+                prediction. The action is the same. Ranks, switches and gates of the
+                mechanism are constants of the step.
 
         Returns:
             The action ``(*B, size)``, of the observation's kind (a dict of them if there are
@@ -101,6 +108,9 @@ class Policy(nn.Module):
                 is wrongly shaped, not real or not dense. A number that is masked, not finite or
                 beyond the sensor's range is no error but no reading, in its row alone.
         """
+        if create_graph:
+            with through_time():
+                return self._readable().predict(observation, state, episode_start)
         native = None if self._native is None else self._native.of(self._step, self.perception)
         if native is not None and self._earlier(state) is None:
             action, after = native.predict(observation, state, episode_start)
@@ -117,6 +127,7 @@ class Policy(nn.Module):
 
         # An action is of the observation's kind, and alone where there is one actuator.
         takes_tensors = any(isinstance(reading, Tensor) for reading in observation.values())
+        takes_tensors = takes_tensors or learns()
         actions = commands if takes_tensors else _as_numpy(commands)
         if len(actions) == 1:
             return next(iter(actions.values())), memory
@@ -149,8 +160,60 @@ class Policy(nn.Module):
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
             values = lasting(self.model, self._step.estimate(memory, readings, executed))
-            _, new_memory = keep_finite(self.model, {}, memory | values, memory)
-        return new_memory
+            _, kept = keep_finite(self.model, {}, values, memory)
+        return memory | kept
+
+    def learn(self, *names: str, start: Mapping[str, Any] | None = None) -> "Policy":
+        """A copy of this policy of which some numbers learn: see :meth:`WorldModel.learn`.
+
+        Args:
+            *names: The names of the numbers, of ``policy.model.numbers``.
+            start: Where some of them start, if not where they are.
+
+        Raises:
+            GraphError: As for the model.
+
+        Example:
+            >>> learner = policy.learn("x_pose.predict.radius", "x_pose.noise")
+            >>> optimizer = torch.optim.Adam(learner.parameters(), lr=0.05)
+            >>> loss = -learner.filter(observations, {"a": actions}).log_likelihood().mean()
+        """
+        model = self.model.learn(*names, start=start)
+        return Policy(model, self.resolution, self.law, self.perception)
+
+    def filter(
+        self,
+        observations: Mapping[str, Any],
+        actions: Mapping[str, Tensor],
+        truncate: int | None = None,
+    ) -> Filtered:
+        """Filter a log of observations, differentiably: see :meth:`WorldModel.filter`.
+
+        Args:
+            observations: As for :meth:`predict`, but of T steps, ``(*B, T, size)``; what a
+                perception makes of raw ones.
+            actions: As for the model: each actuator's, ``(*B, T, size)``, as the memory holds it.
+            truncate: As for the model.
+
+        Raises:
+            ObservationError: As for :meth:`predict`, and for the model.
+        """
+        model = self.model
+        readings = read(observations, model.sensors, {}, model.like)
+        return model.filter(readings, actions, truncate)
+
+    def named_parameters(self, *args: Any, **kwargs: Any) -> Iterator[tuple[str, nn.Parameter]]:
+        """Those that learn: see :meth:`learn`. No gradient reaches those of a perception."""
+        learning = set(self.model.parameters())
+        for name, parameter in super().named_parameters(*args, **kwargs):
+            if parameter in learning:
+                yield name, parameter
+
+    def _readable(self) -> "Policy":
+        """This policy uncompiled."""
+        policy = Policy(self.model, self.resolution, self.law, self.perception)
+        policy._made_of = self._made_of
+        return policy
 
     def compile(self) -> "Policy":  # type: ignore[override]  # torch's compiles in place and in silence
         """The same policy with its step compiled, a hundred times faster.
@@ -232,6 +295,13 @@ class Policy(nn.Module):
 
         step = ControlStep(self.model, self.backward_pass, self.law)
         export(step, path, description, self.perception is not None, target)
+
+    def is_exported(self, exported: ExportedPolicy) -> bool:
+        """Whether an exported policy has this one's parameters, as they are now."""
+        from aicon_torch.export.exporting import parameters_of  # loads the translation to C
+
+        same: bool = exported.metadata.get("parameters", "") == parameters_of(self.model)
+        return same
 
     def reset(self) -> None:
         """Forget the memory that :meth:`act` keeps."""

@@ -5,6 +5,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import is_hop, learns, stop
+
 
 def straight_through(value: Tensor, model: Tensor) -> Tensor:
     """``value`` with the gradient of ``model``, such as a measurement with its prediction's.
@@ -13,9 +15,7 @@ def straight_through(value: Tensor, model: Tensor) -> Tensor:
         value: ``(*B, n)``; no gradient reaches it.
         model: ``(*B, n)``.
     """
-    return (
-        model + (value - model).detach()
-    )  # the difference is a value only, so the gradient is the model's
+    return model + stop(value - model)  # a value only, so the gradient is the model's
 
 
 def straight_through_clamp(x: Tensor, low: float, high: float) -> Tensor:
@@ -47,10 +47,13 @@ def by_sign(positive: Tensor, negative: Tensor) -> Tensor:
 class _BySign(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, positive: Tensor, negative: Tensor) -> Tensor:
+        ctx.learns = learns()
         return negative.clone()
 
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, Tensor]:
+        if ctx.learns and not is_hop():  # of a loss: the value's own derivative
+            return torch.zeros_like(gradients[0]), gradients[0]
         return gradients[0].clamp(min=0), gradients[0].clamp(max=0)
 
 
@@ -82,13 +85,16 @@ class _ByGain(torch.autograd.Function):
         ctx: Any, effects: Tensor, intended: Tensor, incidental: Tensor, softness: float
     ) -> Tensor:
         ctx.save_for_backward(effects, intended, incidental)
-        ctx.softness = softness
+        ctx.softness, ctx.learns = softness, learns()
         return (intended.unsqueeze(-1) * effects).sum(-2)
 
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, Tensor, Tensor, None]:
         effects, intended, incidental = ctx.saved_tensors
         arriving = gradients[0].unsqueeze(-2)
+        if ctx.learns and not is_hop():  # of a loss: the value's own derivative
+            gain = (effects * arriving).sum(-1)
+            return intended.unsqueeze(-1) * arriving, gain, torch.zeros_like(gain), None
 
         # How far each effect is wanted where the gradient comes from.
         gain = (effects * arriving).sum(-1)

@@ -1,7 +1,16 @@
 """Small vector operations on stacks of gradients."""
 
+from collections.abc import Sequence
+
 import torch
 from torch import Tensor
+
+
+def constants(numbers: Sequence[float | Tensor], like: Tensor) -> Tensor:
+    """Numbers, of which some may learn, as a vector ``(n,)`` of the type of some values."""
+    if any(isinstance(number, Tensor) for number in numbers):
+        return torch.stack([number + like.new_zeros(()) for number in numbers])
+    return like.new_tensor(numbers)
 
 
 def unit(vectors: Tensor) -> Tensor:

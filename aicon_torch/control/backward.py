@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.control.plan import Plan, Turn
+from aicon_torch.differentiation import pull
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.graph import LocalGraphs, WorldModel
 from aicon_torch.resolution import GradientStack, Memory, Resolution
@@ -212,4 +213,4 @@ def _pull_back(
         outputs.append(graphs[name].output)
         leaves.extend(graphs[name].leaves)
         seeds.append(gradients[name][index])
-    return torch.autograd.grad(outputs, leaves, seeds, retain_graph=True)
+    return pull(outputs, leaves, seeds, retain_graph=True)

@@ -15,6 +15,7 @@ from aicon_torch.control.memory import (
     restart_rows,
 )
 from aicon_torch.control.stages import Named, Stage, run
+from aicon_torch.differentiation import values_only
 from aicon_torch.graph import WorldModel
 from aicon_torch.readings.validation import BEGINS, MeasurementValidation
 from aicon_torch.resolution import Memory
@@ -95,8 +96,7 @@ class ControlStep:
     def begin(self, memory: Memory, readings: Named) -> tuple[Named, Named]:
         """The values after the new readings, and where the descent begins."""
         values = self.estimate(memory, readings)
-        with torch.no_grad():
-            values.update(self.model.costs(values))
+        values.update(values_only(self.model.costs)(values))
 
         descent = {COUNT: self.model.like.new_ones(())}
         for name, actuator in self.model.actuators.items():

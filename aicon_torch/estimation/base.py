@@ -9,6 +9,7 @@ belief.
 
 from torch import Tensor
 
+from aicon_torch.estimation.measurement import Innovation
 from aicon_torch.interconnections import Node, Values
 
 
@@ -52,6 +53,13 @@ class Estimator(Node):
     def update(self, values: Values) -> dict[str, Tensor]:
         """The new outputs, from the values before the step, the last action and the readings."""
         raise NotImplementedError
+
+    def filtered(self, values: Values) -> tuple[dict[str, Tensor], list[Innovation]]:
+        """What :meth:`update` returns, and the innovations that it corrected by.
+
+        It keeps no graph of its own accord: see :mod:`aicon_torch.differentiation`.
+        """
+        return self.update(values), []
 
     def forward(self, values: Values, output: str) -> Tensor:
         """One of the outputs one step ahead, differentiable by the values that need a gradient."""

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
+
 
 class Correction(NamedTuple):
     """x⁺ = x − Kν and P⁺ = P − K S Kᵀ, with S = H P Hᵀ + R and K = P Hᵀ S⁻¹.
@@ -38,7 +40,7 @@ class Correction(NamedTuple):
         """Kν of a residual ν ``(*B, m)``, ``(*B, n)``, to be subtracted."""
         gain = self.gain
         if detach_gain:
-            gain = gain.detach()  # stops the derivative of the gain by the state
+            gain = stop(gain)  # stops the derivative of the gain by the state
         return (gain * residual.unsqueeze(-1)).sum(-2)
 
     def of_covariance(self) -> Tensor:

@@ -43,6 +43,7 @@ class Covariance(Node):
             raise GraphError(
                 f"{named}={noise!r}: expected one variance >= 0 or {size}, one a component."
             )
+        self.size, self.is_single = size, variances.dim() == 0
         self.register_buffer("constant", torch.diag(variances.expand(size).clone()))
 
     def forward(self, values: Values) -> Tensor:

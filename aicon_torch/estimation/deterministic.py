@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Sequence
 
-import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import values_only
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.interconnections import Interconnection, Values
@@ -65,7 +65,7 @@ class Deterministic(Estimator):
         """Nothing is remembered."""
         return {}
 
-    @torch.no_grad()
+    @values_only
     def update(self, values: Values) -> dict[str, Tensor]:
         """The value ``(*B, n)``."""
         return {self.outputs[0]: self(values, self.outputs[0])}

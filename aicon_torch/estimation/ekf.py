@@ -7,6 +7,7 @@ from typing import Literal
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import values_only
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.estimation.correction import Correction
@@ -97,14 +98,12 @@ class EKF(Estimator):
         mean, covariance = self._prior_belief(values)
         return {self.mean: mean, self.covariance: covariance}
 
-    @torch.no_grad()
+    @values_only
     def update(self, values: Values) -> dict[str, Tensor]:
         """Predict and correct; readings that are absent or beyond the gate are left out, by row."""
-        mean, covariance = self._predicted(values)
-        mean, covariance, _ = self._corrections(values, mean, covariance)
-        return {self.mean: mean, self.covariance: covariance}
+        return self.filtered(values)[0]
 
-    @torch.no_grad()
+    @values_only
     def innovations(self, values: Values) -> list[Innovation]:
         """By how much the readings differ from what was expected: what :meth:`update` corrects by.
 
@@ -114,8 +113,13 @@ class EKF(Estimator):
         Returns:
             The innovation of each measurement, from the belief that those before it left.
         """
+        return self.filtered(values)[1]
+
+    def filtered(self, values: Values) -> tuple[dict[str, Tensor], list[Innovation]]:
+        """The belief after prediction and correction, and the innovations."""
         mean, covariance = self._predicted(values)
-        return self._corrections(values, mean, covariance)[2]
+        mean, covariance, innovations = self._corrections(values, mean, covariance)
+        return {self.mean: mean, self.covariance: covariance}, innovations
 
     def forward(self, values: Values, output: str) -> Tensor:
         """The belief one step ahead: the moved mean, or the covariance after measuring there."""
@@ -231,9 +235,10 @@ class EKF(Estimator):
 
             # A reading that is absent or refused changes nothing in its row.
             distance = partial(correction.squared_distance, residual)
-            accepted = measurement.accepted(values, distance)
-            innovation = Innovation(measurement.inputs, residual, correction.spread, accepted)
-            innovations.append(innovation)
+            present = measurement.present(values)
+            accepted = measurement.accepted(present, distance)
+            told = (residual, correction.spread, accepted, present, measurement.gate)
+            innovations.append(Innovation(measurement.inputs, *told))
             if accepted is not None:
                 mean_change = torch.where(accepted[..., None], mean_change, 0.0)
                 covariance_change = torch.where(accepted[..., None, None], covariance_change, 0.0)

@@ -8,7 +8,7 @@ from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.ekf import EKF
-from aicon_torch.estimation.measurement import Measurement
+from aicon_torch.estimation.measurement import Innovation, Measurement
 from aicon_torch.interconnections import Values
 from aicon_torch.quantities import AGE, PRESENT
 
@@ -84,15 +84,14 @@ class LateEKF(EKF):
         past = {self.then[0]: mean, self.then[1]: covariance}
         return {**belief, **past, self.lag: mean.new_zeros(1), self.moves: at_rest}
 
-    @torch.no_grad()
-    def update(self, values: Values) -> dict[str, Tensor]:
+    def filtered(self, values: Values) -> tuple[dict[str, Tensor], list[Innovation]]:
         """Move the belief to when the reading was taken, correct it, and move it on to now."""
         moves = self._remembered_moves(values)
         new_lag = self._new_lag(values, moves)
 
         # To when the reading was taken, ...
         mean, covariance = self._at_reading(values, moves, new_lag)
-        mean, covariance, _ = self._corrections(values, mean, covariance)
+        mean, covariance, innovations = self._corrections(values, mean, covariance)
         then = {self.then[0]: mean, self.then[1]: covariance}
 
         # ... and on to now.
@@ -100,7 +99,7 @@ class LateEKF(EKF):
             is_due = back <= new_lag
             mean, covariance = self._moved(values, step, mean, covariance, is_due)
         now = {self.mean: mean, self.covariance: covariance}
-        return {**now, **then, self.lag: new_lag, self.moves: moves}
+        return {**now, **then, self.lag: new_lag, self.moves: moves}, innovations
 
     def forward(self, values: Values, output: str) -> Tensor:
         """The belief one step ahead, as if readings were on time; what is past stays.

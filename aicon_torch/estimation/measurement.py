@@ -19,12 +19,16 @@ class Innovation(NamedTuple):
         residual: ν = h(x⁻, z), ``(*B, m)``.
         spread: S = H P⁻ Hᵀ + R, ``(*B, m, m)``.
         accepted: Which rows believe the reading, ``(*B,)``; None where all must.
+        present: Which rows have one, believed or not, ``(*B,)``; None where all must.
+        gate: Squared distance beyond which one that is there is not believed.
     """
 
     inputs: tuple[str, ...]
     residual: Tensor
     spread: Tensor
     accepted: Tensor | None
+    present: Tensor | None = None
+    gate: float | None = None
 
 
 class Measurement(nn.Module):
@@ -76,21 +80,27 @@ class Measurement(nn.Module):
         self.inputs = tuple(dict.fromkeys(read))
         self._presence_flags = tuple(name + PRESENT for name in self.inputs)
 
-    def accepted(self, values: Values, squared_distance: Callable[[], Tensor]) -> Tensor | None:
+    def present(self, values: Values) -> Tensor | None:
+        """Which rows of the batch have what it reads, ``(*B,)``; None if all must."""
+        present = None
+        for flag in self._presence_flags:
+            if flag in values:
+                present = values[flag] if present is None else present & values[flag]
+        return present
+
+    def accepted(
+        self, present: Tensor | None, squared_distance: Callable[[], Tensor]
+    ) -> Tensor | None:
         """Which rows of the batch believe the reading, ``(*B,)``; None if all must.
 
         Args:
-            values: Named values of the step, with the presence flags of optional sensors.
+            present: What :meth:`present` says.
             squared_distance: Gives the squared Mahalanobis distance ``(*B,)`` of the residual.
         """
-        accepted = None
-        if self.gate is not None:
-            accepted = squared_distance() <= self.gate
-
-        for flag in self._presence_flags:
-            if flag in values:
-                accepted = values[flag] if accepted is None else accepted & values[flag]
-        return accepted
+        if self.gate is None:
+            return present
+        within = squared_distance() <= self.gate
+        return within if present is None else within & present
 
     def innovation(
         self, values: Values, name: str, differentiable: bool = False

@@ -20,6 +20,7 @@ from aicon_torch.export.codegen.targets import WEB, find_target
 from aicon_torch.export.flat_step import FlatStep
 from aicon_torch.export.in_turn import in_turn
 from aicon_torch.export.library import FORMAT, Library
+from aicon_torch.graph import WorldModel
 from aicon_torch.readings.validation import BEGINS
 
 _TEST_STEPS = 3
@@ -102,10 +103,19 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
 
     # What the library says of itself, and what calls these functions.
     metadata = _metadata(flat, description, perceives)
+    metadata["parameters"] = parameters_of(flat.model)
     metadata["fingerprint"] = hashlib.sha256("".join(functions).encode()).hexdigest()
     return "\n".join(
         [_HEADING, *functions, _constants(flat, metadata), in_turn(flat), _step(flat), _test(flat)]
     )
+
+
+def parameters_of(model: WorldModel) -> str:
+    """A number for the parameters of a model as they are; empty where it has none."""
+    digest, parameters = hashlib.sha256(), list(model.parameters())
+    for parameter in parameters:
+        digest.update(parameter.detach().double().numpy(force=True).tobytes())
+    return digest.hexdigest() if parameters else ""
 
 
 def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -> dict[str, Any]:

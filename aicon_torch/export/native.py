@@ -5,6 +5,7 @@ import logging
 import torch
 
 from aicon_torch.control.step import ControlStep
+from aicon_torch.errors import OptionError
 from aicon_torch.export.exported_policy import ExportedPolicy
 from aicon_torch.readings.perception import Perception
 
@@ -16,6 +17,7 @@ class NativeSteps:
 
     def __init__(self) -> None:
         self._steps: dict[torch.dtype, ExportedPolicy | None] = {}
+        self._versions: dict[torch.dtype, list[tuple[torch.Tensor, int]]] = {}
 
     def of(self, step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
         """The library of a step, as a policy; None where it must run otherwise.
@@ -23,6 +25,9 @@ class NativeSteps:
         Args:
             step: The step.
             perception: What stands before it.
+
+        Raises:
+            OptionError: If a parameter has changed since it was translated.
         """
         like = step.model.like
         if like.device.type != "cpu":
@@ -30,6 +35,12 @@ class NativeSteps:
 
         if like.dtype not in self._steps:
             self._steps[like.dtype] = self._translated(step, perception)
+            self._versions[like.dtype] = [(p, p._version) for p in step.model.parameters()]
+        for parameter, version in self._versions[like.dtype]:
+            if parameter._version != version:
+                raise OptionError(
+                    "The policy was compiled before its parameters changed: call compile() again."
+                )
         return self._steps[like.dtype]
 
     @staticmethod

@@ -2,13 +2,16 @@
 
 from aicon_torch.graph.build import Graph, build_graph
 from aicon_torch.graph.declaration import Declaration
+from aicon_torch.graph.filtering import Filtered, Innovations
 from aicon_torch.graph.paths import Edge, Path, PathTable
 from aicon_torch.graph.world_model import LocalGraph, LocalGraphs, WorldModel
 
 __all__ = [
     "Declaration",
     "Edge",
+    "Filtered",
     "Graph",
+    "Innovations",
     "LocalGraph",
     "LocalGraphs",
     "Path",

@@ -2,16 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 
-import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import values_only
 from aicon_torch.estimation import Estimator
 from aicon_torch.graph.checks import attempt
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.order import in_order
 
 
-@torch.no_grad()
+@values_only
 def initial_values(
     declaration: Declaration,
     estimators: Sequence[Estimator],

@@ -1,21 +1,25 @@
 """The world model: a graph of sensors, actuators, estimators and goals, run one step at a time."""
 
+import copy
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import hop_from, values_only
 from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.build import build_graph
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
+from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
 from aicon_torch.graph.paths import Edge, PathTable
 from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
+from aicon_torch.learned import learned_in, make_learn, numbers_of
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.shaping import straight_through
 
@@ -95,6 +99,7 @@ class WorldModel(nn.Module):
         self.to("cpu", dtype or torch.get_default_dtype())
 
         self.graph = build_graph(self.declaration, self.like)
+        self._register_learned()
 
     @property
     def sensors(self) -> dict[str, Sensor]:
@@ -195,6 +200,58 @@ class WorldModel(nn.Module):
                 dtype=self.like.dtype,
             )
 
+    def learn(self, *names: str, start: Mapping[str, Any] | None = None) -> "WorldModel":
+        """A copy of this model of which some numbers learn, and nothing else.
+
+        Variances, lengths, masses and whatever else is positive stay so, by what they are computed
+        from; weights of a network learn under the name of what it is in.
+
+        Args:
+            *names: The names of the numbers: see :attr:`numbers`.
+            start: Where some of them start, if not where they are; a variance rather too large.
+
+        Raises:
+            GraphError: If there is no such number, or it has no effect on what is estimated or
+                wanted.
+
+        Example:
+            >>> learner = model.learn("p_tar.noise", start={"p_tar.measurements.0.noise": 0.1})
+            >>> optimizer = torch.optim.Adam(learner.parameters(), lr=0.05)
+        """
+        model = copy.deepcopy(self)
+        chosen = {**dict.fromkeys(names), **(start or {})}
+        parameters = make_learn(model._named_parts(), chosen, self.like)
+        model._register_learned()
+        check_effect(model.declaration, model.graph, parameters, model.like)
+        return model
+
+    @property
+    def numbers(self) -> dict[str, Tensor]:
+        """What can learn, by name: the constants that the parts are made of, as they are now."""
+        numbers = numbers_of(self._named_parts())
+        return {name: torch.as_tensor(number.value) for name, number in numbers.items()}
+
+    def named_parameters(self, *args: Any, **kwargs: Any) -> Iterator[tuple[str, nn.Parameter]]:
+        """Those that learn: see :meth:`learn`."""
+        for name, parameter in super().named_parameters(*args, **kwargs):
+            if parameter.requires_grad:
+                yield name, parameter
+
+    def _named_parts(self) -> dict[str, nn.Module]:
+        """Estimators by their first output, goals, and the functions of actuators."""
+        parts: dict[str, nn.Module] = {}
+        for estimator in self.declaration.estimators:
+            parts[estimator.outputs[0]] = estimator
+        for name in self.actuators:
+            for place, function in enumerate(self.declaration.functions_of(name)):
+                parts[f"{name}.{place}"] = function
+        return {**parts, **self.goals}
+
+    def _register_learned(self) -> None:
+        """Own what learns in the parts."""
+        learned = learned_in(self._named_parts())
+        self.learned = nn.ModuleDict({name.replace(".", "/"): v for name, v in learned.items()})
+
     def values(self, memory: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """The values that a memory holds: estimates, readings, actions, and the time step ``dt``.
 
@@ -225,6 +282,32 @@ class WorldModel(nn.Module):
         for estimator in self.estimators:
             new.update(estimator.update(new))
         return {**new, "dt": dt}
+
+    def filter(
+        self,
+        readings: Mapping[str, Tensor],
+        actions: Mapping[str, Tensor],
+        truncate: int | None = None,
+    ) -> Filtered:
+        """Filter a log of T steps; what comes out is differentiable by the model's parameters.
+
+        Readings are believed, and episodes begin, as in a policy.
+
+        Args:
+            readings: Each sensor's by name, ``(*B, T, size)`` in the graph's unit, NaN where there
+                is none; one that is optional may be missing. Ages under the name with ``.age``,
+                ``(*B, T)``, s.
+            actions: Each actuator's by name, ``(*B, T, size)``: what was done after the reading.
+            truncate: After how many steps the gradient ends (truncated backpropagation through
+                time); None for the whole log.
+
+        Raises:
+            ObservationError: If a name is unknown or missing, or a shape does not fit.
+
+        Example:
+            >>> loss = -model.filter({"z_tar": bearings}, {"a": velocities}).log_likelihood().mean()
+        """
+        return LogFilter(self.declaration, self.graph, self.like)(readings, actions, truncate)
 
     def record(self, values: Mapping[str, Tensor]) -> LocalGraphs:
         """The local graphs at given values: how each quantity and goal depends on what it reads.
@@ -263,7 +346,7 @@ class WorldModel(nn.Module):
             for name in estimator.outputs:
                 if name in self.edges:
                     graphs[name] = self._record(name, foreseen)
-                    anticipated[name] = graphs[name].output.detach()  # a number: one hop ends here
+                    anticipated[name] = hop_from(graphs[name].output)  # one hop ends here
                 else:
                     anticipated[name] = self._anticipate(name, foreseen)
             foreseen.update(anticipated)  # together: its outputs start from the same belief
@@ -301,7 +384,7 @@ class WorldModel(nn.Module):
             connected.update(ahead)  # together: its outputs start from the same belief
         return self.costs(connected)
 
-    @torch.no_grad()
+    @values_only
     def displaced_cost(
         self, goal: str, quantity: str, displacement: Tensor, values: Mapping[str, Tensor]
     ) -> Tensor:
@@ -326,26 +409,26 @@ class WorldModel(nn.Module):
         cost: Tensor = self.goals[goal](inputs)
         return cost
 
-    @torch.no_grad()
+    @values_only
     def constrain(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor:
         """The action of an actuator within its constraints, ``(*B, size)``."""
         for constraint in self.declaration.constraints[actuator]:
             values = {**values, actuator: constraint(values)}
         return values[actuator]
 
-    @torch.no_grad()
+    @values_only
     def metric(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor | None:
         """What a departure from it counts, ``(*B, size, size)``; None for all alike."""
         metric = self.declaration.metrics.get(actuator)
         return None if metric is None else metric(values)
 
-    @torch.no_grad()
+    @values_only
     def dither(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor | None:
         """The motions that a dither mixes, ``(*B, size, k)``; None for one of each component."""
         dither = self.declaration.dithers.get(actuator)
         return None if dither is None else dither(values)
 
-    @torch.no_grad()
+    @values_only
     def commands(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """What to send for each actuator: its action, or the command that brings it about."""
         commands: dict[str, Tensor] = {}
@@ -373,7 +456,7 @@ class WorldModel(nn.Module):
         """Evaluate a quantity or goal on fresh leaves: one factor of Eq. 1."""
         leaves: dict[str, Tensor] = {}
         for edge in self.edges[name]:
-            value = values[edge.source].detach()  # ends the graph here: one hop
+            value = hop_from(values[edge.source])
             if edge.rows:  # a copy for each row, whose gradients then come apart
                 value = value.unsqueeze(-2).expand(*value.shape[:-1], edge.rows, -1)
             leaves[edge.source] = value.requires_grad_()
@@ -385,7 +468,7 @@ class WorldModel(nn.Module):
             output = self.owners[name](inputs, name)
         return LocalGraph(output, tuple(leaves.values()))
 
-    @torch.no_grad()
+    @values_only
     def _anticipate(self, name: str, values: Values) -> Tensor:
         """One step ahead, a quantity on no path: as a number."""
         anticipated: Tensor = self.owners[name](values, name)

@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import stop
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.joint_product import Transform
@@ -77,7 +78,7 @@ class CameraFrame(nn.Module):
     def forward(self, x_ee: Tensor) -> Tensor:
         """x_cam ``(*B, 12)`` where the end effector is, ``(*B, 6)``, m."""
         # No gradient reaches the other components: they do not move in order to see better.
-        x_ee = torch.where(self.steered, x_ee, x_ee.detach())
+        x_ee = torch.where(self.steered, x_ee, stop(x_ee))
         rotation, origin = self.pose.to_frame(x_ee)
 
         mount_rotation, mount_position = torch.split(self.mount.to(x_ee), [3, 1], dim=-1)
@@ -126,7 +127,7 @@ class Visibility:
         """(u, v): where the image of the object's centre is, ``(*B,)`` each."""
         # The object does not follow the camera, so only the camera's part of the derivative counts.
         height = torch.full_like(x_pose[..., :1], self.height)
-        center = torch.cat((x_pose[..., :2].detach(), height), dim=-1)
+        center = torch.cat((stop(x_pose[..., :2]), height), dim=-1)
 
         rotation, position = split_frame(x_cam)
         seen = ((center - position).unsqueeze(-2) @ rotation).squeeze(-2)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.parts.planar import norm, quarter_turn
 from aicon_torch.vectors import select
 
@@ -49,7 +50,7 @@ def closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
 def fixed_closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
     """x_contact as a constant, ``(*B, 2)``, m, which leaves out p₂, the path over its position."""
     contact = closest_point(x_pusher, x_side)
-    return contact.detach()  # stops the gradient by the position of the contact
+    return stop(contact)  # stops the gradient by the position of the contact
 
 
 def nearest_point(x_pusher: Tensor, sides: Tensor) -> tuple[Tensor, Tensor]:
@@ -116,9 +117,7 @@ class ContactLikelihood:
         Returns:
             Intended and incidental, ``(*B, 2)``.
         """
-        point = (
-            x_contact.detach()
-        )  # stops nothing: by the motion of the closest point no distance changes
+        point = stop(x_contact)  # nothing: by the motion of the closest point no distance changes
         normal = inward_normal(x_side)
         to_point = point - x_pusher
 
@@ -145,10 +144,10 @@ class ContactLikelihood:
 
         inside = torch.minimum(torch.maximum(place, least), length - least)
         shift = (inside - place).unsqueeze(-1) * along
-        return shift.detach()  # stops the gradient: where to aim is no goal
+        return stop(shift)  # stops the gradient: where to aim is no goal
 
     def _facing(self, to_point: Tensor, normal: Tensor, interior: Tensor) -> Tensor:
         """How far the side faces the pusher: 1, and at its ends max(0, cos), ``(*B,)``."""
         cosine = (normal * to_point).sum(-1) / norm(to_point)
-        share = cosine.clamp(min=0.0).detach()  # stops the gradient: it weighs, and is no goal
+        share = stop(cosine.clamp(min=0.0))  # stops the gradient: it weighs, and is no goal
         return torch.where(interior, 1.0, share)

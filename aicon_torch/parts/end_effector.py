@@ -6,6 +6,7 @@ from typing import Any, Literal, Protocol, get_args
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import is_hop, learns
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.chain import Chain
 
@@ -131,8 +132,12 @@ class EndEffector(nn.Module):
         if self.pullback == "transpose" or not x_joints.requires_grad:
             return self.at(self.chain.frames(x_joints))
 
-        pull_back = _NaturalPullback.apply
-        x_ee: Tensor = pull_back(x_joints, self)  # type: ignore[no-untyped-call]  # torch's is untyped
+        # While something learns, its loss goes by the chain rule, and a hop as it always does.
+        pull_back, given = _NaturalPullback.apply, (x_joints, self)
+        if learns():
+            pull_back = _NaturalHop.apply
+            given = (x_joints, self, self.at(self.chain.frames(x_joints)))
+        x_ee: Tensor = pull_back(*given)  # type: ignore[no-untyped-call]  # torch's is untyped
         return x_ee
 
     def jacobian(self, x_joints: Tensor) -> Tensor:
@@ -214,3 +219,21 @@ class _NaturalPullback(torch.autograd.Function):
         (frames,) = ctx.saved_tensors
         jacobian = ctx.end_effector.jacobian_at(frames)
         return ctx.end_effector.natural_gradient(jacobian, gradients[0]), None
+
+
+class _NaturalHop(torch.autograd.Function):
+    """x_ee forward; backward the natural gradient in a hop, which is itself differentiable."""
+
+    @staticmethod
+    def forward(ctx: Any, x_joints: Tensor, end_effector: EndEffector, x_ee: Tensor) -> Tensor:
+        ctx.end_effector = end_effector
+        ctx.save_for_backward(x_joints)
+        return x_ee.view_as(x_ee)
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor | None, None, Tensor | None]:
+        if not is_hop():
+            return None, None, gradients[0]
+        (x_joints,) = ctx.saved_tensors
+        jacobian = ctx.end_effector.jacobian(x_joints)
+        return ctx.end_effector.natural_gradient(jacobian, gradients[0]), None, None

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn
 from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.vectors import constants
 
 NO_FORCE = 1e-12
 """Motion along the normal that counts as none, m."""
@@ -36,7 +38,7 @@ class PoseMotion:
 
     dynamics: ContactDynamics
     radius: float
-    friction: float = 0.0
+    friction: float | Tensor = 0.0
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
         """The pose (x, y, θ).
@@ -52,9 +54,9 @@ class PoseMotion:
         # What moved the object is past, and what will move it is the contact model's matter; how a
         # push depends on the pose is of second order. So the belief moves as it is, and no gradient
         # leaves through the push.
-        way, pose = d_pusher.detach(), x_pose.detach()
+        way, pose = stop(d_pusher), stop(x_pose)
         way = way.reshape(*way.shape[:-1], -1, 2)
-        start = x_pusher.detach() - way[..., -1, :]
+        start = stop(x_pusher) - way[..., -1, :]
 
         moved = torch.zeros_like(pose)
         before = torch.zeros_like(start)
@@ -73,7 +75,7 @@ class PoseMotion:
         # How far the pusher went beyond it, and what that does.
         normal = (point - pusher) / (gap + self.radius).unsqueeze(-1)
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
-        if self.friction == 0:
+        if not isinstance(self.friction, Tensor) and self.friction == 0:
             response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
             return push.unsqueeze(-1) * response.squeeze(-2)
         return push.unsqueeze(-1) * self._response(point - pose[..., :2], normal, motion)
@@ -100,6 +102,32 @@ class PoseMotion:
         turn = cross(arm, direction) / square
         speed = 1 + turn * cross(arm, normal)
         return torch.cat((direction, turn.unsqueeze(-1)), dim=-1) / speed.unsqueeze(-1)
+
+
+@dataclass(frozen=True)
+class PushNoise:
+    """Variances of a pose that a step adds: σ² = σ₀² + (κ d)², where a push has moved it by d.
+
+    An object at rest stays, and what a push does is known to a share κ of it.
+
+    Attributes:
+        motion: What a push does.
+        rest: σ₀, m.
+        share: κ.
+    """
+
+    motion: PoseMotion
+    rest: float
+    share: float
+
+    def __call__(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
+        """The variances ``(*B, 3)``, m² and rad²; the arguments are those of the motion."""
+        gyration = self.motion.dynamics.body.radius_of_gyration
+        moved = stop(self.motion(x_pose, x_pusher, d_pusher) - x_pose)
+        turned = gyration * moved[..., 2:]
+        square = (moved[..., :2] ** 2).sum(-1, keepdim=True) + turned**2
+        variance = self.rest**2 + self.share**2 * square
+        return torch.cat((variance, variance, variance / gyration**2), dim=-1)
 
 
 def resting_pose(x_pose: Tensor) -> Tensor:
@@ -139,9 +167,8 @@ class KeypointRegistration:
     def prior(self, z_keypoints: Tensor) -> tuple[Tensor, Tensor]:
         """Mean ``(*B, 3)`` and covariance ``(3, 3)`` at first: where the first reading shows it."""
         rotation_deviation = self.prior_deviation / self.body.radius_of_gyration
-        deviations = z_keypoints.new_tensor(
-            (self.prior_deviation, self.prior_deviation, rotation_deviation)
-        )
+        each = (self.prior_deviation, self.prior_deviation, rotation_deviation)
+        deviations = constants(each, z_keypoints)
         return self.observed_pose(z_keypoints), torch.diag(deviations**2)
 
     def variances(self, noise: float) -> tuple[float, float, float]:

@@ -3,6 +3,7 @@
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop, values_only
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
 
@@ -30,7 +31,7 @@ class Recent(Estimator):
         first = values[self.sensor]
         return {self.outputs[0]: torch.cat([first] * self.steps, dim=-1)}
 
-    @torch.no_grad()
+    @values_only
     def update(self, values: Values) -> dict[str, Tensor]:
         """The last one comes, and the oldest goes."""
         kept, last = values[self.outputs[0]], values[self.sensor]
@@ -38,4 +39,4 @@ class Recent(Estimator):
 
     def forward(self, values: Values, output: str) -> Tensor:
         """What has been read stays."""
-        return values[output].detach()
+        return stop(values[output])

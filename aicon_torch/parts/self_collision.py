@@ -7,6 +7,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import stop, values_only
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
@@ -155,8 +156,8 @@ def segment_distance(first: Tensor, second: Tensor) -> Tensor:
     direction_1, direction_2 = end_1 - start_1, end_2 - start_2
 
     # No derivative of s and t: there the distance is stationary, or they are clamped.
-    with torch.no_grad():
-        s, t = _nearest_parameters(direction_1, direction_2, start_1 - start_2)
+    nearest = values_only(_nearest_parameters)
+    s, t = map(stop, nearest(direction_1, direction_2, start_1 - start_2))
 
     gap = start_1 + s.unsqueeze(-1) * direction_1 - start_2 - t.unsqueeze(-1) * direction_2
     return norm(gap)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import values_only
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
 
@@ -133,7 +134,7 @@ class PusherMotion(Estimator):
         """The pusher was at rest."""
         return {"d_pusher": self.at_rest, "v_pusher": self.at_rest[:2]}
 
-    @torch.no_grad()
+    @values_only
     def update(self, values: Values) -> dict[str, Tensor]:
         """How the last action moved it."""
         return {name: self(values, name) for name in self.outputs}

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import stop
 from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.planar import norm
@@ -41,7 +42,7 @@ class ContactForce(nn.Module):
     def forward(self, z_ft: Tensor, x_ee: Tensor) -> Tensor:
         """The force, from the reading ``(*B, 6)`` in the frame of the tool, N and Nm."""
         # The arm does not turn for the sake of a reading.
-        rotation, _ = self.pose.to_frame(x_ee.detach())
+        rotation, _ = self.pose.to_frame(stop(x_ee))
         force = (rotation @ z_ft[..., :3, None]).squeeze(-1)
         return self.weight.to(z_ft) - force
 
@@ -81,13 +82,13 @@ class TouchedSide:
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor) -> Tensor:
         """The gap ``(*B, 1)``, m, between an object at ``(*B, 3)`` and a tool at ``(*B, 2)``."""
-        pusher = x_pusher.detach()  # the object's pose is to follow from the touch, not the tool
+        pusher = stop(x_pusher)  # the object's pose is to follow from the touch, not the tool
         _, distance = nearest_point(pusher, self.body.sides(self.body.keypoints_at(x_pose)))
         return distance - self.radius
 
     def variance(self, x_force: Tensor) -> Tensor:
         """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²: of no use where there is none."""
-        force = x_force[..., :2].detach()  # nothing is pushed in order to feel
+        force = stop(x_force[..., :2])  # nothing is pushed in order to feel
         likelihood = self.push(norm(force))
         return (self.deviation / likelihood).square().unsqueeze(-1)
 
@@ -106,9 +107,9 @@ class TouchedTop:
 
     def __call__(self, x_top: Tensor, x_ee: Tensor) -> Tensor:
         """Height of the object's top ``(*B, 1)`` above the tip of the tool, ``(*B, 1)``, m."""
-        return x_top - x_ee[..., 2:3].detach()  # the height of the top is to follow from the touch
+        return x_top - stop(x_ee[..., 2:3])  # the height of the top is to follow from the touch
 
     def variance(self, x_force: Tensor) -> Tensor:
         """σ²/p² with the likelihood p of a push, ``(*B, 1)``, m²."""
-        force = x_force[..., 2:3].detach()  # nothing is pushed in order to feel
+        force = stop(x_force[..., 2:3])  # nothing is pushed in order to feel
         return (self.deviation / self.push(force)).square()

@@ -3,6 +3,7 @@
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import values_only
 from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
@@ -39,7 +40,7 @@ class VelocityLag(Estimator):
         """The joints were at rest."""
         return {"v_joints": self.at_rest}
 
-    @torch.no_grad()
+    @values_only
     def update(self, values: Values) -> dict[str, Tensor]:
         """How the joints move after the last action, ``(*B, n)``, rad/s."""
         a, v_joints = values["a"], values["v_joints"]

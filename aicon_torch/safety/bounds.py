@@ -7,6 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.dampers import ConstraintEscape
+from aicon_torch.differentiation import hop_from, pull
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -198,9 +199,9 @@ class ActuatorSafety:
             action = torch.zeros_like(copies[self.actuator]).requires_grad_()
             all_gaps = self._gaps_ahead(goal, {**copies, self.actuator: action})
             gaps = all_gaps.gather(-1, gap_of_copy).squeeze(-1)
-            (slopes,) = torch.autograd.grad(gaps.sum(), action)
+            (slopes,) = pull(gaps.sum(), action)
 
-        at_rest = gaps.detach()  # a bound is a number
+        at_rest = hop_from(gaps)  # a bound is a number
         return at_rest.movedim(0, -1), slopes.movedim(0, -2)
 
     def _gaps_ahead(self, goal: Goal, values: Mapping[str, Tensor]) -> Tensor:

@@ -25,6 +25,7 @@ def test_nothing_but_code_numbers_and_pictures_of_ours_is_shipped() -> None:
     kinds |= {".webp"}  # the films of the gallery
     kinds |= {".css", ".html"}  # the site's, and its pages to play with
     kinds |= {".zip"}  # agents of stable-baselines3 that were trained here
+    kinds |= {".pt"}  # weights of a network that was trained here
     for folder in ("aicon_torch", "envs", "baselines", "examples", "docs"):
         for path in (ROOT / folder).rglob("*"):
             parts = path.relative_to(ROOT).parts

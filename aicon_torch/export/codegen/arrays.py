@@ -8,10 +8,16 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number, Program
+from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number, Program, whole_array
 
 Array = NDArray[Any]
 """The numbers of a tensor, in its shape."""
+
+LOOPED = 256
+"""Numbers from which on an operation on the results of a routine is a loop."""
+
+REDUCED = ("add", "maximum")
+"""Operations along all of an array that are a loop as well."""
 
 COMPARISONS = ("eq", "ne", "lt", "le", "gt", "ge")
 
@@ -58,7 +64,39 @@ class Writer:
             arrays = [self.cast(arrays[0], "bool"), *(self.cast(a, kind) for a in arrays[1:])]
         elif not operation.startswith("to_"):
             arrays = [self.cast(array, kind) for array in arrays]
+        looped = self._looped(operation, kind, arrays)
+        if looped is not None:
+            return looped
         return self._each(lambda *numbers: self.program.apply(operation, numbers, kind), *arrays)
+
+    def _looped(self, operation: str, kind: Kind, arrays: Sequence[Array]) -> Array | None:
+        """The operation as a loop over arrays of many numbers; None where they are not."""
+        shape = np.broadcast_shapes(*[array.shape for array in arrays])
+        count = int(np.prod(shape))
+        if count < LOOPED or (kind != "real" and operation not in COMPARISONS):
+            return None
+
+        arguments: list[Number] = []
+        places: list[str] = []
+        for index, array in enumerate(arrays):
+            numbers = list(np.broadcast_to(array, shape).reshape(-1))
+            is_condition = operation == "where" and index == 0
+            if numbers[0].kind != ("bool" if is_condition else "real"):
+                return None
+            source = whole_array(numbers)
+            if all(number is numbers[0] for number in numbers):
+                arguments.append(numbers[0])
+                places.append("{}")
+            elif source is not None:
+                arguments.append(source)
+                places.append("{}[i]")
+            elif all(number.operation == CONSTANT for number in numbers):
+                places.append(f"{self.program.table([n.value for n in numbers])}[i]")
+            else:
+                return None
+        if "{}[i]" not in places:
+            return None
+        return as_array(self.program.loop(operation, arguments, places, kind, count), shape)
 
     def reduce(
         self, operation: str, kind: Kind, values: Array, dims: Sequence[int], keeps: bool
@@ -68,6 +106,16 @@ class Writer:
         last = np.moveaxis(values, dims, range(-len(dims), 0)) if dims else values[..., None]
         kept = last.shape[: last.ndim - max(len(dims), 1)]
         rows = last.reshape(*kept, -1)
+
+        if operation in REDUCED and rows.size >= LOOPED and kind == "real":
+            source = whole_array(list(rows.reshape(-1)))
+            if source is not None and source.kind == "real":
+                count = rows.size // rows.shape[-1]
+                sizes = (rows.shape[-1], count, count)
+                call = self.program.call(f"{operation}_rows", [source], sizes)
+                items = [self.program.item(call, place) for place in range(count)]
+                reduced = as_array(items, kept)
+                return np.expand_dims(reduced, tuple(dims)) if keeps else reduced
 
         result = self.cast(rows[..., 0], kind)
         for place in range(1, rows.shape[-1]):

@@ -7,17 +7,22 @@ import torch
 
 from aicon_torch.export.codegen.arrays import Array
 from aicon_torch.export.codegen.functions import FUNCTIONS
+from aicon_torch.export.codegen.networks import NETWORK_ROUTINES
 from aicon_torch.export.codegen.scalars import (
     CONSTANT,
     INPUT,
     ITEM,
+    LOOP,
     OPERATIONS,
     PICK,
     Number,
     Program,
 )
-from aicon_torch.export.codegen.solving import ROUTINES
+from aicon_torch.export.codegen.solving import ROUTINES as SOLVING_ROUTINES
 from aicon_torch.export.codegen.splitting import numbers_behind, roots_of, split_by
+
+ROUTINES = {**SOLVING_ROUTINES, **NETWORK_ROUTINES}
+"""The routines that a program calls, in C."""
 
 TYPES = {"real": "real", "int": "integer", "bool": "int"}
 """The type of each kind of number in C."""
@@ -63,6 +68,7 @@ def function(
     """
     return "\n".join(
         [
+            *_tables(program),
             f"static void {name}({_parameters(inputs, outputs)}) {{",
             *_statements(program, numbers_behind(program, roots_of(outputs))),
             *_assignments(outputs, program),
@@ -92,17 +98,13 @@ def repeated_function(
         varying: The names of inputs that differ from call to call.
     """
     split = split_by(program, outputs, varying)
-    members = [f"{TYPES[number.kind]} v{number.index};" for number in split.kept]
-    keep = [f"  kept->v{number.index} = {_text(number, program)};" for number in split.kept]
-    recall = [
-        f"  const {TYPES[number.kind]} v{number.index} = kept->v{number.index};"
-        for number in split.kept
-    ]
+    members, keep, recall = zip(*map(_kept, split.kept), strict=True) if split.kept else ((),) * 3
 
     fixed = [input for input in inputs if input not in varying]
     kept = f"struct {name}_kept *restrict kept"
     return "\n".join(
         [
+            *_tables(program),
             f"struct {name}_kept {{ {' '.join(members)} }};",
             f"static void {name}_once({_parameters(fixed, (), kept)}) {{",
             *_statements(program, split.once),
@@ -115,6 +117,35 @@ def repeated_function(
             "}\n",
         ]
     )
+
+
+def _kept(number: Number) -> tuple[str, str, str]:
+    """How a number, or an array, is declared where it is kept, kept there, and read again."""
+    name, kind = f"v{number.index}", TYPES[number.kind]
+    if _is_array(number):
+        copied = f"  memcpy(kept->{name}, {name}, sizeof {name});"
+        return (
+            f"real {name}[{number.value[-1]}];",
+            copied,
+            f"  const real *{name} = kept->{name};",
+        )
+    recalled = f"  const {kind} {name} = kept->{name};"
+    return f"{kind} {name};", f"  kept->{name} = {name};", recalled
+
+
+def _is_array(number: Number) -> bool:
+    """Whether it is all that a routine or a loop gives, and not one of that."""
+    return number.operation == LOOP or number.operation in ROUTINES
+
+
+def _tables(program: Program) -> list[str]:
+    """The tables of constants, each once in a file."""
+    lines: list[str] = []
+    for name, values in program.tables.items():
+        numbers = ", ".join(repr(value) + _suffix(program) for value in values)
+        lines += [f"#ifndef {name.upper()}", f"#define {name.upper()}"]
+        lines += [f"static const real {name}[] = {{{numbers}}};", "#endif"]
+    return lines
 
 
 def _parameters(inputs: Iterable[str], outputs: Iterable[str], *between: str) -> str:
@@ -148,6 +179,8 @@ def _statement(number: Number, program: Program) -> list[str]:
     name = f"v{number.index}"
     if number.operation in ROUTINES:
         return _call(number, name, arguments)
+    if number.operation == LOOP:
+        return _loop(number, name, arguments, program)
     if number.operation == PICK:
         return _lookup(number, name, *arguments)
 
@@ -171,6 +204,15 @@ def _lookup(number: Number, name: str, index: str, *candidates: str) -> list[str
     ]
 
 
+def _loop(number: Number, name: str, arguments: Sequence[str], program: Program) -> list[str]:
+    """An operation on each number of arrays."""
+    operation, places, count = number.value
+    given = iter(arguments)
+    at_place = [place.format(next(given)) if "{}" in place else place for place in places]
+    text = OPERATIONS[operation].text.format(*at_place, f=_suffix(program))
+    return [f"  real {name}[{count}];", f"  for (int i = 0; i < {count}; ++i) {name}[i] = {text};"]
+
+
 def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
     """The call of a routine, whose arguments and results are arrays."""
     *sizes, count = number.value
@@ -178,11 +220,13 @@ def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
     result = f"  real {name}[{count}];"
 
     pointers = f"{name}_in"
+    if len(number.arguments) == 1 and _is_array(number.arguments[0]):
+        given, pointers = "", arguments[0]
     if number.operation.startswith("substitute"):
         size = sizes[0]
         pointers = f"{name}_in, {name}_in + {size * size}, {name}_in + {size * size + size}"
     numbers = ", ".join(str(size) for size in sizes)
-    return [given, result, f"  {number.operation}({numbers}, {pointers}, {name});"]
+    return [*filter(None, (given, result)), f"  {number.operation}({numbers}, {pointers}, {name});"]
 
 
 def _text(number: Number, program: Program) -> str:

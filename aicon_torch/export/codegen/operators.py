@@ -222,15 +222,10 @@ def softmax(writer: Writer, kind: Kind, value: Array, dim: int, _: bool = False)
     return writer.map("div", kind, growth, writer.reduce("add", kind, growth, [dim], True))
 
 
-def product(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
+def product_in_lines(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
     """``(..., n, k)`` times ``(..., k, m)``."""
     terms = writer.map("mul", kind, first[..., :, :, None], second[..., None, :, :])
     return writer.reduce("add", kind, terms, [-2], False)
-
-
-def product_and_sum(writer: Writer, kind: Kind, start: Array, first: Array, second: Array) -> Array:
-    """C + AB."""
-    return writer.map("add", kind, start, product(writer, kind, first, second))
 
 
 ELEMENTWISE: dict[str, Translation] = {
@@ -261,9 +256,6 @@ ELEMENTWISE: dict[str, Translation] = {
     "var_mean": variance_and_mean,
     "linalg_vector_norm": norm,
     "_softmax": softmax,
-    "mm": product,
-    "bmm": product,
-    "addmm": product_and_sum,
 }
 """The translation of each operator on numbers, by its name in aten without the overload."""
 

@@ -1,5 +1,6 @@
 """A program of numbers: what a graph of tensors computes, element by element."""
 
+import hashlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -34,6 +35,14 @@ class Number:
     arguments: tuple["Number", ...]
     kind: Kind
     value: Any = None
+
+
+LOOP = "loop"
+"""An elementary operation on every number of arrays: an array itself, as the result of a routine.
+
+Its value are the operation, what each of its arguments is at place i in C, and how many numbers it
+has.
+"""
 
 
 @dataclass(frozen=True)
@@ -125,6 +134,7 @@ class Program:
     def __init__(self, dtype: torch.dtype) -> None:
         self.dtype = dtype
         self.numbers: list[Number] = []
+        self.tables: dict[str, list[float]] = {}  # constants of routines
         self._places: dict[tuple[Any, ...], Number] = {}
         self._round = np.float32 if dtype == torch.float32 else np.float64
 
@@ -148,13 +158,42 @@ class Program:
             return shorter
         return self._number(operation, arguments, kind)
 
-    def call(self, routine: str, arguments: Iterable[Number], sizes: tuple[int, ...]) -> Number:
+    def call(self, routine: str, arguments: Iterable[Number], sizes: tuple[Any, ...]) -> Number:
         """A call of a routine, whose results :meth:`item` gives."""
         return self._number(routine, tuple(arguments), "real", sizes)
 
+    def table(self, constants: Sequence[float]) -> str:
+        """The name of an array of constants."""
+        values = [float(value) for value in constants]
+        digest = hashlib.sha256(np.asarray(values).tobytes()).hexdigest()
+        name = f"table_{digest[:16]}"
+        self.tables[name] = values
+        return name
+
     def item(self, call: Number, place: int) -> Number:
-        """One of the results of a routine."""
-        return self._number(ITEM, (call,), "real", place)
+        """One of the results of a routine, or of a loop."""
+        return self._number(ITEM, (call,), call.kind, place)
+
+    def loop(
+        self,
+        operation: str,
+        arguments: Sequence[Number],
+        places: Sequence[str],
+        kind: Kind,
+        count: int,
+    ) -> list[Number]:
+        """The results of an operation on arrays.
+
+        Args:
+            operation: The operation.
+            arguments: Arrays, and numbers that are the same for all.
+            places: What its arguments are at place i, with ``{}`` for each of these in turn.
+            kind: The kind of the results.
+            count: How many there are.
+        """
+        value = (operation, tuple(places), count)
+        call = self._number(LOOP, tuple(arguments), kind, value)
+        return [self.item(call, place) for place in range(count)]
 
     def pick(self, index: Number, candidates: Sequence[Number]) -> Number:
         """The candidate at an index; the first one where there is none."""
@@ -209,6 +248,21 @@ class Program:
             if _is(right, neutral_right):
                 return left
         return None
+
+
+def whole_array(numbers: Sequence[Number]) -> Number | None:
+    """The routine or loop whose results these are, all of them in their order; None for others."""
+    first = numbers[0]
+    if first.operation != ITEM:
+        return None
+    (source,) = first.arguments
+    if source.value[-1] != len(numbers):
+        return None
+    are_its = all(
+        number.operation == ITEM and number.arguments[0] is source and number.value == place
+        for place, number in enumerate(numbers)
+    )
+    return source if are_its else None
 
 
 def _is(number: Number, value: float | None) -> bool:

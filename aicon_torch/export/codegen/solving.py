@@ -80,7 +80,7 @@ static void substitute_adjoint(int n, int m, const real *lu, const real *rows, c
 }
 """,
 }
-"""The routines in C, in the order in which they use each other."""
+"""The routines in C."""
 
 
 def solve_ex(

@@ -12,6 +12,7 @@ from aicon_torch.errors import GraphError
 from aicon_torch.export.codegen.arrays import Array, Writer, kind_of
 from aicon_torch.export.codegen.creation import CREATION
 from aicon_torch.export.codegen.indexing import INDEXING
+from aicon_torch.export.codegen.networks import NETWORKS
 from aicon_torch.export.codegen.operators import ELEMENTWISE, Translation
 from aicon_torch.export.codegen.scalars import Kind
 from aicon_torch.export.codegen.selection import SELECTION
@@ -23,6 +24,7 @@ TRANSLATIONS: dict[str, Translation] = {
     **SELECTION,
     **SOLVING,
     **CREATION,
+    **NETWORKS,
 }
 """The translation of each operator, by its name in aten without the overload."""
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from torch import Tensor, nn
 
+from aicon_torch.differentiation import stop
 from aicon_torch.estimation import (
     EKF,
     Deterministic,
@@ -125,8 +126,8 @@ class TipMotion(nn.Module):
     def forward(self, x_joints: Tensor, velocity: Tensor, dt: Tensor) -> Tensor:
         """The motion at the joint angles ``(*B, n)``, rad, by their velocity ``(*B, n)``, rad/s."""
         # What moved the object is past, so no gradient leads to the next action.
-        jacobian = self.end_effector.jacobian(x_joints.detach())
-        tip: Tensor = (jacobian @ velocity.detach().unsqueeze(-1)).squeeze(-1)
+        jacobian = self.end_effector.jacobian(stop(x_joints))
+        tip: Tensor = (jacobian @ stop(velocity).unsqueeze(-1)).squeeze(-1)
         return even_motion(tip[..., :2] * dt, self.parts)
 
 

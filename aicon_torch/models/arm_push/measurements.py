@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.parts.camera import to_world
 from aicon_torch.parts.planar import pose_error
 from aicon_torch.parts.rigid_object import RigidObject
@@ -23,7 +24,7 @@ def keypoints_in_world(z_keypoints: Tensor, x_cam: Tensor) -> Tensor:
         ``(*B, K, 3)``, m.
     """
     points = z_keypoints.reshape(*z_keypoints.shape[:-1], -1, 3)
-    return to_world(x_cam.detach(), points)
+    return to_world(stop(x_cam), points)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from collections.abc import Callable
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -22,6 +23,7 @@ from aicon_torch.interconnections import Interconnection
 from aicon_torch.models.pusht.benchmark import PUSHER_RADIUS, SUBSTEP
 from aicon_torch.models.pusht.interface import actuator, sensors
 from aicon_torch.models.pusht.options import Options
+from aicon_torch.models.pusht.picture import PicturePerception
 from aicon_torch.models.pusht.pushed_object import object_estimators, rigid_object
 from aicon_torch.models.pusht.pusher import motion_in_step, pusher_estimators
 from aicon_torch.parts.contact import closest_point, fixed_closest_point
@@ -29,11 +31,15 @@ from aicon_torch.parts.pose import FixedTarget, PoseDistance
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.parts.servo import Servo
 from aicon_torch.policy import Policy
+from aicon_torch.readings import Perception
 
 
 def build(options: Options) -> Policy:
     """The pushing policy."""
-    return Policy(world_model(options), options.resolution, options.law)
+    perception: Perception | None = None
+    if options.picture is not None:
+        perception = PicturePerception.load(options.picture, rigid_object(options))
+    return Policy(world_model(options), options.resolution, options.law, perception)
 
 
 def world_model(options: Options) -> WorldModel:
@@ -84,6 +90,6 @@ def _likelihood(options: Options) -> Callable[..., Tensor]:
     likelihood = options.contact.likelihood(PUSHER_RADIUS)
 
     def fixed_likelihood(x_pusher: Tensor, x_contact: Tensor, x_side: Tensor) -> Tensor:
-        return likelihood(x_pusher.detach(), x_contact, x_side)  # stops p₁
+        return likelihood(stop(x_pusher), x_contact, x_side)  # stops p₁
 
     return likelihood if options.likelihood_path else fixed_likelihood

@@ -7,6 +7,7 @@ from torch import Tensor
 
 from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_NOISE, WORKSPACE
 from aicon_torch.models.pusht.options import Options
+from aicon_torch.models.pusht.picture import SEEN
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.servo import PositionTarget, Servo
@@ -36,8 +37,12 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     rigid: dict[str, Any] = {"is_possible": shape} if options.watchdog else {}
     found = {
         "z_pusher": Sensor(2, "m", key="agent_pos", **_moving(options), **seen),
-        "z_keypoints": Sensor(size, "m", key="environment_state", **rigid, **seen),
     }
+    if options.picture is None:
+        found["z_keypoints"] = Sensor(size, "m", key="environment_state", **rigid, **seen)
+    else:
+        told = {"key": "seen", "optional": True, **_watched(options)}
+        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", **told)
 
     if options.command == "velocity":  # a place is reached, and held, in a time of its own
         found["z_elapsed"] = clock(options.dt)

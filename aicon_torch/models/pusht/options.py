@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
 import torch
@@ -42,6 +43,10 @@ class Options:
         command: Whether the action is sent as the PD controller's position target or as the
             velocity itself.
         compensate_lag: Whether the position target takes the controller's lag into account.
+        picture: File of a trained :class:`aicon_torch.models.pusht.picture.PoseNetwork`, which sees
+            the object in ``pixels``; None reads its keypoints instead.
+        push_noise: Where the object is seen in pictures: standard deviation of what a push does
+            besides the model, as a share of what it does.
         keypoint_noise: Standard deviation of each coordinate of a keypoint, m.
         keypoint_offset: Standard deviation of an offset that all keypoints have in common, m; 0 if
             there is none. It is estimated from what touches what.
@@ -67,6 +72,8 @@ class Options:
     max_speed: float = 800 * PIXEL
     command: Literal["position", "velocity"] = "position"
     compensate_lag: bool = True
+    picture: str | Path | None = None
+    push_noise: float = 0.2
     keypoint_noise: float = 0.1 * PIXEL
     keypoint_offset: float = 0.0
     estimation: bool = True
@@ -83,10 +90,15 @@ class Options:
             OptionError: If an option is not what it may be.
         """
         check_positive(self, ("dt", "max_speed", "keypoint_noise"))
-        check_not_negative(self, ("keypoint_offset",))
+        check_not_negative(self, ("keypoint_offset", "push_noise"))
         check_choice(self, "command", ("position", "velocity"))
         numbers("goal_pose", self.goal_pose, 3)
         check_steps(self, "delay")
+        if self.picture is not None and (self.keypoint_offset or self.delay):
+            raise OptionError(
+                "picture: what is seen in pictures is prompt and has no keypoints; expected "
+                "keypoint_offset=0 and delay=0."
+            )
         if self.dt < SUBSTEP or abs(self.dt / SUBSTEP - self.substeps) > 1e-6:
             raise OptionError(
                 f"dt={self.dt!r}: expected a multiple of {SUBSTEP} s, the PD controller's sub-step."

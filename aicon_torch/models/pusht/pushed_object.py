@@ -19,11 +19,13 @@ from aicon_torch.models.pusht.benchmark import (
     T_RADIUS_OF_GYRATION,
 )
 from aicon_torch.models.pusht.options import Options
+from aicon_torch.models.pusht.picture import first_sight, seen_off, seen_variances
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.pose import (
     KeypointRegistration,
     PoseMotion,
+    PushNoise,
     resting_pose,
 )
 from aicon_torch.parts.rigid_object import RigidObject
@@ -65,7 +67,10 @@ def object_estimators(options: Options, dynamics: ContactDynamics, parts: int) -
         parts: Number of parts in which the pusher's way through a step is known.
     """
     placed = Interconnection(dynamics.body.keypoints_at, inputs=["x_pose"])
-    estimators = [_pose(options, dynamics, parts), Deterministic("x_keypoints", placed)]
+    pose = _pose(options, dynamics, parts)
+    if options.picture is not None:
+        pose = _seen_pose(options, dynamics)
+    estimators = [pose, Deterministic("x_keypoints", placed)]
     return [*estimators, _offset(options, dynamics.body)] if options.keypoint_offset else estimators
 
 
@@ -99,6 +104,22 @@ def _residual(options: Options, registration: KeypointRegistration) -> Callable[
         return registration(x_pose, z_keypoints) + pad(x_offset[..., :2], (0, 1))
 
     return without_offset
+
+
+def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
+    """The pose as a network sees it in a picture, with the variances that it tells."""
+    pushed = PoseMotion(dynamics, PUSHER_RADIUS)
+    motion = pushed if options.estimation else resting_pose
+    noise = PushNoise(pushed, PROCESS_NOISE, options.push_noise)
+    return EKF(
+        "x_pose",
+        "P_pose",
+        predict=Interconnection(motion, x_pose=Constant(torch.eye(3))),
+        noise=noise,
+        initial=first_sight,
+        size=3,
+        correct=[Measurement(seen_off, seen_variances, size=3)],
+    )
 
 
 def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:

@@ -6,6 +6,7 @@ seed. Repeats differ in their noise only.
 
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -18,9 +19,13 @@ from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, lo
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTEnv
+from aicon_envs.pusht.clutter import Clutter
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
 
 _UPSTREAM = "upstream"
+_PICTURE = Path(__file__).parents[2] / "checkpoints" / "pusht_picture" / "weights.pt"
+_PIXELS = {"obs_type": "pixels_agent_pos"}
+_CLUTTER = ("distractors", "covered", "hidden")
 _SPEED = 800.0  # the usual speed limit of the policy, px/s; the benchmark has none
 _OBJECTS = ("L", "U", "Z", "H", "plus", "quadrilateral")
 
@@ -42,6 +47,11 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "dropout": {"wrappers": [partial(Dropout, probability=0.5)]},
     "delay": {"wrappers": [partial(Delay, steps=3)]},
     "keypoint_noise": {"wrappers": [partial(SensorNoise, sigma=2.0)]},
+    "pixels": _PIXELS,
+    **{
+        f"pixels_{kind}": {**_PIXELS, "wrappers": [partial(Clutter, kind=kind)]}
+        for kind in _CLUTTER
+    },
     "goal_jumps": {"goal_jumps": 2, "observe_goal": True},
     _UPSTREAM: {},
     **{fault: {} for fault in FAULTS},
@@ -70,6 +80,7 @@ _NOISY = (
     "kicks",
     "dropout",
     "keypoint_noise",
+    *(f"pixels_{kind}" for kind in _CLUTTER),
 )
 
 
@@ -96,7 +107,7 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 
 def _policy_options(condition: str) -> dict[str, Any]:
-    """Tell the policy what is not as usual: outline, sensors, speed limit, an observed goal.
+    """Tell the policy what is not as usual: outline, sensors, pictures, speed limit, goal.
 
     The environment's lengths are px; the policy's are m.
     """
@@ -111,6 +122,8 @@ def _policy_options(condition: str) -> dict[str, Any]:
         options["keypoints"] = tuple(map(tuple, corners.tolist()))
         options["outline_order"] = tuple(int(index) for index in outline.border)
 
+    if "obs_type" in arguments:
+        options["picture"] = _PICTURE
     if "observe_goal" in arguments:
         options["observe_goal"] = True
     if "velocity_limit" in arguments:

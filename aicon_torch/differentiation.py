@@ -1,0 +1,113 @@
+"""What is differentiated: a policy that acts looks one hop far, one that learns looks all the way.
+
+A step that acts is made of values: estimators filter without gradients, every hop of the backward
+pass begins at fresh leaves, and a model may stop a gradient to say that no path leads there. While
+something learns (:func:`through_time`) the same functions compute the same numbers, but keep what
+they are made of, so that a loss may be differentiated by any parameter through any number of steps.
+One hop still ends where it did: its gradient is taken by an alias of the value (:func:`hop_from`),
+and what a model stops (:func:`stop`) is stopped in the hop (:func:`pull`) and nowhere else. So an
+action that is differentiable is the action that would be taken, to the last bit. Ranks, switches
+and gates are constants of the step; one thread learns at a time.
+"""
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import torch
+from torch import Tensor
+
+_Parameters = ParamSpec("_Parameters")
+_Result = TypeVar("_Result")
+
+
+class _Mode(threading.local):
+    """Whether this thread learns."""
+
+    learns = False
+
+
+_MODE = _Mode()
+_HOPS: list[None] = []  # one for each hop that is being pulled back; backward has its own threads
+
+
+def learns() -> bool:
+    """Whether what is computed now is to be differentiated through time."""
+    return _MODE.learns
+
+
+@contextmanager
+def through_time() -> Iterator[None]:
+    """Keep what leads from parameters to values, as long as it lasts."""
+    before, _MODE.learns = _MODE.learns, True
+    try:
+        with torch.enable_grad():
+            yield
+    finally:
+        _MODE.learns = before
+
+
+def values_only(
+    function: Callable[_Parameters, _Result],
+) -> Callable[_Parameters, _Result]:
+    """A function that keeps no graph, unless something learns."""
+
+    @wraps(function)
+    def wrapped(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
+        if _MODE.learns:
+            return function(*args, **kwargs)
+        with torch.no_grad():
+            return function(*args, **kwargs)
+
+    return wrapped
+
+
+def stop(value: Tensor) -> Tensor:
+    """The value ``(*B, n)`` as a constant of the hop: no path of the graph leads over it."""
+    if not _MODE.learns:
+        return value.detach()  # stops every gradient, since there are none but those of a hop
+    stopped: Tensor = _Stop.apply(value)  # type: ignore[no-untyped-call]  # torch leaves it untyped
+    return stopped
+
+
+def hop_from(value: Tensor) -> Tensor:
+    """The value ``(*B, n)`` as a point of its own, by which a hop is differentiated."""
+    if _MODE.learns and value.requires_grad:
+        return value.view_as(value)  # an alias: derivatives by it know nothing of what led there
+    return value.detach()  # ends the graph here: one hop
+
+
+def pull(
+    outputs: Tensor | Sequence[Tensor],
+    inputs: Tensor | Sequence[Tensor],
+    seeds: Tensor | Sequence[Tensor] | None = None,
+    **options: Any,
+) -> tuple[Tensor, ...]:
+    """The gradients of one hop: :func:`torch.autograd.grad`, where :func:`stop` stops."""
+    if not _MODE.learns:
+        return torch.autograd.grad(outputs, inputs, seeds, **options)
+    _HOPS.append(None)
+    try:
+        return torch.autograd.grad(outputs, inputs, seeds, **{**options, "create_graph": True})
+    finally:
+        _HOPS.pop()
+
+
+def is_hop() -> bool:
+    """Whether the gradient that arrives is that of one hop, and not of a loss."""
+    return bool(_HOPS)
+
+
+class _Stop(torch.autograd.Function):
+    """The identity, with no gradient within a hop."""
+
+    @staticmethod
+    def forward(ctx: Any, value: Tensor) -> Tensor:
+        return value.view_as(value)
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> Tensor:
+        (gradient,) = gradients
+        return torch.zeros_like(gradient) if is_hop() else gradient

@@ -1,0 +1,90 @@
+"""Actions are differentiable by what learns, and are the actions that would be taken."""
+
+import pytest
+import torch
+from _inputs.logs import LOGS, Log, slope_along
+from torch import Tensor
+
+from aicon_torch import Policy, by_gain, by_sign, straight_through
+from aicon_torch.differentiation import is_hop, pull, stop, through_time
+
+SLOW = ("arm_push", "reach")
+LOG = pytest.mark.parametrize(
+    "log",
+    [pytest.param(log, id=n, marks=[pytest.mark.slow] * (n in SLOW)) for n, log in LOGS.items()],
+)
+
+
+def drive(policy: Policy, observations: list[dict[str, Tensor]], graph: bool) -> list[Tensor]:
+    """The actions of a policy on a log."""
+    memory, actions = None, []
+    for observation in observations:
+        action, memory = policy.predict(observation, memory, create_graph=graph)
+        actions.append(action)
+    return actions
+
+
+@LOG
+def test_actions_are_the_same_with_a_graph(log: Log) -> None:
+    learner, observations = log.make().learn(*log.numbers), log.observations()[:4]
+    plain, differentiable = (drive(learner, observations, graph) for graph in (False, True))
+    shipped = drive(log.make(), observations, False)
+
+    for acted, same, before in zip(plain, differentiable, shipped, strict=True):
+        assert torch.equal(acted, same) and torch.equal(acted, before)
+        assert same.requires_grad and not acted.requires_grad
+
+
+@LOG
+def test_actions_have_the_gradient_of_finite_differences(log: Log) -> None:
+    learner, observations = log.make().learn(*log.numbers), log.observations()
+    with torch.no_grad():  # not where numbers are round, and two things are equal
+        for parameter in learner.parameters():
+            parameter += 0.01
+
+    def what_is_done(graph: bool = False) -> Tensor:
+        actions = torch.stack(drive(learner, observations, graph))
+        return (actions * torch.arange(1.0, actions.numel() + 1).view_as(actions).sin()).sum()
+
+    parameters = dict(learner.named_parameters())
+    done = what_is_done(graph=True)
+    slopes = torch.autograd.grad(done, list(parameters.values()))
+    for (name, parameter), slope in zip(parameters.items(), slopes, strict=True):
+        wanted = float(slope.sum())
+        measured = slope_along(what_is_done, parameter, torch.ones_like(parameter), wanted)
+        scale = max(abs(measured), 1e-4 * abs(float(done.detach())))
+        assert abs(wanted - measured) <= 1e-6 * scale, name
+
+
+# --- what a hop stops, a loss does not
+
+
+def test_what_a_model_stops_is_stopped_in_a_hop_only() -> None:
+    x = torch.tensor([2.0, 3.0], requires_grad=True)
+    (acting,) = torch.autograd.grad((x * stop(x)).sum(), x)
+    assert acting.tolist() == [2.0, 3.0]
+
+    with through_time():
+        value = x * stop(x)
+        (of_hop,) = pull(value, x, torch.ones(2), retain_graph=True)
+        (of_loss,) = torch.autograd.grad(value.sum(), x)
+    assert of_hop.tolist() == [2.0, 3.0] and of_loss.tolist() == [4.0, 6.0]
+    assert not is_hop()
+
+
+def test_shaped_gradients_are_those_of_the_value_for_a_loss() -> None:
+    x = torch.tensor([1.0, -2.0], requires_grad=True)
+    with through_time():
+        shaped = {
+            "through": straight_through(x**2, 5 * x),
+            "by sign": by_sign(3 * x, x**2),
+            "by gain": by_gain(torch.eye(2) * x, x**2, 7 * x),
+        }
+        hop = {
+            name: pull(value, x, torch.ones(2), retain_graph=True) for name, value in shaped.items()
+        }
+    for name, value in shaped.items():
+        (slope,) = torch.autograd.grad(value.sum(), x)
+        wanted = 3 * x**2 if name == "by gain" else 2 * x
+        torch.testing.assert_close(slope, wanted.detach())
+        assert not torch.equal(slope, hop[name][0])
