@@ -35,6 +35,10 @@ from aicon_torch.parts.contact import (
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
+from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried
+from aicon_torch.parts.gripper import Gripper
+from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried
+from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.image_registration import Detection, ImageRegistration
 from aicon_torch.parts.image_segmentation import RGBDImage, TopFace, TopFaceSegmentation
@@ -90,6 +94,7 @@ __all__ = [
     "Capsule",
     "CapsuleSegments",
     "Capsules",
+    "Carrying",
     "Chain",
     "Clearance",
     "ClearanceLimits",
@@ -105,6 +110,9 @@ __all__ = [
     "FixedTarget",
     "ForceServo",
     "ForceThreshold",
+    "Grasp",
+    "Gripper",
+    "Held",
     "ImageRegistration",
     "Intrinsics",
     "Joint",
@@ -144,8 +152,10 @@ __all__ = [
     "Wheels",
     "Workspace",
     "approach",
+    "approached",
     "bearing_jacobian",
     "bearing_residual",
+    "carried",
     "clock",
     "closest_point",
     "cross",
