@@ -105,3 +105,39 @@ class _ByGain(torch.autograd.Function):
 
         weight = share * intended + (1 - share) * incidental
         return weight.unsqueeze(-1) * arriving, share * gain, (1 - share) * gain, None
+
+
+def by_worth(weight: Tensor, like: Tensor, step: float) -> Tensor:
+    """Zero, whose gradient tells a weight what a motion in any direction would be worth.
+
+    When a gradient h arrives, a motion of at most s could lower a cost of curvature 1, such as
+    ½‖x − x*‖², by
+
+        V(h) = max over t ≤ s of t‖h‖ − t²/2,
+
+    which is ½‖h‖² near the optimum and grows as s‖h‖ far from it. The weight says how likely it is
+    that there can be such a motion, so its gradient is −V(h). Nothing has to be known of the goal.
+
+    Args:
+        weight: ``(*B, 1)``.
+        like: What would move, ``(*B, d)``; no gradient reaches it.
+        step: s, in the unit of h.
+
+    Returns:
+        Zeros, ``(*B, d)``.
+    """
+    zero: Tensor = _ByWorth.apply(weight, like, step)  # type: ignore[no-untyped-call]  # as above
+    return zero
+
+
+class _ByWorth(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, weight: Tensor, like: Tensor, step: float) -> Tensor:
+        ctx.step = step
+        return torch.zeros_like(like)
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None]:
+        slope = torch.linalg.vector_norm(gradients[0], dim=-1, keepdim=True)
+        way = slope.clamp(max=ctx.step)
+        return way * way / 2 - way * slope, None, None

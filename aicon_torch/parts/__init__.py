@@ -35,6 +35,8 @@ from aicon_torch.parts.contact import (
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
+from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried
+from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.keypoint_offset import KeypointOffset
@@ -86,6 +88,7 @@ __all__ = [
     "Capsule",
     "CapsuleSegments",
     "Capsules",
+    "Carrying",
     "Chain",
     "Clearance",
     "ClearanceLimits",
@@ -100,6 +103,9 @@ __all__ = [
     "FixedTarget",
     "ForceServo",
     "ForceThreshold",
+    "Grasp",
+    "Gripper",
+    "Held",
     "Intrinsics",
     "Joint",
     "JointLimits",
@@ -133,8 +139,10 @@ __all__ = [
     "Wheels",
     "Workspace",
     "approach",
+    "approached",
     "bearing_jacobian",
     "bearing_residual",
+    "carried",
     "clock",
     "closest_point",
     "cross",

@@ -74,6 +74,16 @@ def is_interior(point: Tensor, x_side: Tensor) -> Tensor:
     return after_start & before_end
 
 
+def likelihood_across(gap: Tensor, reach: float) -> Tensor:
+    """p = exp(−d/ℓ), ``(*B,)``: how likely it is that a gap d ``(*B,)``, m, is closed.
+
+    Args:
+        gap: d; more than certain where it is negative.
+        reach: ℓ, m.
+    """
+    return torch.exp(-gap / reach)
+
+
 @dataclass(frozen=True)
 class ContactLikelihood:
     """p_contact: how likely a contact is, as one that is intended and as one that just happens.
@@ -130,7 +140,7 @@ class ContactLikelihood:
 
     def _at_distance(self, distance: Tensor, aim: float, reach: float) -> Tensor:
         """Likelihood exp(−(‖c − a n − x‖ − (r − a))/ℓ), ``(*B,)``, from the norm ``(*B,)``, m."""
-        return torch.exp(-(distance - (self.radius - aim)) / reach)
+        return likelihood_across(distance - (self.radius - aim), reach)
 
     def _inset(self, point: Tensor, x_side: Tensor) -> Tensor:
         """From a point of a side to the nearest that is not too near an end, ``(*B, 2)``, m."""

@@ -1,0 +1,189 @@
+"""The grasp: how likely a gripper is to hold an object, and how the object then moves with it.
+
+It is built like the contact of a pusher (:mod:`aicon_torch.parts.contact`): a likelihood that is
+raised where the goal wants the object to move, and lowered where it does not, and the position of
+what moves it. A contact moves an object along its normal; a grasp moves it anywhere.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from aicon_torch.estimation import Estimator
+from aicon_torch.interconnections import Values
+from aicon_torch.parts.contact import likelihood_across
+from aicon_torch.parts.gripper import Gripper
+from aicon_torch.parts.planar import norm
+from aicon_torch.parts.validation import check_positive
+from aicon_torch.shaping import by_sign, by_worth, straight_through
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """p_grasp: how likely it is that a gripper comes to hold an object, from above.
+
+    It is exp(−D/ℓ) with the way D that is left. With the offset Δ of the tip from where it holds
+    the object, and b how surely the object is between the fingers, b = exp(−(‖Δ‖/r)⁶),
+
+        D = ‖Δ − h e_z‖ + b (o − o_min) + (1 − b) (o_max − o).
+
+    So the fingers open on the way and close about the object. While the tip is beside the object by
+    more than the slack of the open fingers, it is aimed above it by as much, up to a clearance:
+    h = min(c, max(0, ‖Δ_xy‖ − r)). Where p_grasp is to be reduced, the fingers open, D = o, and the
+    tip stays: to let go is the other sign of the same path.
+
+    Attributes:
+        gripper: The gripper.
+        size: Width and height of the object, m: r is half of it, and c all of it.
+        height: Where the tip holds the object, above its centre, m.
+        reach: ℓ, m.
+
+    Raises:
+        OptionError: If a length is not positive.
+    """
+
+    gripper: Gripper
+    size: float
+    height: float
+    reach: float
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_positive(self, ("size", "reach"))
+
+    def likelihood(self, x_rel: Tensor, x_opening: Tensor) -> Tensor:
+        """p_grasp, ``(*B, 1)``.
+
+        Args:
+            x_rel: The tip from the object's centre, ``(*B, 3)``, m.
+            x_opening: The opening, ``(*B, 1)``, m.
+        """
+        offset, opening = self._offset(x_rel), x_opening[..., 0]
+        between = self.between(x_rel).squeeze(-1)
+        too_open, too_narrow = opening - self.gripper.narrowest, self.gripper.widest - opening
+
+        way = norm(offset - self._detour(offset)) + between * too_open + (1 - between) * too_narrow
+        opens = (way - opening).detach() + opening  # stops the tip: it does not leave what it holds
+        grasped, released = (likelihood_across(gap, self.reach) for gap in (way, opens))
+        return by_sign(released, grasped).unsqueeze(-1)
+
+    def between(self, x_rel: Tensor) -> Tensor:
+        """b, how surely the object is between the fingers, ``(*B, 1)``."""
+        share = norm(self._offset(x_rel)) / (self.size / 2)
+        likely = torch.exp(-(share**6))
+        return likely.detach().unsqueeze(-1)  # stops the gradient: it weighs, and is no goal
+
+    def held(self) -> "Held":
+        """The estimator of p_held."""
+        return Held(self)
+
+    def _offset(self, x_rel: Tensor) -> Tensor:
+        """Δ, ``(*B, 3)``, m."""
+        return x_rel - x_rel.new_tensor((0.0, 0.0, self.height))
+
+    def _detour(self, offset: Tensor) -> Tensor:
+        """h e_z, ``(*B, 3)``, m: how far above the object the tip is aimed."""
+        beside = norm(offset[..., :2]) - self.size / 2
+        above = beside.clamp(0.0, self.size).detach()  # stops the gradient: where to aim is no goal
+        return above.unsqueeze(-1) * offset.new_tensor((0.0, 0.0, 1.0))
+
+
+class Held(Estimator):
+    """p_held: how likely the object is held now, b exp(−(2 (o − o_min)/r)²), ``(*B, 1)``.
+
+    What a step foresees is that it stays so: what is about to be closed moves nothing yet.
+
+    Args:
+        grasp: The grasp.
+    """
+
+    outputs = ("p_held",)
+    inputs = ("p_held", "x_rel", "x_opening")
+
+    nothing: Tensor
+
+    def __init__(self, grasp: Grasp) -> None:
+        super().__init__()
+        self.grasp = grasp
+        self.register_buffer("nothing", torch.zeros(1))
+
+    def initial(self, values: Values) -> dict[str, Tensor]:
+        """Nothing is held."""
+        return {"p_held": self.nothing}
+
+    @torch.no_grad()
+    def update(self, values: Values) -> dict[str, Tensor]:
+        """How likely it is held, ``(*B, 1)``."""
+        too_open = values["x_opening"] - self.grasp.gripper.narrowest
+        closed = torch.exp(-((4 * too_open / self.grasp.size) ** 2))
+        return {"p_held": self.grasp.between(values["x_rel"]) * closed}
+
+    def forward(self, values: Values, output: str) -> Tensor:
+        """As it is now."""
+        return values["p_held"].detach()  # stops the gradient: p_grasp has it
+
+
+def carried(x_object: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
+    """Where an object is after a step, x + p_held a dt, ``(*B, 3)``, m: it moves with the tip.
+
+    Args:
+        x_object: Its centre, ``(*B, 3)``, m.
+        p_held: How likely it is held, ``(*B, 1)``.
+        a: Velocity of the tip, ``(*B, 3)``, m/s.
+        dt: s.
+    """
+    return x_object + p_held.detach() * a * dt  # stops the gradient, as all of p_held's
+
+
+def approached(x_rel: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
+    """Where the tip then is from the object, Δ + (1 − p_held) a dt, ``(*B, 3)``, m."""
+    return x_rel + (1 - p_held.detach()) * a * dt  # stops the gradient, as all of p_held's
+
+
+@dataclass(frozen=True)
+class Carrying:
+    """x_obj: where the object goes, by three paths.
+
+    A grasp may move it anywhere (p_grasp); on a table it moves aside only as far as it is off it
+    (p_free), so that it is lifted before it is carried; and held, it goes where the tip goes.
+
+    Attributes:
+        step: s, m: how far a motion that is certain may take the object.
+        rest: Height of its centre on the table, m.
+        rise: Rise at which nothing holds it back, m.
+    """
+
+    step: float
+    rest: float
+    rise: float
+
+    def free(self, x_object: Tensor) -> Tensor:
+        """p_free ``(*B, 1)``: the rise of an object ``(*B, 3)``, m, in rises, at most 1."""
+        return ((x_object[..., 2:] - self.rest) / self.rise).clamp(max=1.0)
+
+    def __call__(
+        self, x_object: Tensor, x_tip: Tensor, p_grasp: Tensor, p_held: Tensor, p_free: Tensor
+    ) -> Tensor:
+        """x_obj: the object where it is, with the gradients of what may move it.
+
+        Args:
+            x_object: Its centre, ``(*B, 3)``, m.
+            x_tip: The tip, ``(*B, 3)``, m.
+            p_grasp: How likely it comes to be held, ``(*B, 1)``.
+            p_held: How likely it is held, ``(*B, 1)``.
+            p_free: How free of the table it is, ``(*B, 1)``.
+
+        Returns:
+            ``(*B, 3)``, m.
+        """
+        p_held = p_held.detach()  # stops the gradient: that of a grasp is p_grasp's
+        anywhere = by_worth(p_grasp, x_object, self.step)
+        aside = by_worth(p_held * p_free, x_object[..., :2], self.step)
+        upright = torch.zeros_like(x_object[..., 2:])
+
+        share = (p_held * p_free.clamp(min=0.0)).expand_as(aside)
+        follows = torch.cat((share, p_held), dim=-1).detach()  # stops what the likelihoods are told
+        return straight_through(
+            x_object, anywhere + torch.cat((aside, upright), dim=-1) + follows * x_tip
+        )
