@@ -193,7 +193,7 @@ class Exploration:
             standing = standing + stack.displaced_cost(goal, -moved)
             here = here + stack.costs[goal]
 
-        slope = ranked.norms.gather(-1, ranked.leader).squeeze(-1)
+        slope = ranked.magnitudes.gather(-1, ranked.dominant).squeeze(-1)
         return standing - here > slope * torch.linalg.vector_norm(moved, dim=-1)
 
     def direction(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
