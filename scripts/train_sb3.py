@@ -12,20 +12,16 @@ import argparse
 from pathlib import Path
 
 from aicon_baselines.agents.registry import import_sb3
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is trained, and how."""
     parser.add_argument("--task", required=True, help="name of the task, nav2d or pusht")
-    parser.add_argument("--algorithm", default="ppo", help="ppo or sac (default: ppo)")
-    parser.add_argument(
-        "--steps", type=int, default=1_000_000, help="steps in all (default: 1000000)"
-    )
+    add_option(parser, "--algorithm", "ppo", "ppo or sac")
+    add_option(parser, "--steps", 1_000_000, "steps in all")
     parser.add_argument("--out", type=Path, required=True, help="folder of the agent")
-    parser.add_argument(
-        "--checkpoint", type=int, default=50_000, help="steps between saves (default: 50000)"
-    )
+    add_option(parser, "--checkpoint", 50_000, "steps between saves")
     parser.add_argument("--seed", type=int, help="seed, 1000 or more (default: 10000)")
 
 

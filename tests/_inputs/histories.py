@@ -7,7 +7,6 @@ import numpy as np
 from aicon_baselines.diagnosis.history import (
     ActuatorCurve,
     FloatArray,
-    GoalCurve,
     History,
     MeetingCurve,
 )
@@ -38,11 +37,6 @@ def straight() -> FloatArray:
 def history(state: FloatArray, **curves: Any) -> History:
     """An episode of this state, and of whatever else is given."""
     return History(DT, state, **curves)
-
-
-def goal(cost: FloatArray) -> dict[str, GoalCurve]:
-    """One goal, "arrive"."""
-    return {"arrive": GoalCurve(cost)}
 
 
 def conflict(cosine: float, exploring: bool, magnitudes: tuple[float, float]) -> MeetingCurve:

@@ -7,7 +7,6 @@ from _inputs.histories import (
     actuator,
     circling,
     conflict,
-    goal,
     history,
     innovation,
     resting,
@@ -106,7 +105,7 @@ def test_a_sensor_that_fell_silent_is_named() -> None:
 
 def test_a_goal_that_never_rests_is_told_with_the_range_of_its_cost() -> None:
     cost = 2.0 + np.sin(2 * np.pi * DT * np.arange(STEPS) / 3.0)
-    found = only_cause(history(circling(3.0), goals=goal(cost)))
+    found = only_cause(history(circling(3.0), costs={"arrive": cost}))
 
     assert (found.kind, found.subjects) == ("restlessness", ("arrive",))
     assert "rose 13 times from about 1.01 to about 2.99" in found.text

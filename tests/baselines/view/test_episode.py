@@ -115,6 +115,20 @@ def test_the_compiled_policy_takes_over_and_does_the_same() -> None:
     torch.testing.assert_close(compiled.trace.costs, readable.trace.costs)
 
 
+@pytest.mark.slow
+def test_a_second_rule_is_compiled_after_the_first() -> None:
+    """Torch crashes where a thread that has compiled has ended, and another one compiles."""
+    episode = opened(steps=1)
+    episode.compile()
+    for name in episode.resolutions[:2]:
+        episode.resolve_by(name)
+        for _ in range(6000):
+            if episode.compiled:
+                break
+            time.sleep(0.01)
+        assert episode.compiled
+
+
 def test_a_wall_that_is_moved_leaves_the_rest_where_it_was() -> None:
     from aicon_baselines.view.nav2d import NavigationScene
     from aicon_baselines.view.server import serve

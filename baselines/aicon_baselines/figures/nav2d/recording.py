@@ -105,7 +105,5 @@ def record(
         raise ComparisonError(str(error)) from error
 
     # The map and the noise have the same seed.
-    options = {"map_seed": seed}
-    return recording.record(
-        NavigationRecording, policy, env, seed, options=options, progress=progress
-    )
+    reset = {"seed": seed, "options": {"map_seed": seed}}
+    return recording.record(NavigationRecording, policy, env, reset, progress=progress)
