@@ -24,7 +24,9 @@ export class Stage {
   /** Show a part of the world. @param {Point} low @param {Point} high
    * @param {boolean} isDown Whether y points down. */
   fit(low, high, isDown) {
-    [this.low, this.high, this.isDown] = [low, high, isDown];
+    this.low = low;
+    this.high = high;
+    this.isDown = isDown;
     this.element.style.setProperty("--shape", String((high[0] - low[0]) / (high[1] - low[1])));
     this.#resize();
   }
@@ -92,7 +94,8 @@ export class Stage {
 
   /** An ellipse of two standard deviations. @param {Point} mean @param {ArrayLike<number>} covariance (4,)
    * @param {string} color */
-  spread(mean, [xx, xy, , yy], color) {
+  spread(mean, covariance, color) {
+    const [xx, xy, , yy] = Array.from(covariance);
     const middle = (xx + yy) / 2;
     const half = Math.hypot((xx - yy) / 2, xy);
     const [long, short] = [middle + half, middle - half].map((v) => 2 * this.scale * Math.sqrt(Math.max(v, 0)));

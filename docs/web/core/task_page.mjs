@@ -70,6 +70,7 @@ export class TaskPage {
     this.seed = seed;
     const policy = await this.policies.get(name);
     this.name = name;
+    /** @type {Episode<W>} */
     this.episode = new Episode(this.task.makeWorld(seed), policy);
     const frame = this.task.frame(this.episode.world);
     this.stage.fit(frame.low, frame.high, frame.isDown);
@@ -123,7 +124,8 @@ export class TaskPage {
   /** Let the switches show a policy. @param {string} name */
   #set(name) {
     const [rule, ...others] = name.split("+");
-    document.querySelector(`[name="rule"][value="${rule}"]`).checked = true;
+    const choice = /** @type {HTMLInputElement} */ (document.querySelector(`[name="rule"][value="${rule}"]`));
+    choice.checked = true;
     if (rule !== "steepest") element("explore").checked = others.includes("explore");
     element("explore").disabled = rule === "steepest";
     element("foresight").checked = others.includes("foresight");
@@ -206,8 +208,8 @@ export class TaskPage {
   /** The numbers, in words and as a table. */
   #tell() {
     const { wants, leader, against, exploring } = this.#meeting();
-    const rows = wants.slice(0, 6).map((want) => [want, want.strength / wants[0].strength]);
-    element("wants").replaceChildren(...rows.map(([want, share]) => row(want, share)));
+    const strongest = wants.slice(0, 6);
+    element("wants").replaceChildren(...strongest.map((want) => row(want, want.strength / wants[0].strength)));
     const conflict = element("conflict");
     conflict.className = `conflict ${exploring ? "exploring" : against ? "opposed" : ""}`;
     conflict.textContent = conflictInWords(leader, against, exploring, this.name);
@@ -264,6 +266,7 @@ function conflictInWords(leader, against, exploring, variant) {
       : "It still explores, until it has made progress.";
   }
   if (!pair) return `No conflict: “${leader.label}” leads, and nothing strong opposes it.`;
+  /** @type {Record<string, string>} */
   const outcome = { sum: "What is added up cancels.", steepest: "The stronger takes its turn." };
   return `Conflict: ${pair}. ${outcome[variant.split("+")[0]] ?? "What is left of the weaker in the nullspace of the leader goes on."}`;
 }

@@ -26,7 +26,8 @@ export async function startFloor({ root, policies, palette, data }) {
     z: place, z_slope: [slope.value],
     ...Object.fromEntries(pullsOf(side).map(([x, y], i) => [`z_pull_${i}`, [x - place[0], y - place[1]]])),
   })), policy);
-  let runners = new Runners([]);
+  /** @type {Runners<PointWorld>} */
+  let runners;
   const restart = () => (runners = new Runners([begin(SIDES[0], sum), begin(SIDES[1], projection)]));
   root.querySelector("button").addEventListener("click", restart);
   restart();

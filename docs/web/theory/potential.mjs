@@ -60,7 +60,8 @@ export async function startPotential({ root, policies, palette, data }) {
 class Field {
   /** @param {Point} low @param {Point} high */
   constructor(low, high) {
-    [this.low, this.spacing] = [low, (high[0] - low[0]) / COLUMNS];
+    this.low = low;
+    this.spacing = (high[0] - low[0]) / COLUMNS;
     this.rows = Math.ceil((high[1] - low[1]) / this.spacing);
     const count = COLUMNS * this.rows;
     this.descents = Array.from({ length: count }, () => /** @type {Point} */ ([0, 0]));

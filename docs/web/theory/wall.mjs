@@ -26,7 +26,8 @@ export async function startWall({ root, policies, palette }) {
   const sense = (/** @type {Point} */ place) => ({
     z_target: minus(target, place), z_wall: minus(nearestOn(wall, place), place),
   });
-  let runners = new Runners([]);
+  /** @type {Runners<PointWorld>} */
+  let runners;
   const restart = () => (runners = new Runners(loaded.map((policy) => new Episode(new PointWorld(0.1, START, sense), policy))));
   root.querySelector("button").addEventListener("click", restart);
   restart();
@@ -49,7 +50,7 @@ export async function startWall({ root, policies, palette }) {
     stage.disc(target, 0.06, palette.TARGET);
     stage.text("target", target, palette.TARGET, [0, -26]);
     runners.episodes.forEach(({ world, policy }, i) => {
-      stage.line(/** @type {PointWorld} */ (world).trail, colors[i], 1.5);
+      stage.line(world.trail, colors[i], 1.5);
       for (const [row, gradient] of policy.decided("x").gradients.entries()) {
         const color = goals[row] === "avoid" ? palette.OBSTACLE : palette.TARGET;
         if (i === 0) stage.arrow(places[i], [-gradient[0], -gradient[1]], 50 * scale * norm(gradient), color, 3);

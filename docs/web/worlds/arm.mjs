@@ -16,6 +16,12 @@ export class ArmWorld {
     this.sizes = sizes;
     this.random = new Random(seed);
     this.touches = 0;
+    /** @type {number[]} */
+    this.joints = [];
+    /** @type {Point} */
+    this.target = [0, 0];
+    /** @type {Point} */
+    this.ball = [0, 0];
     this.draw();
   }
 
@@ -25,7 +31,7 @@ export class ArmWorld {
     for (;;) {
       this.joints = [between(-1.5, 1.5), between(-1.5, 1.5), between(-1.5, 1.5)];
       const [distance, angle] = [between(0.45, 0.9), between(-2, 2)];
-      this.target = /** @type {Point} */ ([distance * Math.cos(angle), distance * Math.sin(angle)]);
+      this.target = [distance * Math.cos(angle), distance * Math.sin(angle)];
       const tip = this.chain[3];
       const way = minus(this.target, tip);
       this.ball = plus(plus(tip, times(between(0.4, 0.6), way)), times(between(-0.2, 0.2), [-way[1], way[0]]));
@@ -75,7 +81,7 @@ export class ArmWorld {
     this.step([0, 1, 2].map(() => (0.3 / this.dt) * this.random.normal()));
   }
 
-  /** All that changes, as numbers. */
+  /** All that changes, as numbers. @returns {number[]} */
   get numbers() {
     return [...this.joints, ...this.target, ...this.ball, this.random.state, this.touches];
   }

@@ -28,6 +28,7 @@ export class PushingWorld {
     this.table = table;
     this.random = new Random(seed);
     const { pusher, pose } = start ?? this.#draw();
+    /** @type {Pose} */
     this.goal = table.goal;
     this.#build();
     this.#place(pusher, [0, 0], pose);
@@ -122,7 +123,7 @@ export class PushingWorld {
     return [x * METRE, y * METRE];
   }
 
-  /** All that changes, as numbers. */
+  /** All that changes, as numbers. @returns {number[]} */
   get numbers() {
     const { x, y } = this.tee.getLinearVelocity();
     return [
