@@ -35,7 +35,7 @@ export async function startNullspace({ root, policies, palette }) {
     const length = (/** @type {Point} */ vector) => norm(vector) * stage.scale;
     stage.clear(palette.GROUND);
     stage.line([across, times(-1, across)], palette.EXPLORING, 1.5, [6, 6]);
-    stage.text("nullspace of the leader", times(0.5, across), palette.EXPLORING);
+    stage.text("nullspace of the leader", times(-0.5, across), palette.EXPLORING);
     stage.line([wants[1 - leader], minus(projected, along)], palette.PALE, 1.5, [3, 4]);
     stage.arrow(origin, added, length(added), palette.CERTAINTY, 9);
     stage.arrow(origin, wants[0], length(wants[0]), palette.TOWARDS, 5);
