@@ -37,7 +37,11 @@ export function slider(root, name, does = () => {}) {
   };
   input.addEventListener("input", show);
   show();
-  return { get value() { return input.valueAsNumber; } };
+  return {
+    get value() {
+      return input.valueAsNumber;
+    },
+  };
 }
 
 /** Write words into a part of a screen, unless they stand there. @param {HTMLElement} root

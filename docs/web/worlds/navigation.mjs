@@ -35,7 +35,9 @@ export class NavigationWorld {
 
   /** Corners of every wall, m. @returns {Point[][]} */
   get walls() {
-    return this.map.obstacles.map((corners, i) => corners.map((corner) => plus(corner, this.shifts[i])));
+    return this.map.obstacles.map((corners, i) =>
+      corners.map((corner) => plus(corner, this.shifts[i])),
+    );
   }
 
   get arrived() {
@@ -59,7 +61,10 @@ export class NavigationWorld {
     const [x, y] = minus(this.target, this.robot);
     const bearing = wrap(Math.atan2(y, x) + bearing_noise * this.random.normal());
     const range = this.clearance(this.robot) + range_noise * this.random.normal();
-    return readingsOf(policy, { z_tar: [bearing], z_obs: [Math.min(Math.max(range, 0), max_range)] });
+    return readingsOf(policy, {
+      z_tar: [bearing],
+      z_obs: [Math.min(Math.max(range, 0), max_range)],
+    });
   }
 
   /** One step with a velocity, m/s. A wall stops the agent.
