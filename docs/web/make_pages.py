@@ -4,6 +4,7 @@ Example: python docs/web/make_pages.py docs/_build/try
 """
 
 import argparse
+import gzip
 import json
 import re
 import sys
@@ -97,8 +98,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Make pages."""
-    make_pages(arguments.folder, tuple(arguments.only or PAGES))
+    """Make pages, and say how large they are."""
+    names = tuple(arguments.only or PAGES)
+    make_pages(arguments.folder, names)
+    for name in names:
+        packed = gzip.compress((arguments.folder / f"{name}.html").read_bytes())
+        print(f"{name}: {len(packed) / 1000:.0f} kB by gzip")
 
 
 COMMAND = Command(__doc__, add_arguments, run)

@@ -39,6 +39,13 @@ def test_flowcharts_and_formulas_are_pictures(site: Path) -> None:
     assert "MathJax" not in concepts.read_text()
 
 
+def test_the_pages_to_play_with_are_in_it(site: Path) -> None:
+    links = re.findall(r'href="(try/.*?)"', (site / "try.html").read_text())
+    assert len(links) == 4
+    for link in links:
+        assert 'id="data"' in (site / link).read_text()
+
+
 def test_the_names_of_the_library_are_links_beside_whole_sentences(site: Path) -> None:
     page = (site / "api" / "index.html").read_text()
     for name in aicon_torch.__all__:

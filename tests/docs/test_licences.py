@@ -21,7 +21,7 @@ def test_nothing_but_code_numbers_and_pictures_of_ours_is_shipped() -> None:
     """A new kind of file, such as a mesh or a map of others, needs a thought about its licence."""
     kinds = {".py", ".md", ".typed", ".toml", ".json", ".safetensors", ".csv", ".png", ""}
     kinds |= {".cpp", ".hpp", ".txt"}  # examples/cpp
-    kinds |= {".mjs", ".ts"}  # examples/web
+    kinds |= {".mjs", ".mts"}  # examples/web
     kinds |= {".webp"}  # the films of the gallery
     kinds |= {".css", ".html"}  # the site's, and its pages to play with
     kinds |= {".zip"}  # agents of stable-baselines3 that were trained here

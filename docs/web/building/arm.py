@@ -1,5 +1,6 @@
 """The page about an arm: three joints in a plane, made of the library's parts."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
@@ -64,7 +65,7 @@ class Options:
     law: ActionLaw = field(default_factory=Foresight)
 
 
-PRESETS = MappingProxyType({"aicon": {}})
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType({"aicon": {}})
 """The one that there is."""
 
 

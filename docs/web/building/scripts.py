@@ -68,6 +68,7 @@ def run(name: str, *words: str, given: str | None = None) -> str:
     if program is None:
         raise FileNotFoundError(f"There is no {name}: pip install '.[docs]' brings Node.js.")
 
+    KEPT.mkdir(parents=True, exist_ok=True)
     modules = str(KEPT / "node_modules")
     environment = {**os.environ, "PATH": _PATH, "NODE_PATH": modules}
     command = [program, *words]

@@ -6,9 +6,10 @@ import { carryOver } from "./policies.mjs";
  * @typedef {{ dt: number, moving: number[], numbers: number[], arrived: boolean,
  *   readings(policy: Policy): number[], step(command: ArrayLike<number>): void, kick(): void }} World */
 
-/** A policy in a world. */
+/** A policy in a world.
+ * @template {World} W */
 export class Episode {
-  /** @param {World} world @param {Policy} policy */
+  /** @param {W} world @param {Policy} policy */
   constructor(world, policy) {
     this.world = world;
     this.policy = policy;

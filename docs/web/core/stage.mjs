@@ -9,7 +9,8 @@ export class Stage {
   /** @param {HTMLElement} element Holds the canvas and the buttons. */
   constructor(element) {
     this.element = element;
-    this.canvas = element.querySelector("canvas") ?? element.appendChild(document.createElement("canvas"));
+    this.canvas =
+      element.querySelector("canvas") ?? element.appendChild(document.createElement("canvas"));
     this.pen = this.canvas.getContext("2d");
     /** @type {Map<string, { button: HTMLButtonElement, handle: Handle }>} */
     this.buttons = new Map();
@@ -24,7 +25,9 @@ export class Stage {
   /** Show a part of the world. @param {Point} low @param {Point} high
    * @param {boolean} isDown Whether y points down. */
   fit(low, high, isDown) {
-    [this.low, this.high, this.isDown] = [low, high, isDown];
+    this.low = low;
+    this.high = high;
+    this.isDown = isDown;
     this.element.style.setProperty("--shape", String((high[0] - low[0]) / (high[1] - low[1])));
     this.#resize();
   }
@@ -51,7 +54,10 @@ export class Stage {
   /** @param {Point} dot @returns {Point} */
   toWorld([left, top]) {
     const down = (top - this.top) / this.scale;
-    return [this.low[0] + (left - this.left) / this.scale, this.isDown ? this.low[1] + down : this.high[1] - down];
+    return [
+      this.low[0] + (left - this.left) / this.scale,
+      this.isDown ? this.low[1] + down : this.high[1] - down,
+    ];
   }
 
   /** @param {string} color */
@@ -67,7 +73,7 @@ export class Stage {
     pen.beginPath();
     for (const corner of corners) pen.lineTo(...this.toScreen(corner));
     if (!open) pen.closePath();
-    if (fill) [pen.fillStyle] = [fill], pen.fill();
+    if (fill) (([pen.fillStyle] = [fill]), pen.fill());
     if (!edge) return;
     [pen.strokeStyle, pen.lineWidth, pen.lineJoin, pen.lineCap] = [edge, width, "round", "round"];
     pen.setLineDash(dash);
@@ -87,15 +93,18 @@ export class Stage {
     pen.arc(...this.toScreen(place), Math.max(radius * this.scale, 0.5), 0, 2 * Math.PI);
     pen.fillStyle = fill;
     pen.fill();
-    if (edge) [pen.strokeStyle, pen.lineWidth] = [edge, 1.5], pen.stroke();
+    if (edge) (([pen.strokeStyle, pen.lineWidth] = [edge, 1.5]), pen.stroke());
   }
 
   /** An ellipse of two standard deviations. @param {Point} mean @param {ArrayLike<number>} covariance (4,)
    * @param {string} color */
-  spread(mean, [xx, xy, , yy], color) {
+  spread(mean, covariance, color) {
+    const [xx, xy, , yy] = Array.from(covariance);
     const middle = (xx + yy) / 2;
     const half = Math.hypot((xx - yy) / 2, xy);
-    const [long, short] = [middle + half, middle - half].map((v) => 2 * this.scale * Math.sqrt(Math.max(v, 0)));
+    const [long, short] = [middle + half, middle - half].map(
+      (v) => 2 * this.scale * Math.sqrt(Math.max(v, 0)),
+    );
     const angle = Math.atan2(2 * xy, xx - yy) / 2;
     const { pen } = this;
     pen.beginPath();
@@ -186,14 +195,16 @@ export class Stage {
       const [x, y] = under(event);
       held.handle.move([x + grip[0], y + grip[1]]);
     });
-    for (const end of ["pointerup", "pointercancel"]) button.addEventListener(end, () => (grip = null));
+    for (const end of ["pointerup", "pointercancel"])
+      button.addEventListener(end, () => (grip = null));
 
     button.addEventListener("keydown", (event) => {
       const ways = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
       const way = ways[/** @type {keyof typeof ways} */ (event.key)];
       if (!way) return;
       event.preventDefault();
-      const length = (event.shiftKey ? 5 : 1) * (held.handle.step ?? 0.02 * (this.high[0] - this.low[0]));
+      const length =
+        (event.shiftKey ? 5 : 1) * (held.handle.step ?? 0.02 * (this.high[0] - this.low[0]));
       const [x, y] = held.handle.place;
       held.handle.move([x + length * way[0], y + (this.isDown ? -1 : 1) * length * way[1]]);
     });

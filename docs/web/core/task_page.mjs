@@ -59,7 +59,9 @@ export class TaskPage {
   get variant() {
     const rule = document.querySelector('[name="rule"]:checked').getAttribute("value");
     const explores = element("explore").checked && rule !== "steepest";
-    return [rule, explores && "explore", element("foresight").checked && "foresight"].filter(Boolean).join("+");
+    return [rule, explores && "explore", element("foresight").checked && "foresight"]
+      .filter(Boolean)
+      .join("+");
   }
 
   /** @param {import("./moment.mjs").Moment} moment */
@@ -70,6 +72,7 @@ export class TaskPage {
     this.seed = seed;
     const policy = await this.policies.get(name);
     this.name = name;
+    /** @type {Episode<W>} */
     this.episode = new Episode(this.task.makeWorld(seed), policy);
     const frame = this.task.frame(this.episode.world);
     this.stage.fit(frame.low, frame.high, frame.isDown);
@@ -89,7 +92,12 @@ export class TaskPage {
   /** The address of this moment. */
   get moment() {
     const { world, policy } = this.episode;
-    return toHash({ seed: this.seed, variant: this.name, world: world.numbers, memory: Array.from(policy.memory) });
+    return toHash({
+      seed: this.seed,
+      variant: this.name,
+      world: world.numbers,
+      memory: Array.from(policy.memory),
+    });
   }
 
   #connect() {
@@ -97,7 +105,10 @@ export class TaskPage {
       element(id).addEventListener(element(id).tagName === "BUTTON" ? "click" : "change", does);
     const restart = (/** @type {number} */ seed) => {
       this.#play(true);
-      return this.bringBack({ seed: Number.isInteger(seed) && seed >= 0 ? seed : this.seed, variant: this.variant });
+      return this.bringBack({
+        seed: Number.isInteger(seed) && seed >= 0 ? seed : this.seed,
+        variant: this.variant,
+      });
     };
     on("pause", () => this.#play(!this.isPlaying));
     on("step", () => (this.#play(false), this.#step(), this.#draw(1), this.#tell()));
@@ -123,7 +134,10 @@ export class TaskPage {
   /** Let the switches show a policy. @param {string} name */
   #set(name) {
     const [rule, ...others] = name.split("+");
-    document.querySelector(`[name="rule"][value="${rule}"]`).checked = true;
+    const choice = /** @type {HTMLInputElement} */ (
+      document.querySelector(`[name="rule"][value="${rule}"]`)
+    );
+    choice.checked = true;
     if (rule !== "steepest") element("explore").checked = others.includes("explore");
     element("explore").disabled = rule === "steepest";
     element("foresight").checked = others.includes("foresight");
@@ -145,8 +159,15 @@ export class TaskPage {
     this.ownHash = this.moment;
     location.hash = this.ownHash;
     this.#play(false);
-    const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
-    this.#say(copied ? "The link to this moment is in the clipboard and in the address." : "The address of this page is now a link to this moment.");
+    const copied = await navigator.clipboard?.writeText(location.href).then(
+      () => true,
+      () => false,
+    );
+    this.#say(
+      copied
+        ? "The link to this moment is in the clipboard and in the address."
+        : "The address of this page is now a link to this moment.",
+    );
   }
 
   /** Change something, and show it though the world may stand still. @param {() => void} does */
@@ -206,8 +227,10 @@ export class TaskPage {
   /** The numbers, in words and as a table. */
   #tell() {
     const { wants, leader, against, exploring } = this.#meeting();
-    const rows = wants.slice(0, 6).map((want) => [want, want.strength / wants[0].strength]);
-    element("wants").replaceChildren(...rows.map(([want, share]) => row(want, share)));
+    const strongest = wants.slice(0, 6);
+    element("wants").replaceChildren(
+      ...strongest.map((want) => row(want, want.strength / wants[0].strength)),
+    );
     const conflict = element("conflict");
     conflict.className = `conflict ${exploring ? "exploring" : against ? "opposed" : ""}`;
     conflict.textContent = conflictInWords(leader, against, exploring, this.name);
@@ -225,11 +248,13 @@ export class TaskPage {
   }
 
   #showLegend() {
-    element("legend").replaceChildren(...Object.entries(this.task.legend).map(([words, color]) => {
-      const item = document.createElement("span");
-      item.append(dot(color), words);
-      return item;
-    }));
+    element("legend").replaceChildren(
+      ...Object.entries(this.task.legend).map(([words, color]) => {
+        const item = document.createElement("span");
+        item.append(dot(color), words);
+        return item;
+      }),
+    );
   }
 }
 
@@ -258,12 +283,16 @@ function row(want, share) {
  * @param {boolean} exploring @param {string} variant */
 function conflictInWords(leader, against, exploring, variant) {
   if (!leader) return "Nothing is left to do.";
-  const pair = against && `“${leader.label}” against “${against.label}” (cosine ${against.toLeader.toFixed(2)})`;
+  const pair =
+    against &&
+    `“${leader.label}” against “${against.label}” (cosine ${against.toLeader.toFixed(2)})`;
   if (exploring) {
-    return pair ? `Conflict: ${pair}. It explores: it moves along the nullspace of the leader.`
+    return pair
+      ? `Conflict: ${pair}. It explores: it moves along the nullspace of the leader.`
       : "It still explores, until it has made progress.";
   }
   if (!pair) return `No conflict: “${leader.label}” leads, and nothing strong opposes it.`;
+  /** @type {Record<string, string>} */
   const outcome = { sum: "What is added up cancels.", steepest: "The stronger takes its turn." };
   return `Conflict: ${pair}. ${outcome[variant.split("+")[0]] ?? "What is left of the weaker in the nullspace of the leader goes on."}`;
 }

@@ -19,8 +19,11 @@ const task = {
   seed: 11,
   speed: 1,
   legend: {
-    arm: palette.ROBOT, target: palette.TARGET, ball: palette.OBSTACLE,
-    "its motion": palette.RESOLVED, "its motion, exploring": palette.EXPLORING,
+    arm: palette.ROBOT,
+    target: palette.TARGET,
+    ball: palette.OBSTACLE,
+    "its motion": palette.RESOLVED,
+    "its motion, exploring": palette.EXPLORING,
   },
 
   makeWorld: (seed) => new ArmWorld(arm, seed),
@@ -42,22 +45,51 @@ const task = {
     if (world.arrived) return;
     // A gradient of the joints has no direction in the plane: drawn is where it takes the tip.
     for (const { gradient, strength, color } of wants) {
-      stage.arrow(tip, tipVelocity(points, gradient.map((value) => -value)), 18 + (62 * strength) / wants[0].strength, color, 5);
+      stage.arrow(
+        tip,
+        tipVelocity(
+          points,
+          gradient.map((value) => -value),
+        ),
+        18 + (62 * strength) / wants[0].strength,
+        color,
+        5,
+      );
     }
     const motion = tipVelocity(points, policy.values("a"));
-    stage.arrow(tip, motion, (70 * norm(motion)) / arm.speed, exploring ? palette.EXPLORING : palette.RESOLVED, 2);
+    stage.arrow(
+      tip,
+      motion,
+      (70 * norm(motion)) / arm.speed,
+      exploring ? palette.EXPLORING : palette.RESOLVED,
+      2,
+    );
   },
 
   handles: (world) => [
-    { name: "target", label: "Target", color: palette.TARGET, place: world.target, move: (to) => void (world.target = within(to)) },
-    { name: "ball", label: "Ball", color: palette.PALE, place: world.ball, move: (to) => void (world.ball = within(to)) },
+    {
+      name: "target",
+      label: "Target",
+      color: palette.TARGET,
+      place: world.target,
+      move: (to) => void (world.target = within(to)),
+    },
+    {
+      name: "ball",
+      label: "Ball",
+      color: palette.PALE,
+      place: world.ball,
+      move: (to) => void (world.ball = within(to)),
+    },
   ],
 
   look: ([goal]) => LOOKS[goal] ?? { label: goal, color: palette.PALE },
 
-  told: (world) => (world.arrived ? "The tip is at its target. Drag it elsewhere."
-    : `${Math.round(10 * norm([world.target[0] - world.chain[3][0], world.target[1] - world.chain[3][1]])) * 10} cm to the target.`)
-    + (world.gap < 0 ? " A link is in the ball." : ""),
+  told: (world) =>
+    (world.arrived
+      ? "The tip is at its target. Drag it elsewhere."
+      : `${Math.round(10 * norm([world.target[0] - world.chain[3][0], world.target[1] - world.chain[3][1]])) * 10} cm to the target.`) +
+    (world.gap < 0 ? " A link is in the ball." : ""),
 };
 
 /** A place within what is shown. @param {Point} place @returns {Point} */

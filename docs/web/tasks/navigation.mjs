@@ -19,16 +19,24 @@ const task = {
   seed: 1,
   speed: 4,
   legend: {
-    robot: palette.ROBOT, target: palette.TARGET, "where it believes the target (2σ)": palette.BELIEF,
-    "its motion": palette.RESOLVED, "its motion, exploring": palette.EXPLORING,
+    robot: palette.ROBOT,
+    target: palette.TARGET,
+    "where it believes the target (2σ)": palette.BELIEF,
+    "its motion": palette.RESOLVED,
+    "its motion, exploring": palette.EXPLORING,
   },
 
   makeWorld: (seed) => new NavigationWorld(maps[seed % maps.length], physics, seed),
 
   frame({ map }) {
     const points = [...map.obstacles.flat(), map.start, map.target];
-    const bound = (/** @type {(...xs: number[]) => number} */ extreme, /** @type {number} */ margin) =>
-      /** @type {Point} */ ([0, 1].map((axis) => extreme(...points.map((point) => point[axis])) + margin));
+    const bound = (
+      /** @type {(...xs: number[]) => number} */ extreme,
+      /** @type {number} */ margin,
+    ) =>
+      /** @type {Point} */ (
+        [0, 1].map((axis) => extreme(...points.map((point) => point[axis])) + margin)
+      );
     return { low: bound(Math.min, -MARGIN), high: bound(Math.max, MARGIN), isDown: false };
   },
 
@@ -47,24 +55,48 @@ const task = {
 
     // The wall as it feels it: so far, against the slope of its distance.
     const [distance, ...slope] = policy.values("x_obs");
-    const felt = plus(robot, times(-(Math.max(distance, 0) + physics.radius) / (norm(slope) || 1), [slope[0], slope[1]]));
+    const felt = plus(
+      robot,
+      times(-(Math.max(distance, 0) + physics.radius) / (norm(slope) || 1), [slope[0], slope[1]]),
+    );
     if (distance < 3) stage.line([robot, felt], palette.AWAY, 1.5, [4, 4]);
 
     stage.disc(robot, physics.radius, palette.ROBOT, palette.WHITE);
     if (world.arrived) return;
     for (const { gradient, strength, color } of wants) {
-      stage.arrow(robot, [-gradient[0], -gradient[1]], 16 + (64 * strength) / wants[0].strength, color, 5);
+      stage.arrow(
+        robot,
+        [-gradient[0], -gradient[1]],
+        16 + (64 * strength) / wants[0].strength,
+        color,
+        5,
+      );
     }
     const [vx, vy] = policy.values("a");
-    stage.arrow(robot, [vx, vy], 90 * Math.hypot(vx, vy) / physics.max_speed, exploring ? palette.EXPLORING : palette.RESOLVED, 2);
+    stage.arrow(
+      robot,
+      [vx, vy],
+      (90 * Math.hypot(vx, vy)) / physics.max_speed,
+      exploring ? palette.EXPLORING : palette.RESOLVED,
+      2,
+    );
   },
 
   handles: (world) => [
-    { name: "target", label: "Target", color: palette.TARGET, place: world.target, move: (to) => world.moveTarget(to) },
+    {
+      name: "target",
+      label: "Target",
+      color: palette.TARGET,
+      place: world.target,
+      move: (to) => world.moveTarget(to),
+    },
     ...world.map.obstacles.map((corners, i) => {
       const place = plus(middle(corners), world.shifts[i]);
       return {
-        name: `wall ${i + 1}`, label: `Wall ${i + 1}`, color: palette.PALE, place,
+        name: `wall ${i + 1}`,
+        label: `Wall ${i + 1}`,
+        color: palette.PALE,
+        place,
         move: (/** @type {Point} */ to) => world.moveWall(i, [to[0] - place[0], to[1] - place[1]]),
       };
     }),
@@ -72,15 +104,19 @@ const task = {
 
   look: (path) => LOOKS[path[1]] ?? { label: path.join(" → "), color: palette.PALE },
 
-  told: (world) => world.arrived ? "It has arrived. Drag the target elsewhere."
-    : `${Math.round(norm([world.target[0] - world.robot[0], world.target[1] - world.robot[1]]))} m to the target.`
-      + (world.hits ? ` Stopped by a wall ${world.hits} times.` : ""),
+  told: (world) =>
+    world.arrived
+      ? "It has arrived. Drag the target elsewhere."
+      : `${Math.round(norm([world.target[0] - world.robot[0], world.target[1] - world.robot[1]]))} m to the target.` +
+        (world.hits ? ` Stopped by a wall ${world.hits} times.` : ""),
 };
 
 /** A place on a wall by which it is held: the middle of its longest side.
  * @param {Point[]} corners @returns {Point} */
 function middle(corners) {
-  const sides = corners.map((corner, i) => /** @type {[Point, Point]} */ ([corner, corners[(i + 1) % corners.length]]));
+  const sides = corners.map(
+    (corner, i) => /** @type {[Point, Point]} */ ([corner, corners[(i + 1) % corners.length]]),
+  );
   const length = (/** @type {[Point, Point]} */ [a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
   const [a, b] = sides.reduce((best, side) => (length(side) > length(best) ? side : best));
   return times(0.5, plus(a, b));

@@ -46,16 +46,48 @@ export async function startForesight({ root, policies, palette }) {
     shown.slice(1).forEach((place) => stage.disc(place, 0.0012, palette.WHITE, palette.ROBOT));
     stage.disc([0, 0], 0.004, palette.ROBOT, palette.WHITE);
     stage.text("one gradient", full, palette.AWAY, [0, 16]);
-    stage.hold([{ name: "near target", label: "Target", color: palette.TARGET, place: target, step: 0.004, move: (to) => ((target = to), draw()) }]);
+    stage.hold([
+      {
+        name: "near target",
+        label: "Target",
+        color: palette.TARGET,
+        place: target,
+        step: 0.004,
+        move: (to) => ((target = to), draw()),
+      },
+    ]);
 
     plot.clear(palette.WHITE);
-    plot.line([[0, 0], [MOST, 0]], palette.PALE, 1);
-    plot.line([[0, distance(full)], [MOST, distance(full)]], palette.AWAY, 1.5, [4, 4]);
+    plot.line(
+      [
+        [0, 0],
+        [MOST, 0],
+      ],
+      palette.PALE,
+      1,
+    );
+    plot.line(
+      [
+        [0, distance(full)],
+        [MOST, distance(full)],
+      ],
+      palette.AWAY,
+      1.5,
+      [4, 4],
+    );
     plot.text("one gradient, at full speed", [MOST - 5, distance(full)], palette.AWAY, [0, -10]);
-    plot.line(foreseen.map((place, k) => [k, distance(place)]), palette.ROBOT, 2);
+    plot.line(
+      foreseen.map((place, k) => [k, distance(place)]),
+      palette.ROBOT,
+      2,
+    );
     plot.disc([count, distance(end)], 0.25, palette.ROBOT);
     plot.text("gradients in the step: 0 … 20", [MOST / 2, 0], palette.INK, [0, 12]);
-    tell(root, '[data-told="left"]', `After ${count} ${count === 1 ? "gradient" : "gradients"} it is ${distance(end).toFixed(2)} cm from the target; with one at full speed ${distance(full).toFixed(2)} cm.`);
+    tell(
+      root,
+      '[data-told="left"]',
+      `After ${count} ${count === 1 ? "gradient" : "gradients"} it is ${distance(end).toFixed(2)} cm from the target; with one at full speed ${distance(full).toFixed(2)} cm.`,
+    );
   }
   slider(root, "iterations", (value) => {
     count = value;

@@ -14,10 +14,15 @@ export async function startNullspace({ root, policies, palette }) {
   const [sum, projection, explore] = await Promise.all(names.map((name) => policies.get(name)));
 
   // What each goal wants: minus its gradient.
-  let wants = /** @type {[Point, Point]} */ ([[1.6, 0.3], [-0.7, 1.0]]);
+  let wants = /** @type {[Point, Point]} */ ([
+    [1.6, 0.3],
+    [-0.7, 1.0],
+  ]);
   const result = (/** @type {import("./screen.mjs").Policy} */ policy) => {
     policy.reset();
-    const [x, y] = policy.step(readingsOf(policy, { z_first: times(-1, wants[0]), z_second: times(-1, wants[1]) }));
+    const [x, y] = policy.step(
+      readingsOf(policy, { z_first: times(-1, wants[0]), z_second: times(-1, wants[1]) }),
+    );
     return /** @type {Point} */ ([x, y]);
   };
 
@@ -35,7 +40,7 @@ export async function startNullspace({ root, policies, palette }) {
     const length = (/** @type {Point} */ vector) => norm(vector) * stage.scale;
     stage.clear(palette.GROUND);
     stage.line([across, times(-1, across)], palette.EXPLORING, 1.5, [6, 6]);
-    stage.text("nullspace of the leader", times(0.5, across), palette.EXPLORING);
+    stage.text("nullspace of the leader", times(-0.5, across), palette.EXPLORING);
     stage.line([wants[1 - leader], minus(projected, along)], palette.PALE, 1.5, [3, 4]);
     stage.arrow(origin, added, length(added), palette.CERTAINTY, 9);
     stage.arrow(origin, wants[0], length(wants[0]), palette.TOWARDS, 5);
@@ -44,21 +49,38 @@ export async function startNullspace({ root, policies, palette }) {
     if (exploring) stage.arrow(origin, explored, length(explored), palette.EXPLORING, 4);
     stage.text("first", wants[0], palette.TOWARDS, [0, -26]);
     stage.text("second", wants[1], palette.AWAY, [0, -26]);
-    stage.hold(wants.map((place, i) => ({
-      name: `want ${i + 1}`, label: `What the ${["first", "second"][i]} goal wants`, color: [palette.TOWARDS, palette.AWAY][i], place, step: 0.1,
-      move: (/** @type {Point} */ to) => {
-        wants = /** @type {[Point, Point]} */ (wants.map((want, k) => (k === i ? to : want)));
-        draw();
-      },
-    })));
+    stage.hold(
+      wants.map((place, i) => ({
+        name: `want ${i + 1}`,
+        label: `What the ${["first", "second"][i]} goal wants`,
+        color: [palette.TOWARDS, palette.AWAY][i],
+        place,
+        step: 0.1,
+        move: (/** @type {Point} */ to) => {
+          wants = /** @type {[Point, Point]} */ (wants.map((want, k) => (k === i ? to : want)));
+          draw();
+        },
+      })),
+    );
 
     // What a motion gains of each goal: how far it goes the way that the goal wants.
-    const rows = { sum: added, projection: projected, "projection, exploring": exploring ? explored : projected };
+    const rows = {
+      sum: added,
+      projection: projected,
+      "projection, exploring": exploring ? explored : projected,
+    };
     for (const [name, motion] of Object.entries(rows)) {
       const line = root.querySelector(`[data-row="${name}"]`);
-      wants.forEach(([x, y], i) => (line.children[i + 1].textContent = (motion[0] * x + motion[1] * y).toFixed(2)));
+      wants.forEach(
+        ([x, y], i) =>
+          (line.children[i + 1].textContent = (motion[0] * x + motion[1] * y).toFixed(2)),
+      );
     }
-    tell(root, '[data-told="leader"]', `The ${["first", "second"][leader]} leads. Cosine ${cosine(...wants).toFixed(2)}: ${exploring ? "a conflict; it explores." : "no conflict."}`);
+    tell(
+      root,
+      '[data-told="leader"]',
+      `The ${["first", "second"][leader]} leads. Cosine ${cosine(...wants).toFixed(2)}: ${exploring ? "a conflict; it explores." : "no conflict."}`,
+    );
   }
   draw();
   stage.redraw = draw;

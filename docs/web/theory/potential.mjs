@@ -20,8 +20,12 @@ export async function startPotential({ root, policies, palette, data }) {
   const stage = new Stage(root.querySelector(".stage"));
   const { start, target, obstacles } = data.map;
   const points = [...obstacles.flat(), start, target];
-  const low = /** @type {Point} */ ([0, 1].map((axis) => Math.min(...points.map((point) => point[axis])) - 0.8));
-  const high = /** @type {Point} */ ([0, 1].map((axis) => Math.max(...points.map((point) => point[axis])) + 0.8));
+  const low = /** @type {Point} */ (
+    [0, 1].map((axis) => Math.min(...points.map((point) => point[axis])) - 0.8)
+  );
+  const high = /** @type {Point} */ (
+    [0, 1].map((axis) => Math.max(...points.map((point) => point[axis])) + 0.8)
+  );
   stage.fit(low, high, false);
 
   const field = new Field(low, high);
@@ -47,12 +51,28 @@ export async function startPotential({ root, policies, palette, data }) {
     stage.spread(believed, policy.values("P_tar"), palette.BELIEF);
     stage.disc(believed, 0.05, palette.BELIEF);
     stage.disc(robot, data.physics.radius, palette.ROBOT, palette.WHITE);
-    stage.hold([{ name: "hidden target", label: "Target", color: palette.TARGET, place: world.target, move: (to) => world.moveTarget(to) }]);
+    stage.hold([
+      {
+        name: "hidden target",
+        label: "Target",
+        color: palette.TARGET,
+        place: world.target,
+        move: (to) => world.moveTarget(to),
+      },
+    ]);
 
     const { exploring } = policy.decided("x_rob");
     const [xx, , , yy] = policy.values("P_tar");
     tell(root, '[data-told="spread"]', `${Math.sqrt(xx + yy).toFixed(1)} m`);
-    tell(root, '[data-told="state"]', world.arrived ? "It has arrived." : exploring ? "It explores: the potential leads along the wall." : "It descends.");
+    tell(
+      root,
+      '[data-told="state"]',
+      world.arrived
+        ? "It has arrived."
+        : exploring
+          ? "It explores: the potential leads along the wall."
+          : "It descends.",
+    );
   });
 }
 
@@ -60,7 +80,8 @@ export async function startPotential({ root, policies, palette, data }) {
 class Field {
   /** @param {Point} low @param {Point} high */
   constructor(low, high) {
-    [this.low, this.spacing] = [low, (high[0] - low[0]) / COLUMNS];
+    this.low = low;
+    this.spacing = (high[0] - low[0]) / COLUMNS;
     this.rows = Math.ceil((high[1] - low[1]) / this.spacing);
     const count = COLUMNS * this.rows;
     this.descents = Array.from({ length: count }, () => /** @type {Point} */ ([0, 0]));
@@ -92,11 +113,15 @@ class Field {
       this.isFree[this.next] = !walls.some((wall) => contains(wall, place));
       if (!this.isFree[this.next]) continue;
 
-      const away = walls.map((wall) => minus(place, nearestOn(wall, place))).reduce((a, b) => (norm(a) < norm(b) ? a : b));
+      const away = walls
+        .map((wall) => minus(place, nearestOn(wall, place)))
+        .reduce((a, b) => (norm(a) < norm(b) ? a : b));
       const toTarget = minus(believed, place);
       probe.memory.set(policy.memory);
       probe.values("p_tar").set(times(Math.max(NEAREST_BELIEF / norm(toTarget), 1), toTarget));
-      probe.values("x_obs").set([norm(away) - world.physics.radius, ...times(1 / (norm(away) || 1), away)]);
+      probe
+        .values("x_obs")
+        .set([norm(away) - world.physics.radius, ...times(1 / (norm(away) || 1), away)]);
       probe.values("a").fill(0);
       probe.step(nothingRead);
       const [x, y] = probe.values("a/gradient");
@@ -107,18 +132,31 @@ class Field {
   /** Heights whose slopes fit the descents best: each cell in turn, from its neighbours. */
   #fit() {
     this.next = 0;
-    const beside = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+    const beside = [
+      [1, 0],
+      [-1, 0],
+      [0, 1],
+      [0, -1],
+    ];
     for (let sweep = 0; sweep < SWEEPS; sweep += 1) {
       this.heights.forEach((_, index) => {
         if (!this.isFree[index]) return;
         const [column, row] = [index % COLUMNS, Math.floor(index / COLUMNS)];
         let [sum, count] = [0, 0];
         for (const [right, up] of beside) {
-          if (column + right < 0 || column + right >= COLUMNS || row + up < 0 || row + up >= this.rows) continue;
+          if (
+            column + right < 0 ||
+            column + right >= COLUMNS ||
+            row + up < 0 ||
+            row + up >= this.rows
+          )
+            continue;
           const other = index + right + COLUMNS * up;
           if (!this.isFree[other]) continue;
           const [here, there] = [this.descents[index], this.descents[other]];
-          sum += this.heights[other] + (this.spacing / 2) * (right * (here[0] + there[0]) + up * (here[1] + there[1]));
+          sum +=
+            this.heights[other] +
+            (this.spacing / 2) * (right * (here[0] + there[0]) + up * (here[1] + there[1]));
           count += 1;
         }
         if (count) this.heights[index] = sum / count;
@@ -135,7 +173,10 @@ class Field {
     this.heights.forEach((height, index) => {
       const share = Math.round((12 * (height - least)) / (most - least || 1)) / 12;
       const [column, row] = [index % COLUMNS, this.rows - 1 - Math.floor(index / COLUMNS)];
-      image.data.set([235 - 70 * share, 243 - 95 * share, 250 - 50 * share, 255], 4 * (column + COLUMNS * row));
+      image.data.set(
+        [235 - 70 * share, 243 - 95 * share, 250 - 50 * share, 255],
+        4 * (column + COLUMNS * row),
+      );
     });
     pen.putImageData(image, 0, 0);
   }
@@ -146,7 +187,8 @@ class Field {
     const size = this.spacing * stage.scale;
     stage.pen.drawImage(this.picture, left, top, COLUMNS * size, this.rows * size);
     this.descents.forEach((descent, index) => {
-      const isShown = (index % COLUMNS) % 3 === 1 && Math.floor(index / COLUMNS) % 3 === 1 && this.isFree[index];
+      const isShown =
+        (index % COLUMNS) % 3 === 1 && Math.floor(index / COLUMNS) % 3 === 1 && this.isFree[index];
       if (isShown) stage.arrow(this.place(index), descent, 14, palette.OUTLINE, 1.2);
     });
   }

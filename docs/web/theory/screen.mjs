@@ -37,7 +37,11 @@ export function slider(root, name, does = () => {}) {
   };
   input.addEventListener("input", show);
   show();
-  return { get value() { return input.valueAsNumber; } };
+  return {
+    get value() {
+      return input.valueAsNumber;
+    },
+  };
 }
 
 /** Write words into a part of a screen, unless they stand there. @param {HTMLElement} root
@@ -47,12 +51,15 @@ export function tell(root, selector, words) {
   if (part.textContent !== words) part.textContent = words;
 }
 
-/** A point that moves as it is told. @implements {import("../core/episode.mjs").World} */
+/** A point that moves as it is told. */
 export class PointWorld {
   /** @param {number} dt @param {Point} place
    * @param {(place: Point) => Record<string, ArrayLike<number>>} sense What is read where it is. */
   constructor(dt, place, sense) {
-    [this.dt, this.place, this.sense, this.arrived] = [dt, place, sense, false];
+    this.dt = dt;
+    this.place = place;
+    this.sense = sense;
+    this.arrived = false;
     this.trail = [place];
   }
 
@@ -70,17 +77,18 @@ export class PointWorld {
   }
 
   /** @param {ArrayLike<number>} command */
-  step([x, y]) {
-    this.place = plus(this.place, times(this.dt, [x, y]));
+  step(command) {
+    this.place = plus(this.place, times(this.dt, [command[0], command[1]]));
     this.trail = [...this.trail.slice(-400), this.place];
   }
 
   kick() {}
 }
 
-/** Episodes side by side, which keep step with the time. */
+/** Episodes side by side, which keep step with the time.
+ * @template {import("../core/episode.mjs").World} W */
 export class Runners {
-  /** @param {Episode[]} episodes All with the same time step. */
+  /** @param {Episode<W>[]} episodes All with the same time step. */
   constructor(episodes) {
     this.episodes = episodes;
     this.debt = 0;

@@ -8,7 +8,13 @@ import { startWall } from "./wall.mjs";
 
 const { policies: packed, palette, ...data } = pageData();
 const policies = new Policies(packed);
-const screens = { nullspace: startNullspace, wall: startWall, floor: startFloor, foresight: startForesight, potential: startPotential };
+const screens = {
+  nullspace: startNullspace,
+  wall: startWall,
+  floor: startFloor,
+  foresight: startForesight,
+  potential: startPotential,
+};
 for (const [name, start] of Object.entries(screens)) {
   void start({ root: document.getElementById(name), policies, palette, data });
 }

@@ -22,12 +22,20 @@ export async function startWall({ root, policies, palette }) {
   const loaded = await Promise.all(names.map((name) => policies.get(name)));
 
   let target = /** @type {Point} */ ([1.3, 0]);
-  let wall = /** @type {Point[]} */ ([[0, -0.7], [0, 0.8]]);
+  let wall = /** @type {Point[]} */ ([
+    [0, -0.7],
+    [0, 0.8],
+  ]);
   const sense = (/** @type {Point} */ place) => ({
-    z_target: minus(target, place), z_wall: minus(nearestOn(wall, place), place),
+    z_target: minus(target, place),
+    z_wall: minus(nearestOn(wall, place), place),
   });
-  let runners = new Runners([]);
-  const restart = () => (runners = new Runners(loaded.map((policy) => new Episode(new PointWorld(0.1, START, sense), policy))));
+  /** @type {Runners<PointWorld>} */
+  let runners;
+  const restart = () =>
+    (runners = new Runners(
+      loaded.map((policy) => new Episode(new PointWorld(0.1, START, sense), policy)),
+    ));
   root.querySelector("button").addEventListener("click", restart);
   restart();
 
@@ -49,17 +57,33 @@ export async function startWall({ root, policies, palette }) {
     stage.disc(target, 0.06, palette.TARGET);
     stage.text("target", target, palette.TARGET, [0, -26]);
     runners.episodes.forEach(({ world, policy }, i) => {
-      stage.line(/** @type {PointWorld} */ (world).trail, colors[i], 1.5);
+      stage.line(world.trail, colors[i], 1.5);
       for (const [row, gradient] of policy.decided("x").gradients.entries()) {
         const color = goals[row] === "avoid" ? palette.OBSTACLE : palette.TARGET;
-        if (i === 0) stage.arrow(places[i], [-gradient[0], -gradient[1]], 50 * scale * norm(gradient), color, 3);
+        if (i === 0)
+          stage.arrow(
+            places[i],
+            [-gradient[0], -gradient[1]],
+            50 * scale * norm(gradient),
+            color,
+            3,
+          );
       }
       stage.disc(places[i], 0.06, colors[i], palette.WHITE);
     });
     stage.hold([
-      { name: "wall target", label: "Target", color: palette.TARGET, place: target, move: (to) => (target = to) },
+      {
+        name: "wall target",
+        label: "Target",
+        color: palette.TARGET,
+        place: target,
+        move: (to) => (target = to),
+      },
       ...wall.map((place, i) => ({
-        name: `end ${i + 1}`, label: `End ${i + 1} of the wall`, color: palette.PALE, place,
+        name: `end ${i + 1}`,
+        label: `End ${i + 1} of the wall`,
+        color: palette.PALE,
+        place,
         move: (/** @type {Point} */ to) => (wall = wall.map((end, k) => (k === i ? to : end))),
       })),
     ]);
@@ -68,23 +92,55 @@ export async function startWall({ root, policies, palette }) {
     const gap = norm(minus(nearestOn(wall, here), here));
     draw(plot, gap);
     const { gradients } = runners.episodes[0].policy.decided("x");
-    const rest = norm(gradients.reduce((sum, gradient) => plus(/** @type {Point} */ (sum), /** @type {Point} */ (gradient)), [0, 0]));
-    tell(root, '[data-told="sum"]', `${gap.toFixed(2)} m from the wall; ${goals.map((goal, i) => `“${goal}” ${(scale * norm(gradients[i])).toFixed(2)}`).join(", ")}; their sum ${(scale * rest).toFixed(2)}.`);
-    const arrived = places.map((place) => (norm(minus(target, place)) < 0.1 ? "there" : `${norm(minus(target, place)).toFixed(1)} m away`));
-    ["sum-place", "projection", "with exploration"].forEach((name, i) => tell(root, `[data-told="${name}"]`, arrived[i]));
+    const rest = norm(
+      gradients.reduce(
+        (sum, gradient) => plus(/** @type {Point} */ (sum), /** @type {Point} */ (gradient)),
+        [0, 0],
+      ),
+    );
+    tell(
+      root,
+      '[data-told="sum"]',
+      `${gap.toFixed(2)} m from the wall; ${goals.map((goal, i) => `“${goal}” ${(scale * norm(gradients[i])).toFixed(2)}`).join(", ")}; their sum ${(scale * rest).toFixed(2)}.`,
+    );
+    const arrived = places.map((place) =>
+      norm(minus(target, place)) < 0.1
+        ? "there"
+        : `${norm(minus(target, place)).toFixed(1)} m away`,
+    );
+    ["sum-place", "projection", "with exploration"].forEach((name, i) =>
+      tell(root, `[data-told="${name}"]`, arrived[i]),
+    );
   });
 
   /** Both strengths over the distance to the wall, and where the sum is. @param {Stage} plot @param {number} gap */
   function draw(plot, gap) {
     plot.clear(palette.WHITE);
-    plot.line([[0, 0], [FAR, 0]], palette.PALE, 1);
+    plot.line(
+      [
+        [0, 0],
+        [FAR, 0],
+      ],
+      palette.PALE,
+      1,
+    );
     goals.forEach((goal, row) => {
       const color = goal === "avoid" ? palette.OBSTACLE : palette.TARGET;
-      const curve = strengths.map(({ gap: at, norms }) => /** @type {Point} */ ([FAR - at, RISE * scale * norms[row]]));
+      const curve = strengths.map(
+        ({ gap: at, norms }) => /** @type {Point} */ ([FAR - at, RISE * scale * norms[row]]),
+      );
       plot.line(curve, color, 2.5);
       plot.text(goal, curve[goal === "avoid" ? 40 : 8], color, [goal === "avoid" ? -30 : 0, -12]);
     });
-    plot.line([[FAR - gap, 0], [FAR - gap, 0.38 * FAR]], palette.AWAY, 1.5, [4, 4]);
+    plot.line(
+      [
+        [FAR - gap, 0],
+        [FAR - gap, 0.38 * FAR],
+      ],
+      palette.AWAY,
+      1.5,
+      [4, 4],
+    );
     plot.text("distance to the wall: 1.2 m … 0", [FAR / 2, 0], palette.INK, [0, 10]);
   }
 }

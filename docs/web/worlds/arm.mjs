@@ -16,20 +16,33 @@ export class ArmWorld {
     this.sizes = sizes;
     this.random = new Random(seed);
     this.touches = 0;
+    /** @type {number[]} */
+    this.joints = [];
+    /** @type {Point} */
+    this.target = [0, 0];
+    /** @type {Point} */
+    this.ball = [0, 0];
     this.draw();
   }
 
   /** Posture, target and ball of a seed: the ball lies about on the way, but not at either end. */
   draw() {
-    const between = (/** @type {number} */ low, /** @type {number} */ high) => low + (high - low) * this.random.uniform();
+    const between = (/** @type {number} */ low, /** @type {number} */ high) =>
+      low + (high - low) * this.random.uniform();
     for (;;) {
       this.joints = [between(-1.5, 1.5), between(-1.5, 1.5), between(-1.5, 1.5)];
       const [distance, angle] = [between(0.45, 0.9), between(-2, 2)];
-      this.target = /** @type {Point} */ ([distance * Math.cos(angle), distance * Math.sin(angle)]);
+      this.target = [distance * Math.cos(angle), distance * Math.sin(angle)];
       const tip = this.chain[3];
       const way = minus(this.target, tip);
-      this.ball = plus(plus(tip, times(between(0.4, 0.6), way)), times(between(-0.2, 0.2), [-way[1], way[0]]));
-      const isClear = this.gap > 0.1 && norm(this.ball) > 0.3 && norm(minus(this.ball, this.target)) > this.sizes.ball + 0.12;
+      this.ball = plus(
+        plus(tip, times(between(0.4, 0.6), way)),
+        times(between(-0.2, 0.2), [-way[1], way[0]]),
+      );
+      const isClear =
+        this.gap > 0.1 &&
+        norm(this.ball) > 0.3 &&
+        norm(minus(this.ball, this.target)) > this.sizes.ball + 0.12;
       if (isClear && norm(minus(this.target, tip)) > 0.4) return;
     }
   }
@@ -60,7 +73,11 @@ export class ArmWorld {
 
   /** @param {import("../../../examples/web/aicon_policy.mjs").Policy} policy */
   readings(policy) {
-    return readingsOf(policy, { z_joints: this.joints, z_target: [...this.target, 0], z_ball: [...this.ball, 0] });
+    return readingsOf(policy, {
+      z_joints: this.joints,
+      z_target: [...this.target, 0],
+      z_ball: [...this.ball, 0],
+    });
   }
 
   /** One step with velocities of the joints, rad/s. @param {ArrayLike<number>} command */
@@ -75,7 +92,7 @@ export class ArmWorld {
     this.step([0, 1, 2].map(() => (0.3 / this.dt) * this.random.normal()));
   }
 
-  /** All that changes, as numbers. */
+  /** All that changes, as numbers. @returns {number[]} */
   get numbers() {
     return [...this.joints, ...this.target, ...this.ball, this.random.state, this.touches];
   }

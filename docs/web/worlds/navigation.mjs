@@ -20,9 +20,12 @@ export class NavigationWorld {
     this.map = map;
     this.physics = physics;
     this.random = new Random(seed);
+    /** @type {Point} */
     this.robot = map.start;
+    /** @type {Point} */
     this.target = map.target;
-    this.shifts = map.obstacles.map(() => /** @type {Point} */ ([0, 0]));
+    /** @type {Point[]} */
+    this.shifts = map.obstacles.map(() => [0, 0]);
     this.hits = 0;
   }
 
@@ -32,7 +35,9 @@ export class NavigationWorld {
 
   /** Corners of every wall, m. @returns {Point[][]} */
   get walls() {
-    return this.map.obstacles.map((corners, i) => corners.map((corner) => plus(corner, this.shifts[i])));
+    return this.map.obstacles.map((corners, i) =>
+      corners.map((corner) => plus(corner, this.shifts[i])),
+    );
   }
 
   get arrived() {
@@ -56,16 +61,20 @@ export class NavigationWorld {
     const [x, y] = minus(this.target, this.robot);
     const bearing = wrap(Math.atan2(y, x) + bearing_noise * this.random.normal());
     const range = this.clearance(this.robot) + range_noise * this.random.normal();
-    return readingsOf(policy, { z_tar: [bearing], z_obs: [Math.min(Math.max(range, 0), max_range)] });
+    return readingsOf(policy, {
+      z_tar: [bearing],
+      z_obs: [Math.min(Math.max(range, 0), max_range)],
+    });
   }
 
   /** One step with a velocity, m/s. A wall stops the agent.
    * @param {ArrayLike<number>} command */
-  step([vx, vy]) {
+  step(command) {
+    const [vx, vy] = Array.from(command);
     if (vx === 0 && vy === 0) return;
     const { actuation_noise, dt, max_speed } = this.physics;
     const factor = max_speed / Math.max(Math.hypot(vx, vy), max_speed);
-    const noisy = (v) => factor * v + actuation_noise * this.random.normal();
+    const noisy = (/** @type {number} */ v) => factor * v + actuation_noise * this.random.normal();
     const next = plus(this.robot, [dt * noisy(vx), dt * noisy(vy)]);
     if (this.clearance(next) > 0) this.robot = next;
     else this.hits += 1;
@@ -89,11 +98,14 @@ export class NavigationWorld {
     for (let attempt = 0; attempt < 50; attempt += 1) {
       const next = plus(this.robot, times(0.3, [this.random.normal(), this.random.normal()]));
       const isFree = !this.walls.some((wall) => contains(wall, next));
-      if (isFree && this.clearance(next) > LEAST_GAP) return void (this.robot = next);
+      if (isFree && this.clearance(next) > LEAST_GAP) {
+        this.robot = next;
+        return;
+      }
     }
   }
 
-  /** All that changes, as numbers. */
+  /** All that changes, as numbers. @returns {number[]} */
   get numbers() {
     return [...this.robot, ...this.target, this.random.state, this.hits, ...this.shifts.flat()];
   }

@@ -28,6 +28,7 @@ export class PushingWorld {
     this.table = table;
     this.random = new Random(seed);
     const { pusher, pose } = start ?? this.#draw();
+    /** @type {Pose} */
     this.goal = table.goal;
     this.#build();
     this.#place(pusher, [0, 0], pose);
@@ -57,9 +58,12 @@ export class PushingWorld {
 
   /** Share of the goal that the T covers. */
   get coverage() {
-    const at = (/** @type {Pose} */ pose) => this.table.parts.map((part) => part.map((corner) => placed(corner, pose)));
+    const at = (/** @type {Pose} */ pose) =>
+      this.table.parts.map((part) => part.map((corner) => placed(corner, pose)));
     const goal = at(this.goal);
-    const covered = at(this.pose).flatMap((part) => goal.map((other) => area(clipped(part, other))));
+    const covered = at(this.pose).flatMap((part) =>
+      goal.map((other) => area(clipped(part, other))),
+    );
     const whole = this.table.parts.map(area);
     return sum(covered) / sum(whole);
   }
@@ -75,7 +79,9 @@ export class PushingWorld {
   /** @param {import("../../../examples/web/aicon_policy.mjs").Policy} policy */
   readings(policy) {
     return readingsOf(policy, {
-      z_pusher: this.pusher, z_keypoints: this.corners.flat(), z_target: this.goal,
+      z_pusher: this.pusher,
+      z_keypoints: this.corners.flat(),
+      z_target: this.goal,
     });
   }
 
@@ -86,10 +92,12 @@ export class PushingWorld {
     const [x, y] = Array.from(command, (value) => Math.min(Math.max(value, 0), size) / METRE);
     for (let k = 0; k < sub_steps; k += 1) {
       const [place, velocity] = [this.disc.getPosition(), this.disc.getLinearVelocity()];
-      this.disc.setLinearVelocity(new Vec2(
-        velocity.x + (stiffness * (x - place.x) - damping * velocity.x) * sub_step,
-        velocity.y + (stiffness * (y - place.y) - damping * velocity.y) * sub_step,
-      ));
+      this.disc.setLinearVelocity(
+        new Vec2(
+          velocity.x + (stiffness * (x - place.x) - damping * velocity.x) * sub_step,
+          velocity.y + (stiffness * (y - place.y) - damping * velocity.y) * sub_step,
+        ),
+      );
       this.#rub(sub_step);
       this.engine.step(sub_step, 8, 4);
     }
@@ -111,7 +119,12 @@ export class PushingWorld {
     for (let attempt = 0; attempt < 50; attempt += 1) {
       const [right, down, turn] = [0, 1, 2].map(() => 2 * this.random.uniform() - 1);
       const pose = this.#within([x + SHIFT * right, y + SHIFT * down, angle + TURN * turn]);
-      const isOn = this.table.parts.some((part) => contains(part.map((corner) => placed(corner, pose)), this.pusher));
+      const isOn = this.table.parts.some((part) =>
+        contains(
+          part.map((corner) => placed(corner, pose)),
+          this.pusher,
+        ),
+      );
       if (!isOn) return this.#place(this.pusher, this.velocity, pose);
     }
   }
@@ -122,11 +135,18 @@ export class PushingWorld {
     return [x * METRE, y * METRE];
   }
 
-  /** All that changes, as numbers. */
+  /** All that changes, as numbers. @returns {number[]} */
   get numbers() {
     const { x, y } = this.tee.getLinearVelocity();
     return [
-      ...this.pusher, ...this.velocity, ...this.pose, x, y, this.tee.getAngularVelocity(), ...this.goal, this.random.state,
+      ...this.pusher,
+      ...this.velocity,
+      ...this.pose,
+      x,
+      y,
+      this.tee.getAngularVelocity(),
+      ...this.goal,
+      this.random.state,
     ];
   }
 
@@ -154,15 +174,20 @@ export class PushingWorld {
     const scaled = (/** @type {Point} */ [x, y]) => new Vec2(x / METRE, y / METRE);
     this.engine = new World({ gravity: new Vec2(0, 0), allowSleep: false });
 
-    // Walls as thick as the table, since the disc, which nothing stops, may press the T against them.
+    // Walls as thick as the table, since the disc may press the T hard against them.
     const ground = this.engine.createBody();
     const [middle, half] = [(WALLS[0] + WALLS[1]) / 2, (WALLS[1] - WALLS[0]) / 2];
-    for (const [x, y] of /** @type {Point[]} */ ([[-1, 0], [1, 0], [0, -1], [0, 1]])) {
+    for (const [x, y] of /** @type {Point[]} */ ([
+      [-1, 0],
+      [1, 0],
+      [0, -1],
+      [0, 1],
+    ])) {
       const place = scaled([middle + 4 * half * x, middle + 4 * half * y]);
       const shape = new Box((3 * half) / METRE, (3 * half) / METRE, place);
       ground.createFixture({ shape, friction: 0, filterGroupIndex: -1 });
     }
-    // The disc is driven by its velocity, is too heavy for the T to matter, and passes over the walls.
+    // The disc is driven by its velocity, and passes over the walls, as in the benchmark.
     this.disc = this.engine.createBody({ type: "dynamic", fixedRotation: true });
     const round = { shape: new Circle(radius / METRE), friction: ROUGH, filterGroupIndex: -1 };
     this.disc.createFixture({ ...round, density: HEAVY });
@@ -171,7 +196,9 @@ export class PushingWorld {
       this.tee.createFixture({ shape: new Polygon(part.map(scaled)), density: 1, friction: ROUGH });
     }
     const center = this.tee.getLocalCenter();
-    this.gyration = Math.sqrt(this.tee.getInertia() / this.tee.getMass() - Vec2.dot(center, center));
+    this.gyration = Math.sqrt(
+      this.tee.getInertia() / this.tee.getMass() - Vec2.dot(center, center),
+    );
   }
 
   /** @param {Point} pusher @param {Point} velocity @param {Pose} pose */
@@ -210,10 +237,12 @@ const sum = (values) => values.reduce((total, value) => total + value, 0);
 
 /** Area of a polygon with positive orientation. @param {Point[]} corners */
 function area(corners) {
-  return sum(corners.map(([x, y], i) => {
-    const [nextX, nextY] = corners[(i + 1) % corners.length];
-    return (x * nextY - nextX * y) / 2;
-  }));
+  return sum(
+    corners.map(([x, y], i) => {
+      const [nextX, nextY] = corners[(i + 1) % corners.length];
+      return (x * nextY - nextX * y) / 2;
+    }),
+  );
 }
 
 /** The part of a convex polygon that lies in another one: cut along each of its sides in turn.
@@ -229,7 +258,10 @@ function clipped(corners, other) {
       const kept = here >= 0 ? [corner] : [];
       if (here >= 0 === there >= 0) return kept;
       const share = here / (here - there);
-      return [...kept, [corner[0] + share * (next[0] - corner[0]), corner[1] + share * (next[1] - corner[1])]];
+      return [
+        ...kept,
+        [corner[0] + share * (next[0] - corner[0]), corner[1] + share * (next[1] - corner[1])],
+      ];
     });
   }, corners);
 }

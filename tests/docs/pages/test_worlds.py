@@ -1,28 +1,21 @@
 """The worlds of the pages are those of the environments."""
 
 import json
-import shutil
-import subprocess
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from aicon_envs.nav2d.boundaries import Boundaries
+from building import scripts
 
-SCRIPTS = Path(__file__).parents[3] / "docs" / "web"
-
-pytestmark = pytest.mark.skipif(not shutil.which("node"), reason="no Node.js")
+pytestmark = pytest.mark.skipif(not scripts.has_node(), reason="no Node.js")
 
 
 def in_node(program: str, given: Any = None) -> Any:
     """What a program prints, in JSON; it has ``given``, and ``at``, where the scripts are."""
-    head = f"const given = {json.dumps(given)}, at = {json.dumps(SCRIPTS.as_uri())};\n"
-    command = ["node", "--input-type=module", "-"]
-    done = subprocess.run(command, input=head + program, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    head = f"const given = {json.dumps(given)}, at = {json.dumps(scripts.SOURCES.as_uri())};\n"
+    return json.loads(scripts.run("node", "--input-type=module", "-", given=head + program))
 
 
 def test_distances_to_walls_are_those_of_the_environment() -> None:

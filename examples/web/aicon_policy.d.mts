@@ -29,7 +29,7 @@ export interface Metadata {
   dt: number;
   /** Gradients in a step. */
   iterations: number;
-  sensors: Array<{ name: string; size: number; unit: string; key: string | null; optional: boolean }>;
+  sensors: Array<{ name: string; size: number; unit: string; key: string | null; optional: boolean; age: number }>;
   actuators: Array<{ name: string; size: number; unit: string; key: string | null }>;
   goals: string[];
   readings: Entry[];
