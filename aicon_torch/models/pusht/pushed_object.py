@@ -5,7 +5,7 @@ from collections.abc import Callable
 from torch import Tensor
 from torch.nn.functional import pad
 
-from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
+from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, Noise, ekf_with_delay
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.pusht.benchmark import (
     PIXEL,
@@ -107,18 +107,25 @@ def _residual(options: Options, registration: KeypointRegistration) -> Callable[
 
 def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
     """The pose as a network sees it in a picture, with the variances that it tells."""
-    pushed = PoseMotion(dynamics, PUSHER_RADIUS)
-    motion = pushed if options.estimation else resting_pose
-    noise = PushNoise(pushed, options.process_noise, options.push_noise)
+    motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
     return EKF(
         "x_pose",
         "P_pose",
         predict=Interconnection(motion, x_pose=pose_jacobian),
-        noise=noise,
+        noise=_process_noise(options, dynamics),
         initial=first_sight,
         size=3,
         correct=[Measurement(seen_off, seen_variances, size=3)],
     )
+
+
+def _process_noise(options: Options, dynamics: ContactDynamics) -> Noise:
+    """What moves the object in a step besides the model: the same at all times, or by the push."""
+    if options.push_noise:
+        pushed = PoseMotion(dynamics, PUSHER_RADIUS)
+        return PushNoise(pushed, options.process_noise, options.push_noise)
+    process = options.process_noise**2
+    return process, process, process / dynamics.body.radius_of_gyration**2
 
 
 def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
@@ -129,7 +136,6 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     residual = Interconnection(_residual(options, registration), x_pose=pose_jacobian)
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
 
-    process = options.process_noise**2
     return ekf_with_delay(
         "x_pose",
         "P_pose",
@@ -137,7 +143,7 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
         sensor="z_keypoints",
         moved_by={"x_pusher": 2, "d_pusher": 2 * parts, "dt": 1},
         predict=Interconnection(motion, x_pose=pose_jacobian),
-        noise=(process, process, process / body.radius_of_gyration**2),
+        noise=_process_noise(options, dynamics),
         initial=registration.prior,
         size=3,
         correct=[Measurement(residual, registration.variances(reading_noise), size=3)],
