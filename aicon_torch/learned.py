@@ -31,7 +31,8 @@ LEARNED = "_learned"
 class Learned(nn.Module):
     """A number, or several, computed from a parameter θ that starts at zero and has no unit.
 
-    What is positive stays so: v = v₀ max(exp θ, floor). Anything else is free: v = v₀ + s θ, where
+    A number that is positive stays so, and so do variances: v = v₀ max(exp θ, floor). A number that
+    is not, and vectors, are free: v = v₀ + s θ, where
     the scale s is the largest |v₀|, or one. At θ = 0 it is v₀ to the last bit.
 
     Args:
@@ -43,7 +44,8 @@ class Learned(nn.Module):
 
     def __init__(self, start: Tensor, diagonal: int | None = None) -> None:
         super().__init__()
-        self.is_positive = bool((start > 0).all())
+        is_magnitude = diagonal is not None or start.dim() == 0
+        self.is_positive = is_magnitude and bool((start > 0).all())
         self.diagonal = diagonal
         self.scale = float(start.abs().max()) or 1.0
         self.register_buffer("start", start.clone())

@@ -257,6 +257,8 @@ def check_effect(
     for innovations in filtered.innovations.values():
         found += [innovations.residual, innovations.spread]
     total = torch.stack([value.sum() for value in found]).sum()
+    if not total.requires_grad:
+        total = total.clone().requires_grad_()
     effects = torch.autograd.grad(total, list(parameters.values()), allow_unused=True)
     for name, effect in zip(parameters, effects, strict=True):
         if effect is None:

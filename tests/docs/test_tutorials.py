@@ -22,6 +22,7 @@ NEEDED = {
     "own_object": ("pymunk", "matplotlib"),
     "shield": ("matplotlib",),
     "network": ("matplotlib",),
+    "learning": ("pymunk",),
     "wheels": ("matplotlib",),
     "task": (),
 }

@@ -45,8 +45,8 @@ class Options:
         compensate_lag: Whether the position target takes the controller's lag into account.
         picture: File of a trained :class:`aicon_torch.models.pusht.picture.PoseNetwork`, which sees
             the object in ``pixels``; None reads its keypoints instead.
-        push_noise: Where the object is seen in pictures: standard deviation of what a push does
-            besides the model, as a share of what it does.
+        push_noise: Standard deviation of what a push does besides the model, as a share of what it
+            does; 0 leaves the process noise as large where nothing is pushed.
         keypoint_noise: Standard deviation of each coordinate of a keypoint, m.
         keypoint_offset: Standard deviation of an offset that all keypoints have in common, m; 0 if
             there is none. It is estimated from what touches what.
@@ -73,7 +73,7 @@ class Options:
     command: Literal["position", "velocity"] = "position"
     compensate_lag: bool = True
     picture: str | Path | None = None
-    push_noise: float = 0.2
+    push_noise: float = 0.0
     keypoint_noise: float = 0.1 * PIXEL
     keypoint_offset: float = 0.0
     estimation: bool = True

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import pad
 
-from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
+from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, Noise, ekf_with_delay
 from aicon_torch.interconnections import Affine, Constant, Interconnection
 from aicon_torch.models.pusht.benchmark import (
     PIXEL,
@@ -108,18 +108,25 @@ def _residual(options: Options, registration: KeypointRegistration) -> Callable[
 
 def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
     """The pose as a network sees it in a picture, with the variances that it tells."""
-    pushed = PoseMotion(dynamics, PUSHER_RADIUS)
-    motion = pushed if options.estimation else resting_pose
-    noise = PushNoise(pushed, PROCESS_NOISE, options.push_noise)
+    motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
     return EKF(
         "x_pose",
         "P_pose",
         predict=Interconnection(motion, x_pose=Constant(torch.eye(3))),
-        noise=noise,
+        noise=_process_noise(options, dynamics),
         initial=first_sight,
         size=3,
         correct=[Measurement(seen_off, seen_variances, size=3)],
     )
+
+
+def _process_noise(options: Options, dynamics: ContactDynamics) -> Noise:
+    """What moves the object in a step besides the model: the same at all times, or by the push."""
+    if options.push_noise:
+        pushed = PoseMotion(dynamics, PUSHER_RADIUS)
+        return PushNoise(pushed, PROCESS_NOISE, options.push_noise)
+    process = PROCESS_NOISE**2
+    return process, process, process / dynamics.body.radius_of_gyration**2
 
 
 def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
@@ -130,7 +137,6 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     residual = Interconnection(_residual(options, registration), x_pose=Constant(torch.eye(3)))
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
 
-    process = PROCESS_NOISE**2
     return ekf_with_delay(
         "x_pose",
         "P_pose",
@@ -138,7 +144,7 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
         sensor="z_keypoints",
         moved_by={"x_pusher": 2, "d_pusher": 2 * parts, "dt": 1},
         predict=Interconnection(motion, x_pose=Constant(torch.eye(3))),
-        noise=(process, process, process / body.radius_of_gyration**2),
+        noise=_process_noise(options, dynamics),
         initial=registration.prior,
         size=3,
         correct=[Measurement(residual, registration.variances(reading_noise), size=3)],

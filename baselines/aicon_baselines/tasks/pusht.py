@@ -123,7 +123,7 @@ def _policy_options(condition: str) -> dict[str, Any]:
         options["outline_order"] = tuple(int(index) for index in outline.border)
 
     if "obs_type" in arguments:
-        options["picture"] = _PICTURE
+        options |= {"picture": _PICTURE, "push_noise": 0.2}
     if "observe_goal" in arguments:
         options["observe_goal"] = True
     if "velocity_limit" in arguments:
