@@ -52,6 +52,7 @@ class Heard:
 def worlds() -> dict[str, World]:
     """The tasks, by name."""
     ppo = saved_agent("nav2d", shipped_folder("sb3", "nav2d"))[1]
+    pushing = saved_agent("pusht", shipped_folder("sb3", "pusht"), sampled=True)[1]
     student = diffusion_policy("pusht", str(shipped_folder("diffusion", "pusht")))[1]
     return {
         "nav2d": World(
@@ -61,7 +62,10 @@ def worlds() -> dict[str, World]:
             0.05,
         ),
         "pusht": World(
-            {"student": lambda: student("deterministic")},
+            {
+                "PPO": lambda: pushing("deterministic"),
+                "student": lambda: student("deterministic"),
+            },
             _guards(pusht.Clamp, pusht.shielded),
             _pushing,
             0.1,
@@ -214,9 +218,7 @@ def main() -> None:
     elif asked.what == "time":
         timed(asked.out, asked.horizon)
     else:
-        compare(
-            asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.policies
-        )
+        compare(asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.policies)
 
 
 if __name__ == "__main__":
