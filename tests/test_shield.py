@@ -86,20 +86,20 @@ def test_it_keeps_its_bounds_and_goes_around_what_is_in_the_way(
     pillars: Mapping[str, tuple[float, float]],
 ) -> None:
     starts = np.array([[0.0, 0.0], [0.0, 0.05], [0.2, -0.3]])
-    way, _ = drive(Shield(straight, world(pillars)), starts)
+    way, _ = drive(Shield(straight, world(pillars)).compile(), starts)
     assert gaps(way, pillars).min() > 0.0
     np.testing.assert_allclose(way[-1], np.tile(TARGET, (3, 1)), atol=0.05)
 
 
 def test_without_the_way_around_it_stays_where_it_is_held_up() -> None:
-    way, _ = drive(Shield(straight, world(), goes_around=False), (0.0, 0.0))
+    way, _ = drive(Shield(straight, world(), goes_around=False), (0.0, 0.0), 120)
     np.testing.assert_allclose(way[-1], (1.5 - RADIUS, 0.0), atol=0.05)
 
 
 def test_a_random_policy_never_violates_its_bounds() -> None:
     generator = np.random.default_rng(0)
-    shield = Shield(lambda seen: 3 * generator.normal(size=(64, 2)), world(TRAP))
-    way, _ = drive(shield, generator.uniform(-0.5, 0.3, (64, 2)), 200)
+    shield = Shield(lambda seen: 3 * generator.normal(size=(64, 2)), world(TRAP)).compile()
+    way, _ = drive(shield, generator.uniform(-0.5, 0.3, (64, 2)), 500)
     assert gaps(way, TRAP).min() > 0.0
 
 

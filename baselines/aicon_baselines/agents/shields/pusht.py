@@ -60,7 +60,7 @@ def model() -> WorldModel:
 
 
 def inside(x_pusher: Tensor, z_region: Tensor) -> Tensor:
-    """R + m − ‖x − c‖, ``(*B,)``, m: how far it is inside."""
+    """How far it is inside, r + m − ‖x − c‖, ``(*B,)``, m."""
     distance = (x_pusher - z_region).square().sum(-1).clamp(min=1e-12).sqrt()
     return (RADIUS + MARGIN) * PIXEL - distance
 
