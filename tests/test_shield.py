@@ -96,6 +96,7 @@ def test_without_the_way_around_it_stays_where_it_is_held_up() -> None:
     np.testing.assert_allclose(way[-1], (1.5 - RADIUS, 0.0), atol=0.05)
 
 
+@pytest.mark.slow
 def test_a_random_policy_never_violates_its_bounds() -> None:
     generator = np.random.default_rng(0)
     shield = Shield(lambda seen: 3 * generator.normal(size=(64, 2)), world(TRAP)).compile()
