@@ -28,6 +28,7 @@ from aicon_torch.resolution import (
     TrapEscape,
 )
 from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
+from aicon_torch.shield import Shield
 
 __all__ = [
     "EKF",
@@ -57,6 +58,7 @@ __all__ = [
     "Quantity",
     "Resolution",
     "Sensor",
+    "Shield",
     "SteepestPath",
     "StepTrace",
     "Sum",

@@ -199,7 +199,7 @@ def _asked(proposal: Tensor) -> Tensor:
 
 
 def _disagreement(action: Tensor, wish: Tensor) -> Tensor:
-    """g = −a·w ``(*B,)``, whose gradient is −w wherever the action is."""
+    """The cost g = −a·w ``(*B,)``, whose gradient is −w wherever the action is."""
     return -(action * wish.detach()).sum(-1)  # stops: moving is not to change what is asked for
 
 

@@ -7,6 +7,7 @@ import argparse
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,7 +22,7 @@ from aicon_baselines.evaluation.episodes import Step, run_episodes
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.tasks import load
-from aicon_envs.nav2d import Physics
+from aicon_envs.nav2d import Physics, make_map
 from aicon_torch import load_exported
 
 STILL = {"nav2d": (600, 0.5), "pusht": (50, 20.0)}
@@ -52,6 +53,7 @@ class Heard:
 def worlds() -> dict[str, World]:
     """The tasks, by name."""
     ppo = saved_agent("nav2d", shipped_folder("sb3", "nav2d"))[1]
+    pushing = saved_agent("pusht", shipped_folder("sb3", "pusht"), sampled=True)[1]
     student = diffusion_policy("pusht", str(shipped_folder("diffusion", "pusht")))[1]
     return {
         "nav2d": World(
@@ -61,7 +63,10 @@ def worlds() -> dict[str, World]:
             0.05,
         ),
         "pusht": World(
-            {"student": lambda: student("deterministic")},
+            {
+                "PPO": lambda: pushing("deterministic"),
+                "student": lambda: student("deterministic"),
+            },
             _guards(pusht.Clamp, pusht.shielded),
             _pushing,
             0.1,
@@ -196,10 +201,30 @@ def timed(out: Path, count: int) -> None:
         print(f"{name}: median {median:.1f}, 99.9 % {tail:.1f}, largest {max(taken):.1f} µs")
 
 
+def draw(out: Path, seed: int, horizon: int) -> None:
+    """One map, and the ways under each guard, as shield.png."""
+    import matplotlib.pyplot as plt
+
+    world, task = worlds()["nav2d"], load("nav2d")
+    episode = task.episode(seed)
+    _, obstacles, begin, target = make_map(episode.map, np.random.default_rng(seed))
+    figure, axes = plt.subplots(1, 4, figsize=(12, 3.4), sharex=True, sharey=True)
+    for axis, (name, guard) in zip(axes, world.guards.items(), strict=True):
+        env, start = world.start(seed, 1)
+        steps = run_episodes(guard(nav2d.Straight()), env, start)
+        way = np.array([begin] + [step.info["position"][0] for step in islice(steps, horizon)])
+        for obstacle in obstacles:
+            axis.fill(*np.asarray(obstacle).T, color="#3c4048")
+        axis.plot(*way.T, color="#0059a8", linewidth=2)
+        axis.plot(*target, "*", color="#c4122f", markersize=14)
+        axis.set(title=name, aspect="equal")
+    figure.savefig(out / "shield.png", dpi=110, bbox_inches="tight")
+
+
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("what", choices=("nav2d", "pusht", "random", "time"))
+    parser.add_argument("what", choices=("nav2d", "pusht", "random", "time", "draw"))
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--seed", type=int, default=300_000)
     parser.add_argument("--horizon", type=int, default=1000, help="steps")
@@ -213,10 +238,10 @@ def main() -> None:
         wander(asked.seed, asked.episodes, asked.horizon)
     elif asked.what == "time":
         timed(asked.out, asked.horizon)
+    elif asked.what == "draw":
+        draw(asked.out, asked.seed, asked.horizon)
     else:
-        compare(
-            asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.policies
-        )
+        compare(asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.policies)
 
 
 if __name__ == "__main__":

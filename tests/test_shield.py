@@ -1,4 +1,4 @@
-"""A shield does what a policy proposes, keeps its safety goals, and goes around what is in the way."""
+"""A shield does what is proposed, keeps its safety goals, and goes around what is in the way."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -18,11 +18,11 @@ from aicon_torch import (
     Measurement,
     OptionError,
     Sensor,
+    Shield,
     WorldModel,
     load_exported,
 )
 from aicon_torch.dampers import VelocityDampers
-from aicon_torch.shield import Shield
 
 DT, RADIUS, TARGET = 0.05, 0.5, (3.0, 0.0)
 PILLARS = {"pillar": (1.5, 0.0)}
@@ -92,10 +92,11 @@ def test_it_keeps_its_bounds_and_goes_around_what_is_in_the_way(
 
 
 def test_without_the_way_around_it_stays_where_it_is_held_up() -> None:
-    way, _ = drive(Shield(straight, world(), goes_around=False), (0.0, 0.0))
+    way, _ = drive(Shield(straight, world(), goes_around=False), (0.0, 0.0), 120)
     np.testing.assert_allclose(way[-1], (1.5 - RADIUS, 0.0), atol=0.05)
 
 
+@pytest.mark.slow
 def test_a_random_policy_never_violates_its_bounds() -> None:
     generator = np.random.default_rng(0)
     shield = Shield(lambda seen: 3 * generator.normal(size=(64, 2)), world(TRAP)).compile()

@@ -81,9 +81,7 @@ def shielding(
     )
 
 
-def _held(
-    model: WorldModel, name: str, values: Memory, asked: torch.Tensor
-) -> dict[str, Held]:
+def _held(model: WorldModel, name: str, values: Memory, asked: torch.Tensor) -> dict[str, Held]:
     """The safety goals that do not allow an action ``(size,)``, each with its worst gap."""
     safety = safety_of(model)[name]
     found: dict[str, Held] = {}

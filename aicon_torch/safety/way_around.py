@@ -101,6 +101,7 @@ class Around:
         along_tangent = (safe.force * memory["tangent"]).sum(-1)
         onwards = memory["angle"] + asked / self.speed * self.dt / self.time
         angle = torch.where(is_felt, torch.atan2(along_tangent, along_normal), onwards)
+        angle = torch.where(around, angle, 0.0)
 
         # From FREE to AROUND, and back.
         begins = ~around & is_felt & is_asking & (kept < HELD)
@@ -117,7 +118,7 @@ class Around:
             "escaping": (around | begins) & ~ends,
             "normal": torch.where(is_new, entry, memory["normal"]),
             "tangent": torch.where(is_new, unit(reject(sideways, entry)), memory["tangent"]),
-            "angle": torch.where(begins, 0.0, angle),
+            "angle": angle,
             "kept": torch.where(begins | around, 1.0, kept),
             "gained": torch.where(begins, 0.0, gained),
             "escapes": memory["escapes"] + begins,

@@ -66,7 +66,7 @@ def displacement(a: Tensor, dt: Tensor) -> Tensor:
 
 
 def too_near(x_wall: Tensor, P_wall: Tensor) -> Tensor:
-    """m + 2σ − d, ``(*B,)``, m: what is missing to the margin."""
+    """What is missing to the margin, m + 2σ − d, ``(*B,)``, m."""
     return MARGIN - certain(x_wall, P_wall)
 
 

@@ -1,6 +1,7 @@
 """pushT behind a shield: a disc on the board that the pusher must not enter."""
 
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any, cast
 
 import gymnasium
@@ -30,6 +31,9 @@ MARGIN = 8.0
 BRAKING = 0.1
 """The way on which the pusher brakes, m."""
 
+IN_THE_WAY = 100
+"""So often a region in the way is drawn, and any if none fits."""
+
 SERVO = Servo.of(substep=SUBSTEP)
 
 
@@ -56,7 +60,7 @@ def model() -> WorldModel:
 
 
 def inside(x_pusher: Tensor, z_region: Tensor) -> Tensor:
-    """r + m − ‖x − c‖, ``(*B,)``, m: how far it is inside."""
+    """How far it is inside, r + m − ‖x − c‖, ``(*B,)``, m."""
     distance = (x_pusher - z_region).square().sum(-1).clamp(min=1e-12).sqrt()
     return (RADIUS + MARGIN) * PIXEL - distance
 
@@ -124,18 +128,20 @@ class Region(gymnasium.Wrapper[Any, Any, Any, Any]):
 
 
 def _drawn(observation: Any, random: np.random.Generator) -> NDArray[Any]:
-    """A middle, px, off the pusher and the object, at the start and at the goal."""
+    """A middle, px, between pusher and object where it fits, off both and off the goal."""
     goal = np.asarray(GOAL_POSE[:2]) / PIXEL
-    corners = observation["environment_state"].reshape(-1, 2)
-    while True:
-        middle = random.uniform(RADIUS, 512.0 - RADIUS, 2)
-        is_off_goal = np.linalg.norm(middle - goal) > 120.0 + RADIUS
+    pusher, corners = observation["agent_pos"], observation["environment_state"].reshape(-1, 2)
+    for attempt in count():
+        between = pusher + random.uniform(0.3, 0.8) * (corners.mean(0) - pusher)
+        middle = between if attempt < IN_THE_WAY else random.uniform(RADIUS, 512.0 - RADIUS, 2)
+        is_off_goal = np.linalg.norm(middle - goal) > 70.0 + RADIUS
         is_off_object = np.linalg.norm(corners - middle, axis=-1).min() > 30.0 + RADIUS
-        is_off_pusher = np.linalg.norm(observation["agent_pos"] - middle) > 30.0 + RADIUS
+        is_off_pusher = np.linalg.norm(pusher - middle) > 20.0 + RADIUS
         if is_off_goal and is_off_object and is_off_pusher:
-            return middle
+            break
+    return middle
 
 
-def make_env(count: int, horizon: int) -> SideBySide:
+def make_env(number: int, horizon: int) -> SideBySide:
     """Episodes of pushT with a region each."""
-    return side_by_side(lambda: Region(PushTEnv()), count, horizon)
+    return side_by_side(lambda: Region(PushTEnv()), number, horizon)
