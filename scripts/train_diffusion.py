@@ -16,9 +16,12 @@ from aicon_baselines.agents.diffusion.configs import OBSERVATIONS, TrainingConfi
 from aicon_baselines.cli.command_line import Command, add_fields, add_option, fields_of, run_command
 
 FIELDS = {
+    # The network.
     "horizon": "actions predicted at once",
     "action_steps": "executed before it looks again",
+    # What it learns.
     "shift": "of observations, σ",
+    # How it learns.
     "steps": "gradient steps",
     "seed": "of network, order and noise",
 }

@@ -63,50 +63,50 @@ def _explored(
 ) -> tuple[str, tuple[str, ...]]:
     """A conflict that was explored in some steps, in words, and its goals."""
     exploring = meeting.exploring
-    leader, opponent, share, cosine = _most_frequent(meeting, steps)
+    dominant, opponent, share, cosine = _most_frequent(meeting, steps)
     began = times(len(true_intervals(exploring)))
     still = "and was not over at the end" if exploring[-1] else "and paused at the end"
     text = (
         f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
         f"the time, began {began}, {still}. In {percent(share)} of that it "
-        f"was {meeting.labels[leader]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
+        f"was {meeting.labels[dominant]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
     )
-    return text, _goals(meeting, leader, opponent)
+    return text, _goals(meeting, dominant, opponent)
 
 
 def _not_explored(
     name: str, meeting: MeetingCurve, steps: NDArray[np.bool_]
 ) -> tuple[str, tuple[str, ...]]:
     """A conflict in some steps in which one gradient was too strong to be explored."""
-    leader, opponent, _, cosine = _most_frequent(meeting, steps)
-    strengths = meeting.strengths[steps]
-    ratio = np.median(strengths[:, leader] / np.maximum(strengths[:, opponent], 1e-300))
+    dominant, opponent, _, cosine = _most_frequent(meeting, steps)
+    magnitudes = meeting.magnitudes[steps]
+    ratio = np.median(magnitudes[:, dominant] / np.maximum(magnitudes[:, opponent], 1e-300))
     strength = "Both are about equally strong, and nothing is explored."
     if ratio > 1.5:
         strength = f"The first is {ratio:.2g} times as strong, so that it hardly ever explores."
     text = (
         f"Gradients oppose each other at {name} in {percent(steps.mean())} of the time (cosine "
-        f"{cosine:+.2f}): {meeting.labels[leader]} against {meeting.labels[opponent]}. "
+        f"{cosine:+.2f}): {meeting.labels[dominant]} against {meeting.labels[opponent]}. "
         f"{strength}"
     )
-    return text, _goals(meeting, leader, opponent)
+    return text, _goals(meeting, dominant, opponent)
 
 
 def _most_frequent(
     meeting: MeetingCurve, steps: NDArray[np.bool_]
 ) -> tuple[int, int, float, float]:
-    """The leader and opponent of most of these steps, their share of them, and their cosine."""
-    leaders, opponents = meeting.leader[steps], meeting.opponent[steps]
-    pairs = Counter(zip(leaders.tolist(), opponents.tolist(), strict=True))
+    """The dominant and opponent of most of these steps, their share of them, and their cosine."""
+    dominants, opponents = meeting.dominant[steps], meeting.opponent[steps]
+    pairs = Counter(zip(dominants.tolist(), opponents.tolist(), strict=True))
 
-    (leader, opponent), count = pairs.most_common(1)[0]
-    theirs = (leaders == leader) & (opponents == opponent)
+    (dominant, opponent), count = pairs.most_common(1)[0]
+    theirs = (dominants == dominant) & (opponents == opponent)
     cosine = float(np.median(meeting.cosine[steps][theirs]))
-    return leader, opponent, count / int(steps.sum()), cosine
+    return dominant, opponent, count / int(steps.sum()), cosine
 
 
-def _goals(meeting: MeetingCurve, leader: int, opponent: int) -> tuple[str, ...]:
-    return tuple(dict.fromkeys((meeting.goals[leader], meeting.goals[opponent])))
+def _goals(meeting: MeetingCurve, dominant: int, opponent: int) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((meeting.goals[dominant], meeting.goals[opponent])))
 
 
 def _near_goals(history: History, since: int) -> list[str]:

@@ -24,8 +24,8 @@ class MeetingCurve:
     Attributes:
         labels: For each of g gradients its path, such as "reach → p_tar → x_rob".
         goals: For each gradient its goals, joined by "+".
-        strengths: (n, g).
-        leader: Index of the leading gradient, (n,).
+        magnitudes: (n, g).
+        dominant: Index of the leading gradient, (n,).
         opponent: Index of the gradient that it was compared with, (n,); −1 for none.
         cosine: Between the two, (n,).
         exploring: (n,).
@@ -33,8 +33,8 @@ class MeetingCurve:
 
     labels: tuple[str, ...]
     goals: tuple[str, ...]
-    strengths: FloatArray
-    leader: IntArray
+    magnitudes: FloatArray
+    dominant: IntArray
     opponent: IntArray
     cosine: FloatArray
     exploring: BoolArray
@@ -158,8 +158,8 @@ def _meeting_curves(trace: StepTrace) -> dict[str, MeetingCurve]:
             curves[name] = MeetingCurve(
                 labels=quantity.labels,
                 goals=tuple("+".join(goals) for goals in quantity.goals),
-                strengths=to_array(quantity.strengths),
-                leader=quantity.leader.numpy(force=True),
+                magnitudes=to_array(quantity.magnitudes),
+                dominant=quantity.dominant.numpy(force=True),
                 opponent=quantity.opponent.numpy(force=True),
                 cosine=to_array(quantity.cosine),
                 exploring=_flags(quantity.exploring),
@@ -180,7 +180,7 @@ def _actuator_curves(policy: Policy, trace: StepTrace) -> dict[str, ActuatorCurv
 
         curves[name] = ActuatorCurve(
             share=share,
-            gradient=nothing if quantity is None else to_array(quantity.strengths.amax(-1)),
+            gradient=nothing if quantity is None else to_array(quantity.magnitudes.amax(-1)),
             escaping=nothing.astype(bool) if quantity is None else _flags(quantity.exploring),
             smallest=smallest,
             constraints=tuple(_name_of(one) for one in actuator.constraints),

@@ -105,7 +105,7 @@ def _draw_costs(axes: Axes, history: History) -> None:
 
 
 def _draw_cosines(axes: Axes, history: History) -> None:
-    """How much the leading gradient is opposed, and where a quantity explores."""
+    """How much the dominant gradient is opposed, and where a quantity explores."""
     explores = np.zeros(history.steps, dtype=np.bool_)
     for color, (name, curve) in zip(CURVES, history.meetings.items(), strict=False):
         axes.plot(history.times, curve.cosine, color=color, linewidth=0.9, label=f"at {name}")
@@ -113,7 +113,7 @@ def _draw_cosines(axes: Axes, history: History) -> None:
 
     _shade(axes, history, explores)
     axes.set_ylim(-1.08, 1.08)
-    axes.set_ylabel("cosine to the rival")
+    axes.set_ylabel("cosine to the opponent")
 
 
 def _draw_actions(axes: Axes, history: History) -> None:

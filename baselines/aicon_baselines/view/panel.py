@@ -122,13 +122,13 @@ class Panel:
         self._graph = self._gui.add_html("")
 
     def _add_strips(self) -> None:
-        """Strengths, cosine, costs, and what is left."""
+        """Magnitudes, cosine, costs, and what is left."""
         gui, scene = self._gui, self._scene
         goals = scene.episode.policy.model.goals
         costs = {goal: scene.goal_color(goal) for goal in goals}
         left = {**scene.remaining_curves, "success": GOAL}
         self._strips = (
-            Strip(gui, "strength of the gradients", scene.strength_curves()),
+            Strip(gui, "magnitude of the gradients", scene.strength_curves()),
             Strip(
                 gui, "cosine of the two that are compared (−1: they oppose)", {"cosine": RESOLVED}
             ),

@@ -172,7 +172,7 @@ class Scene(ABC):
         """The gradients that meet."""
         meeting = self.episode.meeting
         gradients = meeting.gradients[0].numpy(force=True)
-        strengths = meeting.strengths[0].tolist()
+        strengths = meeting.magnitudes[0].tolist()
 
         found = []
         for index, gradient in enumerate(gradients):
@@ -199,7 +199,7 @@ class Scene(ABC):
         """The strengths at this moment, by curve: the strongest gradient of each goal alone."""
         strongest = dict.fromkeys(self.strength_curves(), 0.0)
         for met in self.episode.trace.quantities.values():
-            for goals, strength in zip(met.goals, met.strengths[0].tolist(), strict=True):
+            for goals, strength in zip(met.goals, met.magnitudes[0].tolist(), strict=True):
                 if len(goals) == 1:
                     strongest[goals[0]] = max(strongest[goals[0]], strength)
         return strongest
@@ -225,10 +225,10 @@ class Scene(ABC):
         """What opposes what, in words, while it explores."""
         meeting, arrows = self.episode.meeting, self.arrows()
         opponent = int(meeting.opponent[0])
-        leader = arrows[int(meeting.leader[0])].label
+        dominant = arrows[int(meeting.dominant[0])].label
         if opponent < 0 or meeting.goals_in_conflict(0) is None:
-            return f"{leader}, until it gets on"
-        return f"{leader} ↔ {arrows[opponent].label}"
+            return f"{dominant}, until it gets on"
+        return f"{dominant} ↔ {arrows[opponent].label}"
 
     def headline(self) -> str:
         """What happens, in a few words."""
@@ -241,14 +241,14 @@ class Scene(ABC):
         meeting = self.episode.meeting
         if bool(meeting.exploring[0]):
             return f"Exploring: {self.conflict()}"
-        return f"Descending: {self.arrows()[int(meeting.leader[0])].label}"
+        return f"Descending: {self.arrows()[int(meeting.dominant[0])].label}"
 
     def labelled(self) -> set[int]:
         """Which gradients have their words: where there are many, the two that are compared."""
         meeting = self.episode.meeting
         if len(meeting.paths) <= _FEW:
             return set(range(len(meeting.paths)))
-        return {int(meeting.leader[0]), int(meeting.opponent[0])}
+        return {int(meeting.dominant[0]), int(meeting.opponent[0])}
 
     def add_grips(self, ask: Request) -> None:
         """Add what a hand takes hold of.

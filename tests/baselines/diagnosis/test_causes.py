@@ -24,7 +24,7 @@ def only_cause(of: History) -> Finding:
 
 
 def test_a_conflict_that_is_explored_without_end_names_its_goals() -> None:
-    meetings = {"x": conflict(-0.9, exploring=True, strengths=(1.0, 0.8))}
+    meetings = {"x": conflict(-0.9, exploring=True, magnitudes=(1.0, 0.8))}
     found = only_cause(history(circling(3.0), meetings=meetings))
 
     assert (found.kind, found.subjects) == ("conflict", ("arrive", "keep off"))
@@ -32,7 +32,7 @@ def test_a_conflict_that_is_explored_without_end_names_its_goals() -> None:
 
 
 def test_a_conflict_that_is_not_explored_says_how_much_stronger_one_is() -> None:
-    meetings = {"x": conflict(-0.9, exploring=False, strengths=(1.0, 0.1))}
+    meetings = {"x": conflict(-0.9, exploring=False, magnitudes=(1.0, 0.1))}
     found = only_cause(history(resting(5.0), meetings=meetings))
 
     assert found.kind == "conflict"
@@ -40,12 +40,12 @@ def test_a_conflict_that_is_not_explored_says_how_much_stronger_one_is() -> None
 
 
 def test_gradients_that_agree_are_no_conflict() -> None:
-    meetings = {"x": conflict(0.9, exploring=False, strengths=(1.0, 0.8))}
+    meetings = {"x": conflict(0.9, exploring=False, magnitudes=(1.0, 0.8))}
     assert not diagnose(history(circling(3.0), meetings=meetings)).causes
 
 
 def test_a_conflict_that_was_over_when_the_robot_came_to_rest_is_not_the_reason() -> None:
-    meeting = conflict(-0.9, exploring=True, strengths=(1.0, 0.8))
+    meeting = conflict(-0.9, exploring=True, magnitudes=(1.0, 0.8))
     meeting.exploring[50:] = False
     meeting.cosine[50:] = 1.0
 

@@ -68,7 +68,7 @@ def test_a_goal_that_is_switched_off_stays_off_in_the_next_episode() -> None:
 def strength_of(episode: LiveEpisode, goal: str) -> float:
     """The strength of the gradients that come from a goal."""
     strengths = 0.0
-    for goals, strength in zip(episode.meeting.goals, episode.meeting.strengths[0], strict=True):
+    for goals, strength in zip(episode.meeting.goals, episode.meeting.magnitudes[0], strict=True):
         if goal in goals:
             strengths += float(strength)
     return strengths

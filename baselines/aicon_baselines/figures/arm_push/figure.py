@@ -44,7 +44,7 @@ class ArmRollout(Rollout):
             return "Conflict: exploring"
 
         met = self.recording.trace.quantities["x_ee"]
-        return f"Descending: {', '.join(met.goals[int(met.leader[step])])}"
+        return f"Descending: {', '.join(met.goals[int(met.dominant[step])])}"
 
     def make_view(self, axes: Axes, coarseness: float = 1.0) -> PictureView:
         """Both pictures, side by side."""

@@ -48,7 +48,7 @@ class ArmRecording(Recording):
         strengths: dict[str, FloatArray] = {}
         for place in (_END_EFFECTOR, "x_joints"):
             arrived = self.trace.quantities[place]
-            columns = to_array(arrived.strengths).T
+            columns = to_array(arrived.magnitudes).T
 
             for path, values in zip(arrived.paths, columns, strict=True):
                 came_through = path[:-1]

@@ -53,7 +53,7 @@ class NavigationRecording(Recording):
     @cached_property
     def strengths(self) -> dict[str, FloatArray]:
         """Norm of the gradient of each path at x_rob, (n,) each."""
-        strengths = to_array(self.resolution.strengths)
+        strengths = to_array(self.resolution.magnitudes)
         columns = {name: self.resolution.paths.index(path) for name, path in PATHS.items()}
         return {name: strengths[:, column] for name, column in columns.items()}
 

@@ -138,7 +138,7 @@ class PushRecording(Recording):
     @cached_property
     def strengths(self) -> FloatArray:
         """Norms of the gradients, (n + 1, N)."""
-        return to_array(self.resolution.strengths)
+        return to_array(self.resolution.magnitudes)
 
     def strongest(self, useful: bool) -> FloatArray:
         """Strength of the strongest gradient of useful or detrimental contacts, (n + 1,).

@@ -46,8 +46,8 @@ def test_the_comparison_takes_what_the_script_trained(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The command that the training prints at its end, with fewer episodes."""
-    usual = training_config._TASK_DEFAULTS["nav2d"]
-    monkeypatch.setitem(training_config._TASK_DEFAULTS, "nav2d", usual | small)
+    usual = training_config.TASK_DEFAULTS["nav2d"]
+    monkeypatch.setitem(training_config.TASK_DEFAULTS, "nav2d", usual | small)
     arguments = ["--task", "nav2d", "--steps", "128", "--out", str(tmp_path / "agent")]
     run_command(train_sb3.COMMAND, arguments)
 
