@@ -24,6 +24,7 @@ SLACK = 0.02  # m, below which being near a leader is worth less and less
 MARGIN = 0.1  # m, how far before the fence its cost begins
 BEHIND = 0.05  # m, from where on the fence counts as crossed
 LEADERS = (1, 2, 4, 8, 16)
+STARTS, SECONDS = 20, 10.0  # of each cell, and of an episode
 SLOPES = (0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)
 
 
@@ -31,7 +32,7 @@ class Cell(NamedTuple):
     """What came of one rule with so many leaders and one slope.
 
     Attributes:
-        crossed: How many of the starts led across.
+        crossed: How many of STARTS led across.
         lag: Mean distance to the leaders along the fence in the last second, m.
     """
 
@@ -45,11 +46,8 @@ class Cell(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare how much is tried, and where it is saved."""
+    """Declare where it is saved."""
     add_option(parser, "--out", Path("runs/fence"), "folder of the results")
-    add_option(parser, "--starts", 20, "for each cell")
-    add_option(parser, "--seconds", 10.0, "of an episode")
-    add_option(parser, "--seed", 300_000, "of the starts")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -63,13 +61,13 @@ def run(arguments: argparse.Namespace) -> None:
         table = csv.writer(file)
         table.writerow(Cell._fields)
         for rule, law, count in tqdm(tries, unit="policy"):
-            found = follow(rule, law, count, arguments)
+            found = follow(rule, law, count)
             cells += found
             table.writerows(found)
             file.flush()
 
     for law in laws():
-        print(f"\n{law}: the least slope that keeps all {arguments.starts} starts on this side\n")
+        print(f"\n{law}: the least slope that keeps all {STARTS} starts on this side\n")
         print(f"{'leaders':24}" + "".join(f"{count:>8}" for count in LEADERS))
         for rule in rules():
             least = [least_slope(cells, rule, law, count) for count in LEADERS]
@@ -144,15 +142,15 @@ def make_policy(rule: str, law: str, count: int) -> Any:
     return Policy(model, rules()[rule], laws()[law]).compile()
 
 
-def follow(rule: str, law: str, count: int, arguments: argparse.Namespace) -> list[Cell]:
+def follow(rule: str, law: str, count: int) -> list[Cell]:
     """Every slope and every start at once, as rows of one batch."""
     policy = make_policy(rule, law, count)
-    robot, leaders = starts(count, arguments.starts, arguments.seed)
-    slopes = np.repeat(SLOPES, arguments.starts)[:, None]
+    robot, leaders = starts(count)
+    slopes = np.repeat(SLOPES, STARTS)[:, None]
     robot, leaders = np.tile(robot, (len(SLOPES), 1)), np.tile(leaders, (len(SLOPES), 1, 1))
 
     highest, lags, memory = robot[:, 1], [], None
-    steps = round(arguments.seconds / DT)
+    steps = round(SECONDS / DT)
     for step in range(steps):
         observation = {"z": robot, "z_slope": slopes}
         for index in range(count):
@@ -168,14 +166,14 @@ def follow(rule: str, law: str, count: int, arguments: argparse.Namespace) -> li
     crossed = (highest > BEHIND).reshape(len(SLOPES), -1).sum(1)
     lag = np.mean(lags, axis=0).reshape(len(SLOPES), -1).mean(1)
     told = zip(SLOPES, crossed.tolist(), lag.tolist(), strict=True)
-    return [Cell(rule, law, count, s, arguments.starts, c, round(m, 4)) for s, c, m in told]
+    return [Cell(rule, law, count, s, STARTS, c, round(m, 4)) for s, c, m in told]
 
 
-def starts(count: int, number: int, seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where robots ``(number, 2)`` and leaders ``(number, count, 2)`` begin, m."""
-    generator = np.random.default_rng([seed, count])
-    robot = generator.uniform((-1.0, -1.5), (1.0, -0.5), (number, 2))
-    leaders = generator.uniform((-0.5, 0.8), (0.5, 1.2), (number, count, 2))
+def starts(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Where robots ``(STARTS, 2)`` and leaders ``(STARTS, count, 2)`` begin, m."""
+    generator = np.random.default_rng([300_000, count])
+    robot = generator.uniform((-1.0, -1.5), (1.0, -0.5), (STARTS, 2))
+    leaders = generator.uniform((-0.5, 0.8), (0.5, 1.2), (STARTS, count, 2))
     return robot, leaders
 
 

@@ -46,20 +46,11 @@ def draw_diagnosis(
         flipped: Whether y of that frame points down.
     """
     text = _wrapped(str(found))
-    lines = text.count("\n") + 1
-    height = 5.9 + 0.19 * lines
-    figure = Figure(figsize=(12, height), dpi=110)
-    grid = figure.add_gridspec(
-        3,
-        2,
-        left=0.07,
-        right=0.985,
-        top=1 - 0.75 / height,
-        bottom=(0.75 + 0.19 * lines) / height,
-        width_ratios=(1, 1.5),
-        wspace=0.2,
-        hspace=0.28,
-    )
+    height = 6.1 + 0.19 * text.count("\n")
+    figure = Figure(figsize=(12, height), dpi=110, layout="constrained")
+    figure.suptitle(title, x=0.012, ha="left", fontsize=12, fontweight="bold")
+    figure.supxlabel(text, x=0.012, ha="left", fontsize=9.5, color="0.15", linespacing=1.35)
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.5))
 
     world = figure.add_subplot(grid[:, 0])
     Paper(world).draw(around)
@@ -75,11 +66,6 @@ def draw_diagnosis(
     for axes in timelines[:-1]:
         axes.tick_params(labelbottom=False)
     timelines[-1].set_xlabel("time, s")
-
-    figure.text(0.012, 1 - 0.24 / height, title, fontsize=12, fontweight="bold")
-    figure.text(
-        0.012, 0.12 / height, text, fontsize=9.5, color="0.15", va="bottom", linespacing=1.35
-    )
     save_picture(figure, path)
 
 

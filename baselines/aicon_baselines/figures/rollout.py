@@ -59,6 +59,7 @@ class Rollout(ABC):
         caption: How to read the picture, in two lines.
         legend_rows: Rows of the curves' legend.
         first_step: The first step that can be shown.
+        arrival: What a success is called.
     """
 
     recording: Recording
@@ -68,10 +69,20 @@ class Rollout(ABC):
     caption: ClassVar[str] = ""
     legend_rows: ClassVar[int] = 1
     first_step: ClassVar[int] = 0
+    arrival: ClassVar[str] = "Arrival at the target"
+
+    def phase(self, step: int) -> str:
+        """What happens at a step, in plain words; at the last one how the episode ends."""
+        if step < len(self.recording.memories) - 1:
+            return self.doing(step)
+
+        endings = {"arrival": self.arrival, "time limit": "Out of time"}
+        ending = self.recording.ending
+        return endings.get(ending, ending.capitalize())
 
     @abstractmethod
-    def phase(self, step: int) -> str:
-        """What happens at a step, in plain words."""
+    def doing(self, step: int) -> str:
+        """What is done at a step before the last one, in plain words."""
 
     @abstractmethod
     def make_view(self, axes: Axes, coarseness: float = 1.0) -> WorldView:

@@ -15,8 +15,6 @@ from aicon_baselines.palette import ANGLE, DISTANCE, GOALS, INK
 from aicon_baselines.tasks.arm_push import TASK
 from aicon_torch import make_policy
 
-_ENDINGS = {"arrival": "Arrival at the target", "time limit": "Out of time"}
-
 
 class ArmRollout(Rollout):
     """An episode of the arm, with a step every tenth of a second.
@@ -40,10 +38,8 @@ class ArmRollout(Rollout):
     def __init__(self, recording: ArmRecording) -> None:
         self.recording = recording
 
-    def phase(self, step: int) -> str:
+    def doing(self, step: int) -> str:
         """What the tip does, or for which goals it moves."""
-        if step == self.recording.steps - 1:
-            return _ENDINGS[self.recording.ending]
         if self.recording.exploring[step]:
             return "Conflict: exploring"
 

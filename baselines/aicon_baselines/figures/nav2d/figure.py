@@ -26,12 +26,6 @@ _PATHS = {
 }
 """What the agent does where a path is the strongest, what the path is for, and its colour."""
 
-_ENDINGS = {
-    "arrival": "Arrival at the target",
-    "collision": "Collision",
-    "time limit": "Out of time",
-}
-
 
 class NavigationRollout(Rollout):
     """An episode of navigation.
@@ -56,10 +50,8 @@ class NavigationRollout(Rollout):
     def __init__(self, recording: NavigationRecording, spacing: float = 0.04) -> None:
         self.recording, self._spacing = recording, spacing
 
-    def phase(self, step: int) -> str:
+    def doing(self, step: int) -> str:
         """What the agent does."""
-        if step == self.recording.steps - 1:
-            return _ENDINGS[self.recording.ending]
         if self.recording.exploring[step]:
             return "Conflict: exploring along the wall"
 

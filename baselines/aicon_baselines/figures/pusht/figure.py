@@ -23,8 +23,6 @@ from aicon_torch import make_policy
 DEFAULT_SEED = 1043
 """Of 1000 to 1059 a short episode in which everything happens that the figure tells."""
 
-_ENDINGS = {"arrival": "Arrival in the goal pose", "time limit": "Out of time"}
-
 
 class PushRollout(Rollout):
     """An episode of pushing.
@@ -42,16 +40,15 @@ class PushRollout(Rollout):
         "likelier.\nLarge arrow: the motion commanded for the next 0.1 s. Purple ground: it "
         "explores. One episode of aicon/PushT-v0."
     )
+    arrival = "Arrival in the goal pose"
     recording: PushRecording
 
     def __init__(self, recording: PushRecording) -> None:
         self.recording = recording
 
-    def phase(self, step: int) -> str:
+    def doing(self, step: int) -> str:
         """What the policy does."""
         recording = self.recording
-        if step == recording.steps:
-            return _ENDINGS[recording.ending]
         if recording.exploring[step]:
             at_corner = recording.at_corners[step]
             return f"Conflict {'at a corner' if at_corner else 'at a side'}: exploring"

@@ -53,10 +53,8 @@ class ReachRollout(Rollout):
     def __init__(self, recording: Recording) -> None:
         self.recording = recording
 
-    def phase(self, step: int) -> str:
+    def doing(self, step: int) -> str:
         """What the arm does."""
-        if step == self.recording.steps - 1:
-            return "Arrived" if self.recording.success else "Out of time"
         return "Held up: exploring" if self.recording.exploring[step] else "Descending"
 
     def make_view(self, axes: Axes, coarseness: float = 1.0) -> PictureView:
