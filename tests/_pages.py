@@ -12,14 +12,21 @@ NAMES = ("navigation", "pusht", "arm", "theory")
 TASKS = NAMES[:3]
 
 FRAMES = """
-    window.frames = 0;
-    const request = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (draw) => request((now) => {
-        draw(now);
-        window.frames += 1;
-    });
+    const request = window.requestAnimationFrame.bind(window), waiting = new Set();
+    window.requestAnimationFrame = (draw) => {
+        waiting.add(draw);
+        return request((now) => { if (waiting.delete(draw)) draw(now); });
+    };
+    window.drawFrames = (count) => {
+        const begin = performance.now();
+        for (let i = 1; i <= count; ++i) {
+            const now = [...waiting];
+            waiting.clear();
+            for (const draw of now) draw(begin + (1000 / 60) * i);
+        }
+    };
 """
-"""Counts the frames that are drawn."""
+"""Lets frames be drawn by hand, a sixtieth of a second after each other."""
 
 
 @contextmanager

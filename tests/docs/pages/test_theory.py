@@ -27,7 +27,7 @@ def number(text: str) -> float:
 
 
 def resting(page: Page, part: Locator) -> dict[str, float]:
-    """The heights of both points above the floor once the projected one has come down, and rests."""
+    """The heights of both points once the projected one has come down to the floor, and rests."""
     heights = {"sum": 1.0, "projection": 1.0}
     for _ in range(120):
         before = heights
