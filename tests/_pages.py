@@ -12,15 +12,21 @@ NAMES = ("navigation", "pusht", "arm", "theory")
 TASKS = NAMES[:3]
 
 FRAMES = """
-    window.frames = [];
-    const request = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (draw) => request((now) => {
+    const request = window.requestAnimationFrame.bind(window), waiting = new Set();
+    window.requestAnimationFrame = (draw) => {
+        waiting.add(draw);
+        return request((now) => { if (waiting.delete(draw)) draw(now); });
+    };
+    window.drawFrames = (count) => {
         const begin = performance.now();
-        draw(now);
-        window.frames.push({ now, work: performance.now() - begin });
-    });
+        for (let i = 1; i <= count; ++i) {
+            const now = [...waiting];
+            waiting.clear();
+            for (const draw of now) draw(begin + (1000 / 60) * i);
+        }
+    };
 """
-"""Remembers when each frame was drawn, and how long that took, ms."""
+"""Lets frames be drawn by hand, a sixtieth of a second after each other."""
 
 
 @contextmanager
