@@ -101,7 +101,7 @@ def measure(rule: str, count: int, arguments: argparse.Namespace) -> Cell:
     else:
         path = drive(rules()[rule], discs, targets, steps)
 
-    through = (path[..., 0] > RADIUS).all(-1)  # (steps + 1, tries)
+    through = np.all(path[..., 0] > RADIUS, axis=-1).reshape(len(path), -1)  # (steps + 1, tries)
     cleared = through[-1]
     times = DT * through.argmax(0)[cleared]
     overlaps = (2 * RADIUS - _distances(path)).clip(min=0.0).max((0, 2))

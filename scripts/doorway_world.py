@@ -33,7 +33,8 @@ def make_policy(resolution: Any, count: int) -> Any:
     )
 
     def nearness(length: Tensor) -> Tensor:
-        return SLOPE * torch.relu(MARGIN - length)
+        near: Tensor = SLOPE * torch.relu(MARGIN - length)
+        return near
 
     def reach(x: Tensor, z_target: Tensor) -> Tensor:
         return torch.linalg.vector_norm(z_target - x, dim=-1)
@@ -81,7 +82,10 @@ def drive(resolution: Any, discs: Array, targets: Array, steps: int) -> Array:
     for _ in range(steps):
         here = path[-1]
         gaps = here[:, None] - here[:, :, None]  # (tries, disc, other, 2)
-        observation = {"z": here.reshape(-1, 2), "z_target": (targets - here).reshape(-1, 2)}
+        observation: dict[str, Array] = {
+            "z": here.reshape(-1, 2),
+            "z_target": (targets - here).reshape(-1, 2),
+        }
         others = gaps[:, ~np.eye(count, dtype=bool)].reshape(tries * count, count - 1, 2)
         observation |= {f"z_other_{index}": others[:, index] for index in range(count - 1)}
         velocity, memory = policy.predict(observation, memory)
@@ -94,7 +98,7 @@ def drive(resolution: Any, discs: Array, targets: Array, steps: int) -> Array:
 
 def drive_by_orca(discs: Array, targets: Array, steps: int) -> Array:
     """The same by optimal reciprocal collision avoidance (van den Berg et al. 2011)."""
-    import pyrvo
+    import pyrvo  # type: ignore[import-not-found]  # optional
 
     paths = []
     for begins, ends in zip(discs, targets, strict=True):
@@ -139,7 +143,7 @@ def starts(count: int, tries: int, seed: int) -> tuple[Array, Array]:
 
 def _scattered(generator: np.random.Generator, count: int, along: tuple[float, float]) -> Array:
     """Places ``(count, 2)`` at least three radii apart, m."""
-    places = np.empty((0, 2))
+    places: Array = np.empty((0, 2))
     while len(places) < count:
         place = generator.uniform((along[0], -1.5), (along[1], 1.5))
         if (np.linalg.norm(places - place, axis=-1) > 3 * RADIUS).all():

@@ -193,7 +193,8 @@ class Exploration:
             here = here + stack.costs[goal]
 
         slope = ranked.norms.gather(-1, ranked.leader).squeeze(-1)
-        return standing - here > slope * torch.linalg.vector_norm(moved, dim=-1)
+        explained: Tensor = slope * torch.linalg.vector_norm(moved, dim=-1)
+        return standing - here > explained
 
     def direction(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
         """The unit direction in a nullspace that best continues the motion average, ``(*B, d)``."""
