@@ -37,7 +37,8 @@ def make_policy(resolution: Any, count: int) -> Any:
         return near
 
     def reach(x: Tensor, z_target: Tensor) -> Tensor:
-        return torch.linalg.vector_norm(z_target - x, dim=-1)
+        distance: Tensor = torch.linalg.vector_norm(z_target - x, dim=-1)
+        return distance
 
     def wall(side: float) -> Any:
         def cost(x: Tensor, z: Tensor) -> Tensor:
