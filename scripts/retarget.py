@@ -65,6 +65,7 @@ def run(arguments: argparse.Namespace) -> None:
     from tqdm import tqdm
 
     arguments.out.mkdir(parents=True, exist_ok=True)
+    tries: list[tuple[str, str, int, tuple[float, ...]]]
     tries = [("dips", rule, count, SLOPES) for rule in rules() for count in POINTS]
     tries += [("near", rule, 8, (3.0,)) for rule in (*rules(), *explorers())]
     tries += [("dips", rule, 8, (3.0,)) for rule in explorers()]

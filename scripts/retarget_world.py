@@ -55,7 +55,8 @@ def make_policy(resolution: Any, count: int) -> Any:
     def nearness(index: int) -> Any:
         def cost(q: Tensor, reference: Tensor) -> Tensor:
             error = points_of(chain.frames(q), places[index : index + 1])[..., 0, :] - reference
-            return (error.square().sum(-1) + SLACK**2).sqrt()
+            distance: Tensor = (error.square().sum(-1) + SLACK**2).sqrt()
+            return distance
 
         return Interconnection(cost, ["q", f"z_point_{index}"])
 

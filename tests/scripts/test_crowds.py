@@ -3,6 +3,7 @@
 import numpy as np
 
 import doorway
+import doorway_world
 import retarget
 import retarget_world
 
@@ -25,9 +26,10 @@ def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
 
 
 def test_discs_that_do_not_explore_never_touch() -> None:
-    discs, targets = doorway.starts(2, 2, seed=1000)
-    path = doorway.drive("projection", discs, targets, steps=60)
-    assert np.linalg.norm(path[:, :, 0] - path[:, :, 1], axis=-1).min() > 2 * doorway.RADIUS
+    discs, targets = doorway_world.starts(2, 2, seed=1000)
+    path = doorway_world.drive(doorway.rules()["projection"], discs, targets, steps=60)
+    assert np.linalg.norm(path[:, :, 0] - path[:, :, 1], axis=-1).min() > 2 * doorway_world.RADIUS
     assert (
-        np.linalg.norm(np.diff(path, axis=0), axis=-1).max() <= 1.001 * doorway.SPEED * doorway.DT
+        np.linalg.norm(np.diff(path, axis=0), axis=-1).max()
+        <= 1.001 * doorway_world.SPEED * doorway_world.DT
     )
