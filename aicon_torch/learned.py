@@ -194,7 +194,9 @@ def make_learn(
                 number.make_learn(start, like)
             found[name] = getattr(number.owner, LEARNED)[number.field].theta
         elif below and start is None:
-            found |= {n: weight.requires_grad_() for n, weight in below.items()}
+            for weight in below.values():
+                weight.requires_grad_()
+            found |= below
         else:
             known = [*numbers, *dict.fromkeys(n.rpartition(".")[0] for n in weights)]
             raise GraphError(f"No number is named {name!r}. Numbers: {choices(known)}.")

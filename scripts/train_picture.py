@@ -53,9 +53,10 @@ def draw_pictures(folder: Path, count: int) -> tuple[NDArray[np.uint8], NDArray[
     from aicon_envs.pusht.simulation import Simulation
 
     shape = (count, 96, 96, 3)
+    open_memmap: Any = np.lib.format.open_memmap  # numpy leaves it untyped
     mode: Any = "r+" if (folder / "pictures.npy").exists() else "w+"
-    pictures = np.lib.format.open_memmap(folder / "pictures.npy", mode, np.uint8, shape)
-    poses = np.lib.format.open_memmap(folder / "poses.npy", mode, np.float64, (count, 3))
+    pictures = open_memmap(folder / "pictures.npy", mode, np.uint8, shape)
+    poses = open_memmap(folder / "poses.npy", mode, np.float64, (count, 3))
 
     tee = OBJECTS["T"]
     goal = Goal(tee, DEFAULT_GOAL)
@@ -89,7 +90,7 @@ def cluttered(picture: NDArray[np.uint8], generator: np.random.Generator) -> NDA
         return drawn
     count, largest = (generator.integers(1, 4), 0.25) if kind < 0.65 else (1, 0.9)
     for _ in range(count):
-        drawn[random_box(drawn.shape[:2], generator, largest)] = random_colour(generator)
+        drawn[random_box((96, 96), generator, largest)] = random_colour(generator)
     return drawn
 
 

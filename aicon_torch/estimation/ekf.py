@@ -236,7 +236,7 @@ class EKF(Estimator):
             # A reading that is absent or refused changes nothing in its row.
             distance = partial(correction.squared_distance, residual)
             present = measurement.present(values)
-            accepted = measurement.accepted(present, distance)
+            accepted = measurement.accepted(values, distance)
             told = (residual, correction.spread, accepted, present, measurement.gate)
             innovations.append(Innovation(measurement.inputs, *told))
             if accepted is not None:

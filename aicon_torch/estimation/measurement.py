@@ -88,15 +88,14 @@ class Measurement(nn.Module):
                 present = values[flag] if present is None else present & values[flag]
         return present
 
-    def accepted(
-        self, present: Tensor | None, squared_distance: Callable[[], Tensor]
-    ) -> Tensor | None:
+    def accepted(self, values: Values, squared_distance: Callable[[], Tensor]) -> Tensor | None:
         """Which rows of the batch believe the reading, ``(*B,)``; None if all must.
 
         Args:
-            present: What :meth:`present` says.
+            values: Named values of the step, with the presence flags of optional sensors.
             squared_distance: Gives the squared Mahalanobis distance ``(*B,)`` of the residual.
         """
+        present = self.present(values)
         if self.gate is None:
             return present
         within = squared_distance() <= self.gate

@@ -1,6 +1,7 @@
 """The end effector: its pose as lengths, and how a gradient goes from there to the joints."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, Protocol, get_args
 
 import torch
@@ -133,11 +134,11 @@ class EndEffector(nn.Module):
             return self.at(self.chain.frames(x_joints))
 
         # While something learns, its loss goes by the chain rule, and a hop as it always does.
-        pull_back, given = _NaturalPullback.apply, (x_joints, self)
+        pull_back: Any = _NaturalPullback.apply
         if learns():
-            pull_back = _NaturalHop.apply
-            given = (x_joints, self, self.at(self.chain.frames(x_joints)))
-        x_ee: Tensor = pull_back(*given)  # type: ignore[no-untyped-call]  # torch's is untyped
+            at_joints = self.at(self.chain.frames(x_joints))
+            pull_back = partial(_NaturalHop.apply, at_joints)
+        x_ee: Tensor = pull_back(x_joints, self)
         return x_ee
 
     def jacobian(self, x_joints: Tensor) -> Tensor:
@@ -225,15 +226,15 @@ class _NaturalHop(torch.autograd.Function):
     """x_ee forward; backward the natural gradient in a hop, which is itself differentiable."""
 
     @staticmethod
-    def forward(ctx: Any, x_joints: Tensor, end_effector: EndEffector, x_ee: Tensor) -> Tensor:
+    def forward(ctx: Any, x_ee: Tensor, x_joints: Tensor, end_effector: EndEffector) -> Tensor:
         ctx.end_effector = end_effector
         ctx.save_for_backward(x_joints)
         return x_ee.view_as(x_ee)
 
     @staticmethod
-    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor | None, None, Tensor | None]:
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor | None, Tensor | None, None]:
         if not is_hop():
-            return None, None, gradients[0]
+            return gradients[0], None, None
         (x_joints,) = ctx.saved_tensors
         jacobian = ctx.end_effector.jacobian(x_joints)
-        return ctx.end_effector.natural_gradient(jacobian, gradients[0]), None, None
+        return None, ctx.end_effector.natural_gradient(jacobian, gradients[0]), None

@@ -38,7 +38,7 @@ class PoseMotion:
 
     dynamics: ContactDynamics
     radius: float
-    friction: float | Tensor = 0.0
+    friction: float = 0.0
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
         """The pose (x, y, θ).
@@ -75,7 +75,7 @@ class PoseMotion:
         # How far the pusher went beyond it, and what that does.
         normal = (point - pusher) / (gap + self.radius).unsqueeze(-1)
         push = ((motion * normal).sum(-1) - gap.clamp(min=0.0)).clamp(min=0.0)
-        if not isinstance(self.friction, Tensor) and self.friction == 0:
+        if isinstance(self.friction, int | float) and self.friction == 0:
             response = self.dynamics.response(pose, point.unsqueeze(-2), normal.unsqueeze(-2))
             return push.unsqueeze(-1) * response.squeeze(-2)
         return push.unsqueeze(-1) * self._response(point - pose[..., :2], normal, motion)

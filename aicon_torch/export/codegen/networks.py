@@ -162,9 +162,8 @@ def product(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
         table = table_of(writer, first[place])
         for column in range(second.shape[-1]):
             vector = writer.cast(second[place][:, column], "real")
-            result[(*place, slice(None), column)] = _called(
-                writer, "weigh", vector, (rows, inner, table), (rows,)
-            )
+            sizes = (rows, inner, table)
+            result[place][:, column] = _called(writer, "weigh", vector, sizes, (rows,))
     return result
 
 

@@ -41,8 +41,8 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     if options.picture is None:
         found["z_keypoints"] = Sensor(size, "m", key="environment_state", **rigid, **seen)
     else:
-        told = {"key": "seen", "optional": True, **_watched(options)}
-        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", **told)
+        watched = {"key": "seen", "optional": True, **_watched(options)}
+        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", **watched)
 
     if options.command == "velocity":  # a place is reached, and held, in a time of its own
         found["z_elapsed"] = clock(options.dt)

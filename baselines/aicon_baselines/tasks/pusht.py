@@ -19,13 +19,13 @@ from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, lo
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTEnv
-from aicon_envs.pusht.clutter import Clutter
+from aicon_envs.pusht.clutter import Clutter, Kind
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
 
 _UPSTREAM = "upstream"
 _PICTURE = Path(__file__).parents[2] / "checkpoints" / "pusht_picture" / "weights.pt"
 _PIXELS = {"obs_type": "pixels_agent_pos"}
-_CLUTTER = ("distractors", "covered", "hidden")
+_CLUTTER: tuple[Kind, ...] = ("distractors", "covered", "hidden")
 _SPEED = 800.0  # the usual speed limit of the policy, px/s; the benchmark has none
 _OBJECTS = ("L", "U", "Z", "H", "plus", "quadrilateral")
 

@@ -116,9 +116,9 @@ def random_box(size: tuple[int, int], generator: np.random.Generator, largest: f
     turn, center = generator.uniform(0, 2 * math.pi), generator.uniform(0, 1, 2) * size[1]
     along = _along(size, center, turn) / half[0]
     across = _along(size, center, turn + math.pi / 2) / half[1]
-    if generator.uniform() < 0.5:
-        return along**2 + across**2 < 1
-    mask: Mask = np.maximum(np.abs(along), np.abs(across)) < 1
+    is_round = generator.uniform() < 0.5
+    size_there = along**2 + across**2 if is_round else np.maximum(np.abs(along), np.abs(across))
+    mask: Mask = size_there < 1
     return mask
 
 

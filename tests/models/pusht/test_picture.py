@@ -1,0 +1,60 @@
+"""What a network sees in a picture is a measurement with variances of its own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from _inputs.pushing import body_of, poses
+
+from aicon_torch import OptionError, Policy, make_policy
+from aicon_torch.models.pusht.picture import PoseNetwork
+
+
+@pytest.fixture
+def policy(tmp_path: Path) -> Policy:
+    """A policy whose network is untrained."""
+    torch.manual_seed(0)
+    torch.save(PoseNetwork(body_of()).state_dict(), tmp_path / "weights.pt")
+    return make_policy("pusht", picture=tmp_path / "weights.pt", push_noise=0.2)
+
+
+def seen(variance: float) -> dict[str, torch.Tensor]:
+    """A pose, told with a variance."""
+    told = torch.cat(
+        (poses(1, seed=1), torch.full((1, 3), variance, dtype=torch.float64).log()), -1
+    )
+    return {"agent_pos": torch.tensor([[256.0, 400.0]]), "seen": told}
+
+
+def test_a_picture_leads_to_an_action(policy: Policy) -> None:
+    picture = np.full((2, 96, 96, 3), 255, np.uint8)
+    observation = {"agent_pos": np.full((2, 2), 256.0), "pixels": picture}
+    action, memory = policy.predict(observation)
+    assert action.shape == (2, 2) and np.isfinite(action).all()
+    assert memory["z_seen"].shape == (2, 6)
+
+
+def test_what_is_seen_clearly_counts_more(policy: Policy) -> None:
+    policy.perception = None
+    _, memory = policy.predict(seen(1e-4))
+    shifted = seen(1e-4)
+    shifted["seen"][:, 0] += 0.01
+    moved: list[float] = []
+    for variance in (1e-8, 1e-2):
+        shifted["seen"][:, 3:] = torch.full((3,), variance).log()
+        _, after = policy.predict(shifted, memory)
+        moved.append(float(after["x_pose"][0, 0] - memory["x_pose"][0, 0]))
+    assert 0.009 < moved[0] <= 0.01 and 0 < moved[1] < 0.001
+
+
+def test_weights_of_something_else_are_an_error(tmp_path: Path) -> None:
+    torch.save({"layer.weight": torch.zeros(2)}, tmp_path / "other.pt")
+    for path in (tmp_path / "other.pt", tmp_path / "none.pt"):
+        with pytest.raises(OptionError, match="no weights of such a network"):
+            make_policy("pusht", picture=path)
+
+
+def test_a_picture_is_prompt() -> None:
+    with pytest.raises(OptionError, match="expected keypoint_offset=0 and delay=0"):
+        make_policy("pusht", picture="weights.pt", delay=3)
