@@ -154,7 +154,8 @@ def measured(
 def _shortened(action: NDArray[Any], longest: float) -> NDArray[Any]:
     """Actions (B, n) as the environment executes them."""
     length = np.linalg.norm(action, axis=-1, keepdims=True)
-    return action * np.minimum(1.0, longest / np.maximum(length, 1e-9))
+    shortened: NDArray[Any] = action * np.minimum(1.0, longest / np.maximum(length, 1e-9))
+    return shortened
 
 
 def _in_words(row: Mapping[str, Any], time_step: float) -> str:
