@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from aicon_baselines.agents.registry import diffusion_policy, saved_agent
 from aicon_baselines.agents.shields import nav2d, pusht
 from aicon_baselines.agents.shipped import shipped_folder
+from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.evaluation.episodes import Step, run_episodes
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.predictor import Predictor
@@ -153,7 +154,8 @@ def measured(
 def _shortened(action: NDArray[Any], longest: float) -> NDArray[Any]:
     """Actions (B, n) as the environment executes them."""
     length = np.linalg.norm(action, axis=-1, keepdims=True)
-    return action * np.minimum(1.0, longest / np.maximum(length, 1e-9))
+    shortened: NDArray[Any] = action * np.minimum(1.0, longest / np.maximum(length, 1e-9))
+    return shortened
 
 
 def _in_words(row: Mapping[str, Any], time_step: float) -> str:
@@ -221,17 +223,18 @@ def draw(out: Path, seed: int, horizon: int) -> None:
     figure.savefig(out / "shield.png", dpi=110, bbox_inches="tight")
 
 
-def main() -> None:
-    """Run what is asked for."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is run."""
     parser.add_argument("what", choices=("nav2d", "pusht", "random", "time", "draw"))
     parser.add_argument("--episodes", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=300_000)
-    parser.add_argument("--horizon", type=int, default=1000, help="steps")
-    parser.add_argument("--policies", nargs="*", default=[])
+    parser.add_argument("--seed", type=int, default=300_000, help="first seed (default: 300000)")
+    parser.add_argument("--horizon", type=int, default=1000, help="steps (default: 1000)")
+    parser.add_argument("--policies", nargs="*", default=[], help="who proposes (default: all)")
     parser.add_argument("--out", type=Path, default=Path("runs/shield"))
-    asked = parser.parse_args()
 
+
+def run(asked: argparse.Namespace) -> None:
+    """Run what is asked for."""
     torch.set_num_threads(1)
     asked.out.mkdir(parents=True, exist_ok=True)
     if asked.what == "random":
@@ -244,5 +247,7 @@ def main() -> None:
         compare(asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.policies)
 
 
+COMMAND = Command(__doc__, add_arguments, run)
+
 if __name__ == "__main__":
-    main()
+    run_command(COMMAND)

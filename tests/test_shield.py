@@ -188,9 +188,9 @@ def test_what_cannot_be_shielded_is_refused_by_name() -> None:
         Shield(3, world())
 
     def far(x: Tensor) -> Tensor:
-        return x.norm(dim=-1)
+        return x.square().sum(dim=-1)
 
-    parts = {"sensors": {"position": Sensor(2, "m")}, "estimators": [located()]}
+    parts: dict[str, Any] = {"sensors": {"position": Sensor(2, "m")}, "estimators": [located()]}
     one = {"v": Actuator(2, "m/s", limit=1.0)}
     with pytest.raises(GraphError, match="'far'.* is a safety goal"):
         Shield(straight, WorldModel(**parts, actuators=one, goals=[Goal("far", far)]))

@@ -35,8 +35,9 @@ def test_the_clamp_stands_at_a_wall_and_the_wanderer_moves() -> None:
 
 def test_the_way_of_the_pusher_through_a_step_is_that_of_the_physics() -> None:
     from aicon_baselines.agents.shields import pusht
+    from aicon_envs.pusht import PushTEnv
 
-    env = pusht.Region(pusht.PushTEnv())
+    env = pusht.Region(PushTEnv())
     observation, info = env.reset(seed=3)
     assert observation["region"].shape == (2,) and observation in env.observation_space
     for _ in range(20):
