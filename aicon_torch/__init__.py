@@ -27,7 +27,13 @@ from aicon_torch.resolution import (
     SteepestPath,
     Sum,
 )
-from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
+from aicon_torch.shaping import (
+    by_gain,
+    by_sign,
+    by_worth,
+    straight_through,
+    straight_through_clamp,
+)
 
 __all__ = [
     "EKF",
@@ -64,6 +70,7 @@ __all__ = [
     "WorldModel",
     "by_gain",
     "by_sign",
+    "by_worth",
     "load_exported",
     "make_policy",
     "presets",

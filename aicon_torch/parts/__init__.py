@@ -37,8 +37,6 @@ from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried
 from aicon_torch.parts.gripper import Gripper
-from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried
-from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.image_registration import Detection, ImageRegistration
 from aicon_torch.parts.image_segmentation import RGBDImage, TopFace, TopFaceSegmentation
