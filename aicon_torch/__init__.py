@@ -27,7 +27,13 @@ from aicon_torch.resolution import (
     Sum,
     TrapEscape,
 )
-from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
+from aicon_torch.shaping import (
+    by_gain,
+    by_sign,
+    by_worth,
+    straight_through,
+    straight_through_clamp,
+)
 from aicon_torch.shield import Shield
 
 __all__ = [
@@ -66,6 +72,7 @@ __all__ = [
     "WorldModel",
     "by_gain",
     "by_sign",
+    "by_worth",
     "load_exported",
     "make_policy",
     "presets",

@@ -75,7 +75,7 @@ def is_interior(point: Tensor, x_side: Tensor) -> Tensor:
 
 
 def likelihood_across(gap: Tensor, reach: float) -> Tensor:
-    """p = exp(−d/ℓ), ``(*B,)``: how likely it is that a gap d ``(*B,)``, m, is closed.
+    """P = exp(−d/ℓ), ``(*B,)``: how likely it is that a gap d ``(*B,)``, m, is closed.
 
     Args:
         gap: d; more than certain where it is negative.

