@@ -58,7 +58,7 @@ class Exploration:
         ratio_of: Whether λ compares the normalised magnitudes (the text) or the magnitudes
             themselves.
         unless_tracking: Whether it does not begin, beyond the text, where standing still would have
-            cost more than the leader's slope explains: :meth:`is_tracking`. Then the quantity keeps
+            cost more than the dominant slope explains: :meth:`is_tracking`. Then the quantity keeps
             up with something that moves, or comes to rest where many goals are balanced.
     """
 
@@ -180,7 +180,7 @@ class Exploration:
         return Comparison(cosine, opponent.masked_fill(is_alone, -1), is_decided.squeeze(-1))
 
     def is_tracking(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
-        """Whether standing still would have cost more than the leader's slope explains, ``(*B,)``.
+        """Whether standing still would have cost more than the dominant slope explains, ``(*B,)``.
 
         That is Σᵢ cᵢ(x − d) − cᵢ(x) > ‖∇₁‖ ‖d‖ with the present costs cᵢ of the goals that meet
         and d, the motion within the time of the average. Where one goal leads into another, no
@@ -193,7 +193,7 @@ class Exploration:
             standing = standing + stack.displaced_cost(goal, -moved)
             here = here + stack.costs[goal]
 
-        slope = ranked.norms.gather(-1, ranked.leader).squeeze(-1)
+        slope = ranked.magnitudes.gather(-1, ranked.dominant).squeeze(-1)
         explained: Tensor = slope * torch.linalg.vector_norm(moved, dim=-1)
         return standing - here > explained
 
