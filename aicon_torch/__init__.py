@@ -20,12 +20,12 @@ from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.readings import BackgroundPerception, Perception
 from aicon_torch.resolution import (
-    Escape,
     Exploration,
     NullspaceProjection,
     Resolution,
     SteepestPath,
     Sum,
+    TrapEscape,
 )
 from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
 
@@ -38,7 +38,6 @@ __all__ = [
     "BackgroundPerception",
     "Deterministic",
     "DirectDescent",
-    "Escape",
     "Estimator",
     "Explanation",
     "Exploration",
@@ -61,6 +60,7 @@ __all__ = [
     "SteepestPath",
     "StepTrace",
     "Sum",
+    "TrapEscape",
     "WorldModel",
     "by_gain",
     "by_sign",

@@ -18,9 +18,8 @@ from sphinx.util.nodes import make_refnode
 import aicon_torch
 
 HERE = Path(__file__).parent
-for folder in (HERE.parent / "scripts", HERE / "figures", HERE / "web"):
-    sys.path.insert(0, str(folder))
-from flowcharts import draw  # noqa: E402  # a script, not a package
+sys.path[:0] = [str(HERE / "figures"), str(HERE / "web"), str(HERE.parent / "scripts")]
+from flowcharts import draw  # noqa: E402  # among the figures of these pages
 from make_pages import make_pages  # noqa: E402
 from notebooks import NOTEBOOKS, save_notebook  # noqa: E402
 
