@@ -13,7 +13,6 @@ from aicon_torch import (
     Actuator,
     Affine,
     Deterministic,
-    Escape,
     Exploration,
     Foresight,
     Goal,
@@ -24,6 +23,7 @@ from aicon_torch import (
     Policy,
     Resolution,
     Sensor,
+    TrapEscape,
     WorldModel,
 )
 from aicon_torch.parts import (
@@ -46,7 +46,7 @@ DT, SPEED, STOP = 0.02, 1.5, 2.6
 LINKS, THICKNESS, BALL = (0.4, 0.35, 0.25), 0.03, 0.07
 """Lengths of the links, their radius and that of the ball, m."""
 
-ESCAPE = Escape(hold="keep off", along="keep off")
+ESCAPE = TrapEscape(hold="keep off", along="keep off")
 """Exploration goes along the ball, as near as it was."""
 
 RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
