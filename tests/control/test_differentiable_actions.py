@@ -46,6 +46,8 @@ def test_actions_have_the_gradient_of_finite_differences(log: Log) -> None:
         actions = torch.stack(drive(learner, observations, graph))
         return (actions * torch.arange(1.0, actions.numel() + 1).view_as(actions).sin()).sum()
 
+    # Among obstacles a step amplifies rounding: differences of other widths scatter by 1e-5.
+    tolerance = 1e-5 if "avoid" in learner.model.goals else 1e-6
     parameters = dict(learner.named_parameters())
     done = what_is_done(graph=True)
     slopes = torch.autograd.grad(done, list(parameters.values()))
@@ -53,7 +55,7 @@ def test_actions_have_the_gradient_of_finite_differences(log: Log) -> None:
         wanted = float(slope.sum())
         measured = slope_along(what_is_done, parameter, torch.ones_like(parameter), wanted)
         scale = max(abs(measured), 1e-4 * abs(float(done.detach())))
-        assert abs(wanted - measured) <= 1e-6 * scale, name
+        assert abs(wanted - measured) <= tolerance * scale, name
 
 
 # --- what a hop stops, a loss does not
