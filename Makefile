@@ -70,7 +70,7 @@ compare: $(INSTALLED) ## Compare AICON with its baselines in 2D navigation and p
 	  --conditions deterministic noise_2 --episodes $(EPISODES) --seed 200 --jobs $(JOBS) --out $(OUT)/pusht
 	@$(MAKE) --no-print-directory figures
 	@echo "The numbers of the tables: summary.json; one row per episode: episodes.csv; the pictures:"
-	@ls $(OUT)/*/*.png $(OUT)/*/*.gif $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
+	@ls $(OUT)/*/*.png $(OUT)/*/*.webp $(OUT)/*/*.mp4 2>/dev/null | sed 's/^/  /'
 
 arm_push: $(INSTALLED) ## Compare the arm's policies and draw its film; rendering needs system packages
 	@$(RUN) -c 'import aicon_envs.arm_push as p; p.ArmPushEnv().reset(seed=0)' || { \

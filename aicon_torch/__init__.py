@@ -20,12 +20,12 @@ from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.readings import BackgroundPerception, Perception
 from aicon_torch.resolution import (
-    Escape,
     Exploration,
     NullspaceProjection,
     Resolution,
     SteepestPath,
     Sum,
+    TrapEscape,
 )
 from aicon_torch.shaping import by_gain, by_sign, straight_through, straight_through_clamp
 from aicon_torch.shield import Shield
@@ -39,7 +39,6 @@ __all__ = [
     "BackgroundPerception",
     "Deterministic",
     "DirectDescent",
-    "Escape",
     "Estimator",
     "Explanation",
     "Exploration",
@@ -63,6 +62,7 @@ __all__ = [
     "SteepestPath",
     "StepTrace",
     "Sum",
+    "TrapEscape",
     "WorldModel",
     "by_gain",
     "by_sign",

@@ -275,6 +275,29 @@ class Affine(Interconnection):
         return values[self.named_factors[name]].unsqueeze(-1) * identity
 
 
+class Constant(Interconnection):
+    """A matrix that no value changes: the Jacobian of a relation that is linear in a quantity.
+
+    Args:
+        matrix: ``(m, n)``.
+
+    Example:
+        >>> Interconnection(residual_of_a_pose, x_pose=Constant(torch.eye(3)))
+    """
+
+    matrix: Tensor
+
+    def __init__(self, matrix: Tensor) -> None:
+        nn.Module.__init__(self)  # there is no function to wire
+        self.jacobians = nn.ModuleDict()
+        self.inputs = ()
+        self.register_buffer("matrix", matrix.to(torch.float64))
+
+    def forward(self, values: Values) -> Tensor:
+        """The matrix ``(m, n)``."""
+        return self.matrix
+
+
 def copied(values: Values, *count: int) -> dict[str, Tensor]:
     """The values, copied along new leading dimensions; a scalar such as ``dt`` is one for all."""
     copies: dict[str, Tensor] = {}

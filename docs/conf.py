@@ -18,8 +18,8 @@ from sphinx.util.nodes import make_refnode
 import aicon_torch
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "scripts"))
-from flowcharts import draw  # noqa: E402  # a script, not a package
+sys.path[:0] = [str(HERE / "figures"), str(HERE.parent / "scripts")]
+from flowcharts import draw  # noqa: E402  # among the figures of these pages
 from notebooks import NOTEBOOKS, save_notebook  # noqa: E402
 
 project = "aicon-torch"

@@ -97,11 +97,9 @@ def observe(robot: Tensor, leader: Tensor, noise: torch.Generator) -> dict[str, 
 
 def main() -> None:
     """Follow the leader for a minute."""
-    model = make_model()
-    policy = Policy(model, NullspaceProjection(), DirectDescent(gain=10.0))
-
+    policy = Policy(make_model(), NullspaceProjection(), DirectDescent(gain=10.0))
     print("Every goal reaches the actuator by a path of its own:")
-    print(model.paths())
+    print(policy.model.paths())
 
     noise = torch.Generator().manual_seed(0)
     robot, memory = torch.tensor([-1.0, -1.0]), None
@@ -109,30 +107,22 @@ def main() -> None:
     farthest = 0.0
 
     for step in range(600):
-        time = step * DT
-        leader = leader_at(time)
-
+        leader = leader_at(step * DT)
         velocity, memory = policy.predict(observe(robot, leader, noise), memory)
         robot = robot + velocity * DT
 
-        distance = float((leader - robot).norm())
-        from_base = float(robot.norm())
-        gaps.append(distance)
-        farthest = max(farthest, from_base)
-
+        gaps.append(float((leader - robot).norm()))
+        farthest = max(farthest, float(robot.norm()))
         if step in (100, 300):
-            print(f"\nAt {time:.0f} s, {distance:.1f} m from the leader", end="")
-            print(f" and {from_base:.1f} m from the base:")
+            print(f"\nAt {step * DT:.0f} s, {gaps[-1]:.1f} m from the leader:")
             print(policy.explain(memory))
 
     at_end = sum(gaps[-100:]) / 100
-    follows = at_end < 1.5 and farthest < 5.5
-
     print(f"\nIn the last 10 s the robot was {at_end:.2f} m from the leader on average.")
     print(f"It never went farther than {farthest:.2f} m from the base.")
-    print("The robot follows its leader." if follows else "The robot lost its leader.")
-    if not follows:
-        raise SystemExit(1)
+    if at_end > 1.5 or farthest > 5.5:
+        raise SystemExit("The robot lost its leader.")
+    print("The robot follows its leader.")
 
 
 if __name__ == "__main__":

@@ -65,8 +65,8 @@ def describe_conflict(displacement: QuantityTrace) -> str:
     if goals is None:
         return "one gradient alone is left, and the way is not open yet"
 
-    leader, opponent = goals
-    return f"{leader} against {opponent}, cosine {float(displacement.cosine):+.2f}"
+    dominant, opponent = goals
+    return f"{dominant} against {opponent}, cosine {float(displacement.cosine):+.2f}"
 
 
 if __name__ == "__main__":

@@ -17,14 +17,15 @@ watch: the rate that a control loop keeps with the live view, and what the view 
 import argparse
 import tempfile
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from itertools import cycle
 from pathlib import Path
 from threading import Timer
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 
 # isort: split
 
@@ -34,6 +35,7 @@ import torch
 
 import aicon_envs  # noqa: F401  # registers the environments
 from aicon_baselines.agents.registry import compiled, factory, import_sb3
+from aicon_baselines.cli.bench import observations_of_one, record_observations
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.timing import Step, ratios, replay, spread, take_turns
 from aicon_baselines.tasks import load
@@ -46,11 +48,9 @@ if TYPE_CHECKING:
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 STUDENT = REPOSITORY / "baselines" / "checkpoints" / "diffusion_pusht_keypoints"
-PUSHT = "aicon/PushT-v0", "pusht", "environment_state_agent_pos"
-SEED = 1000
-ARM_STEP = 0.01  # s
-
+PUSHT, ARM = ("pusht", "deterministic"), ("arm_push", "true_pose")
 RECORDED = 100
+ARM_STEP = 0.01  # s
 
 Program = tuple[str, Callable[[], Step]]
 """The name of a program, and what prepares it."""
@@ -61,17 +61,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     subjects = parser.add_subparsers(dest="subject", required=True, metavar="SUBJECT")
 
     subject = subjects.add_parser("arm", help="the arm's loop")
-    subject.add_argument("--steps", type=int, default=3000, help="control steps (default: 3000)")
+    add_option(subject, "--steps", 3000, "control steps")
     subject.add_argument("--seed", type=int, default=1000, help="seed of the first episode")
     subject.add_argument("--background", action="store_true", help="do not wait for images")
 
     subject = subjects.add_parser("peers", help="the tools of others beside ours")
-    subject.add_argument("--rounds", type=int, default=60, help="turns (default: 60)")
-    subject.add_argument("--steps", type=int, default=20, help="of a turn (default: 20)")
+    add_option(subject, "--rounds", 60, "turns")
+    add_option(subject, "--steps", 20, "of a turn")
 
     subject = subjects.add_parser("watch", help="what watching costs")
     subject.add_argument("--tasks", nargs="+", default=["nav2d", "pusht"], metavar="TASK")
-    subject.add_argument("--seconds", type=float, default=20.0, help="with the view (default: 20)")
+    add_option(subject, "--seconds", 20.0, "with the view")
     subject.add_argument("--seed", type=int, default=1004)
 
 
@@ -83,168 +83,125 @@ def run(arguments: argparse.Namespace) -> None:
 
 def arm(arguments: argparse.Namespace) -> None:
     """Measure the loop and print its parts."""
-    results = summarize(_arm_loop(arguments.steps, arguments.seed, arguments.background))
-    for name, row in results["parts"].items():
-        median, slow = row["median"], row["percentile_99"]
-        print(f"{name:30} {median:7.3f} ms, 99th percentile {slow:7.3f} ms")
-
-    factors = results["real_time_factor"]
-    processor, clock = factors["processor"], factors["clock"]
-    print(f"real-time factor: {processor:.2f} by processor time, {clock:.2f} by the clock")
-
-
-class Times(NamedTuple):
-    """Seconds of each part in each step, and the age of the image that it saw."""
-
-    environment: list[float]
-    image: list[float]
-    control: list[float]
-    predict: list[float]
-    clock: list[float]
-    again: list[float]
-    age: list[float]
-
-
-class TimedPerception:
-    """A perception that is timed, and whose readings are kept."""
-
-    def __init__(self, perception: Any) -> None:
-        self._perception = perception
-        self.seconds: list[float] = []
-        self.readings: list[Any] = []
-
-    def __call__(self, observation: Any, values: Any, starts: Any) -> Any:
-        """Read the image, and note how long it took."""
-        start = time.process_time()
-        readings = self._perception(observation, values, starts)
-        self.seconds.append(time.process_time() - start)
-        self.readings.append(readings)
-        return readings
-
-    def forget(self) -> None:
-        """Forget what was noted."""
-        self.seconds.clear()
-        self.readings.clear()
-
-
-def _arm_loop(steps: int, seed: int, background: bool) -> Times:
-    """Run the loop, the first step, which compiles, left out of the times."""
-    options = {**load("arm_push").policy_options("camera"), "camera.background": background}
-    policy: Any = make_policy("arm_push", **options)
-    perception = TimedPerception(policy.perception)
-    policy.perception = perception
-    blind = Policy(policy.model, policy.resolution, policy.law)
-    policy, blind = policy.compile(), blind.compile()
-
-    env: Any = gym.make("aicon/ArmPush-v0", disable_env_checker=True).unwrapped
-    observation, _ = env.reset(seed=seed)
-    policy.predict(observation)
-    perception.forget()
-
-    times = Times([], perception.seconds, [], [], [], [], [])
-    memory: Any = None
-    begins: list[bool] = []
-
-    for _ in range(steps):
-        begins.append(memory is None)
-        clock, start = time.perf_counter(), time.process_time()
-
-        action, memory = policy.predict(observation, memory)
-        decided = time.process_time()
-        times.predict.append(time.perf_counter() - clock)
-        times.control.append(decided - start - perception.seconds[-1])
-
-        observation, _, terminated, _, _ = env.step(action)
-        times.environment.append(time.process_time() - decided)
-        times.clock.append(time.perf_counter() - clock)
-        times.age.append(float(observation["image_age"][0]))
-
-        if terminated:
-            seed, memory = seed + 1, None
-            observation, _ = env.reset(seed=seed)
-
-    env.close()
-    times.again.extend(measure_again(blind, perception.readings, begins))
-    return times
-
-
-def measure_again(policy: Any, readings: list[Any], begins: list[bool]) -> list[float]:
-    """Seconds of the same control steps with nothing between them."""
-    _, memory = policy.predict(readings[0])  # it compiles
-    seconds = []
-    for reading, is_first in zip(readings, begins, strict=True):
-        before = None if is_first else memory
-        start = time.process_time()
-        _, memory = policy.predict(reading, before)
-        seconds.append(time.process_time() - start)
-    return seconds
-
-
-def summarize(times: Times) -> dict[str, Any]:
-    """Medians and 99th percentiles, ms, and simulated by spent time."""
-    image, environment = np.array(times.image), np.array(times.environment)
-    rendered = np.array(times.age) < ARM_STEP / 2
+    times = arm_times(arguments.steps, arguments.seed, arguments.background)
+    image, environment = times["image"], times["environment"]
+    rendered = times["age"] < ARM_STEP / 2
     # Between images there is nothing to read, which takes next to no time.
     reads_image = image > 10 * np.median(image)
 
     parts = {
-        "predict, by the clock": np.array(times.predict),
-        "control step": np.array(times.control),
-        "control step on recorded data": np.array(times.again),
+        "predict, by the clock": times["predict"],
+        "control step": times["control"],
+        "control step on recorded data": times["again"],
         "reading a new image": image[reads_image],
         "environment, without an image": environment[~rendered],
         "environment, with an image": environment[rendered],
     }
-    percentiles = {}
     for name, seconds in parts.items():
         median, slow = 1e3 * np.percentile(seconds, (50, 99))
-        percentiles[name] = {"median": float(median), "percentile_99": float(slow)}
+        print(f"{name:30} {median:7.3f} ms, 99th percentile {slow:7.3f} ms")
 
-    simulated = len(times.clock) * ARM_STEP
-    processor = sum(times.control) + sum(times.image) + sum(times.environment)
-    factors = {"processor": simulated / processor, "clock": simulated / sum(times.clock)}
-    return {"parts": percentiles, "real_time_factor": factors}
+    simulated = len(image) * ARM_STEP
+    processor = simulated / (times["control"].sum() + image.sum() + environment.sum())
+    clock = simulated / times["clock"].sum()
+    print(f"real-time factor: {processor:.2f} by processor time, {clock:.2f} by the clock")
+
+
+def arm_times(steps: int, seed: int, background: bool) -> dict[str, Any]:
+    """Seconds of each part in each step, and the age of the image that it saw, (steps,) each.
+
+    The first step, which compiles, is left out.
+    """
+    options = {**load("arm_push").policy_options("camera"), "camera.background": background}
+    policy: Any = make_policy("arm_push", **options)
+    blind: Any = Policy(policy.model, policy.resolution, policy.law).compile()
+    see, readings = policy.perception, []
+    times: dict[str, list[float]] = defaultdict(list)
+
+    def timed_perception(*seen: Any) -> Any:
+        start = time.process_time()
+        readings.append(see(*seen))
+        times["image"].append(time.process_time() - start)
+        return readings[-1]
+
+    policy.perception = timed_perception
+    policy = policy.compile()
+    env: Any = gym.make("aicon/ArmPush-v0", disable_env_checker=True).unwrapped
+    observation, _ = env.reset(seed=seed)
+    policy.predict(observation)
+    readings.clear()
+    times.clear()
+
+    memory: Any = None
+    begins: list[bool] = []
+    for _ in range(steps):
+        begins.append(memory is None)
+        clock, start = time.perf_counter(), time.process_time()
+        action, memory = policy.predict(observation, memory)
+        decided = time.process_time()
+        times["predict"].append(time.perf_counter() - clock)
+        times["control"].append(decided - start - times["image"][-1])
+
+        observation, _, terminated, _, _ = env.step(action)
+        times["environment"].append(time.process_time() - decided)
+        times["clock"].append(time.perf_counter() - clock)
+        times["age"].append(float(observation["image_age"][0]))
+
+        if terminated:
+            seed, memory = seed + 1, None
+            observation, _ = env.reset(seed=seed)
+    env.close()
+
+    # The same control steps with nothing between them.
+    blind.predict(readings[0])  # it compiles
+    for reading, begin in zip(readings, begins, strict=True):
+        before = None if begin else memory
+        start = time.process_time()
+        _, memory = blind.predict(reading, before)
+        times["again"].append(time.process_time() - start)
+    return {name: np.array(seconds) for name, seconds in times.items()}
 
 
 def peers(arguments: argparse.Namespace) -> None:
-    """Measure every group and print it."""
+    """Measure every group and print the time of each program beside the first."""
     for title, group in GROUPS.items():
         programs: dict[str, Step] = {}
         for name, prepare in group():
-            step = _prepare_if_installed(name, prepare)
-            if step is not None:
-                programs[name] = step
-        if programs:
-            times = take_turns(programs, arguments.rounds, arguments.steps, title)
-            print_group(title, times)
+            try:
+                programs[name] = prepare()
+            except (ModuleNotFoundError, ComparisonError, OptionError, gym.error.Error) as error:
+                print(f"without {name}: {error}")
+        if not programs:
+            continue
 
-
-def print_group(title: str, times: Mapping[str, list[float]]) -> None:
-    """Print the time of each program, and how many times as long as the first it takes."""
-    print(f"\n{title}, one thread, ms: median (5 % to 95 %), and how many times the first")
-    first = next(iter(times.values()))
-    for name, seconds in times.items():
-        print(f"  {name:48} {spread(seconds, 1e3):28} {spread(ratios(seconds, first))}")
+        times = take_turns(programs, arguments.rounds, arguments.steps, title)
+        print(f"\n{title}, one thread, ms: median (5 % to 95 %), and how many times the first")
+        first = next(iter(times.values()))
+        for name, seconds in times.items():
+            print(f"  {name:48} {spread(seconds, 1e3):28} {spread(ratios(seconds, first))}")
 
 
 def pushing_programs() -> Iterator[Program]:
     """Policies that choose the next action of pushT, on what an episode of AICON observes."""
-    observations = _record(*PUSHT)
-    batched = _batched(observations)
+    batches = record_observations(*PUSHT, RECORDED)
+    observations = observations_of_one(*PUSHT, RECORDED)
 
     yield "AICON", lambda: replay(make_policy("pusht"), observations)
     yield "AICON, compiled", lambda: replay(make_policy("pusht").compile(), observations)
     for sampler, denoising in (("DDIM", 10), ("DDPM", 100)):
         name = f"diffusion policy of LeRobot, {sampler} {denoising}"
-        yield name, partial(_student, sampler, denoising, batched)
-    yield "PPO of stable-baselines3", lambda: replay(_untrained_agent(), batched)
-    yield "MPPI", lambda: replay(_planner("mppi"), batched)
-    yield "MPPI with fewer samples", lambda: replay(_planner("mppi_small"), batched)
+        yield name, partial(_student, sampler, denoising, batches)
+    yield "PPO of stable-baselines3", lambda: replay(_untrained_agent(), batches)
+    for name, planner in (("MPPI", "mppi"), ("MPPI with fewer samples", "mppi_small")):
+        yield name, partial(_planner, planner, batches)
 
 
 def gradient_programs() -> Iterator[Program]:
     """Rules from the gradients that arrive at the pusher in an episode of pushT to one."""
-    arrivals = _arrivals_at_pusher()
+    policy, memory, arrivals = make_policy("pusht"), None, []
+    for observation in observations_of_one(*PUSHT, RECORDED):
+        _, memory = policy.predict(observation, memory)
+        arrivals.append(policy.trace(memory).quantities["x_pusher"])
     count = arrivals[0].gradients.shape[-2]
 
     yield f"nullspace projection of {count} gradients", partial(_projection, arrivals)
@@ -254,8 +211,11 @@ def gradient_programs() -> Iterator[Program]:
 
 def arm_programs() -> Iterator[Program]:
     """AICON on the arm, with all its goals and no camera, beside one step of inverse kinematics."""
-    yield "AICON", partial(_arm_step, compiled=False)
-    yield "AICON, compiled", partial(_arm_step, compiled=True)
+    observations = observations_of_one(*ARM, RECORDED)
+
+    yield "AICON", lambda: replay(make_policy("arm_push", sensing="pose"), observations)
+    fast = make_policy("arm_push", sensing="pose").compile()
+    yield "AICON, compiled", lambda: replay(fast, observations)
     yield "one step of mink, limits of joints and speeds", _mink
 
 
@@ -266,9 +226,9 @@ def _student(sampler: str, steps: int, observations: list[dict[str, Any]]) -> St
     return replay(Agent(STUDENT, sampler, steps), observations)
 
 
-def _planner(name: str) -> Any:
+def _planner(name: str, observations: list[dict[str, Any]]) -> Step:
     """The tuned planner, compiled like AICON."""
-    return compiled(factory("pusht", name))("deterministic")
+    return replay(compiled(factory("pusht", name))("deterministic"), observations)
 
 
 def _untrained_agent() -> Any:
@@ -317,18 +277,12 @@ def _to_stack(arrival: QuantityTrace) -> GradientStack:
     )
 
 
-def _arm_step(compiled: bool) -> Step:
-    observations = _record("aicon/ArmPush-v0", "arm_push", obs_type="pose", sensing="pose")
-    policy = make_policy("arm_push", sensing="pose")
-    return replay(policy.compile() if compiled else policy, observations)
-
-
 def _mink() -> Step:
     """Step toward a pose that is already reached; the work is the same."""
     import mink
 
     env: Any = gym.make("aicon/ArmPush-v0", obs_type="pose").unwrapped
-    env.reset(seed=SEED)
+    env.reset(seed=1000)
     simulation = env._simulation
     configuration = mink.Configuration(simulation.model, simulation.data.qpos)
 
@@ -345,44 +299,6 @@ def _mink() -> Step:
         mink.solve_ik(configuration, [task], 0.01, "daqp", limits=limits)
 
     return step
-
-
-def _record(name: str, task: str, obs_type: str, **options: Any) -> list[dict[str, Any]]:
-    """What an episode of AICON observes at first."""
-    env, policy = gym.make(name, obs_type=obs_type), make_policy(task, **options)
-    observation, _ = env.reset(seed=SEED)
-    observations, memory = [], None
-
-    for _ in range(RECORDED):
-        observations.append(observation)
-        action, memory = policy.predict(observation, memory)
-        observation, *_ = env.step(action)
-    return observations
-
-
-def _arrivals_at_pusher() -> list[QuantityTrace]:
-    """The gradients that arrive at the pusher in this episode."""
-    policy, memory, arrivals = make_policy("pusht"), None, []
-    for observation in _record(*PUSHT):
-        _, memory = policy.predict(observation, memory)
-        arrivals.append(policy.trace(memory).quantities["x_pusher"])
-    return arrivals
-
-
-def _batched(observations: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The observations as batches of one."""
-    batches = []
-    for observation in observations:
-        batches.append({name: np.asarray(reading)[None] for name, reading in observation.items()})
-    return batches
-
-
-def _prepare_if_installed(name: str, prepare: Callable[[], Step]) -> Step | None:
-    try:
-        return prepare()
-    except (ModuleNotFoundError, ComparisonError, OptionError, gym.error.Error) as error:
-        print(f"without {name}: {error}")
-        return None
 
 
 GROUPS: Mapping[str, Callable[[], Iterator[Program]]] = {
@@ -404,7 +320,7 @@ def watch(arguments: argparse.Namespace) -> None:
         while not episode.compiled:
             time.sleep(0.1)
 
-        alone = processor_time_alone(episode, arguments.seed)
+        alone = processor_time_alone(episode)
         rate, watched = with_view(episode, arguments.seconds, arguments.seed)
         hertz = 1.0 / episode.time_step
         print(
@@ -414,12 +330,14 @@ def watch(arguments: argparse.Namespace) -> None:
         )
 
 
-def processor_time_alone(episode: "LiveEpisode", seed: int, steps: int = 200) -> float:
-    """Processor time of a step of environment and policy, s."""
-    episode.start(seed)
+def processor_time_alone(episode: "LiveEpisode", steps: int = 200) -> float:
+    """Processor time of a step of environment and policy, s; after the end, from the start."""
+    seed = episode.seed
     start = time.process_time()
     for _ in range(steps):
-        _go_on(episode, seed)
+        if episode.ended:
+            episode.start(seed)
+        episode.step()
     return (time.process_time() - start) / steps
 
 
@@ -438,13 +356,6 @@ def with_view(episode: "LiveEpisode", seconds: float, seed: int) -> tuple[float,
     passed, used = time.monotonic() - begun, time.process_time() - worked
     view.close()
     return view.taken * episode.time_step / passed, used / view.taken
-
-
-def _go_on(episode: "LiveEpisode", seed: int) -> None:
-    """Go on; after the end, from the start."""
-    if episode.ended:
-        episode.start(seed)
-    episode.step()
 
 
 COMMAND = Command(__doc__, add_arguments, run)

@@ -10,32 +10,25 @@ import argparse
 from pathlib import Path
 
 from aicon_baselines.agents.diffusion.configs import OBSERVATIONS, RecordingConfig
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import (
+    RESUMABLE,
+    Command,
+    add_fields,
+    fields_of,
+    run_command,
+)
+
+FIELDS = {
+    "episodes": "successful episodes",
+    "seed": "first seed",
+    "noises": "noise on actions, px",
+    "near": "share of starts near the goal",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is recorded."""
-    parser.add_argument(
-        "--episodes", type=int, default=200, help="successful episodes (default: 200)"
-    )
-    parser.add_argument("--seed", type=int, default=100_000, help="first seed (default: 100000)")
-    parser.add_argument(
-        "--noises",
-        nargs="+",
-        type=float,
-        default=[0.0, 2.0],
-        metavar="PX",
-        help="noise on actions (default: 0 2)",
-    )
-    parser.add_argument(
-        "--near", type=float, default=0.0, help="share of starts near the goal (default: 0)"
-    )
-    parser.add_argument(
-        "--max-speed", type=float, default=250.0, help="the teacher's, px/s (default: 250)"
-    )
-    parser.add_argument(
-        "--smoothing", type=float, default=0.3, help="of its velocity, s (default: 0.3)"
-    )
+    add_fields(parser, RecordingConfig(), FIELDS)
     parser.add_argument(
         "--observe",
         nargs="+",
@@ -49,20 +42,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Record what is missing and say what to do with it."""
     # Imported late: it loads torch, which reads the number of threads.
-    from aicon_baselines.agents.diffusion.collection import collect
-    from aicon_baselines.evaluation.progress import ProgressBar
+    from tqdm import tqdm
 
-    config = RecordingConfig(
-        episodes=arguments.episodes,
-        seed=arguments.seed,
-        noises=tuple(arguments.noises),
-        near=arguments.near,
-        max_speed=arguments.max_speed,
-        smoothing=arguments.smoothing,
-        observations=tuple(arguments.observe),
-    )
-    with ProgressBar(0, config.episodes) as bar:
-        collect(config, arguments.out, bar.received)
+    from aicon_baselines.agents.diffusion.collection import collect
+
+    observed = tuple(arguments.observe)
+    config = RecordingConfig(observations=observed, **fields_of(arguments, FIELDS))
+    with tqdm(total=config.episodes, unit="episode", disable=None) as bar:
+
+        def on_recorded(count: int) -> None:
+            bar.update(count)
+
+        collect(config, arguments.out, on_recorded)
 
     print(f"{config.episodes} episodes, saved in {arguments.out}; to train a diffusion policy:")
     print(f"python scripts/train_diffusion.py --data {arguments.out} --out runs/diffusion")

@@ -2,10 +2,10 @@
 
 Example: python scripts/count_numbers.py
 
-A number is an option that is one, or each number of a tuple; and each constant of the safety layer
-where an actuator has dampers. What is switched off by a 0, or serves
-an option that is, counts for nothing. What is not named below as given or privileged counts as set
-by hand.
+A number is an option that is one, or each number of a tuple; each constant of a model that decides
+how it behaves; and each of the safety layer where an actuator has dampers. What is switched off by
+a 0, or serves an option that is, counts for nothing. What is not named below as given or privileged
+counts as set by hand.
 """
 
 import argparse
@@ -24,12 +24,11 @@ from aicon_torch.safety import bounds, stuck
 GIVEN = frozenset(
     {
         # The robot, its sensors and the task.
-        *("dt", "max_speed", "max_range", "speed", "robot", "ball_radius"),
+        *("dt", "max_speed", "speed", "robot", "ball_radius"),
         *("goal_pose", "corners", "axis", "contact.size"),
         # Variances, of readings and of what is not modelled.
-        *("bearing_noise", "range_noise", "actuation_noise", "keypoint_noise", "pusher_noise"),
-        *("process_noise", "joint_noise", "pose_noise", "ball_noise", "drift"),
-        *("camera.noise", "camera.blob_noise"),
+        *("bearing_noise", "range_noise", "actuation_noise", "keypoint_noise"),
+        *("pose_noise", "drift", "camera.noise"),
         # So large that only the limits count.
         "law.gain",
     }
@@ -39,6 +38,17 @@ GIVEN = frozenset(
 PRIVILEGED = frozenset({"expected_place", "height", "law.horizon", "stick_friction"})
 """Options that hold the simulation's own numbers: where the object starts, half its thickness, the
 servos' time constant, the friction at the stick."""
+
+CONSTANTS: dict[str, dict[str, tuple[str, ...]]] = {
+    "nav2d": {"graph": ("COLLISION_LENGTH", "TARGET_DISTANCE", "TARGET_DISTANCE_DEVIATION")},
+    "arm_push": {
+        "limits": ("TIP_SPEED", "JOINT_SPEED", "SETTLING_TIME"),
+        "perception": ("TRUSTED_SCORE",),
+        "pushed_object": ("SIDE_FORCE", "SIDE_DEVIATION", "TOP_FORCE", "TOP_DEVIATION"),
+    },
+    "reach": {"graph": ("BALL_DISTANCE",)},
+}
+"""Constants of each model that nobody has to set, by module: set by hand all the same."""
 
 SERVES = {
     "resolution.exploration.escape.progress_margin": "resolution.exploration.escape.progress",
@@ -89,6 +99,11 @@ def numbers_of(task: str) -> Numbers:
         else:
             numbers.by_hand[name] = count
 
+    for module, names in CONSTANTS.get(task, {}).items():
+        constants = vars(import_module(f"{MODELS[task]}.{module}"))
+        for constant in names:
+            parts = leaves(f"{module}.{constant}", constants[constant])
+            numbers.by_hand.update({name: how_many(value) for name, value in parts})
     if any(name.startswith("dampers") for name in options):
         numbers.by_hand.update(safety_constants())
     return numbers

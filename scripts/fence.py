@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 
 DT = 0.02  # s
 SPEED = 1.0  # m/s, of the robot; the leaders drive at half of it
@@ -25,7 +25,6 @@ MARGIN = 0.1  # m, how far before the fence its cost begins
 BEHIND = 0.05  # m, from where on the fence counts as crossed
 LEADERS = (1, 2, 4, 8, 16)
 SLOPES = (0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)
-FIELDS = ("rule", "law", "leaders", "slope", "starts", "crossed", "lag")
 
 
 class Cell(NamedTuple):
@@ -47,10 +46,10 @@ class Cell(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is tried, and where it is saved."""
-    parser.add_argument("--out", type=Path, default=Path("runs/fence"), help="default: runs/fence")
-    parser.add_argument("--starts", type=int, default=20, help="for each cell (default: 20)")
-    parser.add_argument("--seconds", type=float, default=10.0, help="of an episode (default: 10)")
-    parser.add_argument("--seed", type=int, default=300_000, help="of the starts (default: 300000)")
+    add_option(parser, "--out", Path("runs/fence"), "folder of the results")
+    add_option(parser, "--starts", 20, "for each cell")
+    add_option(parser, "--seconds", 10.0, "of an episode")
+    add_option(parser, "--seed", 300_000, "of the starts")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -62,7 +61,7 @@ def run(arguments: argparse.Namespace) -> None:
     cells: list[Cell] = []
     with (arguments.out / "cells.csv").open("w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(FIELDS)
+        table.writerow(Cell._fields)
         for rule, law, count in tqdm(tries, unit="policy"):
             found = follow(rule, law, count, arguments)
             cells += found
@@ -73,7 +72,7 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"\n{law}: the least slope that keeps all {arguments.starts} starts on this side\n")
         print(f"{'leaders':24}" + "".join(f"{count:>8}" for count in LEADERS))
         for rule in rules():
-            least = [_told(least_slope(cells, rule, law, count)) for count in LEADERS]
+            least = [least_slope(cells, rule, law, count) for count in LEADERS]
             print(f"{rule:24}" + "".join(f"{slope:>8}" for slope in least))
     draw(cells, arguments.out / "fence.png")
     print(f"\nsaved in {arguments.out}: cells.csv, fence.png")
@@ -180,19 +179,12 @@ def starts(count: int, number: int, seed: int) -> tuple[NDArray[np.float64], NDA
     return robot, leaders
 
 
-def least_slope(cells: list[Cell], rule: str, law: str, count: int) -> float | None:
-    """The least slope from which on no start leads across; None where there is none."""
+def least_slope(cells: list[Cell], rule: str, law: str, count: int) -> str:
+    """The least slope from which on no start leads across; "none" where there is none."""
     own = [cell for cell in cells if (cell.rule, cell.law, cell.leaders) == (rule, law, count)]
-    least = None
-    for cell in sorted(own, key=lambda cell: -cell.slope):
-        if cell.crossed:
-            break
-        least = cell.slope
-    return least
-
-
-def _told(slope: float | None) -> str:
-    return "none" if slope is None else f"{slope:g}"
+    highest = max((cell.slope for cell in own if cell.crossed), default=0.0)
+    holding = [cell.slope for cell in own if cell.slope > highest]
+    return f"{min(holding):g}" if holding else "none"
 
 
 def draw(cells: list[Cell], path: Path) -> None:

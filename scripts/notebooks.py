@@ -34,11 +34,8 @@ def to_notebook(page: Path) -> Any:
         text = pattern.sub("", text)
     text = text.replace("```bash\n", "```console\n")  # commands are shown, and not run
     notebook: Any = jupytext.reads(text, fmt="md")
-    notebook.metadata["kernelspec"] = {
-        "name": "python3",
-        "display_name": "Python 3",
-        "language": "python",
-    }
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    notebook.metadata["kernelspec"] = kernel
     return notebook
 
 
@@ -65,21 +62,13 @@ def run_notebook(notebook: Any, folder: Path) -> list[str]:
     from nbclient import NotebookClient
 
     NotebookClient(notebook, timeout=None, resources={"metadata": {"path": str(folder)}}).execute()
-    printed: list[str] = []
-    for output in _outputs(notebook):
-        if output.output_type == "stream":
-            printed.append(output.text)
-    return printed
+    return [output.text for output in _outputs(notebook) if output.output_type == "stream"]
 
 
 def pictures_of(notebook: Any) -> list[bytes]:
     """The pictures that a notebook showed when it ran, as png."""
-    pictures: list[bytes] = []
-    for output in _outputs(notebook):
-        data = output.get("data", {})
-        if "image/png" in data:
-            pictures.append(base64.b64decode(data["image/png"]))
-    return pictures
+    data = [output.get("data", {}) for output in _outputs(notebook)]
+    return [base64.b64decode(shown["image/png"]) for shown in data if "image/png" in shown]
 
 
 def _outputs(notebook: Any) -> list[Any]:
@@ -97,9 +86,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Save what is asked for."""
-    if arguments.pictures:
-        arguments.pictures.mkdir(parents=True, exist_ok=True)
-
     for page in PAGES:
         if page.stem not in arguments.tutorials:
             continue
@@ -109,6 +95,7 @@ def run(arguments: argparse.Namespace) -> None:
             notebook = to_notebook(page)
             run_notebook(notebook, ROOT)
             for picture in pictures_of(notebook)[-1:]:
+                arguments.pictures.mkdir(parents=True, exist_ok=True)
                 path = arguments.pictures / f"tutorial_{page.stem}.png"
                 path.write_bytes(picture)
                 print(path)

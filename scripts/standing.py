@@ -7,14 +7,13 @@ Example: python scripts/standing.py --task nav2d --faults gone gone+late --episo
 """
 
 import argparse
-import dataclasses
 from itertools import islice
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks import load
@@ -35,9 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=FAULTS,
         help=f"conditions with one of {', '.join(FAULTS)} (default: each alone)",
     )
-    parser.add_argument("--episodes", type=int, default=20, help="per fault (default: 20)")
-    parser.add_argument("--seed", type=int, default=1000, help="first seed (default: 1000)")
-    parser.add_argument("--horizon", type=int, default=1200, help="steps (default: 1200)")
+    add_option(parser, "--episodes", 20, "per fault")
+    add_option(parser, "--seed", 1000, "first seed")
+    add_option(parser, "--horizon", 1200, "steps")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -47,31 +46,24 @@ def run(arguments: argparse.Namespace) -> None:
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     for fault in arguments.faults:
         policy = make_policy(task.name, **task.policy_options(fault)).compile()
-        met = rest(policy, task, fault, list(seeds), arguments.horizon)
-        longest = met.times.max() * task.time_step
+        times, collisions = rest(policy, task, fault, list(seeds), arguments.horizon)
+        longest = times.max() * task.time_step
         print(
-            f"{task.name}, {fault}: {len(met.times)} episodes, at rest {longest:.2f} s after the "
-            f"onset, {met.collisions} collisions",
+            f"{task.name}, {fault}: {len(times)} episodes, at rest {longest:.2f} s after the "
+            f"onset, {collisions} collisions",
             flush=True,
         )
 
 
-@dataclasses.dataclass(frozen=True)
-class Met:
-    """The episodes that a fault met.
+def rest(
+    policy: Policy, task: Task, fault: str, seeds: list[int], horizon: int
+) -> tuple[NDArray[np.int64], int]:
+    """Run episodes until the horizon; those that end before the fault begins do not count.
 
-    Attributes:
-        times: From its onset to the end of the last command that is not rest, ``(N,)``, in the
-            environment's steps.
-        collisions: How many of them collided.
+    Returns:
+        From the onset of the fault to the end of the last command that is not rest, ``(N,)``, in
+        the environment's steps, of the episodes that it met; and how many of them collided.
     """
-
-    times: NDArray[np.int64]
-    collisions: int
-
-
-def rest(policy: Policy, task: Task, fault: str, seeds: list[int], horizon: int) -> Met:
-    """Run episodes until the horizon; those that end before the fault begins do not count."""
     episodes = [task.episode(seed) for seed in seeds]
     env = task.make_env(len(episodes), fault, horizon)
     start = env.reset(**task.reset_arguments(episodes))
@@ -94,7 +86,7 @@ def rest(policy: Policy, task: Task, fault: str, seeds: list[int], horizon: int)
         if (since >= wrong.pause).all():
             break
     env.close()
-    return Met(times[met], int(collided.sum()))
+    return times[met], int(collided.sum())
 
 
 COMMAND = Command(__doc__, add_arguments, run)

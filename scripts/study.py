@@ -12,12 +12,12 @@ import argparse
 from pathlib import Path
 
 from aicon_baselines.agents.variants import make_variants
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.run_folder import RunFolder
-from aicon_baselines.evaluation.study_report import write_study
+from aicon_baselines.evaluation.study import write_study
 from aicon_baselines.tasks import load
 
 
@@ -31,8 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TEXT",
         help="policy, option=value,... or both",
     )
-    parser.add_argument("--episodes", type=int, default=100, help="seeds (default: 100)")
-    parser.add_argument("--seed", type=int, default=1000, help="first seed (default: 1000)")
+    add_option(parser, "--episodes", 100, "seeds")
+    add_option(parser, "--seed", 1000, "first seed")
     parser.add_argument(
         "--condition", metavar="NAME", help="variant of the environment (default: the first)"
     )
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_compile_option(parser)
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
-    parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
+    add_option(parser, "--jobs", 1, "processes")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -13,19 +13,31 @@ from functools import partial
 from pathlib import Path
 
 from aicon_baselines.agents.diffusion.configs import OBSERVATIONS, TrainingConfig
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_fields, add_option, fields_of, run_command
+
+FIELDS = {
+    # The network.
+    "horizon": "actions predicted at once",
+    "action_steps": "executed before it looks again",
+    # What it learns.
+    "shift": "of observations, σ",
+    # How it learns.
+    "steps": "gradient steps",
+    "seed": "of network, order and noise",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is trained, how, and what is done with it at the end."""
     parser.add_argument("--data", type=Path, required=True, help="folder of the dataset")
     parser.add_argument("--out", type=Path, required=True, help="folder of the training")
-    _add_config(parser)
-
-    parser.add_argument("--device", default="cpu", help="cpu or cuda (default: cpu)")
     parser.add_argument(
-        "--checkpoint", type=int, default=1000, help="steps between saves (default: 1000)"
+        "--observe", choices=OBSERVATIONS, default="keypoints", help="default: keypoints"
     )
+    add_fields(parser, TrainingConfig(steps=20_000), FIELDS)
+
+    add_option(parser, "--device", "cpu", "cpu or cuda")
+    add_option(parser, "--checkpoint", 1000, "steps between saves")
     parser.add_argument(
         "--stop-after", type=float, metavar="MINUTES", help="save and stop then, to go on later"
     )
@@ -37,55 +49,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--inference-steps", type=int, help="of its sampler (default: 100)")
 
 
-def _add_config(parser: argparse.ArgumentParser) -> None:
-    """Declare what can be varied of a training; see `TrainingConfig`."""
-    # The network.
-    parser.add_argument(
-        "--observe", choices=OBSERVATIONS, default="keypoints", help="default: keypoints"
-    )
-    parser.add_argument(
-        "--down-dims", nargs="+", type=int, default=[64, 128, 256], help="default: 64 128 256"
-    )
-    parser.add_argument("--kernel", type=int, default=3, help="size of convolutions (default: 3)")
-    parser.add_argument(
-        "--horizon", type=int, default=16, help="actions predicted at once (default: 16)"
-    )
-    parser.add_argument(
-        "--action-steps", type=int, default=8, help="executed before it looks again (default: 8)"
-    )
-
-    # What it learns.
-    parser.add_argument(
-        "--prediction", default="sample", help="sample or epsilon (default: sample)"
-    )
-    parser.add_argument(
-        "--normalization", default="MEAN_STD", help="MEAN_STD or MIN_MAX (default: MEAN_STD)"
-    )
-    parser.add_argument(
-        "--shift", type=float, default=2.0, help="of observations with MEAN_STD, σ (default: 2)"
-    )
-
-    # How it learns.
-    parser.add_argument("--steps", type=int, default=20_000, help="gradient steps (default: 20000)")
-    parser.add_argument("--batch", type=int, default=64, help="windows in a step (default: 64)")
-    parser.add_argument(
-        "--learning-rate", type=float, default=1e-3, help="its largest value (default: 1e-3)"
-    )
-    parser.add_argument(
-        "--warmup", type=int, default=200, help="steps until it is reached (default: 200)"
-    )
-    parser.add_argument(
-        "--seed", type=int, default=100_000, help="of network, order and noise (default: 100000)"
-    )
-
-
 def run(arguments: argparse.Namespace) -> None:
     """Train what is missing and say what to do with it."""
     # Imported late: they load torch, which reads the number of threads.
     from aicon_baselines.agents.diffusion.export import export
     from aicon_baselines.agents.diffusion.training import POLICY, train
 
-    config = make_config(arguments)
+    config = TrainingConfig(observation=arguments.observe, **fields_of(arguments, FIELDS))
     steps = train(
         config,
         arguments.data,
@@ -102,25 +72,6 @@ def run(arguments: argparse.Namespace) -> None:
     print(
         "aicon compare --task pusht --policies aicon diffusion "
         f"--diffusion-path {arguments.out / POLICY} --out runs/pusht"
-    )
-
-
-def make_config(arguments: argparse.Namespace) -> TrainingConfig:
-    """Return what the arguments say is trained."""
-    return TrainingConfig(
-        steps=arguments.steps,
-        observation=arguments.observe,
-        down_dims=tuple(arguments.down_dims),
-        batch=arguments.batch,
-        learning_rate=arguments.learning_rate,
-        warmup=arguments.warmup,
-        horizon=arguments.horizon,
-        action_steps=arguments.action_steps,
-        kernel=arguments.kernel,
-        prediction=arguments.prediction,
-        normalization=arguments.normalization,
-        shift=arguments.shift,
-        seed=arguments.seed,
     )
 
 

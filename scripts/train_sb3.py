@@ -12,56 +12,24 @@ import argparse
 from pathlib import Path
 
 from aicon_baselines.agents.registry import import_sb3
-from aicon_baselines.cli.command_line import Command, run_command
-
-_TASK_OPTIONS = ("seed", "envs", "rollout", "epochs", "horizon", "stack", "approach")
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is trained, and how."""
     parser.add_argument("--task", required=True, help="name of the task, nav2d or pusht")
-    parser.add_argument("--algorithm", default="ppo", help="ppo or sac (default: ppo)")
-    parser.add_argument(
-        "--steps", type=int, default=1_000_000, help="steps in all (default: 1000000)"
-    )
+    add_option(parser, "--algorithm", "ppo", "ppo or sac")
+    add_option(parser, "--steps", 1_000_000, "steps in all")
     parser.add_argument("--out", type=Path, required=True, help="folder of the agent")
-    parser.add_argument(
-        "--checkpoint", type=int, default=50_000, help="steps between saves (default: 50000)"
-    )
-    _add_task_options(parser)
-
-
-def _add_task_options(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of the training whose defaults may differ between tasks."""
+    add_option(parser, "--checkpoint", 50_000, "steps between saves")
     parser.add_argument("--seed", type=int, help="seed, 1000 or more (default: 10000)")
-    parser.add_argument("--envs", type=int, help="environments (default: 8)")
-    parser.add_argument(
-        "--rollout",
-        type=int,
-        help="steps of each environment between updates of PPO (default: 512)",
-    )
-    parser.add_argument(
-        "--epochs", type=int, help="times PPO learns from them (default: 5 in nav2d, 10 in pusht)"
-    )
-    parser.add_argument(
-        "--horizon",
-        type=int,
-        help="steps of a training episode (default: 1000 in nav2d, 300 in pusht)",
-    )
-    parser.add_argument(
-        "--stack", type=int, help="observations seen at once (default: 8 in nav2d, 1 in pusht)"
-    )
-    parser.add_argument(
-        "--approach", type=float, help="pusht: weight of the way to the object (default: 0.2)"
-    )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Train what is missing and say what to do with it."""
     sb3 = import_sb3()
-    options = {name: getattr(arguments, name) for name in _TASK_OPTIONS}
     config = sb3.TrainingConfig.for_task(
-        arguments.task, arguments.algorithm, arguments.steps, **options
+        arguments.task, arguments.algorithm, arguments.steps, seed=arguments.seed
     )
 
     trained = sb3.train(config, arguments.out, arguments.checkpoint, report=print)

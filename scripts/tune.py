@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from aicon_baselines.agents.registry import factory
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.comparison import compare
 from aicon_baselines.evaluation.config import configure
@@ -84,7 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--horizon", type=int, metavar="STEPS", help="limit of an episode (default: the task's)"
     )
-    parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
+    add_option(parser, "--jobs", 1, "processes")
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from aicon_torch import Escape, Exploration, NullspaceProjection, make_policy
+from aicon_torch import Exploration, NullspaceProjection, TrapEscape, make_policy
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = {
@@ -180,5 +180,5 @@ def test_the_shipped_models_use_the_shipped_defaults() -> None:
         rule = make_policy(name).resolution
         assert isinstance(rule, NullspaceProjection) and rule.exploration is not None
 
-        plain = dataclasses.replace(rule.exploration, escape=Escape())
+        plain = dataclasses.replace(rule.exploration, escape=TrapEscape())
         assert dataclasses.replace(rule, exploration=plain) == NullspaceProjection()

@@ -23,7 +23,6 @@ from aicon_torch import (
     Actuator,
     Deterministic,
     DirectDescent,
-    Escape,
     Exploration,
     Foresight,
     Goal,
@@ -32,6 +31,7 @@ from aicon_torch import (
     Policy,
     Sensor,
     Sum,
+    TrapEscape,
     WorldModel,
 )
 
@@ -72,7 +72,7 @@ def test_several_actuators_give_a_dict_of_actions() -> None:
 
 
 def test_the_rule_names_unknown_goals_when_the_policy_is_built() -> None:
-    rule = NullspaceProjection(exploration=Exploration(escape=Escape(hold="home")))
+    rule = NullspaceProjection(exploration=Exploration(escape=TrapEscape(hold="home")))
     with pytest.raises(OptionError, match="'home'"):
         Policy(two_robots(), rule)
 

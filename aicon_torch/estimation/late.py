@@ -29,7 +29,7 @@ class LateEKF(EKF):
             a time.
         steps: L, the largest age of a reading that is made up for; an older one counts as so old.
         moved_by: What ``predict`` and ``prompt`` read besides the mean, with the number of its
-            components; with ``"dt": 1`` each step counts as long as the clock told.
+            components; with ``"dt": 1`` each step counts as long as the clock says.
         prompt: Measurements that are on time, such as of a force that is felt. Each corrects the
             belief of its own step, and again whenever that step is gone through.
         **options: As for :class:`EKF`.

@@ -145,7 +145,7 @@ class ExportedPolicy:
         """The readings as the library takes them, ``(*B, n)``, NaN where there are none.
 
         First those of all sensors, then the ages of those that have one, then executed actions that
-        are told, in the order of ``metadata["readings"]``.
+        are reported, in the order of ``metadata["readings"]``.
 
         Args:
             observation: As for :meth:`predict`.

@@ -118,8 +118,8 @@ def _metadata(flat: FlatStep, description: Mapping[str, str], perceives: bool) -
 
     actuators: list[dict[str, Any]] = []
     for name, actuator in model.actuators.items():
-        told = {"size": actuator.size, "unit": actuator.unit, "key": actuator.key}
-        actuators.append({"name": name, **told})
+        facts = {"size": actuator.size, "unit": actuator.unit, "key": actuator.key}
+        actuators.append({"name": name, **facts})
 
     # A perception makes readings of images and the like, never of the time.
     perceived = [name for name in model.sensors if perceives and name != model.clock]

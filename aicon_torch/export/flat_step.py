@@ -6,7 +6,7 @@
     finish:   memory, values, descent → memory, commands   ... and act
 
 Readings are those of the observation, NaN where there is none; then come the ages of those that
-have one, and executed actions that are told.
+have one, and executed actions that are reported.
 """
 
 from collections.abc import Mapping
@@ -78,7 +78,7 @@ class FlatStep:
         return self.pack("memory", memory)
 
     def _readings(self) -> dict[str, Tensor]:
-        """A reading of each sensor, its age if it has one, and each action that is told."""
+        """A reading of each sensor, its age if it has one, and each action that is reported."""
         like, readings = self.model.like, {}
         for name, sensor in self.model.sensors.items():
             readings[name] = like.new_zeros(sensor.size)

@@ -42,7 +42,7 @@ class PlainReadings:
             absent = np.full(sensor.size, math.nan, dtype) if sensor.optional else None
             self._expected.append(_PlainReading(sensor.key or name, (sensor.size,), absent))
 
-        # After the readings stand ages, then executed actions: as they are where none is told.
+        # After the readings stand ages, then executed actions: as they are where none is reported.
         executed = [actuator for actuator in actuators.values() if actuator.key is not None]
         ages = [sensor.age for sensor in sensors.values() if sensor.is_aged]
         unknown = [math.nan] * sum(actuator.size for actuator in executed)

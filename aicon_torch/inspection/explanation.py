@@ -17,10 +17,10 @@ from aicon_torch.safety.watchdog import confidence
 
 @dataclass(frozen=True)
 class Candidate:
-    """One gradient that arrived: its path, its magnitude and its rank (0 leads, None unused)."""
+    """One gradient that arrived: its path, magnitude and rank (0 dominates, None is unused)."""
 
     path: str
-    strength: float
+    magnitude: float
     rank: int | None
 
 
@@ -30,7 +30,7 @@ class QuantityReport:
 
     Attributes:
         candidates: The gradients, in the order of the graph.
-        cosine: Cosine between the leader and the gradient it was compared with, the second
+        cosine: Cosine between the dominant gradient and the one it was compared with, the second
             strongest or the strongest that opposes it (1 if none does); None where a single one
             arrived.
         exploring: Whether the quantity moved in a nullspace instead of downhill.
@@ -159,10 +159,10 @@ def _report(quantity: QuantityTrace) -> QuantityReport:
     """A trace without batch as numbers."""
     candidates: list[Candidate] = []
     columns = zip(
-        quantity.labels, quantity.strengths.tolist(), quantity.ranks.tolist(), strict=True
+        quantity.labels, quantity.magnitudes.tolist(), quantity.ranks.tolist(), strict=True
     )
-    for label, strength, rank in columns:
-        candidates.append(Candidate(label, strength, None if rank == UNUSED else rank))
+    for label, magnitude, rank in columns:
+        candidates.append(Candidate(label, magnitude, None if rank == UNUSED else rank))
 
     cosine = float(quantity.cosine) if len(candidates) > 1 else None
     return QuantityReport(tuple(candidates), cosine, bool(quantity.exploring))
@@ -172,10 +172,10 @@ def _in_words(name: str, quantity: QuantityReport) -> list[str]:
     """Lines on one quantity."""
     state = "exploring" if quantity.exploring else "descending"
     if quantity.cosine is not None:
-        state += f", cosine to its rival {quantity.cosine:+.2f}"
+        state += f", cosine to its opponent {quantity.cosine:+.2f}"
 
     lines = [f"at {name}: {state}"]
     for candidate in quantity.candidates:
         rank = "-" if candidate.rank is None else candidate.rank
-        lines.append(f"  rank {rank}: {candidate.path}, strength {candidate.strength:.3g}")
+        lines.append(f"  rank {rank}: {candidate.path}, magnitude {candidate.magnitude:.3g}")
     return lines

@@ -26,11 +26,11 @@ class QuantityTrace:
             "+".
         goals: For each gradient the goals that it comes from.
         gradients: The gradients that arrived, ``(*B, n, d)``.
-        strengths: Their magnitudes, ``(*B, n)``.
+        magnitudes: Theirs, ``(*B, n)``.
         weights: By how much each counted, ``(*B, n)``.
-        ranks: The rank of each, 0 for the leader, ``(*B, n)``; −1 where it was not used.
-        leader: Index of the leading gradient, ``(*B,)``.
-        opponent: Index of the gradient that the leader was compared with, ``(*B,)``; −1 for none.
+        ranks: The rank of each, 0 for the dominant one, ``(*B, n)``; −1 where it was not used.
+        dominant: Index of the dominant gradient, ``(*B,)``.
+        opponent: Index of the gradient that it was compared with, ``(*B,)``; −1 for none.
         cosine: Cosine between the two, ``(*B,)``; 1 where there is none.
         exploring: Whether the quantity moved in a nullspace instead of downhill, or an actuator
             along the force of its constraints, ``(*B,)``.
@@ -40,10 +40,10 @@ class QuantityTrace:
     paths: tuple[tuple[str, ...], ...]
     goals: tuple[tuple[str, ...], ...]
     gradients: Tensor
-    strengths: Tensor
+    magnitudes: Tensor
     weights: Tensor
     ranks: Tensor
-    leader: Tensor
+    dominant: Tensor
     opponent: Tensor
     cosine: Tensor
     exploring: Tensor
@@ -54,10 +54,10 @@ class QuantityTrace:
         return tuple(" → ".join(path) for path in self.paths)
 
     def goals_in_conflict(self, row: int | tuple[int, ...] = ()) -> tuple[str, str] | None:
-        """Goals of the leader and of the gradient that opposes it, while the quantity explores.
+        """Goals of the dominant gradient and of the one that opposes it, while exploring.
 
-        None where it does not explore, or where it only waits for progress and nothing opposes the
-        leader any more.
+        None where it does not explore, or where it only waits for progress and nothing opposes
+        the dominant one any more.
 
         Args:
             row: Which row of the batch.
@@ -65,8 +65,8 @@ class QuantityTrace:
         opponent = int(self.opponent[row])
         if not bool(self.exploring[row]) or opponent == UNUSED:
             return None
-        leader = int(self.leader[row])
-        return "+".join(self.goals[leader]), "+".join(self.goals[opponent])
+        dominant = int(self.dominant[row])
+        return "+".join(self.goals[dominant]), "+".join(self.goals[opponent])
 
 
 @dataclass(frozen=True)
@@ -118,20 +118,20 @@ def _where_gradients_met(
     backward: BackwardPass, name: str, paths: list[PartialPath], memory: Mapping[str, Tensor]
 ) -> QuantityTrace:
     gradients = memory["gradients"]
-    strengths = torch.linalg.vector_norm(gradients, dim=-1)
-    leader = _leader(strengths, memory)
-    opponent, cosine = _opponent(gradients, strengths, leader, memory)
-    nowhere = torch.zeros_like(leader, dtype=torch.bool)
+    magnitudes = torch.linalg.vector_norm(gradients, dim=-1)
+    dominant = _dominant(magnitudes, memory)
+    opponent, cosine = _opponent(gradients, magnitudes, dominant, memory)
+    nowhere = torch.zeros_like(dominant, dtype=torch.bool)
 
     return QuantityTrace(
         name=name,
         paths=tuple((*path.names, name) for path in paths),
         goals=tuple(_in_order(path.goals, backward) for path in paths),
         gradients=gradients,
-        strengths=strengths,
-        weights=backward.resolution.weigh(strengths),
-        ranks=_ranks(strengths, memory),
-        leader=leader,
+        magnitudes=magnitudes,
+        weights=backward.resolution.weigh(magnitudes),
+        ranks=_ranks(magnitudes, memory),
+        dominant=dominant,
         opponent=opponent,
         cosine=cosine,
         exploring=memory.get("exploring", nowhere),
@@ -141,19 +141,19 @@ def _where_gradients_met(
 def _where_one_arrived(
     backward: BackwardPass, name: str, path: PartialPath, gradient: Tensor
 ) -> QuantityTrace:
-    strengths = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
-    first = torch.zeros_like(strengths[..., 0], dtype=torch.long)
+    magnitudes = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
+    first = torch.zeros_like(magnitudes[..., 0], dtype=torch.long)
     return QuantityTrace(
         name=name,
         paths=((*path.names, name),),
         goals=(_in_order(path.goals, backward),),
         gradients=gradient.unsqueeze(-2),
-        strengths=strengths,
-        weights=torch.ones_like(strengths),
-        ranks=torch.zeros_like(strengths, dtype=torch.long),
-        leader=first,
+        magnitudes=magnitudes,
+        weights=torch.ones_like(magnitudes),
+        ranks=torch.zeros_like(magnitudes, dtype=torch.long),
+        dominant=first,
         opponent=torch.full_like(first, UNUSED),
-        cosine=torch.ones_like(strengths[..., 0]),
+        cosine=torch.ones_like(magnitudes[..., 0]),
         exploring=torch.zeros_like(first, dtype=torch.bool),
     )
 
@@ -163,34 +163,34 @@ def _in_order(goals: frozenset[str], backward: BackwardPass) -> tuple[str, ...]:
     return tuple(goal for goal in backward.model.goals if goal in goals)
 
 
-def _leader(strengths: Tensor, memory: Mapping[str, Tensor]) -> Tensor:
+def _dominant(magnitudes: Tensor, memory: Mapping[str, Tensor]) -> Tensor:
     """Index of the gradient of rank 0; without ranks, of the strongest."""
     if "rank" in memory:
         return memory["rank"][..., 0].clamp(min=0)
-    return strengths.argmax(-1)
+    return magnitudes.argmax(-1)
 
 
-def _ranks(strengths: Tensor, memory: Mapping[str, Tensor]) -> Tensor:
+def _ranks(magnitudes: Tensor, memory: Mapping[str, Tensor]) -> Tensor:
     """The rank of each gradient, from the gradient of each rank."""
-    ranks = torch.full_like(strengths, UNUSED, dtype=torch.long)
+    ranks = torch.full_like(magnitudes, UNUSED, dtype=torch.long)
     if "rank" not in memory:
         return ranks
 
-    indices = torch.arange(strengths.shape[-1], device=strengths.device)
+    indices = torch.arange(magnitudes.shape[-1], device=magnitudes.device)
     for rank, index in enumerate(memory["rank"].unbind(-1)):
         ranks = torch.where(indices == index.unsqueeze(-1), rank, ranks)
     return ranks
 
 
 def _opponent(
-    gradients: Tensor, strengths: Tensor, leader: Tensor, memory: Mapping[str, Tensor]
+    gradients: Tensor, magnitudes: Tensor, dominant: Tensor, memory: Mapping[str, Tensor]
 ) -> tuple[Tensor, Tensor]:
-    """The gradient that the leader was compared with, or else the second strongest; the cosine."""
+    """What the dominant one was compared with, or else the second strongest; the cosine."""
     if "opponent" in memory:
         return memory["opponent"][..., 0], memory["cosine"]
 
     # A rule that compares nothing has no opponent of its own: take the second strongest.
-    others = strengths.scatter(-1, leader.unsqueeze(-1), -1.0)
+    others = magnitudes.scatter(-1, dominant.unsqueeze(-1), -1.0)
     opponent = others.argmax(-1)
-    first, second = (unit(select(gradients, i.unsqueeze(-1))) for i in (leader, opponent))
+    first, second = (unit(select(gradients, i.unsqueeze(-1))) for i in (dominant, opponent))
     return opponent, (first * second).sum(-1)

@@ -36,8 +36,6 @@ from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.image_registration import Detection, ImageRegistration
-from aicon_torch.parts.image_segmentation import RGBDImage, TopFace, TopFaceSegmentation
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.landmark import (
@@ -49,7 +47,7 @@ from aicon_torch.parts.landmark import (
     expected_distance,
 )
 from aicon_torch.parts.moving_obstacle import MovingObstacle
-from aicon_torch.parts.obstacle import Box, Obstacle, Rod, Sphere, moving_point
+from aicon_torch.parts.obstacle import Box, Obstacle, Sphere, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate, wrap_angle
 from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import (
@@ -57,7 +55,6 @@ from aicon_torch.parts.pose import (
     KeypointRegistration,
     PoseDistance,
     PoseMotion,
-    pose_jacobian,
     resting_pose,
 )
 from aicon_torch.parts.pose_reach import PoseReach
@@ -72,7 +69,6 @@ from aicon_torch.parts.self_collision import (
     segment_distance,
 )
 from aicon_torch.parts.servo import PositionTarget, PusherMotion, Servo
-from aicon_torch.parts.speed_limit import SpeedLimit
 from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
@@ -98,14 +94,12 @@ __all__ = [
     "ContactForce",
     "ContactLikelihood",
     "ContactOptions",
-    "Detection",
     "DifferentialDrive",
     "DisplacementCommand",
     "EndEffector",
     "FixedTarget",
     "ForceServo",
     "ForceThreshold",
-    "ImageRegistration",
     "Intrinsics",
     "Joint",
     "JointLimits",
@@ -120,23 +114,18 @@ __all__ = [
     "PoseReach",
     "PositionTarget",
     "PusherMotion",
-    "RGBDImage",
     "ReadingPrior",
     "Recent",
     "RigidObject",
     "RigidShape",
     "Robot",
-    "Rod",
     "SelfCollision",
     "Servo",
-    "SpeedLimit",
     "Sphere",
     "SquaredHinge",
     "TipMetric",
     "TipPose",
     "ToolPose",
-    "TopFace",
-    "TopFaceSegmentation",
     "TouchedSide",
     "TouchedTop",
     "VelocityLag",
@@ -158,7 +147,6 @@ __all__ = [
     "moving_point",
     "norm",
     "pose_error",
-    "pose_jacobian",
     "quarter_turn",
     "range_residual",
     "resting_pose",

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from aicon_torch.parts.validation import check_not_negative, check_positive
+from aicon_torch.parts.validation import check_positive
 from aicon_torch.vectors import shorten
 
 
@@ -12,16 +12,15 @@ from aicon_torch.vectors import shorten
 class ForceServo:
     """The force that brings a mass to a velocity with the time constant τ: a first-order servo.
 
-        F = m (a − v)/τ + c v,   no longer than F_max,
+        F = m (a − v)/τ,   no longer than F_max,
 
-    so that m dv/dt = F − c v becomes dv/dt = (a − v)/τ. A force that is held over a step does so
+    so that m dv/dt = F becomes dv/dt = (a − v)/τ. A force that is held over a step does so
     for τ ≥ dt.
 
     Attributes:
         mass: m, kg.
         time: τ, s.
         largest: F_max, N.
-        drag: c of the force −c v that brakes the mass, Ns/m.
 
     Raises:
         OptionError: If a number is not what it may be.
@@ -35,12 +34,10 @@ class ForceServo:
     mass: float
     time: float
     largest: float
-    drag: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         check_positive(self, ("mass", "time", "largest"))
-        check_not_negative(self, ("drag",))
 
     def __call__(self, a: Tensor, v_robot: Tensor) -> Tensor:
         """F, ``(*B, d)``, N.
@@ -49,7 +46,7 @@ class ForceServo:
             a: The nominal velocity, ``(*B, d)``, m/s.
             v_robot: The velocity now, ``(*B, d)``, m/s.
         """
-        force = self.mass / self.time * (a - v_robot) + self.drag * v_robot
+        force = self.mass / self.time * (a - v_robot)
         return shorten(force, self.largest)
 
     def displacement(self, a: Tensor, v_robot: Tensor, dt: Tensor) -> Tensor:

@@ -100,11 +100,6 @@ class KeypointOffset:
         seen = self.body.registration(_points(z_keypoints))
         return pose_error(x_offset[..., 2:], seen, rotation_length=1.0)
 
-    @staticmethod
-    def last_pose_jacobian(x_offset: Tensor) -> Tensor:
-        """∂(last pose)/∂x_offset, ``(3, 5)``."""
-        return torch.eye(5, dtype=x_offset.dtype, device=x_offset.device)[2:]
-
     def _from_object(self, x_offset: Tensor, z_keypoints: Tensor, z_pusher: Tensor) -> Tensor:
         """From the nearest point of the object to the pusher, ``(*B, 2)``, m."""
         pusher = z_pusher + x_offset[..., :2]

@@ -52,25 +52,6 @@ class Sphere:
 
 
 @dataclass(frozen=True)
-class Rod:
-    """A capsule: all points within a radius of a segment.
-
-    Attributes:
-        half: From its middle to one end of the segment, m.
-        radius: m.
-    """
-
-    half: tuple[float, float, float]
-    radius: float
-
-    def distance(self, start: Tensor, end: Tensor) -> Tensor:
-        """From a segment to the rod, ``(*B,)``: see :class:`Shape`."""
-        half = torch.zeros_like(start) + start.new_tensor(self.half)
-        segment, axis = torch.cat((start, end), dim=-1), torch.cat((-half, half), dim=-1)
-        return segment_distance(segment, axis) - self.radius
-
-
-@dataclass(frozen=True)
 class Box:
     """A box whose sides are parallel to the axes of the base.
 

@@ -26,6 +26,8 @@ class PoseMotion:
     of the force and r the radius of gyration, or at the edge of the cone of friction where that is
     within: f ∥ n + clip(fₜ/fₙ, ±μ) t.
 
+    Its Jacobian by x_pose is the identity.
+
     Attributes:
         dynamics: What a push does.
         radius: Radius of the pusher, m.
@@ -103,14 +105,6 @@ class PoseMotion:
 def resting_pose(x_pose: Tensor) -> Tensor:
     """The pose where it was last seen, ``(*B, 3)``."""
     return x_pose
-
-
-def pose_jacobian(x_pusher: Tensor) -> Tensor:
-    """∂x_pose⁺/∂x_pose = I, ``(3, 3)``, of :class:`PoseMotion` and of the residual of a pose.
-
-    The pusher's position tells dtype and device; its value is not read.
-    """
-    return torch.eye(3, dtype=x_pusher.dtype, device=x_pusher.device)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Readings: from what a robot observes to what its estimators are told."""
+"""Readings: from what a robot observes to what its estimators are given."""
 
 from aicon_torch.readings.background import BackgroundPerception
 from aicon_torch.readings.perception import Perception, SlowPerception

@@ -78,7 +78,7 @@ def read(
 def _executed(
     key: str, observation: Mapping[str, Any], shape: tuple[int, ...], like: Tensor
 ) -> Tensor:
-    """The action ``(*B, size)`` that was executed; NaN where that is not told."""
+    """The action ``(*B, size)`` that was executed; NaN where that is not reported."""
     if key not in observation:
         return like.new_full(shape, torch.nan)
 

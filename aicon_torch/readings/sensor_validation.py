@@ -27,7 +27,7 @@ in a row that agree, and so are believed."""
 
 
 class _Arrival(NamedTuple):
-    """What came of a sensor; which case it is, is told row by row, ``(*B,)``.
+    """What came of a sensor; which case it is, is known row by row, ``(*B,)``.
 
     Attributes:
         reading: ``(*B, size)``.

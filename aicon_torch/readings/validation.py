@@ -76,12 +76,12 @@ class MeasurementValidation(NamedTuple):
         if self.clock is not None:
             known[self.clock] = self._moving(elapsed).unsqueeze(-1)
 
-        # What was executed, where that is told; no action is beyond its limit.
+        # What was executed, where that is reported; no action is beyond its limit.
         for name, actuator in self.actuators.items():
             if actuator.key is not None:
-                told = readings[name].isfinite().all(-1, keepdim=True)
+                is_reported = readings[name].isfinite().all(-1, keepdim=True)
                 executed = actuator.clip(readings[name].nan_to_num(0.0))
-                known[name] = torch.where(told, executed, memory[name])
+                known[name] = torch.where(is_reported, executed, memory[name])
 
         # An episode begins with the first step that has what it needs.
         lacks = torch.zeros_like(memory[BEGINS])
@@ -95,8 +95,8 @@ class MeasurementValidation(NamedTuple):
         usual = torch.full_like(memory[next(iter(self.sensors)) + AGE], self.dt)
         if self.clock is None:
             return usual
-        told = readings[self.clock].squeeze(-1)
-        return torch.where(told.isfinite() & (told >= 0), told, usual)
+        reported = readings[self.clock].squeeze(-1)
+        return torch.where(reported.isfinite() & (reported >= 0), reported, usual)
 
     def _moving(self, elapsed: Tensor) -> Tensor:
         """For how much of that the robot is taken to have moved, ``(*B,)``, s.

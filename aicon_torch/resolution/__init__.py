@@ -1,7 +1,7 @@
 """Resolutions: what happens to the stack of gradients that meet at a quantity. One rule a file."""
 
 from aicon_torch.resolution.base import GradientStack, Memory, RankedGradients, Resolution
-from aicon_torch.resolution.escape import Escape
+from aicon_torch.resolution.escape import TrapEscape
 from aicon_torch.resolution.exploration import Exploration
 from aicon_torch.resolution.nullspace import NullspaceProjection
 from aicon_torch.resolution.projectors import PROJECTORS
@@ -10,7 +10,6 @@ from aicon_torch.resolution.sum import Sum
 
 __all__ = [
     "PROJECTORS",
-    "Escape",
     "Exploration",
     "GradientStack",
     "Memory",
@@ -19,4 +18,5 @@ __all__ = [
     "Resolution",
     "SteepestPath",
     "Sum",
+    "TrapEscape",
 ]

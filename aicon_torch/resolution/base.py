@@ -41,18 +41,18 @@ class RankedGradients(NamedTuple):
     """The gradients of a stack taken apart into direction and weight, and which of them leads.
 
     Attributes:
-        norms: Magnitudes ‖∇ᵢ‖, ``(*B, n)``.
+        magnitudes: ‖∇ᵢ‖, ``(*B, n)``.
         directions: ∇ᵢ/‖∇ᵢ‖, ``(*B, n, d)``.
         weights: Normalised magnitudes wᵢ, ``(*B, n)``.
         weighted: wᵢ ∇ᵢ/‖∇ᵢ‖, ``(*B, n, d)``.
-        leader: Index of the dominant gradient, ``(*B, 1)``.
+        dominant: Index of the dominant gradient, ``(*B, 1)``.
     """
 
-    norms: Tensor
+    magnitudes: Tensor
     directions: Tensor
     weights: Tensor
     weighted: Tensor
-    leader: Tensor
+    dominant: Tensor
 
 
 class Resolution:
@@ -82,9 +82,9 @@ class Resolution:
         """
         return {}
 
-    def weigh(self, norms: Tensor) -> Tensor:
+    def weigh(self, magnitudes: Tensor) -> Tensor:
         """By how much each gradient counts, ``(*B, n)``, from the magnitudes ``(*B, n)``."""
-        return norms
+        return magnitudes
 
     def __call__(self, stack: GradientStack, memory: Memory) -> tuple[Tensor, Memory]:
         """The gradient that goes on, ``(*B, d)``, and the new memory."""

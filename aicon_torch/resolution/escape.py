@@ -12,7 +12,7 @@ from aicon_torch.vectors import reject, unit
 
 
 @dataclass(frozen=True)
-class Escape:
+class TrapEscape:
     """What leaving a trap needs beyond the text; with all fields None it is the paper.
 
     Each acts only at quantities where a gradient of the goal that it names arrives, alone or merged
@@ -26,12 +26,12 @@ class Escape:
         hold: A goal, or several, whose level is held while exploring. Moving in a nullspace means
             staying on a level set, and discrete, noisy motion needs feedback for that. The level is
             where its gradient is as strong as the strongest of the others.
-        hold_gain: Gain of that feedback, per relative error of the strength.
+        hold_gain: Gain of that feedback, per relative error of the magnitude.
         along: A goal, or several, in whose common nullspace to explore, instead of the dominant
             gradient's.
 
     Example:
-        >>> Escape(progress="reach", hold=("stops", "collision"), along=("stops", "collision"))
+        >>> TrapEscape(progress="reach", hold=("stops", "collision"), along=("stops", "collision"))
     """
 
     progress: str | None = None
@@ -85,9 +85,9 @@ class Escape:
 
         led_back = tangent
         for goal in held_goals:
-            held, strength, strongest_other = _gradient_of(goal, stack, ranked)
-            smallest = torch.finfo(strength.dtype).tiny
-            excess = strength / strongest_other.clamp(min=smallest) - 1.0
+            held, magnitude, largest_other = _gradient_of(goal, stack, ranked)
+            smallest = torch.finfo(magnitude.dtype).tiny
+            excess = magnitude / largest_other.clamp(min=smallest) - 1.0
             led_back = led_back - self.hold_gain * excess.clamp(-1.0, 1.0).unsqueeze(-1) * held
         return unit(led_back)
 
@@ -104,18 +104,18 @@ def _gradient_of(
 ) -> tuple[Tensor, Tensor, Tensor]:
     """Direction ``(*B, d)`` and magnitude of a goal's gradient, and the largest of the others."""
     own: list[int] = []
-    other_norms: list[Tensor] = []
+    other_magnitudes: list[Tensor] = []
     for index, goals in enumerate(stack.goals):
         if goal in goals:
             own.append(index)
         else:
-            other_norms.append(ranked.norms[..., index])
+            other_magnitudes.append(ranked.magnitudes[..., index])
 
-    strongest_other = torch.zeros_like(ranked.norms[..., 0])
-    if other_norms:
-        strongest_other = functools.reduce(torch.maximum, other_norms)
+    largest_other = torch.zeros_like(ranked.magnitudes[..., 0])
+    if other_magnitudes:
+        largest_other = functools.reduce(torch.maximum, other_magnitudes)
 
     if len(own) == 1:
-        return ranked.directions[..., own[0], :], ranked.norms[..., own[0]], strongest_other
+        return ranked.directions[..., own[0], :], ranked.magnitudes[..., own[0]], largest_other
     total = stack.gradients[..., own, :].sum(-2)
-    return unit(total), torch.linalg.vector_norm(total, dim=-1), strongest_other
+    return unit(total), torch.linalg.vector_norm(total, dim=-1), largest_other

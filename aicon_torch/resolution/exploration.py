@@ -8,7 +8,7 @@ from torch import Tensor
 
 from aicon_torch.errors import OptionError
 from aicon_torch.resolution.base import GradientStack, Memory, RankedGradients
-from aicon_torch.resolution.escape import Escape
+from aicon_torch.resolution.escape import TrapEscape
 from aicon_torch.vectors import reject, select, unit
 
 
@@ -30,18 +30,19 @@ class Comparison(NamedTuple):
 class Exploration:
     """Conflict detection and nullspace exploration (Sect. "Escaping Local Minima").
 
-    It is decided for each quantity where gradients meet, and for each row of the batch. The leader
-    is compared with a partner, the second strongest gradient or the strongest that opposes it:
+    It is decided for each quantity where gradients meet, and for each row of the batch. The
+    dominant gradient is compared with its opponent, the second strongest or the strongest that
+    opposes it:
 
-    - it begins when their cosine is below ``enter_cosine`` and the leader is not more than
-      ``ratio`` times as strong as its partner;
-    - it goes on while their cosine is at most ``exit_cosine`` and the leader is not more than
-      ``ratio`` times as strong, or, beyond the text, while ``escape`` waits for progress;
+    - it begins when their cosine is below ``enter_cosine`` and the dominant one is not more
+      than ``ratio`` times as strong as its opponent;
+    - it goes on while their cosine is at most ``exit_cosine`` and the dominant one is not more
+      than ``ratio`` times as strong, or, beyond the text, while ``escape`` waits for progress;
     - it ends when neither holds, or when a new episode begins.
 
     Meanwhile the quantity moves along t = N m/‖N m‖, where N projects into the nullspace of the
-    leader and m is the moving average of the quantity's motion. Where m has no component there, the
-    descent directions decide, then the coordinate axes.
+    dominant gradient and m is the moving average of the quantity's motion. Where m has no component
+    there, the descent directions decide, then the coordinate axes.
 
     The defaults are what the library ships; :meth:`as_in_paper` gives the text's.
 
@@ -51,7 +52,7 @@ class Exploration:
         ratio: λ of the paper.
         average_time: Time constant of the motion average, s.
         escape: What is done beyond the text.
-        partner: Whether the dominant gradient is compared with the second strongest (the text), or
+        opponent: Whether the dominant gradient is compared with the second strongest (the text), or
             with the strongest of those that oppose it, cos < θ_enter (θ_exit while exploring),
             which a conflict among three or more needs.
         ratio_of: Whether λ compares the normalised magnitudes (the text) or the magnitudes
@@ -62,8 +63,8 @@ class Exploration:
     exit_cosine: float = -0.4
     ratio: float = 3.0
     average_time: float = 0.4
-    escape: Escape = field(default_factory=Escape)
-    partner: Literal["second", "opposing"] = "opposing"
+    escape: TrapEscape = field(default_factory=TrapEscape)
+    opponent: Literal["second", "opposing"] = "opposing"
     ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
 
     def __post_init__(self) -> None:
@@ -79,15 +80,15 @@ class Exploration:
             raise OptionError(
                 f"average_time={self.average_time!r}: expected a positive number (s)."
             )
-        if self.partner not in ("second", "opposing"):
-            raise OptionError(f"partner={self.partner!r}: expected 'second' or 'opposing'.")
+        if self.opponent not in ("second", "opposing"):
+            raise OptionError(f"opponent={self.opponent!r}: expected 'second' or 'opposing'.")
         if self.ratio_of not in ("weights", "magnitudes"):
             raise OptionError(f"ratio_of={self.ratio_of!r}: expected 'weights' or 'magnitudes'.")
 
     @classmethod
     def as_in_paper(cls) -> "Exploration":
         """The text and nothing else; for the average, whose time it leaves open, 1 s."""
-        return cls(average_time=1.0, partner="second", ratio_of="weights")
+        return cls(average_time=1.0, opponent="second", ratio_of="weights")
 
     def initial(self, size: int) -> Memory:
         """Not exploring, at rest; what is remembered of a quantity with d components."""
@@ -145,36 +146,36 @@ class Exploration:
         return exploring, self.direction(stack, ranked, average), new_memory
 
     def compare(self, ranked: RankedGradients, exploring: Tensor) -> Comparison:
-        """Set the dominant gradient against its partner.
+        """Set the dominant gradient against its opponent.
 
         Args:
             ranked: The gradients by magnitude.
             exploring: Whether the quantity explored in the last step, ``(*B,)``.
         """
-        strengths = ranked.weights if self.ratio_of == "weights" else ranked.norms
-        leader = select(ranked.directions, ranked.leader)
+        magnitudes = ranked.weights if self.ratio_of == "weights" else ranked.magnitudes
+        dominant = select(ranked.directions, ranked.dominant)
 
-        # Who may be its partner: all others, or those that oppose it.
-        indices = torch.arange(strengths.shape[-1], device=strengths.device)
-        others = strengths.masked_fill(indices == ranked.leader, -1.0)
-        if self.partner == "opposing":
-            cosines = (leader.unsqueeze(-2) * ranked.directions).sum(-1)
+        # What may be its opponent: all others, or those that oppose it.
+        indices = torch.arange(magnitudes.shape[-1], device=magnitudes.device)
+        others = magnitudes.masked_fill(indices == ranked.dominant, -1.0)
+        if self.opponent == "opposing":
+            cosines = (dominant.unsqueeze(-2) * ranked.directions).sum(-1)
             leaves, enters = (cosines.new_tensor(x) for x in (self.exit_cosine, self.enter_cosine))
             bound = torch.where(exploring, leaves, enters).unsqueeze(-1)
             others = others.masked_fill(cosines > bound, -1.0)
 
         # The strongest of them; −1 marks that there is none.
-        strength, partner = others.max(-1, keepdim=True)
-        is_alone = strength < 0
-        cosine = (leader * select(ranked.directions, partner)).sum(-1)
+        magnitude, opponent = others.max(-1, keepdim=True)
+        is_alone = magnitude < 0
+        cosine = (dominant * select(ranked.directions, opponent)).sum(-1)
         cosine = torch.where(is_alone.squeeze(-1), 1.0, cosine)
 
-        is_decided = strengths.gather(-1, ranked.leader) > self.ratio * strength
-        return Comparison(cosine, partner.masked_fill(is_alone, -1), is_decided.squeeze(-1))
+        is_decided = magnitudes.gather(-1, ranked.dominant) > self.ratio * magnitude
+        return Comparison(cosine, opponent.masked_fill(is_alone, -1), is_decided.squeeze(-1))
 
     def direction(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
         """The unit direction in a nullspace that best continues the motion average, ``(*B, d)``."""
-        normals = self.escape.normals(stack, ranked) or [select(ranked.directions, ranked.leader)]
+        normals = self.escape.normals(stack, ranked) or [select(ranked.directions, ranked.dominant)]
 
         # The motion so far decides; where it has no say the descent does, and else an axis.
         descent = -1e-6 * ranked.weighted.sum(-2)

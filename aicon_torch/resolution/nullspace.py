@@ -17,7 +17,7 @@ from aicon_torch.vectors import select
 
 @dataclass(frozen=True)
 class NullspaceProjection(Resolution):
-    """Gradients by strength, each projected into the nullspaces of all before it (Eq. 3-8).
+    """Gradients by magnitude, each projected into the nullspaces of all before it (Eq. 3-8).
 
     With weights wᵢ = softmax(‖∇ᵢ‖/τ) and ĝᵢ = wᵢ ∇ᵢ/‖∇ᵢ‖, the strongest ĝ is taken first, the
     others lose their component along it, the strongest of what remains is taken next, and so on
@@ -87,28 +87,29 @@ class NullspaceProjection(Resolution):
     def __call__(self, stack: GradientStack, memory: Memory) -> tuple[Tensor, Memory]:
         """The conflict-free sum, or the exploration that replaces it."""
         # 1. Normalise: directions and weights.
-        norms, directions, weights = self.normalize(stack.gradients)
+        magnitudes, directions, weights = self.normalize(stack.gradients)
         weighted = directions * weights.unsqueeze(-1)
 
-        # 2. Order by strength and project (Eq. 7-8).
+        # 2. Order by magnitude and project (Eq. 7-8).
         projected, rank = self.project_in_order(weighted, weights, held=memory["rank"])
         resolved = projected.sum(-2)
         new_memory = {"rank": rank}
 
-        # 3. Give the sum back the magnitude of its leader, to be compared further on.
-        leader = rank[..., :1].clamp(min=0)
-        leader_norm = norms.gather(-1, leader)
+        # 3. Give the sum back the magnitude of the dominant gradient, to be compared further on.
+        dominant = rank[..., :1].clamp(min=0)
+        dominant_magnitude = magnitudes.gather(-1, dominant)
         restores = self.restore_magnitude and not stack.is_last
         if restores:
-            leader_weight = weights.gather(-1, leader).clamp(min=torch.finfo(norms.dtype).tiny)
-            resolved = resolved * (leader_norm / leader_weight)
+            dominant_weight = weights.gather(-1, dominant)
+            smallest = torch.finfo(magnitudes.dtype).tiny
+            resolved = resolved * (dominant_magnitude / dominant_weight.clamp(min=smallest))
 
         # 4. Where the two strongest oppose each other, explore instead.
         if self.exploration is not None:
-            ranked = RankedGradients(norms, directions, weights, weighted, leader)
+            ranked = RankedGradients(magnitudes, directions, weights, weighted, dominant)
             exploring, direction, explored = self.exploration(stack, ranked, memory)
             if restores:
-                direction = direction * leader_norm
+                direction = direction * dominant_magnitude
             resolved = torch.where(exploring.unsqueeze(-1), -direction, resolved)
             new_memory |= explored
 
@@ -116,29 +117,29 @@ class NullspaceProjection(Resolution):
 
     def normalize(self, gradients: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Magnitudes ``(*B, n)``, directions ``(*B, n, d)`` and weights ``(*B, n)``."""
-        norms = torch.linalg.vector_norm(gradients, dim=-1)
-        smallest = torch.finfo(norms.dtype).tiny ** 0.5
-        directions = gradients / norms.clamp(min=smallest).unsqueeze(-1)
+        magnitudes = torch.linalg.vector_norm(gradients, dim=-1)
+        smallest = torch.finfo(magnitudes.dtype).tiny ** 0.5
+        directions = gradients / magnitudes.clamp(min=smallest).unsqueeze(-1)
 
-        return norms, directions, self.weigh(norms)
+        return magnitudes, directions, self.weigh(magnitudes)
 
-    def weigh(self, norms: Tensor) -> Tensor:
+    def weigh(self, magnitudes: Tensor) -> Tensor:
         """Normalised magnitudes wᵢ ``(*B, n)``: their softmax."""
         if self.temperature is None:
-            return norms
+            return magnitudes
         if self.relative:
-            smallest = torch.finfo(norms.dtype).tiny ** 0.5
-            norms = norms / norms.amax(-1, keepdim=True).clamp(min=smallest)
-        return torch.softmax(norms / self.temperature, dim=-1)
+            smallest = torch.finfo(magnitudes.dtype).tiny ** 0.5
+            magnitudes = magnitudes / magnitudes.amax(-1, keepdim=True).clamp(min=smallest)
+        return torch.softmax(magnitudes / self.temperature, dim=-1)
 
     def project_in_order(
-        self, gradients: Tensor, strengths: Tensor, held: Tensor
+        self, gradients: Tensor, magnitudes: Tensor, held: Tensor
     ) -> tuple[Tensor, Tensor]:
-        """Greedy ordering by strength after projection (Eq. 7-8), with hysteresis.
+        """Greedy ordering by magnitude after projection (Eq. 7-8), with hysteresis.
 
         Args:
             gradients: ``(*B, n, d)``.
-            strengths: Their norms, ``(*B, n)``.
+            magnitudes: Theirs, ``(*B, n)``.
             held: Which gradient held each rank in the last step, ``(*B, min(n, d))``.
 
         Returns:
@@ -154,17 +155,17 @@ class NullspaceProjection(Resolution):
         for rank in range(ranks):
             # The strongest comes next; the one that held this rank before is favoured.
             was_here = indices == held[..., rank : rank + 1]
-            favoured = strengths * (1.0 + self.margin * was_here.to(torch.float32))
-            strength, index = favoured.max(-1, keepdim=True)
+            favoured = magnitudes * (1.0 + self.margin * was_here.to(torch.float32))
+            magnitude, index = favoured.max(-1, keepdim=True)
             strongest = select(gradients, index)
             selected.append(strongest)
-            selected_index.append(index.masked_fill(strength == 0, -1))  # nothing was left
+            selected_index.append(index.masked_fill(magnitude == 0, -1))  # nothing was left
 
             # The others lose their component along it.
             if rank + 1 < ranks:
                 is_taken = (indices == index).unsqueeze(-1)
                 gradients = project(strongest, gradients).masked_fill(is_taken, 0.0)
-                strengths = torch.linalg.vector_norm(gradients, dim=-1)
+                magnitudes = torch.linalg.vector_norm(gradients, dim=-1)
 
         return torch.stack(selected, dim=-2), torch.cat(selected_index, dim=-1)
 

@@ -22,7 +22,7 @@ class SteepestPath(Resolution):
 
     def __call__(self, stack: GradientStack, memory: Memory) -> tuple[Tensor, Memory]:
         """The longest of the gradients, ``(*B, d)``, and its index as the one of rank 0."""
-        norms = torch.linalg.vector_norm(stack.gradients, dim=-1)
-        steepest = norms.argmax(-1, keepdim=True)
+        magnitudes = torch.linalg.vector_norm(stack.gradients, dim=-1)
+        steepest = magnitudes.argmax(-1, keepdim=True)
 
         return select(stack.gradients, steepest), {"rank": steepest}

@@ -1,6 +1,7 @@
 """The extras of the wheel: which optional modules belong to which, and what to say without them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from importlib.util import find_spec
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
@@ -39,6 +40,15 @@ def missing_extra(error: ModuleNotFoundError) -> ModuleNotFoundError:
     extra = extra_of(error.name)
     remedy = f"; this needs: {pip_command(extra)}" if extra else ""
     return ModuleNotFoundError(f"{error}{remedy}", name=error.name)
+
+
+@contextmanager
+def naming_extra() -> Iterator[None]:
+    """Say what to install where a module cannot be imported meanwhile."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise missing_extra(error) from error
 
 
 def pip_command(extra: str) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 from concepts import conflict, exploration, foresight, meeting, path, projection
 
 PICTURES: Mapping[str, Callable[[Path], None]] = MappingProxyType(
@@ -26,9 +26,7 @@ PICTURES: Mapping[str, Callable[[Path], None]] = MappingProxyType(
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the folder."""
-    parser.add_argument(
-        "--out", type=Path, default=Path("docs/images"), help="default: docs/images"
-    )
+    add_option(parser, "--out", Path("docs/images"), "folder of the pictures")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -90,7 +90,7 @@ export class Policy {
   }
 
   // What the last step decided at a quantity: the gradients that met there, a row each; the rank of
-  // each, 0 for the leader and -1 where it was not used; the one that the leader was compared with,
+  // each, 0 for the dominant one and -1 where it was not used; the one that it was compared with,
   // the cosine between the two, and whether the quantity explores.
   decided(quantity) {
     const gradients = this.values(`${quantity}/gradients`);

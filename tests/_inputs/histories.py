@@ -7,7 +7,6 @@ import numpy as np
 from aicon_baselines.diagnosis.history import (
     ActuatorCurve,
     FloatArray,
-    GoalCurve,
     History,
     MeetingCurve,
 )
@@ -40,18 +39,13 @@ def history(state: FloatArray, **curves: Any) -> History:
     return History(DT, state, **curves)
 
 
-def goal(cost: FloatArray) -> dict[str, GoalCurve]:
-    """One goal, "arrive"."""
-    return {"arrive": GoalCurve(cost)}
-
-
-def conflict(cosine: float, exploring: bool, strengths: tuple[float, float]) -> MeetingCurve:
-    """ "arrive" and "keep off" meet all the time, with the same cosine and strengths."""
+def conflict(cosine: float, exploring: bool, magnitudes: tuple[float, float]) -> MeetingCurve:
+    """ "arrive" and "keep off" meet all the time, with the same cosine and magnitudes."""
     return MeetingCurve(
         labels=("arrive → p → x", "keep off → o → x"),
         goals=("arrive", "keep off"),
-        strengths=np.tile(strengths, (STEPS, 1)),
-        leader=np.zeros(STEPS, dtype=np.int64),
+        magnitudes=np.tile(magnitudes, (STEPS, 1)),
+        dominant=np.zeros(STEPS, dtype=np.int64),
         opponent=np.ones(STEPS, dtype=np.int64),
         cosine=np.full(STEPS, cosine),
         exploring=np.full(STEPS, exploring),

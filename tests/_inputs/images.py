@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from aicon_torch.models.arm_push.image_segmentation import RGBDImage
+from aicon_torch.models.arm_push.polygon import contains, place
 from aicon_torch.parts.camera import Intrinsics
-from aicon_torch.parts.image_segmentation import RGBDImage
-from aicon_torch.parts.polygon import contains, place
 
 INTRINSICS = Intrinsics(85.7, 79.5, 59.5, 160.0, 120.0)
 

@@ -37,7 +37,7 @@ def with_law(policy: Policy, **options: Any) -> Policy:
 def navigation_in_text() -> Policy:
     """The navigation's policy with conflicts as the text has them.
 
-    The leader is compared with the second strongest, by weights.
+    The dominant gradient is compared with the second strongest, by weights.
     """
     ours: Any = navigation().resolution
     exploration = exploration_in_paper(escape=ours.exploration.escape)

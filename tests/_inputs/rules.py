@@ -8,7 +8,7 @@ from typing import Any
 from torch import Tensor
 
 from _inputs.gradients import Memory, fresh, gradient_stack, lengths
-from aicon_torch import Escape, Exploration, NullspaceProjection, Resolution
+from aicon_torch import Exploration, NullspaceProjection, Resolution, TrapEscape
 
 PROJECTORS: tuple[Any, ...] = ("orthogonal", "qr", "pinv")
 """The projectors that are equal to each other."""
@@ -34,12 +34,12 @@ def unweighted(**options: Any) -> NullspaceProjection:
     return projection_in_paper(**options, temperature=None, exploration=None)
 
 
-def literal(escape: Escape | None = None, **options: Any) -> NullspaceProjection:
+def literal(escape: TrapEscape | None = None, **options: Any) -> NullspaceProjection:
     """The paper's rule with magnitudes as they are and no hysteresis of ranks.
 
     So the stack says exactly what is in conflict.
     """
-    exploration = exploration_in_paper(escape=escape or Escape(), **options)
+    exploration = exploration_in_paper(escape=escape or TrapEscape(), **options)
     return projection_in_paper(temperature=None, margin=0.0, exploration=exploration)
 
 

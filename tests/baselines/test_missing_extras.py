@@ -21,7 +21,7 @@ IMPORTS = [
     ("tqdm", "aicon_baselines.evaluation.progress", "compare"),
     ("tqdm", "aicon_baselines.evaluation.timing", "compare"),
     ("matplotlib", "aicon_baselines.evaluation.curves", "compare"),
-    ("matplotlib", "aicon_baselines.evaluation.study_report", "compare"),
+    ("matplotlib", "aicon_baselines.evaluation.study", "compare"),
     ("matplotlib", "aicon_baselines.figures", "compare"),
     ("pymunk", "aicon_envs.pusht", "pusht"),
     ("pygame", "aicon_envs.pusht.rendering", "pusht"),

@@ -93,6 +93,6 @@ def test_rows_that_meet_elsewhere_are_explained_by_row() -> None:
     assert [candidate.path for candidate in candidates] == [f"g → y[{row}] → x" for row in range(3)]
 
     lengths = memory["x/gradients"].norm(dim=-1)
-    strengths = [candidate.strength for candidate in candidates]
-    assert strengths == pytest.approx(lengths.tolist())
+    magnitudes = [candidate.magnitude for candidate in candidates]
+    assert magnitudes == pytest.approx(lengths.tolist())
     assert candidates[int(lengths.argmax())].rank == 0

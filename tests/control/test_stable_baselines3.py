@@ -198,7 +198,7 @@ def test_what_the_policy_does_not_sense_does_not_change_what_it_does(preset: str
     rng = np.random.default_rng(0)
     policy = disturbed = driven("nav2d", preset=preset)
     env = small()
-    hidden = env.unwrapped.__dict__
+    hidden = vars(vars(env.unwrapped)["_batch"])
     observation, info = env.reset(seed=0)
     memory: Any = None
     other: Any = None

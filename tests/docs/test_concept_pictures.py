@@ -29,7 +29,7 @@ def test_the_gradients_agree_are_at_right_angles_and_oppose_each_other() -> None
     cosines = []
     for place in meeting.PLACES.values():
         met = meeting_at(np.array(place), meeting.TARGET, meeting.WALL)
-        first, second = met.gradients / met.strengths.unsqueeze(-1)
+        first, second = met.gradients / met.magnitudes.unsqueeze(-1)
         cosines.append(float(first @ second))
 
     agreeing, orthogonal, opposing = cosines

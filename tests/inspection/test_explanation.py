@@ -75,14 +75,14 @@ def test_on_a_straight_slope_the_prediction_comes_true() -> None:
 
     (candidate,) = explanation.quantities["a"].candidates
     assert (candidate.path, candidate.rank) == ("slope → x → a", 0)
-    assert candidate.strength == pytest.approx(0.5 * 10**0.5)
+    assert candidate.magnitude == pytest.approx(0.5 * 10**0.5)
     assert explanation.quantities["a"].cosine is None
 
 
 # --- what happened where gradients met
 
 
-def test_strengths_ranks_and_cosine_are_those_of_the_step() -> None:
+def test_magnitudes_ranks_and_cosine_are_those_of_the_step() -> None:
     policy = navigation_in_text()
     complete = {str(path).removesuffix(" → a") for path in policy.model.paths()}
     ranks: set[tuple[int | None, ...]] = set()
@@ -92,8 +92,8 @@ def test_strengths_ranks_and_cosine_are_those_of_the_step() -> None:
         gradients = memory["x_rob/gradients"]
         norms = lengths(gradients)
         assert {candidate.path for candidate in report.candidates} == complete
-        strengths = [candidate.strength for candidate in report.candidates]
-        assert strengths == pytest.approx(norms.tolist())
+        magnitudes = [candidate.magnitude for candidate in report.candidates]
+        assert magnitudes == pytest.approx(norms.tolist())
 
         # Hysteresis may keep one in the lead that is not the strongest.
         held = memory["x_rob/rank"].tolist()
@@ -121,7 +121,7 @@ def test_it_reads_as_a_few_lines() -> None:
     text = str(navigation_in_text().explain(memories()[-1]))
     assert len(text.splitlines()) == 1 + 2 + (1 + 3) + (1 + 1)
 
-    words = ("a = (", "goal reach", "goal avoid", "at x_rob", "cosine", "rank 0", "strength")
+    words = ("a = (", "goal reach", "goal avoid", "at x_rob", "cosine", "rank 0", "magnitude")
     for word in (*words, "reach → P_tar → x_rob"):
         assert word in text
 
@@ -153,7 +153,7 @@ def test_every_rule_can_be_explained(rule: Resolution, quantity: str) -> None:
     report = policy.explain(rollout(policy, drifting(5))[-1]).quantities[quantity]
 
     assert len(report.candidates) == 3
-    assert all(candidate.strength >= 0 for candidate in report.candidates)
+    assert all(candidate.magnitude >= 0 for candidate in report.candidates)
     assert not report.exploring
 
 
@@ -164,7 +164,7 @@ def test_the_steepest_path_is_the_one_of_rank_0() -> None:
     expected = {str(path) for path in policy.model.paths()}
     assert {candidate.path for candidate in candidates} == expected
 
-    leading = max(candidates, key=lambda candidate: candidate.strength)
+    leading = max(candidates, key=lambda candidate: candidate.magnitude)
     assert [candidate for candidate in candidates if candidate.rank == 0] == [leading]
 
 

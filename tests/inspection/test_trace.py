@@ -87,27 +87,27 @@ def test_gradients_ranks_and_conflicts_are_those_of_the_memory() -> None:
         assert torch.equal(there.exploring, memory["x_rob/exploring"])
         assert torch.equal(there.cosine, memory["x_rob/cosine"])
 
-        torch.testing.assert_close(there.strengths, lengths(there.gradients))
-        torch.testing.assert_close(there.weights, policy.resolution.weigh(there.strengths))
+        torch.testing.assert_close(there.magnitudes, lengths(there.gradients))
+        torch.testing.assert_close(there.weights, policy.resolution.weigh(there.magnitudes))
 
         for row, held in enumerate(memory["x_rob/rank"].tolist()):
             expected = [held.index(i) if i in held else -1 for i in range(3)]
             assert there.ranks[row].tolist() == expected
-            assert int(there.leader[row]) == held[0]
+            assert int(there.dominant[row]) == held[0]
 
 
-def test_the_cosine_is_that_of_leader_and_opponent() -> None:
+def test_the_cosine_is_that_of_the_dominant_gradient_and_its_opponent() -> None:
     policy = navigation_in_text()
     explored = 0
 
     for memory in rollout(policy, drifting(100)):
         there = policy.trace(memory).quantities["x_rob"]
-        leader, opponent = int(there.leader), int(there.opponent)
-        assert leader != opponent
+        dominant, opponent = int(there.dominant), int(there.opponent)
+        assert dominant != opponent
         explored += int(there.exploring)
 
-        if there.strengths[opponent] > 1e-9:  # else it has no direction
-            pair = there.gradients[[leader, opponent]]
+        if there.magnitudes[opponent] > 1e-9:  # else it has no direction
+            pair = there.gradients[[dominant, opponent]]
             expected = torch.cosine_similarity(pair[0], pair[1], dim=0)
             torch.testing.assert_close(there.cosine, expected)
 
@@ -122,8 +122,8 @@ def test_without_exploration_the_opponent_is_the_second_strongest(
     memory = rollout(policy, drifting(10, (3,)))[-1]
     there = policy.trace(memory).quantities[quantity]
 
-    first, second, _ = there.strengths.argsort(descending=True).unbind(-1)
-    assert torch.equal(there.leader, first)
+    first, second, _ = there.magnitudes.argsort(descending=True).unbind(-1)
+    assert torch.equal(there.dominant, first)
     assert torch.equal(there.opponent, second)
 
     pair = there.gradients.take_along_dim(torch.stack((first, second), dim=-1)[..., None], dim=-2)
@@ -148,8 +148,8 @@ def test_there_is_a_trace_wherever_gradients_met_and_for_every_actuator(
         count, size = len(there.paths), model.quantities[name].size
         assert there.name == name
         assert there.gradients.shape == (2, count, size)
-        assert there.strengths.shape == there.weights.shape == there.ranks.shape == (2, count)
-        for field in (there.leader, there.opponent, there.cosine, there.exploring):
+        assert there.magnitudes.shape == there.weights.shape == there.ranks.shape == (2, count)
+        for field in (there.dominant, there.opponent, there.cosine, there.exploring):
             assert field.shape == (2,)
 
 
@@ -219,7 +219,7 @@ def test_a_single_gradient_leads_and_has_no_opponent() -> None:
 
     assert torch.equal(there.gradients, memory["a/gradient"].unsqueeze(-2))
     assert there.ranks.tolist() == [[0], [0]]
-    assert there.leader.tolist() == [0, 0]
+    assert there.dominant.tolist() == [0, 0]
     assert there.opponent.tolist() == [-1, -1]
     assert not there.exploring.any()
 

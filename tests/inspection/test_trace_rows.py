@@ -64,7 +64,7 @@ def test_an_explanation_is_a_row_of_the_trace() -> None:
 
 
 def assert_explains(candidates: Sequence[Candidate], there: QuantityTrace, row: int) -> None:
-    """Path, strength and rank of each candidate; no rank is −1 in the trace."""
+    """Path, magnitude and rank of each candidate; no rank is −1 in the trace."""
     ranks = [None if rank < 0 else rank for rank in there.ranks[row].tolist()]
-    expected = list(zip(there.labels, there.strengths[row].tolist(), ranks, strict=True))
-    assert [(c.path, c.strength, c.rank) for c in candidates] == expected
+    expected = list(zip(there.labels, there.magnitudes[row].tolist(), ranks, strict=True))
+    assert [(c.path, c.magnitude, c.rank) for c in candidates] == expected

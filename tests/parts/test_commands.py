@@ -24,11 +24,11 @@ class Mass(NamedTuple):
     place: Tensor
     velocity: Tensor
 
-    def pushed(self, force: Tensor, mass: float, drag: float) -> "Mass":
+    def pushed(self, force: Tensor, mass: float) -> "Mass":
         """After a step under a force, N, by a hundred short steps of its equation of motion."""
         place, velocity = self
         for _ in range(100):
-            velocity = velocity + (force - drag * velocity) / mass * (DT / 100)
+            velocity = velocity + force / mass * (DT / 100)
             place = place + velocity * (DT / 100)
         return Mass(place, velocity)
 
@@ -42,10 +42,10 @@ def velocity(z_velocity: Tensor) -> Tensor:
 
 
 def test_the_force_brings_the_mass_to_the_wish_with_the_time_constant() -> None:
-    servo = ForceServo(mass=2.0, time=0.2, largest=1e6, drag=3.0)
+    servo = ForceServo(mass=2.0, time=0.2, largest=1e6)
     nominal, velocity = at(0.4, -0.2), at(-0.1, 0.3)
 
-    acceleration = (servo(nominal, velocity) - 3.0 * velocity) / 2.0
+    acceleration = servo(nominal, velocity) / 2.0
     torch.testing.assert_close(acceleration, (nominal - velocity) / 0.2)
 
 
@@ -57,17 +57,16 @@ def test_the_force_is_no_longer_than_the_largest_and_keeps_its_direction() -> No
 
 
 def test_the_displacement_is_that_of_the_mass() -> None:
-    """Without drag; with it, the force brakes less and less of it within a step."""
     servo = ForceServo(mass=2.0, time=0.2, largest=1e6)
     nominal, start = at(0.4, -0.2), Mass(at(0.0, 0.0), at(-0.1, 0.3))
 
-    moved = start.pushed(servo(nominal, start.velocity), 2.0, drag=0.0).place
+    moved = start.pushed(servo(nominal, start.velocity), 2.0).place
     foreseen = servo.displacement(nominal, start.velocity, DT)
     torch.testing.assert_close(foreseen, moved, atol=2e-4, rtol=0.0)
 
 
 def test_a_mass_that_is_commanded_forces_comes_to_its_target_and_rests_there() -> None:
-    servo = ForceServo(mass=2.0, time=0.1, largest=40.0, drag=1.0)
+    servo = ForceServo(mass=2.0, time=0.1, largest=40.0)
     target = Landmark("p_tar", "z_tar", noise=0.002, motion_noise=1e-3, sees="position")
     sensors = {"z_tar": Sensor(2, "m", key="target"), "z_velocity": Sensor(2, "m/s", key="v")}
     model = WorldModel(
@@ -87,7 +86,7 @@ def test_a_mass_that_is_commanded_forces_comes_to_its_target_and_rests_there() -
     for _ in range(100):
         reading = {"target": place - mass.place, "v": mass.velocity}
         force, memory = policy.predict(reading, memory)
-        mass = mass.pushed(torch.as_tensor(force), 2.0, drag=1.0)
+        mass = mass.pushed(torch.as_tensor(force), 2.0)
 
     assert (place - mass.place).norm() < 0.02
     assert mass.velocity.norm() < 0.05
@@ -118,7 +117,7 @@ def test_displacements_are_in_the_units_of_the_robot_and_bounded() -> None:
     torch.testing.assert_close(command(at(0.5, -3.0), DT), at(0.5, -1.0))
 
 
-@pytest.mark.parametrize("wrong", [{"mass": 0.0}, {"time": -1.0}, {"drag": -0.1}, {"largest": 0.0}])
+@pytest.mark.parametrize("wrong", [{"mass": 0.0}, {"time": -1.0}, {"largest": 0.0}])
 def test_numbers_that_cannot_be_are_errors(wrong: dict[str, float]) -> None:
     (name,) = wrong
     with pytest.raises(OptionError, match=name):

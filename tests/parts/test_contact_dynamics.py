@@ -103,9 +103,8 @@ def test_the_object_goes_where_the_model_believes(name: str) -> None:
 
             pose = tuple((frame.numpy() * to_pixels).tolist())
             world = Simulation(OBJECTS[name], tuple((pusher / PIXEL).tolist()), pose)
-            world._pusher.velocity = tuple((action / PIXEL).tolist())
-            for _ in range(10):
-                world.space.step(0.01)
+            far_ahead = tuple(((pusher + 1e3 * action) / PIXEL).tolist())
+            world.steer(far_ahead, limit=float(action.norm()) / PIXEL)
             after = body.pose_of_frame(torch.as_tensor(np.array(world.pose) / to_pixels))
 
             believed = motion(before, pusher + 0.1 * action, even_motion(0.1 * action))

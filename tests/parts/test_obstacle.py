@@ -5,12 +5,11 @@ from torch import Tensor
 
 from aicon_torch import Actuator, Affine, Deterministic, Goal, Sensor, WorldModel
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.obstacle import Box, Obstacle, Rod, Shape, Sphere, moving_point
+from aicon_torch.parts.obstacle import Box, Obstacle, Shape, Sphere, moving_point
 from aicon_torch.parts.self_collision import Capsule
 
 SHAPES: tuple[Shape, ...] = (
     Sphere(0.2),
-    Rod((0.1, 0.2, -0.1), 0.05),
     Box((0.3, 0.2, 0.4)),
 )
 CAPSULES = (

@@ -17,16 +17,16 @@ from _inputs import (
 )
 from torch import Tensor
 
-from aicon_torch import Escape, make_policy
+from aicon_torch import TrapEscape, make_policy
 
 NONE = torch.zeros(4, dtype=torch.float64)
 ONES = torch.ones(4, dtype=torch.float64)
 
 
 def test_the_text_alone_remembers_no_displacement() -> None:
-    text, progress = exploration_in_paper(), exploration_in_paper(escape=Escape(progress="g0"))
+    text, progress = exploration_in_paper(), exploration_in_paper(escape=TrapEscape(progress="g0"))
 
-    assert text.escape == Escape() == Escape(progress=None, hold=None, along=None)
+    assert text.escape == TrapEscape() == TrapEscape(progress=None, hold=None, along=None)
     assert "displacement" not in text.initial(2)
     assert "displacement" in progress.initial(2)
 
@@ -37,7 +37,7 @@ def test_paper_literal_has_none_of_the_escapes() -> None:
     assert (literal.resolution.temperature, literal.resolution.margin) == (0.8, 0.1)
 
     exploration = literal.resolution.exploration
-    assert exploration.escape == Escape()
+    assert exploration.escape == TrapEscape()
     assert (exploration.enter_cosine, exploration.exit_cosine) == (-0.6, -0.4)
     assert exploration.ratio == 3.0
 
@@ -52,7 +52,7 @@ def test_paper_literal_has_none_of_the_escapes() -> None:
 @pytest.mark.parametrize("goal", [0, 1, 2])
 def test_along_explores_in_the_nullspace_of_that_goal(goal: int) -> None:
     gradients, average = conflict(4), normal(4, 3, seed=2)
-    rule = literal(Escape(along=f"g{goal}"))
+    rule = literal(TrapEscape(along=f"g{goal}"))
     total, _ = resolve(rule, gradients, exploring_memory(gradients, rule, average=average))
 
     work = (total * direction(gradients[:, goal])).sum(-1)
@@ -62,7 +62,7 @@ def test_along_explores_in_the_nullspace_of_that_goal(goal: int) -> None:
 
 def test_along_several_explores_in_their_common_nullspace() -> None:
     gradients, average = conflict(4), normal(4, 3, seed=2)
-    rule = literal(Escape(along=("g0", "g2")))
+    rule = literal(TrapEscape(along=("g0", "g2")))
     total, _ = resolve(rule, gradients, exploring_memory(gradients, rule, average=average))
 
     for goal in (0, 2):
@@ -72,13 +72,13 @@ def test_along_several_explores_in_their_common_nullspace() -> None:
 
 
 def test_several_goals_are_named_one_by_one() -> None:
-    escape = Escape(progress="g0", hold=("g1", "g2"), along="g1")
+    escape = TrapEscape(progress="g0", hold=("g1", "g2"), along="g1")
     assert escape.goals == ("g0", "g1", "g2", "g1")
 
 
 def test_along_a_goal_that_does_not_meet_here_is_the_text() -> None:
     gradients = conflict(4)
-    text, far = literal(), literal(Escape(along="far"))
+    text, far = literal(), literal(TrapEscape(along="far"))
 
     expected, _ = resolve(text, gradients, exploring_memory(gradients, text))
     total, _ = resolve(far, gradients, exploring_memory(gradients, far))
@@ -93,7 +93,7 @@ def test_along_a_goal_that_does_not_meet_here_is_the_text() -> None:
 def test_hold_steers_back_to_the_level_where_the_two_balance(gain: float, strength: float) -> None:
     """u = unit(t − k·clip(|∇|/|∇'| − 1, −1, 1)·∇/|∇|), by hand for gradients along one axis."""
     gradients = torch.tensor([[-1.0, 0.0], [strength, 0.0]], dtype=torch.float64)
-    rule = literal(Escape(hold="g1", hold_gain=gain, along="g1"), ratio=100.0)
+    rule = literal(TrapEscape(hold="g1", hold_gain=gain, along="g1"), ratio=100.0)
 
     average = torch.tensor([0.0, 1.0], dtype=torch.float64)
     total, _ = resolve(rule, gradients, exploring_memory(gradients, rule, average=average))
@@ -110,7 +110,7 @@ def around_a_disc(position: Tensor) -> Tensor:
     return torch.stack((away, -torch.exp(4.0 * (1.0 - distance)) * away))
 
 
-def distance_after_exploring(escape: Escape) -> float:
+def distance_after_exploring(escape: TrapEscape) -> float:
     """How far from the disc a point is that has explored around it for a while."""
     rule = literal(escape, ratio=1e9)
     position = torch.tensor([0.0, 1.1], dtype=torch.float64)
@@ -127,9 +127,9 @@ def distance_after_exploring(escape: Escape) -> float:
 
 def test_hold_keeps_a_noisy_motion_on_the_level() -> None:
     """With feedback the point stays where the two balance, without it drifts."""
-    held = distance_after_exploring(Escape(hold="g1", along="g1"))
+    held = distance_after_exploring(TrapEscape(hold="g1", along="g1"))
     assert held == pytest.approx(1.0, abs=0.02)
-    assert distance_after_exploring(Escape(along="g1")) > 1.2
+    assert distance_after_exploring(TrapEscape(along="g1")) > 1.2
 
 
 # --- in a graph, where gradients arrive merged, several times, or not at all
@@ -148,12 +148,12 @@ def test_an_escape_acts_through_a_gradient_that_arrives_merged_with_others(
     gradients, average = conflict(4), normal(4, 3, seed=2)
     arrived = direction(gradients[:, rows].sum(-2))
 
-    along = literal(Escape(along="g1"))
+    along = literal(TrapEscape(along="g1"))
     memory = exploring_memory(gradients, along, average=average)
     total, _ = resolve(along, gradients, memory, goals=names)
     torch.testing.assert_close((total * arrived).sum(-1), NONE, rtol=0, atol=1e-9)
 
-    hold = literal(Escape(hold="g1", along="g1"), ratio=100.0)
+    hold = literal(TrapEscape(hold="g1", along="g1"), ratio=100.0)
     memory = exploring_memory(gradients, hold, average=average)
     held, _ = resolve(hold, gradients, memory, goals=names)
     assert ((held * arrived).sum(-1).abs() > 1e-3).all()
@@ -165,7 +165,7 @@ def test_an_escape_by_a_goal_that_is_not_concerned_here_is_the_text(
     field: str, cosine: float, before: bool
 ) -> None:
     """Else a conflict at one quantity would wait for ever for progress at another."""
-    gradients, rule = pair(cosine), literal(Escape(**{field: "far"}))
+    gradients, rule = pair(cosine), literal(TrapEscape(**{field: "far"}))
     memory = exploring_memory(gradients, rule) | {"exploring": torch.tensor(before)}
 
     costs = {"far": torch.tensor(1.0, dtype=torch.float64)}

@@ -6,11 +6,11 @@ import torch
 from _inputs import exploring_memory, fresh, literal, pair, resolve
 from torch import Tensor
 
-from aicon_torch import Escape, NullspaceProjection
+from aicon_torch import NullspaceProjection, TrapEscape
 
 
 def progress_rule(margin: float = 0.1) -> NullspaceProjection:
-    return literal(Escape(progress="far", progress_margin=margin))
+    return literal(TrapEscape(progress="far", progress_margin=margin))
 
 
 def walk(

@@ -23,12 +23,12 @@ from aicon_torch import (
     Actuator,
     Deterministic,
     DirectDescent,
-    Escape,
     Exploration,
     Goal,
     OptionError,
     Policy,
     Sensor,
+    TrapEscape,
     WorldModel,
 )
 
@@ -141,7 +141,7 @@ def test_memory_is_of_each_quantity() -> None:
 
 @pytest.mark.parametrize("field", ["progress", "hold", "along"])
 def test_an_escape_that_names_no_goal_of_the_model_is_an_error(field: str) -> None:
-    escape = Escape(**{field: "reech"})
+    escape = TrapEscape(**{field: "reech"})
     with pytest.raises(OptionError, match=r"'reech'.*'toward_left'"):
         Policy(two_arms(), literal(escape), DirectDescent(1.0))
 
@@ -158,7 +158,7 @@ def test_an_escape_that_names_no_goal_of_the_model_is_an_error(field: str) -> No
         ({"exit_cosine": math.nan}, "exit_cosine"),
         ({"ratio": 0.9}, "ratio"),
         ({"average_time": 0.0}, "average_time"),
-        ({"partner": "third"}, "partner='third'.*'second' or 'opposing'"),
+        ({"opponent": "third"}, "opponent='third'.*'second' or 'opposing'"),
         ({"ratio_of": "costs"}, "ratio_of='costs'.*'weights' or 'magnitudes'"),
     ],
 )

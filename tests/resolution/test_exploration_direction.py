@@ -16,7 +16,7 @@ from _inputs import (
     resolve,
 )
 
-from aicon_torch import Escape
+from aicon_torch import TrapEscape
 
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
@@ -106,9 +106,9 @@ def test_without_an_average_the_descent_directions_decide(side: float) -> None:
 
 
 @pytest.mark.parametrize(
-    "escape", [None, Escape(hold="g0"), Escape(hold="g1", along="g1")], ids=str
+    "escape", [None, TrapEscape(hold="g0"), TrapEscape(hold="g1", along="g1")], ids=str
 )
-def test_on_a_line_there_is_nowhere_to_go(escape: Escape | None) -> None:
+def test_on_a_line_there_is_nowhere_to_go(escape: TrapEscape | None) -> None:
     gradients = torch.tensor([[1.0], [-0.9]], dtype=torch.float64)
     total, state = resolve(literal(escape), gradients)
 

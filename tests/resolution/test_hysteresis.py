@@ -53,7 +53,7 @@ def test_a_competitor_takes_the_lead_only_beyond_the_margin(
 
 @pytest.mark.parametrize(("factor", "takes_over"), [(1.05, False), (1.15, True)])
 def test_the_margin_holds_at_every_rank(factor: float, takes_over: bool) -> None:
-    """The second rank is held by the strength that is left after projection."""
+    """The second rank is held by the magnitude that is left after projection."""
     _, memory = resolve(unweighted(), with_lengths(5.0, 1.0, 0.9, directions=IN_SPACE))
     assert memory["rank"].tolist() == [0, 1, 2]
 
@@ -63,7 +63,7 @@ def test_the_margin_holds_at_every_rank(factor: float, takes_over: bool) -> None
 
 
 @pytest.mark.parametrize(("ratio_of_weights", "takes_over"), [(1.05, False), (1.15, True)])
-def test_the_margin_acts_on_the_normalised_strengths(
+def test_the_margin_acts_on_the_normalised_magnitudes(
     ratio_of_weights: float, takes_over: bool
 ) -> None:
     """With a softmax, a competitor that is 15 % longer is only a few percent stronger."""

@@ -23,7 +23,7 @@ from _inputs import (
 )
 from torch import Tensor
 
-from aicon_torch import Escape, NullspaceProjection, OptionError, SteepestPath
+from aicon_torch import NullspaceProjection, OptionError, SteepestPath, TrapEscape
 
 
 @for_each("stack", STACKS)
@@ -141,7 +141,7 @@ def test_the_paper_s_options_are_those_of_the_text() -> None:
     assert (rule.restore_magnitude, rule.relative, rule.by_row) == (False, False, False)
 
     exploration = rule.exploration
-    assert exploration is not None and exploration.escape == Escape()
+    assert exploration is not None and exploration.escape == TrapEscape()
     assert (exploration.enter_cosine, exploration.exit_cosine) == (-0.6, -0.4)
-    assert (exploration.ratio, exploration.partner) == (3.0, "second")
+    assert (exploration.ratio, exploration.opponent) == (3.0, "second")
     assert exploration.ratio_of == "weights"

@@ -55,7 +55,7 @@ def sum_and_ranks(rule: NullspaceProjection, stack: Tensor) -> tuple[Tensor, Ten
 def test_no_gradient_raises_the_cost_of_one_before_it(
     rule: NullspaceProjection, stack: Tensor
 ) -> None:
-    """Descending the sum lowers the leader's cost as if it were alone.
+    """Descending the sum lowers the dominant one's cost as if it were alone.
 
     Each next one's cost falls in the space that is left to it.
     """
@@ -65,11 +65,11 @@ def test_no_gradient_raises_the_cost_of_one_before_it(
 
     left = unit(stack) * weights.unsqueeze(-1)
     for index in [index for index in rank.tolist() if index >= 0]:
-        leader = left[index].clone()
-        change, alone = float(total @ leader), float(leader @ leader)
+        dominant = left[index].clone()
+        change, alone = float(total @ dominant), float(dominant @ dominant)
         assert change == pytest.approx(alone, abs=1e-9 * scale)
 
-        left = left - (left @ unit(leader)).unsqueeze(-1) * unit(leader)
+        left = left - (left @ unit(dominant)).unsqueeze(-1) * unit(dominant)
 
 
 @pytest.mark.parametrize("projector", ["qr", "pinv"])

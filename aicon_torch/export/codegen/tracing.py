@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import torch
@@ -76,6 +77,7 @@ def in_c(
     return function(name, program, inputs, named)
 
 
+@cache  # torch takes a quarter of a second to list its own
 def _decompositions() -> dict[Any, Callable[..., Any]]:
     """What operators are taken apart into, before they are translated."""
     found: dict[Any, Callable[..., Any]] = {

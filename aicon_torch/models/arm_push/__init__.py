@@ -3,9 +3,7 @@
 from aicon_torch.models.arm_push.graph import build, camera_perception, world_model
 from aicon_torch.models.arm_push.options import (
     CameraOptions,
-    MotionLimitOptions,
     Options,
-    TouchOptions,
 )
 from aicon_torch.models.arm_push.perception import CameraPerception
 from aicon_torch.models.arm_push.presets import PRESETS
@@ -17,10 +15,8 @@ __all__ = [
     "PRESETS",
     "CameraOptions",
     "CameraPerception",
-    "MotionLimitOptions",
     "Options",
     "PushingRobot",
-    "TouchOptions",
     "build",
     "camera_perception",
     "end_effector",

@@ -24,6 +24,9 @@ from aicon_torch.parts.servo import even_motion
 from aicon_torch.parts.touch import ContactForce
 from aicon_torch.parts.velocity_lag import VelocityLag
 
+JOINT_NOISE = 1e-4
+"""Standard deviation of an encoder, rad."""
+
 JOINT_DRIFT = 1e-6
 """Variance of what turns a joint in a step besides its command, rad²."""
 
@@ -90,7 +93,7 @@ def joints(options: Options) -> EKF:
         "predict": Affine(x_joints=1.0, **{velocity: "dt"}),
         "noise": JOINT_DRIFT,
         "initial": (middle, UNKNOWN_JOINT),
-        "correct": [Measurement(agreement, options.joint_noise**2, size=len(middle))],
+        "correct": [Measurement(agreement, JOINT_NOISE**2, size=len(middle))],
     }
 
     if not options.delay:

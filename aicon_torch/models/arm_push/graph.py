@@ -23,14 +23,14 @@ from aicon_torch.models.arm_push.goals import (
     Ring,
     StayUpright,
 )
-from aicon_torch.models.arm_push.limits import ArmLimits
+from aicon_torch.models.arm_push.image_registration import ImageRegistration
+from aicon_torch.models.arm_push.limits import JOINT_SPEED, TIP_SPEED, ArmLimits
 from aicon_torch.models.arm_push.options import Options
 from aicon_torch.models.arm_push.perception import BLOB, KEYPOINTS, SEEN_AGE, CameraPerception
 from aicon_torch.models.arm_push.pushed_object import object_top, pushed_object
 from aicon_torch.models.arm_push.scene import Scene
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
-from aicon_torch.parts.image_registration import ImageRegistration
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import PoseDistance
@@ -67,8 +67,8 @@ def camera_perception(options: Options) -> CameraPerception:
     robot = options.robot
     corners = np.array(options.corners, dtype=np.float64)
     registration = ImageRegistration(corners, robot.intrinsics)
-    trust, dt = options.camera.trust, options.dt
-    return CameraPerception(registration, copy.deepcopy(robot.chain), robot.camera, trust, dt)
+    chain = copy.deepcopy(robot.chain)
+    return CameraPerception(registration, chain, robot.camera, options.dt)
 
 
 def world_model(options: Options) -> WorldModel:
@@ -120,17 +120,14 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 
 def _actuator(scene: Scene) -> Actuator:
     """The velocities of the joints, within their limits and those of the tip."""
-    options, robot = scene.options, scene.options.robot
-    limits = ArmLimits(scene.end_effector, robot.chain.speed.tolist(), options.limits)
-    speed = options.limits.joint_speed
-    dither = PlanarDither(scene.end_effector, options.limits.tip_speed)
+    chain = scene.options.robot.chain
     return Actuator(
-        len(robot.chain.names),
+        len(chain.names),
         "rad/s",
-        limit=speed,
-        constraints=[limits],
+        limit=JOINT_SPEED,
+        constraints=[ArmLimits(scene.end_effector, chain.speed.tolist())],
         key="executed",
-        dither=dither,
+        dither=PlanarDither(scene.end_effector, TIP_SPEED),
     )
 
 

@@ -8,9 +8,17 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.models.arm_push.options import MotionLimitOptions
 from aicon_torch.parts.end_effector import EndEffector
 from aicon_torch.vectors import shorten
+
+TIP_SPEED = 0.4
+"""Largest speed of the tip in the plane, m/s."""
+
+JOINT_SPEED = 4.8
+"""Largest norm of the joints' velocities, rad/s."""
+
+SETTLING_TIME = 0.2
+"""Least time in which the tip arrives at its height, s: twice that in which the joints follow."""
 
 
 class ArmLimits(nn.Module):
@@ -18,26 +26,19 @@ class ArmLimits(nn.Module):
 
     1. In the plane the tip moves at most at its speed, up and down and in tilt at most at a quarter
        of it, in heading at half of it (in m/s: :class:`aicon_torch.parts.end_effector.ToolPose`).
-    2. The tip moves toward its height no faster than it would arrive within `settling_time`.
+    2. The tip moves toward its height no faster than it would arrive within the settling time.
     3. No joint is faster than its limit, the direction kept.
 
     Args:
         end_effector: Of the arm.
         joint_speeds: Largest speed of each joint, rad/s.
-        options: The speed of the tip, and the time of its arrival.
     """
 
     joint_speeds: Tensor
 
-    def __init__(
-        self,
-        end_effector: EndEffector,
-        joint_speeds: Sequence[float],
-        options: MotionLimitOptions,
-    ) -> None:
+    def __init__(self, end_effector: EndEffector, joint_speeds: Sequence[float]) -> None:
         super().__init__()
         self.end_effector = end_effector
-        self.tip_speed, self.settling_time = options.tip_speed, options.settling_time
         self.register_buffer("joint_speeds", torch.tensor(joint_speeds, dtype=torch.float64))
 
     def forward(self, a: Tensor, x_joints: Tensor, x_heights: Tensor) -> Tensor:
@@ -56,10 +57,10 @@ class ArmLimits(nn.Module):
 
         # The motion of the end effector within its limits, by component.
         planar, rise, tilt, turn = torch.split(nominal, [2, 1, 2, 1], dim=-1)
-        planar = shorten(planar, self.tip_speed)
-        rise = shorten(rise, self.tip_speed / 4)
-        tilt = shorten(tilt, self.tip_speed / 4)
-        turn = shorten(turn, self.tip_speed / 2)
+        planar = shorten(planar, TIP_SPEED)
+        rise = shorten(rise, TIP_SPEED / 4)
+        tilt = shorten(tilt, TIP_SPEED / 4)
+        turn = shorten(turn, TIP_SPEED / 2)
         rise = self._settle(rise, x_heights)
 
         # The least motion of the joints that takes away the rest.
@@ -70,6 +71,6 @@ class ArmLimits(nn.Module):
 
     def _settle(self, rise: Tensor, x_heights: Tensor) -> Tensor:
         """A vertical speed ``(*B, 1)``, m/s, that arrives at the height not too soon."""
-        arrival = -x_heights / self.settling_time
+        arrival = -x_heights / SETTLING_TIME
         slower = torch.minimum(rise.abs(), arrival.abs()) * rise.sign()
         return torch.where(arrival * rise > 0, slower, rise)

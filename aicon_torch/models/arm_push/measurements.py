@@ -71,17 +71,7 @@ def seen_middle(x_pose: Tensor, z_blob: Tensor, x_cam: Tensor) -> Tensor:
     return x_pose[..., :2] - middle
 
 
-def position_jacobian(x_pusher: Tensor) -> Tensor:
-    """∂(x, y)/∂x_pose, ``(2, 3)``; the position of the pusher tells dtype and device only."""
-    return torch.eye(3, dtype=x_pusher.dtype, device=x_pusher.device)[:2]
-
-
 def seen_top(x_top: Tensor, z_keypoints: Tensor, x_cam: Tensor) -> Tensor:
     """The residual of the height of the object's top and of its keypoints, ``(*B, 1)``, m."""
     heights = keypoints_in_world(z_keypoints, x_cam)[..., 2]
     return x_top - heights.mean(-1, keepdim=True)
-
-
-def top_jacobian(x_ee: Tensor) -> Tensor:
-    """∂x_top/∂x_top, ``(1, 1)``; the end effector tells dtype and device only."""
-    return torch.ones(1, 1, dtype=x_ee.dtype, device=x_ee.device)

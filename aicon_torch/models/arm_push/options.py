@@ -14,7 +14,6 @@ from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import Pullback
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.servo import PARTS
-from aicon_torch.parts.touch import ForceThreshold
 from aicon_torch.parts.validation import (
     check_choice,
     check_not_negative,
@@ -37,9 +36,6 @@ T_CORNERS: tuple[tuple[float, float], ...] = (
     (-0.1, -0.05 / 2.8),
 )
 """Corners of the T about its centroid, m."""
-
-SIDE_FORCE = ForceThreshold(force=1.2, width=0.1)
-TOP_FORCE = ForceThreshold(force=2.0, width=0.15)
 
 REACTION = 0.1
 """Time constant with which the joints' velocities follow their commands, s."""
@@ -73,9 +69,6 @@ class CameraOptions:
         noise: Standard deviation of a position that is seen in the middle of the image, m.
         edge_growth: By how much its variance grows toward the edge of the image: see
             :class:`aicon_torch.parts.camera.Visibility`.
-        trust: Score below which a registration is no reading.
-        blob_noise: Standard deviation of the object's centre about the middle of what is seen of
-            it, which is the reading then, m.
         steering: What moves in order to see better: see
             :class:`aicon_torch.parts.camera.CameraFrame`.
         trace_weight: Weight of tr Σ in the goal "push", 1/m; 0 leaves it out.
@@ -88,8 +81,6 @@ class CameraOptions:
 
     noise: float = 1 / 1200
     edge_growth: float = 100.0
-    trust: float = 0.75
-    blob_noise: float = 0.05
     steering: Steering = "heading"
     trace_weight: float = 60.0
     trace_tolerance: float = (1 / 300) ** 2
@@ -103,57 +94,9 @@ class CameraOptions:
             OptionError: If one is not what it may be.
         """
         check_steps(self, "delay")
-        check_positive(self, ("noise", "blob_noise"))
-        check_not_negative(self, ("edge_growth", "trust", "trace_weight", "trace_tolerance"))
+        check_positive(self, ("noise",))
+        check_not_negative(self, ("edge_growth", "trace_weight", "trace_tolerance"))
         check_choice(self, "steering", get_args(Steering))
-
-
-@dataclass(frozen=True)
-class TouchOptions:
-    """What a force at the wrist says of the object.
-
-    Attributes:
-        side: Which horizontal force says that the stick touches a side of the object.
-        side_deviation: Standard deviation of the gap there, m.
-        top: Which force upward says that the stick stands on the object.
-        top_deviation: Standard deviation of the height of its top, m.
-    """
-
-    side: ForceThreshold = SIDE_FORCE
-    side_deviation: float = 1 / 60
-    top: ForceThreshold = TOP_FORCE
-    top_deviation: float = 1e-5**0.5
-
-    def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            OptionError: If one is not positive.
-        """
-        check_positive(self, ("side_deviation", "top_deviation"))
-
-
-@dataclass(frozen=True)
-class MotionLimitOptions:
-    """How fast the arm moves: see :class:`aicon_torch.models.arm_push.limits.ArmLimits`.
-
-    Attributes:
-        tip_speed: Largest speed of the tip in the plane, m/s.
-        joint_speed: Largest norm of the joints' velocities, rad/s.
-        settling_time: Least time in which the tip arrives at its height, s.
-    """
-
-    tip_speed: float = 0.4
-    joint_speed: float = 4.8
-    settling_time: float = 0.2
-
-    def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            OptionError: If one is not positive.
-        """
-        check_positive(self, ("tip_speed", "joint_speed", "settling_time"))
 
 
 @dataclass(frozen=True)
@@ -169,10 +112,8 @@ class Options:
         corners: Corners of the object around its frame, m.
         sensing: What is known of the object.
         camera: How it is seen, if it is.
-        touch: What the wrist feels of it, if it is seen; None if nothing.
+        touch: Whether the wrist feels it, if it is seen.
         contact: The contact model, which is pushT's.
-        limits: How fast the arm moves.
-        joint_noise: Standard deviation of an encoder, rad.
         pose_noise: Standard deviation of a pose that is observed, m.
         drift: Standard deviation of what moves the object in a second besides the model, m.
         stick_friction: Coefficient of friction between stick and object, with which its
@@ -208,15 +149,13 @@ class Options:
 
     sensing: Sensing = "camera"
     camera: CameraOptions = CameraOptions()
-    touch: TouchOptions | None = TouchOptions()
-    joint_noise: float = 1e-4
+    touch: bool = True
     pose_noise: float = 1 / 6000
     drift: float = 1 / 40
     stick_friction: float = 0.2
     expected_place: tuple[float, float] = (0.54, 0.0)
 
     contact: ContactOptions = CONTACT
-    limits: MotionLimitOptions = MotionLimitOptions()
 
     height: float = 0.02
     height_tolerance: float = 0.001
@@ -250,9 +189,7 @@ class Options:
         """
         check_choice(self, "sensing", get_args(Sensing))
         check_choice(self, "pullback", get_args(Pullback))
-        check_positive(
-            self, ("dt", "joint_noise", "pose_noise", "drift", "height", "lever", "damping")
-        )
+        check_positive(self, ("dt", "pose_noise", "drift", "height", "lever", "damping"))
         check_not_negative(self, ("height_tolerance", "stick_friction"))
 
         # What takes a sentence of its own.

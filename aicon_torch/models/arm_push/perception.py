@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_torch.errors import ObservationError, choices
+from aicon_torch.models.arm_push.image_registration import ImageRegistration
+from aicon_torch.models.arm_push.image_segmentation import RGBDImage
+from aicon_torch.models.arm_push.polygon import Array, Mask
 from aicon_torch.parts.chain import Chain
-from aicon_torch.parts.image_registration import ImageRegistration
-from aicon_torch.parts.image_segmentation import RGBDImage
 from aicon_torch.parts.joint_product import Transform
-from aicon_torch.parts.polygon import Array, Mask
 
 KEYPOINTS, BLOB = "z_keypoints", "z_blob"
 """The readings: keypoints, and the middle of what is seen where these are not found."""
@@ -25,6 +25,9 @@ RECENT_JOINTS = "z_joints_recent"
 """The joint angles of the last steps, where they are remembered."""
 
 IMAGES = ("rgb", "depth")
+
+TRUSTED_SCORE = 0.75
+"""Score below which a registration is no reading: it may be that of another orientation."""
 
 Row = tuple[int, ...]
 """Where in a batch."""
@@ -46,20 +49,13 @@ class CameraPerception:
         registration: Finds the object in an image.
         chain: From the joints to the tool.
         mount: The camera in the tool.
-        trust: Score below which a registration is no reading.
         dt: Control step, s.
     """
 
     def __init__(
-        self,
-        registration: ImageRegistration,
-        chain: Chain,
-        mount: Transform,
-        trust: float,
-        dt: float,
+        self, registration: ImageRegistration, chain: Chain, mount: Transform, dt: float
     ) -> None:
-        self.registration, self.chain = registration, chain
-        self.trust, self.dt = trust, dt
+        self.registration, self.chain, self.dt = registration, chain, dt
         self.mount = np.vstack((np.array(mount), [0.0, 0.0, 0.0, 1.0]))
 
     def __call__(
@@ -186,7 +182,7 @@ class CameraPerception:
         found = self.registration(image, prior)
         if found is None:
             return None, None
-        if found.score < self.trust:
+        if found.score < TRUSTED_SCORE:
             return None, np.array([*found.middle, found.height])
 
         corners = self.registration.placed(found.pose)

@@ -3,28 +3,44 @@
 from collections.abc import Sequence
 from typing import Any
 
+import torch
+
 from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
-from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.interconnections import Affine, Constant, Interconnection
 from aicon_torch.models.arm_push.measurements import (
     ObservedPose,
     SeenKeypoints,
-    position_jacobian,
     seen_middle,
     seen_top,
-    top_jacobian,
 )
 from aicon_torch.models.arm_push.options import Options
 from aicon_torch.models.arm_push.perception import BLOB, KEYPOINTS
 from aicon_torch.models.arm_push.scene import Scene
 from aicon_torch.parts.camera import Visibility
-from aicon_torch.parts.pose import PoseMotion, pose_jacobian
-from aicon_torch.parts.touch import TouchedSide, TouchedTop
+from aicon_torch.parts.pose import PoseMotion
+from aicon_torch.parts.touch import ForceThreshold, TouchedSide, TouchedTop
 
 UNSEEN_DEVIATION = (0.1, 1 / 6, 2.0)
 """Standard deviation of the object's pose before it is seen, m, m and rad."""
 
 UNOBSERVED_DEVIATION = 1 / 600
 """Standard deviation of its position before its pose is observed, m."""
+
+MIDDLE_DEVIATION = 0.05
+"""Standard deviation of the object's centre about the middle of what is seen of it, m."""
+
+SIDE_FORCE = ForceThreshold(force=1.2, width=0.1)
+"""Which horizontal force, N, says that the stick touches a side of the object: a tool that is
+accelerated feels less."""
+
+TOP_FORCE = ForceThreshold(force=2.0, width=0.15)
+"""Which force upward, N, says that the stick stands on the object."""
+
+SIDE_DEVIATION = 1 / 60
+"""Standard deviation of the gap to a side that the wrist feels, m; it is felt at every step."""
+
+TOP_DEVIATION = 1e-5**0.5
+"""Standard deviation of the height of the top that the wrist feels, m."""
 
 UNSEEN_TOP = 1e-4
 """Variance of the height of its top before it is seen, m²."""
@@ -47,7 +63,7 @@ def pushed_object(scene: Scene) -> list[Estimator]:
 def observed_pose(scene: Scene) -> EKF:
     """x_pose, corrected by a pose that is observed."""
     observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION)
-    residual = Interconnection(observed, x_pose=pose_jacobian)
+    residual = Interconnection(observed, x_pose=Constant(torch.eye(3)))
     reading = Measurement(residual, pose_variances(scene, scene.options.pose_noise), size=3)
     return _pushed_pose(
         scene,
@@ -69,16 +85,16 @@ def seen_pose(scene: Scene) -> EKF:
         height=2 * options.height,
     )
 
-    seen = Interconnection(SeenKeypoints(scene.body), x_pose=pose_jacobian)
-    middle = Interconnection(seen_middle, x_pose=position_jacobian)
+    seen = Interconnection(SeenKeypoints(scene.body), x_pose=Constant(torch.eye(3)))
+    middle = Interconnection(seen_middle, x_pose=Constant(torch.eye(3)[:2]))
     shown = [
         Measurement(seen, visibility, size=3),
-        Measurement(middle, options.camera.blob_noise**2, size=2),
+        Measurement(middle, MIDDLE_DEVIATION**2, size=2),
     ]
     felt: list[Measurement] = []
-    if options.touch is not None:
-        radius, deviation = options.robot.stick_radius, options.touch.side_deviation
-        touched = TouchedSide(scene.body, radius, deviation, options.touch.side)
+    if options.touch:
+        radius = options.robot.stick_radius
+        touched = TouchedSide(scene.body, radius, SIDE_DEVIATION, SIDE_FORCE)
         felt.append(Measurement(touched, touched.variance, size=1))
 
     mean = (*options.expected_place, 0.0)
@@ -102,7 +118,7 @@ def _pushed_pose(scene: Scene, felt: Sequence[Measurement] = (), **belief: Any) 
         "P_pose",
         moved_by=moved_by,
         prompt=felt,
-        predict=Interconnection(motion, inputs, x_pose=pose_jacobian),
+        predict=Interconnection(motion, inputs, x_pose=Constant(torch.eye(3))),
         noise=pose_variances(scene, deviation),
         **belief,
     )
@@ -122,10 +138,10 @@ def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]
 
 def object_top(options: Options) -> EKF:
     """x_top: height of the object's top face, m, from the depth of its keypoints and by touch."""
-    seen = Interconnection(seen_top, x_top=top_jacobian)
+    seen = Interconnection(seen_top, x_top=Constant(torch.eye(1)))
     correct = [Measurement(seen, TOP_NOISE, size=1)]
-    if options.touch is not None:
-        touched = TouchedTop(options.touch.top_deviation, options.touch.top)
+    if options.touch:
+        touched = TouchedTop(TOP_DEVIATION, TOP_FORCE)
         correct.append(Measurement(touched, touched.variance, size=1))
 
     return EKF(

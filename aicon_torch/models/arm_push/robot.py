@@ -60,7 +60,7 @@ class PushingRobot(Robot):
                 ``high``, rad; ``speed``, rad/s. The transform of the ``tool`` in the last link; its
                 ``capsules``, or those of the whole robot; and the attributes. ``collisions`` may
                 name the ``urdf``, ``srdf`` and ``tip`` of the arm: capsules are then fitted to its
-                collision geometry, and those told are the tool's.
+                collision geometry, and those given are the tool's.
 
         Raises:
             FileNotFoundError: If a file or mesh is missing.
@@ -87,7 +87,7 @@ class PushingRobot(Robot):
 
 
 def _check_names(description: Mapping[str, Any]) -> None:
-    """Check that a description has what a robot is told, and nothing else."""
+    """Check that a description has what a robot needs, and nothing else."""
     missing = [name for name in NEEDED if name not in description]
     unknown = set(description) - {*NEEDED, "axes", "collisions"}
     if missing:
@@ -100,26 +100,26 @@ def _check_names(description: Mapping[str, Any]) -> None:
 
 
 def _check_count(description: Mapping[str, Any], count: int) -> None:
-    """Check that every joint is told all of it."""
+    """Check that all of it is given for every joint."""
     for name in (*JOINTS, "axes"):
-        told = len(description[name])
-        if told != count:
+        given = len(description[name])
+        if given != count:
             raise OptionError(
-                f"robot.{name} has {told} of them: expected {count}, as robot.frames."
+                f"robot.{name} has {given} of them: expected {count}, as robot.frames."
             )
 
 
 def _shape(description: Mapping[str, Any], joints: int) -> Capsules:
     """The capsules of arm and tool, and those of them that can meet."""
-    told = tuple(Capsule(*capsule) for capsule in description["capsules"])
+    given = tuple(Capsule(*capsule) for capsule in description["capsules"])
     files = description.get("collisions")
     if files is None:
-        links = tuple(f"link {capsule.link}" for capsule in told)
-        return Capsules(told, links, tuple(distant_pairs(told)))
+        links = tuple(f"link {capsule.link}" for capsule in given)
+        return Capsules(given, links, tuple(distant_pairs(given)))
 
     arm = Capsules.from_urdf(files["urdf"], files["srdf"], files["tip"])
-    pairs = (*arm.pairs, *_pairs_with_tool(arm, told))
-    return Capsules((*arm.capsules, *told), (*arm.links, *["tool"] * len(told)), pairs)
+    pairs = (*arm.pairs, *_pairs_with_tool(arm, given))
+    return Capsules((*arm.capsules, *given), (*arm.links, *["tool"] * len(given)), pairs)
 
 
 def _pairs_with_tool(shape: Capsules, tool: Sequence[Capsule]) -> list[tuple[int, int]]:

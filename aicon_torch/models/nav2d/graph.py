@@ -23,6 +23,18 @@ from aicon_torch.parts.landmark import BearingPrior, Landmark
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
 
+COLLISION_LENGTH = 0.04
+"""ℓ of p_collision = exp(−d/ℓ), m: clearances of a few ℓ are where the agent slides along walls."""
+
+TARGET_DISTANCE = 5.0
+"""Distance at which the target is believed before the first step, m: a bearing does not say it."""
+
+TARGET_DISTANCE_DEVIATION = 3.0
+"""Its standard deviation, m: the target is anywhere from near to a few rooms away."""
+
+LONGEST_RANGE = 20.0
+"""Largest clearance that the sensor reports, m."""
+
 JUMP_DEVIATIONS = 6.0
 """Change of a reading between two steps that noise may bring, in its standard deviations."""
 
@@ -46,7 +58,7 @@ def world_model(options: Options) -> WorldModel:
     robot = Deterministic("x_rob", displacement, is_motion=True)
     target, obstacle = _target(options), _obstacle(options)
     reach = Goal("reach", target.expected_distance())
-    avoid = Goal("avoid", obstacle.collision_likelihood(options.collision_length))
+    avoid = Goal("avoid", obstacle.collision_likelihood(COLLISION_LENGTH))
 
     return WorldModel(
         sensors=_sensors(options),
@@ -80,7 +92,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
             1,
             "m",
             key="range",
-            range=(-1.0, options.max_range),
+            range=(-1.0, LONGEST_RANGE),
             rate_limit=fastest,
             **_watched(options),
         ),
@@ -95,11 +107,11 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 def _watched(options: Options) -> dict[str, Any]:
     """How old readings may be, and that they change while the agent moves: all are noisy."""
     latency = options.delay * options.dt
-    told: dict[str, Any] = {"age": latency, "age_key": "age"}
+    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
     if options.watchdog:
         gap = MAX_GAP * options.dt
-        told |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
-    return told
+        watched |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
+    return watched
 
 
 def _actuator(options: Options, obstacle: Clearance) -> Actuator:
@@ -120,9 +132,9 @@ def _actuator(options: Options, obstacle: Clearance) -> Actuator:
 def _target(options: Options) -> Landmark:
     """p_tar, P_tar: where the target is, from its bearing and from the agent's motion."""
     prior = BearingPrior(
-        options.prior_range,
-        across=options.prior_range * options.bearing_noise,
-        along=options.prior_range_noise,
+        TARGET_DISTANCE,
+        across=TARGET_DISTANCE * options.bearing_noise,
+        along=TARGET_DISTANCE_DEVIATION,
     )
     return Landmark(
         "p_tar",

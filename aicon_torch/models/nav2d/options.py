@@ -12,9 +12,9 @@ from aicon_torch.parts.validation import (
     check_positive,
     check_steps,
 )
-from aicon_torch.resolution import Escape, Exploration, NullspaceProjection, Resolution
+from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution, TrapEscape
 
-ESCAPE = Escape(progress="reach", hold="avoid", along="avoid")
+ESCAPE = TrapEscape(progress="reach", hold="avoid", along="avoid")
 """How it leaves a trap: exploration ends only once the target is nearer than when it began, holds
 the level of p_collision, and moves in the nullspace of p₃ even where p₁ dominates."""
 
@@ -36,16 +36,12 @@ class Options:
         bearing_noise: Standard deviation of bearings, rad.
         range_noise: Standard deviation of the clearance, m.
         actuation_noise: Standard deviation of each velocity component, m/s.
-        prior_range: Distance at which the target is believed before the first step, m.
-        prior_range_noise: Its standard deviation, m.
-        max_range: Largest clearance that the sensor reports, m.
         delay: Largest age of a reading that is made up for, steps; ages come as ``age``, s, and
             are this one where they do not.
         action_delay: How many steps later than usual the next action may take effect; near an
             obstacle there is room for what the agent does until then.
         range_offset: By how much all clearances may be too long, m; there is room for that, too.
         watchdog: Whether the agent stops on readings that are too old or frozen.
-        collision_length: ℓ of p_collision = exp(−d/ℓ), m.
     """
 
     resolution: Resolution = RESOLUTION
@@ -57,14 +53,10 @@ class Options:
     bearing_noise: float = 0.03
     range_noise: float = 0.01
     actuation_noise: float = 0.02
-    prior_range: float = 5.0
-    prior_range_noise: float = 3.0
-    max_range: float = 20.0
     delay: int = 0
     action_delay: int = 0
     range_offset: float = 0.0
     watchdog: bool = True
-    collision_length: float = 0.04
 
     def __post_init__(self) -> None:
         """Check what resolution and law do not check themselves.
@@ -72,11 +64,9 @@ class Options:
         Raises:
             OptionError: If an option is not what it may be.
         """
-        check_positive(self, ("dt", "max_speed", "prior_range", "collision_length"))
-        check_positive(self, ("max_range",))
+        check_positive(self, ("dt", "max_speed"))
         check_steps(self, "delay")
         check_steps(self, "action_delay")
         check_not_negative(self, ("range_offset",))
-        check_positive(self, ("bearing_noise", "range_noise"))
-        check_positive(self, ("actuation_noise", "prior_range_noise"))
+        check_positive(self, ("bearing_noise", "range_noise", "actuation_noise"))
         check_choice(self, "sensing", ("range", "range_bearing"))

@@ -21,6 +21,13 @@ SUBSTEP = 0.01
 PUSHER_RADIUS = 15 * PIXEL
 """Radius of the pusher, m."""
 
+PUSHER_NOISE = 0.1 * PIXEL
+"""Standard deviation of each coordinate of the pusher's position as it is read, m."""
+
+PROCESS_NOISE = 0.5 * PIXEL
+"""Standard deviation of each coordinate of what moves pusher and object in a step besides the
+model, m."""
+
 PRIOR_DEVIATION = 10 * PIXEL
 """Standard deviation of what is believed of a position at the first reading, m."""
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from torch import Tensor
 
-from aicon_torch.models.pusht.benchmark import PIXEL, WORKSPACE
+from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_NOISE, WORKSPACE
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
@@ -43,9 +43,9 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
         found["z_elapsed"] = clock(options.dt)
     if options.observe_goal:
         scale = (PIXEL, PIXEL, 1.0)
-        told: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}
+        prompt: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}
         found["z_target"] = Sensor(
-            3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **told
+            3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **prompt
         )
     return found
 
@@ -53,16 +53,16 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
 def _watched(options: Options) -> dict[str, Any]:
     """How old readings are, and may be."""
     latency = options.delay * options.dt
-    told: dict[str, Any] = {"age": latency, "age_key": "age"}
+    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
     if options.watchdog:
         gap = MAX_GAP * options.dt
-        told |= {"max_age": latency + gap, "max_gap": gap}
-    return told
+        watched |= {"max_age": latency + gap, "max_gap": gap}
+    return watched
 
 
 def _moving(options: Options) -> dict[str, Any]:
     """The pusher's place changes while it is driven, and not faster than it can."""
-    noise = JUMP_DEVIATIONS * options.pusher_noise / options.dt
+    noise = JUMP_DEVIATIONS * PUSHER_NOISE / options.dt
     fastest = (FASTEST * options.max_speed + noise) / PIXEL
     return {"rate_limit": fastest, "driven_by": "a"} if options.watchdog else {}
 

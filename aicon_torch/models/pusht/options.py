@@ -45,9 +45,6 @@ class Options:
         keypoint_noise: Standard deviation of each coordinate of a keypoint, m.
         keypoint_offset: Standard deviation of an offset that all keypoints have in common, m; 0 if
             there is none. It is estimated from what touches what.
-        pusher_noise: Standard deviation of each coordinate of the pusher's position, m.
-        process_noise: Standard deviation of each coordinate of what moves pusher and object in a
-            step besides the model, m.
         estimation: Whether pusher and object are filtered, or read off the sensors.
         delay: Largest age of a reading that is made up for, steps; ages come as ``age``, s, and
             are this one where they do not. Without estimation readings are taken as they come.
@@ -72,8 +69,6 @@ class Options:
     compensate_lag: bool = True
     keypoint_noise: float = 0.1 * PIXEL
     keypoint_offset: float = 0.0
-    pusher_noise: float = 0.1 * PIXEL
-    process_noise: float = 0.5 * PIXEL
     estimation: bool = True
     delay: int = 0
     watchdog: bool = True
@@ -87,8 +82,7 @@ class Options:
         Raises:
             OptionError: If an option is not what it may be.
         """
-        check_positive(self, ("dt", "max_speed"))
-        check_positive(self, ("keypoint_noise", "pusher_noise", "process_noise"))
+        check_positive(self, ("dt", "max_speed", "keypoint_noise"))
         check_not_negative(self, ("keypoint_offset",))
         check_choice(self, "command", ("position", "velocity"))
         numbers("goal_pose", self.goal_pose, 3)

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable
 
+import torch
 from torch import Tensor
 from torch.nn.functional import pad
 
 from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, ekf_with_delay
-from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.interconnections import Affine, Constant, Interconnection
 from aicon_torch.models.pusht.benchmark import (
     PIXEL,
     PRIOR_DEVIATION,
+    PROCESS_NOISE,
     PUSHER_RADIUS,
     T_CENTER_OF_MASS,
     T_KEYPOINTS,
@@ -22,7 +24,6 @@ from aicon_torch.parts.keypoint_offset import KeypointOffset
 from aicon_torch.parts.pose import (
     KeypointRegistration,
     PoseMotion,
-    pose_jacobian,
     resting_pose,
 )
 from aicon_torch.parts.rigid_object import RigidObject
@@ -73,7 +74,7 @@ def _offset(options: Options, body: RigidObject) -> EKF:
     least_motion = LEAST_MOTION + MOTION_DEVIATIONS * options.keypoint_noise
     gap = KeypointOffset(body, PUSHER_RADIUS, TOUCH_DEVIATION, least_motion)
     reading = Interconnection(gap.gap, x_offset=gap.gap_jacobian)
-    last_pose = Interconnection(gap.last_pose, x_offset=gap.last_pose_jacobian)
+    last_pose = Interconnection(gap.last_pose, x_offset=Constant(torch.eye(5)[2:]))
 
     return EKF(
         "x_offset",
@@ -105,17 +106,17 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     body = dynamics.body
     motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
     registration = KeypointRegistration(body, PRIOR_DEVIATION)
-    residual = Interconnection(_residual(options, registration), x_pose=pose_jacobian)
+    residual = Interconnection(_residual(options, registration), x_pose=Constant(torch.eye(3)))
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
 
-    process = options.process_noise**2
+    process = PROCESS_NOISE**2
     return ekf_with_delay(
         "x_pose",
         "P_pose",
         delay=options.filtered_delay,
         sensor="z_keypoints",
         moved_by={"x_pusher": 2, "d_pusher": 2 * parts, "dt": 1},
-        predict=Interconnection(motion, x_pose=pose_jacobian),
+        predict=Interconnection(motion, x_pose=Constant(torch.eye(3))),
         noise=(process, process, process / body.radius_of_gyration**2),
         initial=registration.prior,
         size=3,

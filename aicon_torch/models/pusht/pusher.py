@@ -5,7 +5,12 @@ from torch import Tensor
 
 from aicon_torch.estimation import EKF, Estimator, Measurement, ekf_with_delay
 from aicon_torch.interconnections import Affine
-from aicon_torch.models.pusht.benchmark import PIXEL, PRIOR_DEVIATION
+from aicon_torch.models.pusht.benchmark import (
+    PIXEL,
+    PRIOR_DEVIATION,
+    PROCESS_NOISE,
+    PUSHER_NOISE,
+)
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.parts.servo import PusherMotion, Servo
 
@@ -31,7 +36,7 @@ def first_position(z_pusher: Tensor) -> tuple[Tensor, Tensor]:
 
 def _position(options: Options) -> EKF:
     """The position as it is read."""
-    variance = options.pusher_noise**2 if options.estimation else UNFILTERED_VARIANCE
+    variance = PUSHER_NOISE**2 if options.estimation else UNFILTERED_VARIANCE
     agreement = Affine(x_pusher=1.0, z_pusher=-1.0)
     return ekf_with_delay(
         "x_pusher",
@@ -40,7 +45,7 @@ def _position(options: Options) -> EKF:
         sensor="z_pusher",
         moved_by={"a": 2, "dt": 1},
         predict=Affine(x_pusher=1.0, a="dt"),
-        noise=options.process_noise**2,
+        noise=PROCESS_NOISE**2,
         initial=first_position,
         size=2,
         correct=[Measurement(agreement, variance, size=2)],

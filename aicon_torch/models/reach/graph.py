@@ -24,6 +24,7 @@ from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.end_effector import EndEffector
+from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
 from aicon_torch.parts.pose_reach import PoseReach
@@ -34,11 +35,21 @@ from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
 
+JOINT_NOISE = 1e-4
+"""Standard deviation of the encoders, rad."""
+
 JOINT_DRIFT = 1e-6
 """Variance of what moves a joint in a step besides its command, rad²."""
 
 UNKNOWN_JOINT = 10.0
 """Variance of a joint before it is read, rad²."""
+
+BALL_NOISE = 0.002
+"""Standard deviation of a ball's position as it is seen, m."""
+
+BALL_DISTANCE = SquaredHinge(margin=0.03, weight=1.0)
+"""How far links stay from balls, m, which is their margin where balls are goals like any other:
+three times as far as from each other, since a ball may move."""
 
 ANYWHERE = (-100.0, 100.0)
 """Range of angles, places and components of a direction, rad and m."""
@@ -101,11 +112,11 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
         "z_position": Sensor(3, "m", key="target_position", **watched),
     }
 
-    told: dict[str, Any] = {"key": "target_orientation", **watched}
+    oriented: dict[str, Any] = {"key": "target_orientation", **watched}
     if options.orientation == "axis":
-        sensors["z_orientation"] = Sensor(3, "a direction", **told)
+        sensors["z_orientation"] = Sensor(3, "a direction", **oriented)
     if options.orientation == "full":
-        sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **told)
+        sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **oriented)
     for ball in _balls(options):
         sensors[f"z_{ball}"] = Sensor(3, "m", key=ball, **watched)
     return sensors
@@ -162,7 +173,7 @@ def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> li
         estimators.append(Deterministic("x_body", segments))
 
     for ball in _balls(options):
-        motion = moving_point(f"x_{ball}", f"z_{ball}", options.dt, options.ball_noise)
+        motion = moving_point(f"x_{ball}", f"z_{ball}", options.dt, BALL_NOISE)
         estimators.append(motion)
     return estimators
 
@@ -192,7 +203,7 @@ def _joints(options: Options, count: int) -> KalmanFilter:
         predict=Affine(x_joints=1.0, a="dt"),
         noise=JOINT_DRIFT,
         initial=([0.0] * count, UNKNOWN_JOINT),
-        correct=[Measurement(agreement, options.joint_noise**2, size=count)],
+        correct=[Measurement(agreement, JOINT_NOISE**2, size=count)],
     )
 
 
@@ -211,7 +222,7 @@ def _goals(options: Options, robot: Robot, pose: TipPose) -> list[Goal]:
     # for both, it is the wider margin of the ball that gives way.
     capsules, pairs = robot.shape.capsules, robot.shape.pairs
     for ball in _balls(options):
-        obstacle = Obstacle(Sphere(options.ball_radius), capsules, options.ball_distance)
+        obstacle = Obstacle(Sphere(options.ball_radius), capsules, BALL_DISTANCE)
         distance = Interconnection(obstacle, inputs=["x_body", f"x_{ball}"])
         goals.append(Goal(ball, distance, safety=options.safety))
     if pairs:

@@ -34,15 +34,12 @@ class Options:
         self_collision: How far links stay from each other, m, or their margin as a goal.
         balls: Number of balls that are seen, still or moving, and not to be touched.
         ball_radius: Their radius, m.
-        ball_distance: How far links stay from them, m, or their margin as a goal.
-        ball_noise: Standard deviation of a ball's position as it is seen, m.
         dtype: Precision of the estimates.
         dt: Time step, s.
         speed: Largest speed of a joint, rad/s; None for those of the robot.
         lever: A rotation by one rad counts as much as a motion of the tip by this, m.
         damping: Of the pseudo-inverse of the Jacobian, m/rad.
         tolerance: Within which a target asks for nothing, m.
-        joint_noise: Standard deviation of the encoders, rad.
         watchdog: Whether the arm stops on readings of its joints that are too old or frozen.
     """
 
@@ -59,15 +56,12 @@ class Options:
     self_collision: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.01, 1.0))
     balls: int = 0
     ball_radius: float = 0.08
-    ball_distance: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.03, 1.0))
-    ball_noise: float = 0.002
     dtype: torch.dtype = torch.float64
     dt: float = 0.02
     speed: float | None = None
     lever: float = 0.2
     damping: float = 0.15
     tolerance: float = 0.001
-    joint_noise: float = 1e-4
     watchdog: bool = True
 
     def __post_init__(self) -> None:
@@ -77,8 +71,7 @@ class Options:
             OptionError: If an option is not what it may be.
         """
         check_choice(self, "orientation", ("free", "axis", "full"))
-        check_positive(self, ("dt", "lever", "damping", "joint_noise"))
-        check_positive(self, ("ball_radius", "ball_noise"))
+        check_positive(self, ("dt", "lever", "damping", "ball_radius"))
         check_not_negative(self, ("tolerance", "balls"))
         if self.speed is not None:
             check_positive(self, ("speed",))

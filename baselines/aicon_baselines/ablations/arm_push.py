@@ -22,7 +22,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     # What seeing the object well is worth, and what the wrist feels of it.
     "without_trace": {"camera.trace_weight": 0.0},
     "tenfold_trace_weight": {"camera.trace_weight": 600.0},
-    "without_touch": {"touch": None},
+    "without_touch": {"touch": False},
     # The goals of the arm.
     "without_upright": {"upright_tolerance": None},
     "without_workspace": {"workspace": None},

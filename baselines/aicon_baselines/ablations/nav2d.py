@@ -19,7 +19,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "one_rule": ONE_RULE,
     "mechanism_as_in_paper": {
         "resolution.relative": False,
-        "resolution.exploration.partner": "second",
+        "resolution.exploration.opponent": "second",
         "resolution.exploration.ratio_of": "weights",
         "resolution.exploration.average_time": 1.0,
     },

@@ -46,7 +46,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
     "without_grouping": {"resolution.by_row": False},
-    "second_partner": {"resolution.exploration.partner": "second"},
+    "second_opponent": {"resolution.exploration.opponent": "second"},
     "mechanism_as_in_paper": _TEXT,
     "one_rule": ONE_RULE,
     "one_rule_without_foresight": {**ONE_RULE, **_ONE_GRADIENT},

@@ -5,8 +5,9 @@ ablations of the task (ours without one part) and its opponents (what others wou
 planners, too, which need an extra; agents that were trained come from their folder.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType, ModuleType
@@ -192,8 +193,8 @@ class ModelPolicy:
         from aicon_torch import make_policy
 
         task = _loaded(self.task)
-        told = task.policy_options(condition)
-        return make_policy(model_of(task), preset=self.preset, **{**told, **self.options})
+        known = task.policy_options(condition)
+        return make_policy(model_of(task), preset=self.preset, **{**known, **self.options})
 
 
 @dataclass(frozen=True)
@@ -207,19 +208,19 @@ class PlainAgent:
     task: TaskOrName
     options: Mapping[str, Any] = field(default_factory=dict)
 
-    def make(self, **told: Any) -> Predictor:
+    def make(self, **known: Any) -> Predictor:
         """Build it; an unknown option is an error that lists the valid ones."""
         from aicon_torch.models import replace_options
 
-        options = {**told, **self.options}
+        options = {**known, **self.options}
         agent: Predictor = replace_options(self.agent(), options, self.agent.__name__)
         return agent
 
     def __call__(self, condition: str) -> Predictor:
         """Build it for a condition."""
         own = {option.name for option in fields(self.agent)}
-        told = _loaded(self.task).policy_options(condition)
-        return self.make(**{name: value for name, value in told.items() if name in own})
+        known = _loaded(self.task).policy_options(condition)
+        return self.make(**{name: value for name, value in known.items() if name in own})
 
 
 @dataclass(frozen=True)
@@ -248,45 +249,8 @@ def saved_agent(
             ones.
         trust: Whether code that its files may hold is allowed to run.
     """
-    build = SavedAgent(task, folder.resolve(), sampled, trust)
+    build = SavedPolicy(partial(_load_agent, folder.resolve(), task, sampled, trust))
     return build.load().name, build
-
-
-@dataclass(frozen=True)
-class SavedAgent:
-    """Loads an agent of stable-baselines3 from its folder."""
-
-    task: str
-    folder: Path
-    sampled: bool
-    trust: bool
-
-    def load(self) -> Any:
-        """Load the agent."""
-        return import_sb3().Agent(self.folder, self.task, self.sampled, self.trust)
-
-    def __call__(self, condition: str) -> Predictor:
-        """Load it, the same one for every condition."""
-        agent: Predictor = self.load()
-        return agent
-
-
-def import_mppi() -> ModuleType:
-    """Import `aicon_baselines.agents.mppi`; an error says what to install for it."""
-    try:
-        return import_module("aicon_baselines.agents.mppi")
-    except ModuleNotFoundError as error:
-        needed = pip_command("peers")
-        raise ComparisonError(f"{error}; planning by MPPI needs: {needed}") from error
-
-
-def import_sb3() -> ModuleType:
-    """Import `aicon_baselines.agents.sb3`; an error says what to install for it."""
-    try:
-        return import_module("aicon_baselines.agents.sb3")
-    except ModuleNotFoundError as error:
-        needed = pip_command("sb3")
-        raise ComparisonError(f"{error}; agents of stable-baselines3 need: {needed}") from error
 
 
 def diffusion_policy(
@@ -308,25 +272,44 @@ def diffusion_policy(
         )
     from aicon_baselines.agents.diffusion.hub import locate
 
-    build = DiffusionPolicy(locate(source), sampler, inference_steps)
+    build = SavedPolicy(partial(_load_diffusion, locate(source), sampler, inference_steps))
     return build.load().name, build
 
 
 @dataclass(frozen=True)
-class DiffusionPolicy:
-    """Loads a diffusion policy of LeRobot from its folder."""
+class SavedPolicy:
+    """Loads a policy from where it was saved, the same one for every condition."""
 
-    folder: Path
-    sampler: str | None
-    inference_steps: int | None
-
-    def load(self) -> Any:
-        """Load the policy."""
-        from aicon_baselines.agents.diffusion.agent import Agent
-
-        return Agent(self.folder, self.sampler, self.inference_steps)
+    load: Callable[[], Any]
 
     def __call__(self, condition: str) -> Predictor:
-        """Load it, the same one for every condition."""
-        agent: Predictor = self.load()
-        return agent
+        """Load it."""
+        policy: Predictor = self.load()
+        return policy
+
+
+def _load_agent(*arguments: Any) -> Any:
+    return import_sb3().Agent(*arguments)
+
+
+def _load_diffusion(*arguments: Any) -> Any:
+    from aicon_baselines.agents.diffusion.agent import Agent
+
+    return Agent(*arguments)
+
+
+def import_mppi() -> ModuleType:
+    """Import `aicon_baselines.agents.mppi`; an error says what to install for it."""
+    return _import("mppi", "planning by MPPI needs", "peers")
+
+
+def import_sb3() -> ModuleType:
+    """Import `aicon_baselines.agents.sb3`; an error says what to install for it."""
+    return _import("sb3", "agents of stable-baselines3 need", "sb3")
+
+
+def _import(name: str, use: str, extra: str) -> ModuleType:
+    try:
+        return import_module(f"aicon_baselines.agents.{name}")
+    except ModuleNotFoundError as error:
+        raise ComparisonError(f"{error}; {use}: {pip_command(extra)}") from error

@@ -8,16 +8,13 @@ the times are those of the processor, so that a busy machine slows both alike.
 """
 
 import argparse
-from contextlib import closing
-from itertools import islice
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import make
-from aicon_baselines.cli.command_line import Command
-from aicon_baselines.evaluation.episodes import run_episodes
+from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import ratios, replay, spread, take_turns
 from aicon_baselines.tasks import choices, load
@@ -34,12 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TASK",
         help=f"of {choices()} (default: the 2D ones)",
     )
-    parser.add_argument(
-        "--rounds", type=int, default=30, help="rounds in which the two take turns (default: 30)"
-    )
-    parser.add_argument(
-        "--steps", type=int, default=100, help="steps of each in a round (default: 100)"
-    )
+    add_option(parser, "--rounds", 30, "rounds in which the two take turns")
+    add_option(parser, "--steps", 100, "steps of each in a round")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -84,15 +77,17 @@ def record_observations(
         seed: Seed of the episode.
         policy: By default AICON, compiled.
     """
+    from aicon_baselines.evaluation.recording import Recording, record
+
     content = load(task)
     if policy is None:
         to_compile: Any = make(task, "aicon", condition)
         policy = to_compile.compile()
 
-    with closing(content.make_env(1, condition, steps)) as env:
-        start = env.reset(**content.reset_arguments([content.episode(seed)]))
-        taken = islice(run_episodes(policy, env, start), steps)
-        return [step.observation for step in taken]
+    env = content.make_env(1, condition, steps)
+    reset = content.reset_arguments([content.episode(seed)])
+    recording = record(Recording, policy, env, reset, steps, look=lambda seen: seen)
+    return list(recording.pictures[:-1])
 
 
 def observations_of_one(task: str, condition: str, steps: int) -> list[dict[str, NDArray[Any]]]:

@@ -10,9 +10,11 @@ anyway, and no tree of dataclasses that tyro would spare us writing out.
 
 import argparse
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import extra_of, missing_extra
@@ -68,6 +70,53 @@ def make_parser(description: str | None, program: str | None = None) -> argparse
         description=description,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+
+
+def add_option(
+    parser: argparse._ActionsContainer, name: str, default: Any, text: str, **others: Any
+) -> None:
+    """Declare an option that has a default of its own type; a tuple takes several values.
+
+    Args:
+        parser: Where to declare it.
+        name: Its name, such as "--seed".
+        default: Its default.
+        text: What it is, for its help, to which the default is added.
+        **others: Further arguments of argparse.
+    """
+    several = isinstance(default, tuple)
+    first = default[0] if several else default
+    parser.add_argument(
+        name,
+        type=Path if isinstance(first, Path) else type(first),
+        nargs="+" if several else None,
+        default=default,
+        help=f"{text} (default: {' '.join(map(str, default)) if several else default})",
+        **others,
+    )
+
+
+def add_fields(
+    parser: argparse._ActionsContainer, defaults: object, helps: Mapping[str, str]
+) -> None:
+    """Declare an option for some fields of a dataclass; `fields_of` gives them back.
+
+    Args:
+        parser: Where to declare them.
+        defaults: An instance, whose values are the defaults.
+        helps: What each field is, by its name.
+    """
+    for name, text in helps.items():
+        option = f"--{name.replace('_', '-')}"
+        add_option(parser, option, getattr(defaults, name), text, metavar=name.upper())
+
+
+def fields_of(arguments: argparse.Namespace, helps: Mapping[str, str]) -> dict[str, Any]:
+    """The values of the fields that were declared by `add_fields`."""
+    values = {name: getattr(arguments, name) for name in helps}
+    return {
+        name: tuple(value) if isinstance(value, list) else value for name, value in values.items()
+    }
 
 
 @contextmanager

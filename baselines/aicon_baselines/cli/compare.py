@@ -17,7 +17,7 @@ from aicon_baselines.agents.registry import (
     saved_agent,
 )
 from aicon_baselines.agents.shipped import PUBLISHED_DIFFUSION, shipped_folder
-from aicon_baselines.cli.command_line import RESUMABLE, Command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.backends import BACKENDS
 from aicon_baselines.evaluation.config import configure
@@ -168,19 +168,9 @@ def _add_policies(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_episodes(group: argparse._ArgumentGroup) -> None:
-    group.add_argument(
-        "--episodes",
-        type=int,
-        default=100,
-        help="seeds, per condition and repeat (default: 100)",
-    )
-    group.add_argument("--seed", type=int, default=0, help="first seed (default: 0)")
-    group.add_argument(
-        "--repeats",
-        type=int,
-        default=1,
-        help="runs of each seed with other noise (default: 1)",
-    )
+    add_option(group, "--episodes", 100, "seeds, per condition and repeat")
+    add_option(group, "--seed", 0, "first seed")
+    add_option(group, "--repeats", 1, "runs of each seed with other noise")
 
     group.add_argument(
         "--conditions",
@@ -199,7 +189,7 @@ def _add_episodes(group: argparse._ArgumentGroup) -> None:
 
 def _add_execution(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--out", type=Path, required=True, help="folder of the results")
-    group.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
+    add_option(group, "--jobs", 1, "processes")
     group.add_argument(
         "--backend", choices=BACKENDS, default="loky", help="where they run (default: loky)"
     )

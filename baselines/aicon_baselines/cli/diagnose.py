@@ -33,25 +33,24 @@ def run(arguments: argparse.Namespace) -> None:
     """Run the episode again, and say what is seen in it."""
     from aicon_baselines.diagnosis import diagnose
     from aicon_baselines.diagnosis.picture import draw_diagnosis
-    from aicon_baselines.diagnosis.rerun import describe, rerun
+    from aicon_baselines.diagnosis.rerun import rerun
 
     again = rerun(arguments.run, arguments.seed, arguments.policy, arguments.condition)
     found = diagnose(again.history)
-    title = describe(again)
 
     path = arguments.picture or arguments.run / f"diagnosis_{arguments.seed}.png"
     draw_diagnosis(
         again.history,
         found,
         path,
-        title=title,
+        title=str(again),
         places=again.places,
         around=again.around,
         flipped=again.flipped,
     )
 
-    print(title)
-    if again.row.success != again.history.success:
+    print(again)
+    if again.row.success != again.recording.success:
         print(
             "In the comparison it was otherwise. There the episode was one of a batch: in the last "
             "bits it differs, and that decided."

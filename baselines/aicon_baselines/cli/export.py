@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from aicon_baselines.agents.registry import make
-from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.tasks import choices, load
 
 
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MACHINE",
         help="another kind of machine, see above (default: one like this)",
     )
-    parser.add_argument("--policy", default="aicon", help="aicon list names them (default: aicon)")
+    add_option(parser, "--policy", "aicon", "aicon list names them")
     parser.add_argument("--condition", help="default: the task's first")
 
 

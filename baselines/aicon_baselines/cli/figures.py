@@ -4,11 +4,10 @@ Example: aicon figures nav2d --out runs/figures
 
 nav2d saves nav2d_rollout.png (six moments of the evolving potential), nav2d_rollout.json (the
 figure's numbers) and the film nav2d_rollout.mp4. pusht saves the same as pusht_rollout: six moments
-of an episode, and the gradients that arrive at the pusher. arm_push saves arm_push_film.mp4, an
-episode of the arm from outside and from its hand above the strengths of its gradients, and
-arm_push_film.png, a picture from the middle of it. reach saves reach.png, moments of three arms'
-episodes beside their errors and gaps, and reach.mp4, one of them with a ball in its way. With
---video webp or gif a film is a small moving picture for a page.
+of an episode, and the gradients that arrive at the pusher. arm_push saves the same as
+arm_push_film: the arm from outside and from its hand, and its gradients. reach saves reach.png,
+moments of three arms' episodes beside their errors and gaps, and reach.mp4, one of them with a ball
+in its way. With --video webp a film is a small moving picture for a page.
 """
 
 import argparse
@@ -16,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.command_line import Command, add_option
 
 _FIGURES = {
     "nav2d": "2D navigation: the evolving potential",
@@ -31,13 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     figures = parser.add_subparsers(dest="figure", required=True, metavar="FIGURE")
     for name, title in _FIGURES.items():
         figure = figures.add_parser(name, help=title, description=title)
-        figure.add_argument(
-            "--out", type=Path, default=Path("runs/figures"), help="default: runs/figures"
-        )
+        add_option(figure, "--out", Path("runs/figures"), "folder of the files")
         figure.add_argument(
             "--seed", type=int, help="seed of the episode (default: one that shows it all)"
         )
-        figure.add_argument("--video", default="mp4", help="mp4, webp, gif or none (default: mp4)")
+        add_option(figure, "--video", "mp4", "mp4, webp or none")
         if name == "nav2d":
             figure.add_argument("--map", metavar="NAME", help="class of maps (default: a trap)")
 

@@ -9,24 +9,21 @@ batch.
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from gymnasium.vector import VectorEnv, VectorWrapper
-from numpy.typing import NDArray
-from PIL import Image
+from gymnasium.vector import VectorEnv
 
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.agents.variants import REFERENCE, parse_variant
-from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.episodes import Step
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 from aicon_baselines.files import replacing
 from aicon_baselines.tasks import choices, load
 
@@ -43,12 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
     )
     parser.add_argument("--condition", metavar="NAME", help="variant of the task (default: first)")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the episode (default: 0)")
+    add_option(parser, "--seed", 0, "seed of the episode")
     parser.add_argument(
         "--horizon", type=int, metavar="STEPS", help="limit of the episode (default: the task's)"
     )
     add_compile_option(parser)
-    parser.add_argument("--render", type=Path, metavar="FILE", help="save the last view, as png")
     parser.add_argument("--video", type=Path, metavar="FILE", help="save a film, as mp4 or gif")
 
 
@@ -70,18 +66,29 @@ def run(arguments: argparse.Namespace) -> None:
     name, options = parse_variant(arguments.policy)
     builds = {name: factory(task.name, name, **options)}
     build = compiled_as_asked(builds, arguments.compile)[name]
-    policy = _Remembering(build(condition))
+    policy: Any = build(condition)
 
-    with _filmed(task, arguments.render, arguments.video) as filmed_task:
-        episodes = [filmed_task.episode(arguments.seed)]
-        outcome = rollout(policy, filmed_task, condition, episodes, [arguments.seed])
+    memory: Any = None
+    steps = 0
+    episodes = [task.episode(arguments.seed)]
+    every = max(1, round(1.0 / (_PICTURES_PER_SECOND * task.time_step)))
+    with _film_writer(arguments.video, task.time_step) as film:
+
+        def on_step(env: VectorEnv[Any, Any, Any], step: Step) -> None:
+            nonlocal memory, steps
+            if film is not None and steps % every == 0:
+                film.append_data((env.render() or ())[0])
+            memory, steps = step.memory, steps + 1
+
+        seeing: dict[str, Any] = {} if film is None else {"render_mode": "rgb_array"}
+        seeds = [arguments.seed]
+        outcome = rollout(policy, task, condition, episodes, seeds, on_step=on_step, **seeing)
 
     print(describe_outcome(task, outcome))
-    if policy.can_explain:
-        print(f"\nits last step:\n{policy.explain()}")
-    for path in (arguments.render, arguments.video):
-        if path:
-            print(f"saved: {path}")
+    if hasattr(policy, "explain"):  # a planner has nothing to tell
+        print(f"\nits last step:\n{policy.explain(memory, 0)}")
+    if arguments.video:
+        print(f"saved: {arguments.video}")
 
 
 def describe_outcome(task: Task, outcome: Outcome) -> str:
@@ -102,92 +109,8 @@ def describe_outcome(task: Task, outcome: Outcome) -> str:
     return "; ".join(parts)
 
 
-class _Remembering:
-    """A policy that keeps its memory, to tell afterwards what its last step decided."""
-
-    def __init__(self, policy: Any) -> None:
-        self._policy: Any = policy
-        self._memory: Any = None
-        self.env_options = getattr(policy, "env_options", {})
-
-    @property
-    def can_explain(self) -> bool:
-        """Whether it says what it decided; a planner has nothing to tell."""
-        return hasattr(self._policy, "explain")
-
-    def predict(
-        self,
-        observation: dict[str, NDArray[Any]],
-        state: Any = None,
-        episode_start: NDArray[np.bool_] | None = None,
-        deterministic: bool = True,
-    ) -> tuple[Any, Any]:
-        """Choose the next action, and keep the memory."""
-        action, self._memory = self._policy.predict(observation, state, episode_start)
-        return action, self._memory
-
-    def explain(self) -> str:
-        """Tell what the last step decided."""
-        return str(self._policy.explain(self._memory, 0))
-
-
-class _Camera:
-    """Takes pictures of an episode, and saves the last one and a film of them."""
-
-    def __init__(self, time_step: float, writer: Any) -> None:
-        self._writer = writer
-        self._every = max(1, round(1.0 / (_PICTURES_PER_SECOND * time_step)))
-        self._steps = 0
-        self.last: NDArray[np.uint8] | None = None
-
-    def look(self, env: VectorEnv[Any, Any, Any]) -> None:
-        """Look at the only episode of an environment, at those steps that the film shows."""
-        if self._steps % self._every == 0:
-            pictures: Any = env.render()
-            self.last = pictures[0]
-            if self._writer:
-                self._writer.append_data(self.last)
-        self._steps += 1
-
-
-class _Watched(VectorWrapper):
-    """An environment that a camera looks at after every step."""
-
-    def __init__(self, env: VectorEnv[Any, Any, Any], camera: _Camera) -> None:
-        super().__init__(env)
-        self._camera = camera
-
-    def step(self, actions: Any) -> Any:
-        """Step, and be looked at."""
-        result = self.env.step(actions)
-        self._camera.look(self.env)
-        return result
-
-
 @contextmanager
-def _filmed(task: Task, picture: Path | None, video: Path | None) -> Iterator[Task]:
-    """Give a task whose episodes are filmed; the files are there when the context ends."""
-    if picture is None and video is None:
-        yield task
-        return
-
-    with _open_video(video, task.time_step) as writer:
-        camera = _Camera(task.time_step, writer)
-
-        def make_env(*arguments: Any, **options: Any) -> VectorEnv[Any, Any, Any]:
-            env = task.make_env(*arguments, render_mode="rgb_array", **options)
-            return _Watched(env, camera)
-
-        yield replace(task, make_env=make_env)
-
-    if picture is not None and camera.last is not None:
-        picture.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(picture) as place:
-            Image.fromarray(camera.last).save(place)
-
-
-@contextmanager
-def _open_video(path: Path | None, time_step: float) -> Iterator[Any]:
+def _film_writer(path: Path | None, time_step: float) -> Iterator[Any]:
     """Give what writes pictures into a film; None without a path."""
     if path is None:
         yield None
@@ -195,10 +118,8 @@ def _open_video(path: Path | None, time_step: float) -> Iterator[Any]:
     if path.suffix not in (".mp4", ".gif"):
         raise ComparisonError(f"a video ends in .mp4 or .gif, not {path.suffix!r}")
 
-    try:
+    with naming_extra():
         import imageio.v2 as imageio
-    except ModuleNotFoundError as error:
-        raise missing_extra(error) from error
 
     path.parent.mkdir(parents=True, exist_ok=True)
     rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))

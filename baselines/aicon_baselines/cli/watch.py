@@ -13,17 +13,18 @@ import logging
 import os
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from aicon_baselines.agents.variants import REFERENCE
-from aicon_baselines.cli.command_line import Command
+from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name, choices
 
 if TYPE_CHECKING:
-    from aicon_baselines.view.opening import Opening
+    from aicon_baselines.view import LiveEpisode
 
 _LONGEST = 60.0  # s that are recorded
 _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
@@ -39,9 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
     )
     parser.add_argument("--condition", metavar="NAME", help="variant of the task")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the episode (default: 0)")
+    add_option(parser, "--seed", 0, "seed of the episode")
 
-    parser.add_argument("--port", type=int, default=8080, help="port of the page (default: 8080)")
+    add_option(parser, "--port", 8080, "port of the page")
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen at (default: this machine only)"
     )
@@ -72,19 +73,20 @@ def run(arguments: argparse.Namespace) -> None:
 
     import torch
 
-    from aicon_baselines.view.opening import Opening
-    from aicon_baselines.view.scenes import check_watchable
+    from aicon_baselines.view import opening
 
     torch.set_num_threads(1)
-    check_watchable(arguments.task)
-    opening = Opening.of(arguments.task, arguments.policy, arguments.condition, seed=arguments.seed)
+    opening.check_watchable(arguments.task)
+    open_episode = opening.prepare_episode(
+        arguments.task, arguments.policy, arguments.condition, arguments.seed
+    )
     if arguments.record is None:
-        _serve(opening, arguments)
+        _serve(open_episode, arguments)
     else:
-        _record(opening, arguments.record)
+        _record(open_episode(), arguments.record)
 
 
-def _serve(opening: "Opening", arguments: argparse.Namespace) -> None:
+def _serve(open_episode: "Callable[[], LiveEpisode]", arguments: argparse.Namespace) -> None:
     """Say where the page is, build what it shows, and show it until the user stops it."""
     from aicon_baselines.view import LiveView, serve
 
@@ -97,7 +99,7 @@ def _serve(opening: "Opening", arguments: argparse.Namespace) -> None:
             print(f"public for a day, to whoever knows the address: {server.share()}", flush=True)
 
         with server.waiting("The policy and its world are being built."):
-            episode = opening.open()
+            episode = open_episode()
         LiveView(episode, server, paused=arguments.paused, loops=arguments.loop).run()
     finally:
         server.stop()
@@ -131,11 +133,10 @@ def _check(arguments: argparse.Namespace) -> None:
         raise ComparisonError(f"a recording ends in .html, not {arguments.record.suffix!r}")
 
 
-def _record(opening: "Opening", path: Path) -> None:
+def _record(episode: "LiveEpisode", path: Path) -> None:
     """Save the episode as a page."""
     from aicon_baselines.view import record_html
 
-    episode = opening.open()
     page = record_html(episode, _LONGEST)
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)

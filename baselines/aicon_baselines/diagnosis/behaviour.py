@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aicon_baselines.diagnosis.finding import Finding
+from aicon_baselines.diagnosis.finding import Finding, percent, seconds
 from aicon_baselines.diagnosis.history import History
 from aicon_baselines.diagnosis.recurrence import (
     find_period,
@@ -10,8 +10,7 @@ from aicon_baselines.diagnosis.recurrence import (
     normalised,
     repeats_since,
 )
-from aicon_baselines.diagnosis.words import costs_in_words, percent, seconds
-from aicon_baselines.evaluation.recording import FloatArray
+from aicon_baselines.evaluation.recording import BoolArray, FloatArray
 
 STILL = 0.02
 """Share of its range in the episode, or of an actuator's limit, within which nothing moves."""
@@ -96,10 +95,8 @@ def find_returning(history: History) -> Finding | None:
 
 def find_progress(history: History) -> Finding | None:
     """Whether a goal's cost still came to new lows in the last third of the episode."""
-    for name, curve in history.goals.items():
-        if curve.safety:
-            continue
-        last = _last_low(curve.cost)
+    for name, cost in history.costs.items():
+        last = _last_low(cost)
         if last < 2 * history.steps // 3:
             continue
 
@@ -107,11 +104,20 @@ def find_progress(history: History) -> Finding | None:
         when = "at its very end" if ago == 0 else f"{seconds(ago)} before its end"
         text = (
             f"It was on its way when the episode ended: {name} had its least cost, "
-            f"{curve.cost[last]:.3g}, {when}, and {curve.cost[0]:.3g} at the start. With more time "
-            "it may arrive."
+            f"{cost[last]:.3g}, {when}, and {cost[0]:.3g} at the start. With more time it may "
+            "arrive."
         )
         return Finding("progress", text, float(history.times[last]), (name,))
     return None
+
+
+def costs_in_words(history: History) -> str:
+    """What is left of the goals that are followed, at the end."""
+    left: list[str] = []
+    for name, cost in history.costs.items():
+        first, best, last = cost[0], cost.min(), cost[-1]
+        left.append(f"{name} {last:.3g} (at the start {first:.3g}, at best {best:.3g})")
+    return f"Cost at the end: {', '.join(left)}." if left else "There is no goal."
 
 
 def _extent(history: History, since: int) -> float:
@@ -131,7 +137,7 @@ def _last_low(cost: FloatArray) -> int:
     return last if enough > 0 else 0
 
 
-def _last_true(flags: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int:
+def _last_true(flags: BoolArray) -> int:
     """Index of the last true value; −1 if there is none."""
     true = np.flatnonzero(flags)
     return int(true[-1]) if len(true) else -1

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.diagnosis.finding import Finding
+from aicon_baselines.diagnosis.finding import Finding, listed, percent, times
 from aicon_baselines.diagnosis.history import History, MeetingCurve
-from aicon_baselines.diagnosis.words import listed, percent, times
+from aicon_baselines.evaluation.recording import true_intervals
 
 OPPOSED = -0.6
 """Cosine below which gradients oppose each other, as in :class:`aicon_torch.Exploration`."""
@@ -24,17 +24,20 @@ def find_conflicts(history: History, since: int) -> Iterator[Finding]:
         history: The episode.
         since: The step.
     """
-    for name, meeting in history.meetings.items():
-        exploring = meeting.exploring[since:]
-        opposed = (meeting.cosine[since:] < OPPOSED) & (meeting.opponent[since:] >= 0)
-        found = None
-        if exploring.mean() >= OFTEN:
-            found = _explored(name, meeting, since)
-        elif opposed.mean() >= 0.5:
-            found = _not_explored(name, meeting, since)
+    for name, whole in history.meetings.items():
+        meeting = whole.since(since)
+        compared = meeting.opponent >= 0
+        opposed = (meeting.cosine < OPPOSED) & compared
 
-        if found is not None:
-            text, goals = found
+        if meeting.exploring.mean() >= OFTEN:
+            steps, in_words = meeting.exploring & compared, _explored
+        elif opposed.mean() >= 0.5:
+            steps, in_words = opposed, _not_explored
+        else:
+            continue
+
+        if steps.any():
+            text, goals = in_words(name, meeting, steps)
             yield Finding("conflict", text, since * history.dt, goals)
 
 
@@ -50,83 +53,67 @@ def find_constraints(history: History, since: int) -> Iterator[Finding]:
         text = (
             f"Safety goals hold {name} up: in {percent(escaping.mean())} of the time it gave up "
             "descending to get away from where they brought it to rest, "
-            f"{times(_beginnings(curve.escaping[since:]))}.{held}"
+            f"{times(len(true_intervals(escaping)))}.{held}"
         )
-        goals = tuple(goal for goal, curve in history.goals.items() if curve.safety)
-        yield Finding("constraint", text, since * history.dt, goals)
+        yield Finding("constraint", text, since * history.dt, tuple(history.gaps))
 
 
-def _explored(name: str, meeting: MeetingCurve, since: int) -> tuple[str, tuple[str, ...]] | None:
-    """A conflict that was explored, in words, and its goals."""
-    exploring = meeting.exploring[since:]
-    pair = _most_frequent(meeting, exploring & (meeting.opponent[since:] >= 0), since)
-    if pair is None:
-        return None
-
-    leader, opponent, share, cosine = pair
+def _explored(
+    name: str, meeting: MeetingCurve, steps: NDArray[np.bool_]
+) -> tuple[str, tuple[str, ...]]:
+    """A conflict that was explored in some steps, in words, and its goals."""
+    exploring = meeting.exploring
+    dominant, opponent, share, cosine = _most_frequent(meeting, steps)
+    began = times(len(true_intervals(exploring)))
     still = "and was not over at the end" if exploring[-1] else "and paused at the end"
     text = (
         f"A conflict at {name} does not end: it is explored in {percent(exploring.mean())} of "
-        f"the time, began {times(_beginnings(exploring))}, {still}. In {percent(share)} of that it "
-        f"was {meeting.labels[leader]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
+        f"the time, began {began}, {still}. In {percent(share)} of that it "
+        f"was {meeting.labels[dominant]} against {meeting.labels[opponent]} (cosine {cosine:+.2f})."
     )
-    return text, _goals(meeting, leader, opponent)
+    return text, _goals(meeting, dominant, opponent)
 
 
 def _not_explored(
-    name: str, meeting: MeetingCurve, since: int
-) -> tuple[str, tuple[str, ...]] | None:
-    """A conflict in which one gradient was too strong to be explored."""
-    opposed = (meeting.cosine[since:] < OPPOSED) & (meeting.opponent[since:] >= 0)
-    pair = _most_frequent(meeting, opposed, since)
-    if pair is None:
-        return None
-
-    leader, opponent, _, cosine = pair
-    strengths = meeting.strengths[since:][opposed]
-    ratio = np.median(strengths[:, leader] / np.maximum(strengths[:, opponent], 1e-300))
+    name: str, meeting: MeetingCurve, steps: NDArray[np.bool_]
+) -> tuple[str, tuple[str, ...]]:
+    """A conflict in some steps in which one gradient was too strong to be explored."""
+    dominant, opponent, _, cosine = _most_frequent(meeting, steps)
+    magnitudes = meeting.magnitudes[steps]
+    ratio = np.median(magnitudes[:, dominant] / np.maximum(magnitudes[:, opponent], 1e-300))
     strength = "Both are about equally strong, and nothing is explored."
     if ratio > 1.5:
         strength = f"The first is {ratio:.2g} times as strong, so that it hardly ever explores."
     text = (
-        f"Gradients oppose each other at {name} in {percent(opposed.mean())} of the time (cosine "
-        f"{cosine:+.2f}): {meeting.labels[leader]} against {meeting.labels[opponent]}. "
+        f"Gradients oppose each other at {name} in {percent(steps.mean())} of the time (cosine "
+        f"{cosine:+.2f}): {meeting.labels[dominant]} against {meeting.labels[opponent]}. "
         f"{strength}"
     )
-    return text, _goals(meeting, leader, opponent)
+    return text, _goals(meeting, dominant, opponent)
 
 
 def _most_frequent(
-    meeting: MeetingCurve, steps: NDArray[np.bool_], since: int
-) -> tuple[int, int, float, float] | None:
-    """The leader and opponent of most of these steps, their share of them, and their cosine."""
-    if not steps.any():
-        return None
-    leaders, opponents = meeting.leader[since:][steps], meeting.opponent[since:][steps]
-    pairs = Counter(zip(leaders.tolist(), opponents.tolist(), strict=True))
+    meeting: MeetingCurve, steps: NDArray[np.bool_]
+) -> tuple[int, int, float, float]:
+    """The dominant and opponent of most of these steps, their share of them, and their cosine."""
+    dominants, opponents = meeting.dominant[steps], meeting.opponent[steps]
+    pairs = Counter(zip(dominants.tolist(), opponents.tolist(), strict=True))
 
-    (leader, opponent), count = pairs.most_common(1)[0]
-    theirs = (leaders == leader) & (opponents == opponent)
-    cosine = float(np.median(meeting.cosine[since:][steps][theirs]))
-    return leader, opponent, count / int(steps.sum()), cosine
+    (dominant, opponent), count = pairs.most_common(1)[0]
+    theirs = (dominants == dominant) & (opponents == opponent)
+    cosine = float(np.median(meeting.cosine[steps][theirs]))
+    return dominant, opponent, count / int(steps.sum()), cosine
 
 
-def _goals(meeting: MeetingCurve, leader: int, opponent: int) -> tuple[str, ...]:
-    return tuple(dict.fromkeys((meeting.goals[leader], meeting.goals[opponent])))
-
-
-def _beginnings(flags: NDArray[np.bool_]) -> int:
-    """How often a flag rose."""
-    return int(flags[0]) + int((flags[1:] & ~flags[:-1]).sum())
+def _goals(meeting: MeetingCurve, dominant: int, opponent: int) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((meeting.goals[dominant], meeting.goals[opponent])))
 
 
 def _near_goals(history: History, since: int) -> list[str]:
     """Safety goals whose gap was almost used up, with how often."""
     near: list[str] = []
-    for name, curve in history.goals.items():
-        if curve.gap is None:
-            continue
-        share = (curve.gap[since:] < 0.1 * np.median(curve.gap)).mean()
+    for name, gap in history.gaps.items():
+        share = (gap[since:] < 0.1 * np.median(gap)).mean()
         if share >= OFTEN:
-            near.append(f"{name} ({percent(share)} of the time, least gap {curve.gap.min():.3g})")
+            near.append(f"{name} ({percent(share)} of the time, least gap {gap.min():.3g})")
     return near

@@ -1,6 +1,6 @@
 """What is looked at to find out why an episode failed: its memories, as curves over time."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,28 +10,11 @@ from torch import Tensor
 
 from aicon_baselines.diagnosis.innovations import Innovations, innovations
 from aicon_baselines.evaluation.recording import BoolArray, FloatArray, Recording, to_array
-from aicon_torch import EKF, Actuator, Foresight, Goal, Policy, StepTrace, WorldModel
+from aicon_torch import EKF, Actuator, Foresight, Policy, StepTrace, WorldModel
 from aicon_torch.control.memory import GOAL_FACTORS
-from aicon_torch.inspection import QuantityTrace
 from aicon_torch.quantities import PRESENT
-from aicon_torch.resolution import Memory
 
 IntArray = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class GoalCurve:
-    """A goal over the n steps of an episode.
-
-    Attributes:
-        cost: Its cost, (n,).
-        safety: Whether nothing may violate it.
-        gap: Of a safety goal, what is left until it costs something, (n,).
-    """
-
-    cost: FloatArray
-    safety: bool = False
-    gap: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -41,8 +24,8 @@ class MeetingCurve:
     Attributes:
         labels: For each of g gradients its path, such as "reach → p_tar → x_rob".
         goals: For each gradient its goals, joined by "+".
-        strengths: (n, g).
-        leader: Index of the leading gradient, (n,).
+        magnitudes: (n, g).
+        dominant: Index of the leading gradient, (n,).
         opponent: Index of the gradient that it was compared with, (n,); −1 for none.
         cosine: Between the two, (n,).
         exploring: (n,).
@@ -50,11 +33,20 @@ class MeetingCurve:
 
     labels: tuple[str, ...]
     goals: tuple[str, ...]
-    strengths: FloatArray
-    leader: IntArray
+    magnitudes: FloatArray
+    dominant: IntArray
     opponent: IntArray
     cosine: FloatArray
     exploring: BoolArray
+
+    def since(self, step: int) -> "MeetingCurve":
+        """The same from a step on."""
+        curves = {
+            name: values[step:]
+            for name, values in vars(self).items()
+            if name not in ("labels", "goals")
+        }
+        return MeetingCurve(self.labels, self.goals, **curves)
 
 
 @dataclass(frozen=True)
@@ -85,7 +77,8 @@ class History:
     Attributes:
         dt: Time of a step, s.
         state: What the robot and its world did, as the policy estimates it, (n, d).
-        goals: The goals that were switched on, by name.
+        costs: Cost of each goal that is followed, as far as it is switched on, (n,).
+        gaps: What is left of each safety goal until it costs something, likewise, (n,).
         meetings: Where gradients met, by quantity.
         actuators: The actuators, by name.
         innovations: By how much readings differed from what was estimated.
@@ -95,7 +88,8 @@ class History:
 
     dt: float
     state: FloatArray
-    goals: Mapping[str, GoalCurve] = field(default_factory=dict)
+    costs: Mapping[str, FloatArray] = field(default_factory=dict)
+    gaps: Mapping[str, FloatArray] = field(default_factory=dict)
     meetings: Mapping[str, MeetingCurve] = field(default_factory=dict)
     actuators: Mapping[str, ActuatorCurve] = field(default_factory=dict)
     innovations: Sequence[Innovations] = ()
@@ -113,6 +107,7 @@ class History:
         return self.dt * np.arange(self.steps, dtype=np.float64)
 
     @classmethod
+    @torch.no_grad()
     def of(cls, recording: Recording) -> "History":
         """The history of an episode of a single robot.
 
@@ -124,14 +119,24 @@ class History:
             raise ValueError(f"memories: expected those of two steps or more, got {steps}.")
 
         policy, memory, trace = recording.policy, recording.memory, recording.trace
+        values, factors = policy.model.values(trace.values), memory[GOAL_FACTORS][-1].tolist()
+        costs: dict[str, FloatArray] = {}
+        gaps: dict[str, FloatArray] = {}
+        for factor, (name, goal) in zip(factors, policy.model.goals.items(), strict=True):
+            if factor != 0 and goal.safety:
+                gaps[name] = to_array(goal.gaps(values).amin(-1))
+            elif factor != 0:
+                costs[name] = to_array(trace.costs[name])
+
         # Who has no clock took as long as usual, which is no silence.
         sensors = [name for name in policy.model.sensors if name != policy.model.clock]
         return cls(
             dt=recording.time_step,
             state=_state(policy.model, trace),
-            goals=dict(_goal_curves(policy.model, memory, trace)),
-            meetings=dict(_meeting_curves(trace)),
-            actuators=dict(_actuator_curves(policy, trace)),
+            costs=costs,
+            gaps=gaps,
+            meetings=_meeting_curves(trace),
+            actuators=_actuator_curves(policy, trace),
             innovations=innovations(policy.model, memory),
             present={name: _flags(memory[name + PRESENT]) for name in sensors},
             success=recording.success,
@@ -145,57 +150,42 @@ def _state(model: WorldModel, trace: StepTrace) -> FloatArray:
     return np.concatenate([column.reshape(len(column), -1) for column in columns], axis=1)
 
 
-def _goal_curves(
-    model: WorldModel, memory: Memory, trace: StepTrace
-) -> Iterator[tuple[str, GoalCurve]]:
-    """The goals that are switched on in the end."""
-    values, factors = model.values(trace.values), memory[GOAL_FACTORS][-1]
-    for factor, (name, goal) in zip(factors.tolist(), model.goals.items(), strict=True):
-        if factor != 0:
-            gap = _gap(goal, values) if goal.safety else None
-            yield name, GoalCurve(to_array(trace.costs[name]), goal.safety, gap)
-
-
-def _gap(goal: Goal, values: Mapping[str, Tensor]) -> FloatArray:
-    """The least gap of a safety goal, (n,)."""
-    with torch.no_grad():
-        return to_array(goal.gaps(values).amin(-1))
-
-
-def _meeting_curves(trace: StepTrace) -> Iterator[tuple[str, MeetingCurve]]:
+def _meeting_curves(trace: StepTrace) -> dict[str, MeetingCurve]:
     """Where more than one gradient arrived."""
+    curves: dict[str, MeetingCurve] = {}
     for name, quantity in trace.quantities.items():
         if len(quantity.paths) > 1:
-            yield (
-                name,
-                MeetingCurve(
-                    labels=quantity.labels,
-                    goals=tuple("+".join(goals) for goals in quantity.goals),
-                    strengths=to_array(quantity.strengths),
-                    leader=_indices(quantity.leader),
-                    opponent=_indices(quantity.opponent),
-                    cosine=to_array(quantity.cosine),
-                    exploring=_flags(quantity.exploring),
-                ),
+            curves[name] = MeetingCurve(
+                labels=quantity.labels,
+                goals=tuple("+".join(goals) for goals in quantity.goals),
+                magnitudes=to_array(quantity.magnitudes),
+                dominant=quantity.dominant.numpy(force=True),
+                opponent=quantity.opponent.numpy(force=True),
+                cosine=to_array(quantity.cosine),
+                exploring=_flags(quantity.exploring),
             )
+    return curves
 
 
-def _actuator_curves(policy: Policy, trace: StepTrace) -> Iterator[tuple[str, ActuatorCurve]]:
+def _actuator_curves(policy: Policy, trace: StepTrace) -> dict[str, ActuatorCurve]:
+    # The last inner step of a descent with foresight, as a share of the limit.
+    law = policy.law
+    smallest = law.step / law.iterations if isinstance(law, Foresight) else None
+
+    curves: dict[str, ActuatorCurve] = {}
     for name, actuator in policy.model.actuators.items():
         quantity = trace.quantities.get(name)
         share = _share_of_limit(actuator, to_array(trace.values[name]))
         nothing = np.zeros(len(share))
 
-        yield (
-            name,
-            ActuatorCurve(
-                share=share,
-                gradient=nothing if quantity is None else _strongest(quantity),
-                escaping=nothing.astype(bool) if quantity is None else _flags(quantity.exploring),
-                smallest=_smallest_step(policy),
-                constraints=tuple(_name_of(one) for one in actuator.constraints),
-            ),
+        curves[name] = ActuatorCurve(
+            share=share,
+            gradient=nothing if quantity is None else to_array(quantity.magnitudes.amax(-1)),
+            escaping=nothing.astype(bool) if quantity is None else _flags(quantity.exploring),
+            smallest=smallest,
+            constraints=tuple(_name_of(one) for one in actuator.constraints),
         )
+    return curves
 
 
 def _share_of_limit(actuator: Actuator, action: FloatArray) -> FloatArray:
@@ -206,24 +196,9 @@ def _share_of_limit(actuator: Actuator, action: FloatArray) -> FloatArray:
     return np.abs(action) / limit
 
 
-def _strongest(quantity: QuantityTrace) -> FloatArray:
-    """The norm of the strongest gradient, (n,)."""
-    return to_array(quantity.strengths.amax(-1))
-
-
-def _smallest_step(policy: Policy) -> float | None:
-    """The last inner step of a descent with foresight, as a share of the limit."""
-    law = policy.law
-    return law.step / law.iterations if isinstance(law, Foresight) else None
-
-
 def _name_of(constraint: object) -> str:
     """The name of a function, or of an object's class."""
     return getattr(constraint, "__name__", type(constraint).__name__)
-
-
-def _indices(tensor: Tensor) -> IntArray:
-    return tensor.numpy(force=True).astype(np.int64)
 
 
 def _flags(tensor: Tensor) -> BoolArray:

@@ -5,10 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from aicon_baselines.diagnosis.behaviour import STILL
-from aicon_baselines.diagnosis.finding import Finding
+from aicon_baselines.diagnosis.finding import Finding, listed, percent
 from aicon_baselines.diagnosis.history import ActuatorCurve, History
 from aicon_baselines.diagnosis.recurrence import upward_crossings
-from aicon_baselines.diagnosis.words import listed, percent
 
 AT_LIMIT = 0.99
 """Share of its limit from which on an actuator is at it."""
@@ -67,10 +66,10 @@ def find_coarseness(history: History, since: int) -> Iterator[Finding]:
 
 def find_restlessness(history: History, since: int) -> Iterator[Finding]:
     """Goals whose cost rises and falls and never settles, from a step on."""
-    for name, curve in history.goals.items():
-        cost = curve.cost[since:]
+    for name, whole in history.costs.items():
+        cost = whole[since:]
         low, span = float(cost.min()), float(np.ptp(cost))
-        if curve.safety or span < 0.05 * float(np.ptp(curve.cost)):
+        if span < 0.05 * float(np.ptp(whole)):
             continue
 
         swings = len(upward_crossings(cost, low + 0.25 * span, low + 0.75 * span))

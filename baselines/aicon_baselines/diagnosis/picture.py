@@ -113,23 +113,21 @@ def _draw_places(axes: Axes, history: History, found: Diagnosis, places: FloatAr
 
 
 def _draw_costs(axes: Axes, history: History) -> None:
-    followed = {name: curve for name, curve in history.goals.items() if not curve.safety}
-    for color, (name, curve) in zip(CURVES, followed.items(), strict=False):
-        axes.plot(history.times, curve.cost, color=color, linewidth=1.3, label=name)
+    for color, (name, cost) in zip(CURVES, history.costs.items(), strict=False):
+        axes.plot(history.times, cost, color=color, linewidth=1.3, label=name)
     axes.set_ylabel("cost")
 
 
 def _draw_cosines(axes: Axes, history: History) -> None:
-    """How much the leading gradient is opposed, and where a quantity explores."""
+    """How much the dominant gradient is opposed, and where a quantity explores."""
     explores = np.zeros(history.steps, dtype=np.bool_)
     for color, (name, curve) in zip(CURVES, history.meetings.items(), strict=False):
         axes.plot(history.times, curve.cosine, color=color, linewidth=0.9, label=f"at {name}")
         explores |= curve.exploring
 
-    for begin, end in true_intervals(explores):
-        axes.axvspan(history.dt * begin, history.dt * end, **SHADE)
+    _shade(axes, history, explores)
     axes.set_ylim(-1.08, 1.08)
-    axes.set_ylabel("cosine to the rival")
+    axes.set_ylabel("cosine to the opponent")
 
 
 def _draw_actions(axes: Axes, history: History) -> None:

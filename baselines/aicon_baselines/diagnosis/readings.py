@@ -5,10 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from aicon_baselines.diagnosis.conflicts import OFTEN
-from aicon_baselines.diagnosis.finding import Finding
+from aicon_baselines.diagnosis.finding import Finding, listed, percent
 from aicon_baselines.diagnosis.history import History
 from aicon_baselines.diagnosis.innovations import Innovations
-from aicon_baselines.diagnosis.words import listed, percent
 
 LARGE = 9.0
 """A normalised innovation squared from which on a reading contradicts an estimate: 3 deviations."""

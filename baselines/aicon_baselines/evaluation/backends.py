@@ -1,22 +1,23 @@
 """Where the jobs of a comparison run: processes on this machine, or a dask cluster."""
 
 import os
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
+from threading import Thread
 from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.parent import end_with
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 
-try:
+with naming_extra():
     from joblib import parallel_config
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 BACKENDS = ("loky", "dask")
 """Names of the backends, the usual one first."""
+
+_INTERVAL = 0.2  # s between two looks at the parent
 
 
 @contextmanager
@@ -66,3 +67,22 @@ def _connect(stack: ExitStack, jobs: int, scheduler: str | None) -> None:
         stack.enter_context(distributed.Client(scheduler))
     except (OSError, ValueError) as error:
         raise ComparisonError(f"no dask scheduler answers at {scheduler}: {error}") from error
+
+
+def end_with(parent: int) -> None:
+    """End this process soon after its parent, however that ended.
+
+    The parent may be killed without a chance to tell anyone. Its children then belong to another
+    process, which is how they notice.
+
+    Args:
+        parent: Process number of the parent; where that is this process itself, nothing happens.
+    """
+    if os.getpid() != parent:
+        Thread(target=_watch, args=(parent,), daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_INTERVAL)
+    os._exit(1)  # at once: there is nobody left to tell

@@ -13,19 +13,16 @@ from aicon_baselines.evaluation.backends import joblib_backend
 from aicon_baselines.evaluation.config import Config
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory
-from aicon_baselines.evaluation.progress import ProgressBar, report
+from aicon_baselines.evaluation.progress import progress_bar
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.row import Key, Row, key
-from aicon_baselines.evaluation.run_folder import RunFolder
+from aicon_baselines.evaluation.run_folder import RunFolder, keep
 from aicon_baselines.evaluation.task import Episode, Task
-from aicon_baselines.evaluation.unfinished import keep
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 
-try:
+with naming_extra():
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import TerminatedWorkerError
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 
 class _Job(NamedTuple):
@@ -74,27 +71,18 @@ def compare(
 
     # Rows are saved as they arrive, in any order, and sorted at the end.
     if missing:
-        with joblib_backend(backend, jobs, scheduler), ProgressBar(done, total) as bar:
-            for rows in _run_all(task, policies, missing, folder, bar.path):
+        bar = progress_bar(done, total, folder.count_ended)
+        with joblib_backend(backend, jobs, scheduler), bar:
+            for rows in _run_all(task, policies, missing, folder):
                 folder.append(rows)
-                bar.received(len(rows))
-    folder.sort()
-    folder.unfinished.close()
+    folder.finish()
 
 
 def _run_all(
-    task: Task,
-    policies: Mapping[str, Factory],
-    jobs: list[_Job],
-    folder: RunFolder,
-    progress: Path,
+    task: Task, policies: Mapping[str, Factory], jobs: list[_Job], folder: RunFolder
 ) -> Iterator[list[Row]]:
     """Run the jobs in workers and yield the rows of each, in the order in which they end."""
-    folder.unfinished.open()
-    calls = (
-        delayed(_run)(task, policies[job.policy], job, folder.unfinished.new_file(), progress)
-        for job in jobs
-    )
+    calls = (delayed(_run)(task, policies[job.policy], job, folder.begin_chunk()) for job in jobs)
     results = Parallel(return_as="generator_unordered")(calls)
     try:
         yield from cast("Iterator[list[Row]]", results)
@@ -121,7 +109,7 @@ def _list_jobs(
             yield _Job(policy, condition, repeat, chunk, missing)
 
 
-def _run(task: Task, build: Factory, job: _Job, unfinished: Path, progress: Path) -> list[Row]:
+def _run(task: Task, build: Factory, job: _Job, unfinished: Path) -> list[Row]:
     """Run one job in a worker and return the rows of its seeds; each is kept as it ends."""
     # One thread: the order of additions must not depend on the number of cores.
     torch.set_num_threads(1)
@@ -133,7 +121,6 @@ def _run(task: Task, build: Factory, job: _Job, unfinished: Path, progress: Path
     def on_ended(outcome: Outcome, indices: NDArray[np.intp]) -> None:
         ended = [_to_row(task, job, episodes[index], outcome, index) for index in indices]
         keep(unfinished, ended)
-        report(progress, len(ended))
         rows.extend(ended)
 
     rollout(policy, task, job.condition, episodes, job.seeds, on_ended)

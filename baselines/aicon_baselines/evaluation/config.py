@@ -116,20 +116,10 @@ def configure(
     maps: Sequence[str] | None = None,
     horizon: int | None = None,
 ) -> Config:
-    """Describe a comparison on a task.
+    """Describe a comparison on a task; the arguments are the attributes of `Config`.
 
-    Args:
-        task: The task.
-        seed: First seed.
-        episodes: Number of seeds, per condition and repeat.
-        repeats: Number of runs of each seed, with different noise.
-        conditions: Some of the task's conditions; by default its first.
-        maps: Some of the task's classes of maps, which seeds then take turns on; by default the
-            task's slots.
-        horizon: Limit of an episode, steps; by default the task's.
-
-    Returns:
-        The configuration; an unknown condition or map is an error that lists the valid ones.
+    By default it is the task's first condition, its slots of maps and its horizon. An unknown
+    condition or map is an error that lists the valid ones.
     """
     # The repeats of an episode differ in their noise only.
     conditions = _check_conditions(conditions or task.conditions[:1], task)
@@ -145,7 +135,7 @@ def configure(
         episodes=episodes,
         repeats=repeats,
         conditions=conditions,
-        maps=_check_names("map", maps, task.maps) if maps else task.maps,
+        maps=_check_maps(maps, task) if maps else task.maps,
         horizon=task.horizon if horizon is None else horizon,
         time_step=task.time_step,
     )
@@ -165,11 +155,11 @@ def _check_conditions(names: Sequence[str], task: Task) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _check_names(kind: str, names: Sequence[str], valid: Sequence[str]) -> tuple[str, ...]:
-    """Return the names, each once; one that is not valid is an error that lists those that are."""
+def _check_maps(names: Sequence[str], task: Task) -> tuple[str, ...]:
+    """Return the classes of maps, each once."""
     for name in names:
-        if name not in valid:
-            choices = ", ".join(dict.fromkeys(valid))
-            raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {choices}")
+        if name not in task.maps:
+            choices = ", ".join(dict.fromkeys(task.maps))
+            raise ComparisonError(f"unknown map {name!r}; valid maps: {choices}")
 
     return tuple(dict.fromkeys(names))

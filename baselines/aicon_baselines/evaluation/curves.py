@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import ceil, inf
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -12,28 +14,20 @@ from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.statistics import group_rows, median_of
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 from aicon_baselines.files import replacing
+from aicon_baselines.palette import CURVES
 
-try:
+with naming_extra():
     from matplotlib.axes import Axes
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, StrMethodFormatter
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 _PANELS_PER_LINE = 3
 
-# Colours that colour-blind readers can tell apart: those of Okabe and Ito ("Color Universal
-# Design", 2008), and for more policies those of Tol's scheme "muted" ("Colour Schemes", 2021).
-_OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-_TOL_MUTED = (
-    *("#332288", "#882255", "#117733", "#999933", "#CC6677"),
-    *("#44AA99", "#AA4499", "#88CCEE", "#DDCC77"),
-)
-_COLOURS = (*_OKABE_ITO, *_TOL_MUTED)
-_LINE_STYLES = ("-", "--", ":", "-.")
+STYLES = tuple((color, kind) for kind, color in product(("-", "--", ":", "-."), CURVES))
+"""Colour and kind of a line, by its number; from the last on they begin again."""
+
 _EVERYWHERE = (
     *("aicon", "paper_literal", "potential_field", "steepest"),
     *("diffusion", "sum_with_exploration", "ppo_sampled"),
@@ -95,17 +89,6 @@ def success_curve(rows: Sequence[Row], time_step: float) -> SuccessCurve:
     )
 
 
-def line_style(index: int) -> tuple[str, str]:
-    """Return colour and kind of line number `index`, which is that of no other line.
-
-    The first 16 differ in their colour, the others in colour or kind.
-    """
-    colour = _COLOURS[index % len(_COLOURS)]
-    # Shifted by one in every round of the colours, and changed where another scheme begins.
-    kind = index // len(_COLOURS) + (index % len(_COLOURS) >= len(_OKABE_ITO))
-    return colour, _LINE_STYLES[kind % len(_LINE_STYLES)]
-
-
 def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
     """Save a picture with one panel per condition and one line per policy.
 
@@ -118,9 +101,9 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
         path: Where to save the picture.
     """
     # A policy looks the same in all panels, and those of every task in all pictures.
-    conditions = group_rows(rows, _condition)
+    conditions = group_rows(rows, attrgetter("condition"))
     policies = (*_EVERYWHERE, *sorted({row.policy for row in rows}.difference(_EVERYWHERE)))
-    styles = {policy: line_style(index) for index, policy in enumerate(policies)}
+    styles = {name: STYLES[index % len(STYLES)] for index, name in enumerate(policies)}
     # The axis starts at the first success of any policy.
     start = min(row.steps or task.horizon / 2 for row in rows)
 
@@ -128,27 +111,23 @@ def draw_success_curves(rows: Sequence[Row], task: Task, path: Path) -> None:
     columns = min(len(conditions), _PANELS_PER_LINE)
     lines = ceil(len(conditions) / columns)
     figure = Figure(figsize=(7.5 * columns, 4.5 * lines), layout="constrained")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(lines, columns, squeeze=False).ravel()
 
     for axes, condition in zip(panels, sorted(conditions), strict=False):
         _prepare(axes, task, start)
         if len(conditions) > 1:
             axes.set_title(condition, loc="left")
-        _draw_panel(axes, conditions[condition], styles, task)
+
+        groups = group_rows(conditions[condition], attrgetter("policy"))
+        curves = [success_curve(group, task.time_scale) for group in groups.values()]
+        for curve in sorted(curves, key=attrgetter("rank")):
+            _draw_curve(axes, curve, styles[curve.policy], task)
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
 
     for axes in panels[len(conditions) :]:
         axes.set_axis_off()
     with replacing(path) as place:
         figure.savefig(place, dpi=160)
-
-
-def _condition(row: Row) -> str:
-    return row.condition
-
-
-def _policy(row: Row) -> str:
-    return row.policy
 
 
 def _prepare(axes: Axes, task: Task, start: float) -> None:
@@ -174,23 +153,6 @@ def _prepare(axes: Axes, task: Task, start: float) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
 
 
-def _draw_panel(
-    axes: Axes, rows: Sequence[Row], styles: dict[str, tuple[str, str]], task: Task
-) -> None:
-    """Draw the curve of each policy, the best first, and the legend beside the panel."""
-    groups = group_rows(rows, _policy)
-    curves = [success_curve(group, task.time_scale) for group in groups.values()]
-    curves.sort(key=_rank)
-
-    for curve in curves:
-        _draw_curve(axes, curve, styles[curve.policy], task)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
-
-
-def _rank(curve: SuccessCurve) -> tuple[float, float, str]:
-    return curve.rank
-
-
 def _draw_curve(axes: Axes, curve: SuccessCurve, style: tuple[str, str], task: Task) -> None:
     """Draw one policy, from a share of 0 at the first step to the horizon."""
     # Before the first success there is none, and after the last one nothing changes.
@@ -199,9 +161,9 @@ def _draw_curve(axes: Axes, curve: SuccessCurve, style: tuple[str, str], task: T
     shares = np.concatenate([shares, shares[-1:]])
     times = np.array([task.time_scale, *curve.times, task.horizon * task.time_scale])
 
-    colour, kind = style
+    color, kind = style
     label = f"{curve.policy}  {curve.final_share:.1%}"
-    axes.step(times, shares[:, 0], kind, where="post", color=colour, linewidth=1.8, label=label)
+    axes.step(times, shares[:, 0], kind, where="post", color=color, linewidth=1.8, label=label)
     axes.fill_between(
-        times, shares[:, 1], shares[:, 2], step="post", color=colour, alpha=0.15, linewidth=0
+        times, shares[:, 1], shares[:, 2], step="post", color=color, alpha=0.15, linewidth=0
     )

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice
+from itertools import groupby, islice
 from typing import Any, ClassVar, TypeVar
 
 import gymnasium
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.evaluation.episodes import run_episodes
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 from aicon_torch import Policy, StepTrace
 from aicon_torch.inspection import QuantityTrace
 from aicon_torch.resolution import Memory
@@ -133,10 +133,9 @@ def record(
     kind: Callable[..., Kind],
     policy: Any,
     env: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any],
-    seed: int,
+    reset: dict[str, Any],
     horizon: int | None = None,
     *,
-    options: dict[str, Any] | None = None,
     stride: int = 1,
     look: Callable[[Any], Any] | None = None,
     every: int = 1,
@@ -149,17 +148,15 @@ def record(
         kind: What to make of it: a recording of the task.
         policy: The policy.
         env: Its environment, or a vector of one; it is closed in the end.
-        seed: Seed of the episode.
+        reset: The arguments of its `reset`, a seed among them.
         horizon: Steps after which it ends; by default the environment's.
-        options: Of the environment's `reset`.
         stride: Steps from one memory that is kept to the next.
         look: Makes a picture of what is there, from the latest observation.
         every: Steps from one picture to the next; the first one is of the start.
         beyond: Whether to keep also what the policy would do after the end.
         progress: Whether to show a progress bar, on a terminal only.
     """
-    is_vector = isinstance(env, VectorEnv)
-    start = env.reset(seed=[seed] if is_vector else seed, options=options)  # type: ignore[arg-type]
+    start = env.reset(**reset)
     pictures = [look(start[0])] if look is not None else []
     memories, infos = [], []
 
@@ -174,18 +171,26 @@ def record(
     infos.append(step.info)
     if beyond:
         memories.append(policy.predict(step.next_observation, step.memory)[1])
-    if is_vector:
+    if isinstance(env, VectorEnv):
         infos = [{name: values[0] for name, values in info.items()} for info in infos]
     env.close()
-    success = bool(infos[-1]["is_success"])
+    success, (seed,) = bool(infos[-1]["is_success"]), np.ravel(reset["seed"]).tolist()
     return kind(policy, memories, success, infos, pictures, env.unwrapped, seed, stride)
+
+
+def runs_of(items: Iterable[Any]) -> list[tuple[int, int]]:
+    """First index of each run of equal items, and the first one after it."""
+    runs, begin = [], 0
+    for _, run in groupby(items):
+        end = begin + len(list(run))
+        runs.append((begin, end))
+        begin = end
+    return runs
 
 
 def true_intervals(mask: BoolArray) -> list[tuple[int, int]]:
     """First index of each run of true values and the first one after it."""
-    padded = np.concatenate([[False], mask, [False]])
-    edges = np.flatnonzero(padded[1:] != padded[:-1])
-    return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
+    return [(begin, end) for begin, end in runs_of(mask.tolist()) if mask[begin]]
 
 
 def to_array(tensor: Tensor) -> FloatArray:
@@ -195,8 +200,6 @@ def to_array(tensor: Tensor) -> FloatArray:
 
 def track(items: Iterable[Item], description: str, show: bool) -> Iterable[Item]:
     """The items, with a progress bar on a terminal if it is to be shown."""
-    try:
+    with naming_extra():
         from tqdm import tqdm  # a recording that somebody else made does without
-    except ModuleNotFoundError as error:
-        raise missing_extra(error) from error
     return tqdm(items, desc=description, disable=None if show else True)

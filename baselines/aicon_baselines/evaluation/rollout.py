@@ -6,6 +6,7 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
+from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.episodes import Step, run_episodes
@@ -36,9 +37,8 @@ class Outcome(NamedTuple):
 OnEnded = Callable[[Outcome, NDArray[np.intp]], None]
 """Called with the outcome so far, and the numbers in the batch of the episodes that just ended."""
 
-
-def _ignore(outcome: Outcome, indices: NDArray[np.intp]) -> None:
-    """Do nothing with the episodes that ended."""
+OnStep = Callable[[VectorEnv[Any, Any, Any], Step], None]
+"""Called with the environment after every step, and the step."""
 
 
 def rollout(
@@ -47,7 +47,9 @@ def rollout(
     condition: str,
     episodes: list[Episode],
     wanted: Collection[int],
-    on_ended: OnEnded = _ignore,
+    on_ended: OnEnded = lambda outcome, indices: None,
+    on_step: OnStep = lambda env, step: None,
+    **options: Any,
 ) -> Outcome:
     """Step all episodes together until those with a wanted seed have ended, at most to the horizon.
 
@@ -60,11 +62,13 @@ def rollout(
             taken meanwhile.
         on_ended: Called after a step that ended wanted episodes; what the outcome says of them is
             final.
+        on_step: Called after every step.
+        **options: Of the environment, besides those that the policy has.
 
     Returns:
         The outcome of each episode.
     """
-    options = getattr(policy, "env_options", {})
+    options |= getattr(policy, "env_options", {})
     wanted_rows = np.isin([episode.seed for episode in episodes], list(wanted))
 
     with closing(task.make_env(len(episodes), condition, task.horizon, **options)) as env:
@@ -74,6 +78,7 @@ def rollout(
         waited_for = wanted_rows
         for step in islice(run_episodes(policy, env, start), task.horizon):
             _record(outcome, step, task.measures)
+            on_step(env, step)
 
             waited_for = wanted_rows & step.running & ~step.ended
             if (step.ended & wanted_rows).any():

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Row(NamedTuple):
@@ -28,24 +28,7 @@ class Row(NamedTuple):
 
     def to_fields(self) -> list[str]:
         """Write the row as text: truth values as 0 and 1, six decimals, nothing for None."""
-        steps = "" if self.steps is None else str(self.steps)
-        shortest = "" if self.shortest_path_length is None else f"{self.shortest_path_length:.6f}"
-        measures = " ".join(f"{name}={value:.6f}" for name, value in self.measures.items())
-
-        return [
-            self.policy,
-            self.condition,
-            str(self.repeat),
-            str(self.seed),
-            self.map,
-            str(int(self.success)),
-            steps,
-            str(int(self.collision)),
-            f"{self.path_length:.6f}",
-            shortest,
-            f"{self.distance:.6f}",
-            measures,
-        ]
+        return [_to_text(value) for value in self]
 
     @classmethod
     def from_fields(cls, fields: list[str]) -> "Row":
@@ -72,6 +55,18 @@ class Row(NamedTuple):
             distance=float(named["distance"]),
             measures=measures,
         )
+
+
+def _to_text(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, float):
+        return f"{value:.6f}"
+    if isinstance(value, Mapping):
+        return " ".join(f"{name}={number:.6f}" for name, number in value.items())
+    return str(value)
 
 
 Key = tuple[str, str, int, int]

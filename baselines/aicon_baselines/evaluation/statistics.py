@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from statistics import median
 from typing import TypeVar
 
@@ -90,7 +91,7 @@ def summarize(
         measures: What else the rows hold.
     """
     summaries = []
-    for (condition, policy), group in group_rows(rows, condition_and_policy).items():
+    for (condition, policy), group in group_rows(rows, attrgetter("condition", "policy")).items():
         summary = _summarize_policy(policy, condition, group, milestones, measures)
         summaries.append(summary)
 
@@ -106,11 +107,6 @@ def group_rows(rows: Iterable[Row], name: Callable[[Row], _Name]) -> dict[_Name,
     for row in rows:
         groups.setdefault(name(row), []).append(row)
     return groups
-
-
-def condition_and_policy(row: Row) -> tuple[str, str]:
-    """Return the two names that a line of the table is for."""
-    return row.condition, row.policy
 
 
 def reached_within(rows: Sequence[Row], steps: int) -> Milestone:
@@ -142,7 +138,8 @@ def _summarize_policy(
     distances = [row.distance for row in successes]
     measured = {measure.key: _sum_up_measure(measure, rows) for measure in measures}
     maps = {}
-    for name, group in group_rows(sorted(rows, key=_map), _map).items():
+    of_map = attrgetter("map")
+    for name, group in group_rows(sorted(rows, key=of_map), of_map).items():
         maps[name] = _summarize_map(group)
 
     return Summary(
@@ -163,10 +160,6 @@ def _summarize_policy(
         measures=measured,
         maps=maps,
     )
-
-
-def _map(row: Row) -> str:
-    return row.map
 
 
 def _path_ratios(rows: Iterable[Row]) -> list[float]:

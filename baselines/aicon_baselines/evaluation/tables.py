@@ -1,9 +1,10 @@
 """The rows and summaries of a comparison as text, in Markdown."""
 
 from collections.abc import Iterable, Sequence
+from operator import attrgetter
 
 from aicon_baselines.evaluation.row import Row
-from aicon_baselines.evaluation.statistics import Summary, condition_and_policy, group_rows
+from aicon_baselines.evaluation.statistics import Summary, group_rows
 from aicon_baselines.evaluation.task import Task
 
 _MOST_LISTED = 20  # failures of one policy that are still listed
@@ -19,7 +20,8 @@ def to_table(summaries: Iterable[Summary], task: Task) -> str:
 def list_failures(rows: Iterable[Row], task: Task) -> str:
     """Name the failed episodes of each policy that has few, a line for each policy."""
     lines = []
-    for (condition, policy), group in sorted(group_rows(rows, condition_and_policy).items()):
+    groups = group_rows(rows, attrgetter("condition", "policy"))
+    for (condition, policy), group in sorted(groups.items()):
         failures = [row for row in group if not row.success]
 
         if 0 < len(failures) <= _MOST_LISTED:

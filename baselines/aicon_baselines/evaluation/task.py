@@ -57,7 +57,7 @@ class Look:
         scene: Makes its scene in the live view, from a server and an episode: a subclass of
             :class:`aicon_baselines.view.Scene`.
         surroundings: Says what lies around the robot in the picture of a diagnosis, from the
-            environment of one episode, its last observation and its last info.
+            environment of one episode and its last info.
         condition: The condition that is watched where none is named; by default the usual one.
         options: Of the environment and of the policy, where more is to be seen than usually.
     """

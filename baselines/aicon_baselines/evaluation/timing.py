@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 
 from aicon_baselines.evaluation.predictor import Predictor
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 
-try:
+with naming_extra():
     from tqdm import tqdm
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 Step = Callable[[], None]
 """One step of a program."""

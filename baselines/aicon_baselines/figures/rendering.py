@@ -1,7 +1,6 @@
 """Figures rendered, and saved as pictures and videos."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,23 +9,20 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import missing_extra, pip_command
+from aicon_baselines.extras import naming_extra, pip_command
 from aicon_baselines.files import replacing
 
-try:
+with naming_extra():
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 Frame = NDArray[np.uint8]
 """A rendered picture, (height, width, 3)."""
 
-VIDEO_FORMATS = ("mp4", "webp", "gif", "none")
+VIDEO_FORMATS = ("mp4", "webp", "none")
 """Formats of a video, "none" among them."""
 
 _QUALITY = 55  # of a webp, of 100
-_SIDE_BY_SIDE = 8  # frames that the colours of a gif are taken from
 _CODEC_BLOCK = 2  # px; an mp4 has one colour for two by two
 
 
@@ -38,7 +34,7 @@ def check_video(video: str) -> None:
 
 def is_moving_picture(path: Path) -> bool:
     """Whether a video is one that pages show as a picture, which is to be small."""
-    return path.suffix in (".gif", ".webp")
+    return path.suffix == ".webp"
 
 
 def render(figure: Figure) -> Frame:
@@ -60,28 +56,8 @@ def save_picture(figure: Figure, path: Path) -> None:
         Image.fromarray(frame).save(place, optimize=True)
 
 
-class Film(ABC):
-    """A figure that can be brought to any step of an episode."""
-
-    figure: Figure
-
-    @abstractmethod
-    def show(self, step: int) -> None:
-        """Bring the figure to a step."""
-
-    def frames(self, steps: Iterable[int], hold: int = 0) -> Iterator[Frame]:
-        """Render the figure at each step, and the last one `hold` times more."""
-        for step in steps:
-            self.show(step)
-            frame = render(self.figure)
-            yield frame
-
-        for _ in range(hold):
-            yield frame
-
-
 def save_video(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    """Save frames as an mp4, a webp or a gif, by the name of the file.
+    """Save frames as an mp4 or a webp, by the name of the file.
 
     Args:
         frames: The frames.
@@ -91,21 +67,9 @@ def save_video(frames: Iterable[Frame], path: Path, rate: int) -> None:
     Raises:
         ComparisonError: If imageio is not installed and the video is an mp4.
     """
-    save = {".gif": _save_gif, ".webp": _save_webp}.get(path.suffix, _save_mp4)
+    save = _save_webp if is_moving_picture(path) else _save_mp4
     with replacing(path) as place:
         save(frames, place, rate)
-
-
-def _save_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    # Every frame has the same colours, those of some frames side by side, and no dither: nothing
-    # flickers.
-    pictures = list(frames)
-    some = pictures[:: max(1, len(pictures) // _SIDE_BY_SIDE)]
-    colors = Image.fromarray(np.concatenate(some)).quantize(256)
-
-    images = [Image.fromarray(picture) for picture in pictures]
-    images = [image.quantize(palette=colors, dither=Image.Dither.NONE) for image in images]
-    images[0].save(path, save_all=True, append_images=images[1:], duration=1000 // rate, loop=0)
 
 
 def _save_webp(frames: Iterable[Frame], path: Path, rate: int) -> None:
@@ -119,7 +83,7 @@ def _save_webp(frames: Iterable[Frame], path: Path, rate: int) -> None:
 
 def _save_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
     try:
-        import imageio.v2 as imageio  # the picture and the gif do without
+        import imageio.v2 as imageio  # pictures and webp do without
     except ModuleNotFoundError as error:
         raise ComparisonError(
             f"mp4 needs imageio: {pip_command('compare')}; or choose --video webp"

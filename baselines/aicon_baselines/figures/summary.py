@@ -1,12 +1,9 @@
 """A figure's files, and what it shows in numbers and in words."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from aicon_baselines.evaluation.recording import Recording
-from aicon_baselines.figures.panels import Panel
 from aicon_baselines.figures.rendering import check_video
 from aicon_baselines.files import write_json
 
@@ -17,7 +14,7 @@ class FigureSummary:
 
     Attributes:
         headline: How the episode ended, in one line.
-        numbers: The figure's numbers; those of a figure with panels are in its JSON file.
+        numbers: The figure's numbers, which are in its JSON file.
         files: What was saved.
     """
 
@@ -52,36 +49,7 @@ class FigureFiles:
         self.film = None if video == "none" else out / f"{name}.{video}"
 
     def summary(self, headline: str, numbers: dict[str, Any]) -> FigureSummary:
-        """What was saved, and what it shows; numbers with panels are saved as well."""
-        files = [self.picture]
-        if "panels" in numbers:
-            write_json(self.numbers, numbers)
-            files.append(self.numbers)
-        if self.film is not None:
-            files.append(self.film)
-        return FigureSummary(headline, numbers, tuple(files))
-
-
-def episode_numbers(recording: Recording) -> dict[str, Any]:
-    """How an episode ended, and how long it took."""
-    return {
-        "seed": recording.seed,
-        "ending": recording.ending,
-        "steps": recording.steps,
-        "duration_s": round(recording.steps * recording.time_step, 3),
-    }
-
-
-def panel_numbers(recording: Recording, panels: Sequence[Panel]) -> dict[str, Any]:
-    """When the panels and the explorations were."""
-    dt = recording.time_step
-
-    shown = []
-    for panel in panels:
-        time = round(panel.step * dt, 3)
-        shown.append({"panel": panel.label, "time_s": time, "title": panel.title})
-
-    explorations = [
-        [round(begin * dt, 3), round(end * dt, 3)] for begin, end in recording.explorations
-    ]
-    return {"panels": shown, "explorations_s": explorations}
+        """Save the numbers; return what was saved, and what it shows."""
+        write_json(self.numbers, numbers)
+        saved = (self.picture, self.numbers, self.film)
+        return FigureSummary(headline, numbers, tuple(path for path in saved if path is not None))

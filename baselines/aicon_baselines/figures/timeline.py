@@ -10,22 +10,20 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from aicon_baselines.evaluation.recording import FloatArray, Recording
-from aicon_baselines.figures.style import TIMELINE_TINT
 from aicon_baselines.palette import EXPLORING
 
-SHADE: Mapping[str, Any] = MappingProxyType(
-    {"color": EXPLORING, "alpha": TIMELINE_TINT, "linewidth": 0}
-)
+SHADE: Mapping[str, Any] = MappingProxyType({"color": EXPLORING, "alpha": 0.16, "linewidth": 0})
 """How explorations are shaded."""
 
 
-def prepare_timeline(axes: Axes, recording: Recording, shade: Mapping[str, Any] = SHADE) -> None:
+def prepare_timeline(axes: Axes, recording: Recording) -> None:
     """Fit axes to the time of a recording, and shade its explorations."""
     dt = recording.time_step
     for begin, end in recording.explorations:
-        axes.axvspan(dt * begin, dt * end, **shade)
+        axes.axvspan(dt * begin, dt * end, **SHADE)
 
     axes.set_xlim(0, recording.times[-1])
+    simplify(axes)
 
 
 def simplify(axes: Axes) -> None:
@@ -34,21 +32,16 @@ def simplify(axes: Axes) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
 
 
-def add_curve_legend(axes: Axes, *, shade: Mapping[str, Any] | None = SHADE, **looks: Any) -> None:
-    """Add a legend with the curves from the highest to the lowest, and then the explorations.
+def curve_handles(diagrams: Sequence[Axes]) -> list[Any]:
+    """Handles of a legend: the labelled curves from the highest to the lowest, then explorations.
 
-    Args:
-        axes: Axes with labelled curves.
-        shade: How explorations are shaded; with None there is no entry for them.
-        **looks: Arguments of matplotlib's legend.
+    Curves that show nothing come last, but are named.
     """
-    # Curves that show nothing come last, but are named.
-    lines, _ = axes.get_legend_handles_labels()
-    handles: list[Any] = sorted(lines, key=_median_height, reverse=True)
-    if shade is not None:
-        handles.append(Patch(**shade, label="exploring"))
-
-    axes.legend(handles=handles, frameon=False, **looks)
+    handles: list[Any] = []
+    for axes in diagrams:
+        lines, _ = axes.get_legend_handles_labels()
+        handles += sorted(lines, key=_median_height, reverse=True)
+    return [*handles, Patch(**SHADE, label="exploring")]
 
 
 def _median_height(line: Line2D) -> float:
@@ -64,16 +57,15 @@ def gaps_at_zero(values: FloatArray) -> FloatArray:
 
 
 class TimeCursor:
-    """A vertical line in several timelines that moves with the time.
+    """A vertical line in several diagrams that moves with the time.
 
     Args:
-        timelines: The axes.
+        diagrams: The axes.
         color: The line's colour.
-        width: Its width, pt.
     """
 
-    def __init__(self, timelines: Sequence[Axes], color: str, width: float = 1.4) -> None:
-        self._lines = [axes.axvline(0.0, color=color, linewidth=width) for axes in timelines]
+    def __init__(self, diagrams: Sequence[Axes], color: str) -> None:
+        self._lines = [axes.axvline(0.0, color=color, linewidth=1.4) for axes in diagrams]
 
     def move(self, time: float) -> None:
         """Move to a time, s."""

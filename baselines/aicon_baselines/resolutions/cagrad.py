@@ -1,8 +1,7 @@
 """CAGrad: near the mean gradient, the direction that is best for the goal it serves least."""
 
 from dataclasses import dataclass
-from functools import cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import torch
@@ -86,22 +85,8 @@ def _minimal_weights(
         clarabel.NonnegativeConeT(count),
         clarabel.SecondOrderConeT(1 + size),
     ]
-    solver = clarabel.DefaultSolver(
-        nothing_quadratic,
-        objective,
-        sparse.csc_matrix(constraints),
-        bounds,
-        cones,
-        _quiet_settings(),
-    )
-    return np.asarray(solver.solve().x[:count], np.float64)
-
-
-@cache
-def _quiet_settings() -> Any:
-    """Clarabel's own settings, without its report on each solution."""
-    import clarabel
-
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    return settings
+    matrix = sparse.csc_matrix(constraints)
+    solver = clarabel.DefaultSolver(nothing_quadratic, objective, matrix, bounds, cones, settings)
+    return np.asarray(solver.solve().x[:count], np.float64)

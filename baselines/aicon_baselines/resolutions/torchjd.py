@@ -1,7 +1,6 @@
 """PCGrad and UPGrad, computed by the aggregators of TorchJD."""
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, ClassVar
 
 import torch
@@ -27,7 +26,7 @@ class PCGrad(Aggregation):
         # TorchJD draws from torch's global random numbers, which are others' as well.
         with torch.random.fork_rng(devices=()):
             torch.default_generator.manual_seed(0)
-            total: Tensor = _pcgrad()(matrix)
+            total: Tensor = _aggregator("PCGrad")(matrix)
         return total
 
 
@@ -45,22 +44,13 @@ class UPGrad(Aggregation):
 
     def aggregate(self, matrix: Tensor) -> Tensor:
         """The sum of the projected gradients, ``(d,)``."""
-        total: Tensor = _upgrad(len(matrix))(matrix)
+        weights = torch.ones(len(matrix), dtype=torch.float64)
+        total: Tensor = _aggregator("UPGrad", pref_vector=weights)(matrix)
         return total
 
 
-@cache
-def _pcgrad() -> Any:
-    """TorchJD's aggregator, imported on demand."""
+def _aggregator(name: str, **options: Any) -> Any:
+    """An aggregator of TorchJD, imported on demand."""
     from torchjd import aggregation
 
-    return aggregation.PCGrad()
-
-
-@cache
-def _upgrad(count: int) -> Any:
-    """TorchJD's aggregator of `count` gradients with weights of one, imported on demand."""
-    from torchjd import aggregation
-
-    weights = torch.ones(count, dtype=torch.float64)
-    return aggregation.UPGrad(pref_vector=weights)
+    return getattr(aggregation, name)(**options)

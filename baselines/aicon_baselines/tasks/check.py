@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import VectorEnv
-from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.task import Episode, Task
 
 _STEPS = 4
 _LONGEST = 4 * _STEPS  # where a step may take less time than usual, an episode has more of them
+_COUNT = 2  # episodes
 
 _Report = tuple[Any, dict[str, Any]]
 """An observation and the info beside it."""
@@ -43,6 +43,12 @@ def check_task(task: Task, conditions: Sequence[str] | None = None, policy: str 
 
 def _check_declaration(task: Task) -> None:
     """Check what can be read without an environment."""
+    from aicon_baselines.agents.registry import model_of
+    from aicon_torch import presets
+
+    def refuse(wrong: str) -> None:
+        raise ComparisonError(f"task {task.name!r}: {wrong}")
+
     numbers = {
         "time_step": task.time_step,
         "horizon": task.horizon,
@@ -52,38 +58,21 @@ def _check_declaration(task: Task) -> None:
     }
     for name, number in numbers.items():
         if not number > 0:
-            raise ComparisonError(f"task {task.name!r}: {name} must be more than 0, not {number}")
+            refuse(f"{name} must be more than 0, not {number}")
 
-    subsets = {"faults": task.faults, "noiseless": task.noiseless}
-    for name, chosen in subsets.items():
-        unknown = sorted(set(chosen) - set(task.conditions))
-        if unknown:
-            raise ComparisonError(
-                f"task {task.name!r}: {name} names {unknown[0]!r}, which is none of its "
-                f"conditions: {', '.join(task.conditions)}"
-            )
+    for name, chosen in {"faults": task.faults, "noiseless": task.noiseless}.items():
+        for unknown in sorted(set(chosen) - set(task.conditions)):
+            conditions = ", ".join(task.conditions)
+            refuse(f"{name} names {unknown!r}, which is none of its conditions: {conditions}")
 
     if any(steps > task.horizon for steps in task.milestones):
-        raise ComparisonError(
-            f"task {task.name!r}: milestones {task.milestones} must be within the horizon, "
-            f"{task.horizon} steps"
-        )
-    if task.model:
-        _check_presets(task)
+        refuse(f"milestones {task.milestones} must be within the horizon, {task.horizon} steps")
 
-
-def _check_presets(task: Task) -> None:
-    """Check that what is compared is a preset of the model."""
-    from aicon_baselines.agents.registry import model_of
-    from aicon_torch import presets
-
-    there = presets(model_of(task))
-    for name in task.presets:
+    there = presets(model_of(task)) if task.model else ()
+    for name in task.presets if task.model else ():
         if name not in there:
-            raise ComparisonError(
-                f"task {task.name!r}: the model {task.model!r} has no preset {name!r}; it has: "
-                f"{', '.join(there)}"
-            )
+            known = ", ".join(there)
+            refuse(f"the model {task.model!r} has no preset {name!r}; it has: {known}")
 
 
 class _Check:
@@ -91,8 +80,7 @@ class _Check:
 
     def __init__(self, task: Task, condition: str) -> None:
         self._task, self._condition = task, condition
-        self._count = 2
-        self._episodes = [task.episode(seed) for seed in range(self._count)]
+        self._episodes = [task.episode(seed) for seed in range(_COUNT)]
 
     def run(self, policy: str) -> None:
         """Try them one after the other."""
@@ -100,9 +88,20 @@ class _Check:
         self._check_info(first[0][1], after_a_step=False)
         self._check_info(first[1][1], after_a_step=True)
 
-        self._check_the_same_again(actions, first)
-        self._check_alone(actions, first)
-        self._check_copies(actions, first)
+        _, again = self._play(self._episodes, actions)
+        self._compare(first, again, "the same seeds and actions give another step")
+
+        for row, episode in enumerate(self._episodes):
+            _, alone = self._play([episode], [action[row : row + 1] for action in actions])
+            found = f"seed {episode.seed} alone is another episode than in a batch, in step"
+            self._compare(first, alone, found, slice(row, row + 1))
+
+        if self._condition in self._task.noiseless:
+            repeats = [self._task.episode(episode.seed, repeat=1) for episode in self._episodes]
+            _, copies = self._play(repeats, actions)
+            found = "it is declared noiseless, and its repeats differ in step"
+            self._compare(first, copies, found)
+
         if policy:
             self._check_policy(policy)
 
@@ -114,30 +113,25 @@ class _Check:
         Returns:
             The actions, and what was seen at first and after each.
         """
-        env = self._make_env(len(episodes))
+        count = len(episodes)
+        env = self._task.make_env(count, self._condition, _STEPS)
+        if env.num_envs != count:
+            found = f"`make_env({count}, ...)` made {env.num_envs} environments"
+            raise self._broken(found, "make as many")
+
         try:
             seen = [copy.deepcopy(env.reset(**self._task.reset_arguments(episodes)))]
-            actions = list(actions) or self._choose_actions(env)
+            if not actions:
+                env.action_space.seed(0)
+                actions = [env.action_space.sample() for _ in range(_STEPS)]
             for action in actions:
                 observation, *_, info = env.step(action)
                 seen.append(copy.deepcopy((observation, info)))
 
             self._check_at_rest(env, actions[-1])
-            return actions, seen
+            return list(actions), seen
         finally:
             env.close()
-
-    def _make_env(self, count: int) -> VectorEnv[Any, Any, Any]:
-        env = self._task.make_env(count, self._condition, _STEPS)
-        if env.num_envs != count:
-            raise self._broken(
-                f"`make_env({count}, ...)` made {env.num_envs} environments", "make as many"
-            )
-        return env
-
-    def _choose_actions(self, env: VectorEnv[Any, Any, Any]) -> list[Any]:
-        env.action_space.seed(0)
-        return [env.action_space.sample() for _ in range(_STEPS)]
 
     def _check_at_rest(self, env: VectorEnv[Any, Any, Any], action: Any) -> None:
         """Episodes end at the horizon, and stay as they are while others of their batch go on."""
@@ -154,79 +148,48 @@ class _Check:
             ) from error
 
         if not np.all(terminated | truncated):
-            raise self._broken(
-                f"episodes go on after the horizon of {_STEPS} steps",
-                "`make_env` has to end them there, as gymnasium's TimeLimit does",
-            )
+            found = f"episodes go on after the horizon of {_STEPS} steps"
+            right = "`make_env` has to end them there, as gymnasium's TimeLimit does"
+            raise self._broken(found, right)
         if not np.array_equal(info["position"], later["position"]):
-            raise self._broken(
-                "an episode that has ended moves", "disable autoreset, and let it stand still"
-            )
+            right = "disable autoreset, and let it stand still"
+            raise self._broken("an episode that has ended moves", right)
 
     def _check_info(self, info: Mapping[str, Any], after_a_step: bool) -> None:
         """The info has what rows are made of, in the right shape."""
-        count = self._count
-        shapes: dict[str, tuple[int, ...]] = {"distance": (count,)}
-        shapes |= {measure.key: (count,) for measure in self._task.measures}
+        numbers = ["distance", *(measure.key for measure in self._task.measures)]
         if after_a_step:
-            shapes |= {"is_success": (count,), "collision": (count,)}
+            numbers += ["is_success", "collision"]
 
-        for key, shape in shapes.items():
-            self._check_value(info, key, shape)
-        where = self._check_value(info, "position", None)
-        if where.ndim != 2 or where.shape[0] != count or where.shape[1] not in (2, 3):
-            raise self._broken(
-                f"info['position'] has shape {where.shape}",
-                f"it is ({count}, 2) for {count} episodes, or ({count}, 3)",
-            )
+        for key in (*numbers, "position"):
+            if key not in info:
+                raise self._broken(f"info has no {key!r}", f"it has: {', '.join(sorted(info))}")
 
-    def _check_value(
-        self, info: Mapping[str, Any], key: str, shape: tuple[int, ...] | None
-    ) -> NDArray[Any]:
-        if key not in info:
-            raise self._broken(f"info has no {key!r}", f"it has: {', '.join(sorted(info))}")
+            value = np.asarray(info[key])
+            if key in numbers and value.shape != (_COUNT,):
+                found = f"info[{key!r}] has shape {value.shape}"
+                raise self._broken(found, f"one number an episode is ({_COUNT},)")
+            if value.dtype == object or not np.isfinite(value).all():
+                raise self._broken(f"info[{key!r}] is {value}", "it is finite numbers")
 
-        value = np.asarray(info[key])
-        if shape is not None and value.shape != shape:
-            raise self._broken(
-                f"info[{key!r}] has shape {value.shape}", f"one number an episode is {shape}"
-            )
-        if value.dtype == object or not np.isfinite(value).all():
-            raise self._broken(f"info[{key!r}] is {value}", "it is finite numbers")
-        return value
+        where = np.shape(info["position"])
+        if where not in ((_COUNT, 2), (_COUNT, 3)):
+            right = f"it is ({_COUNT}, 2) for {_COUNT} episodes, or ({_COUNT}, 3)"
+            raise self._broken(f"info['position'] has shape {where}", right)
 
-    def _check_the_same_again(self, actions: Sequence[Any], first: Sequence[_Report]) -> None:
-        _, again = self._play(self._episodes, actions)
-        for step, (one, other) in enumerate(zip(first, again, strict=True)):
-            self._check_equal(
-                _shown(one), _shown(other), f"the same seeds and actions give another step {step}"
-            )
-
-    def _check_alone(self, actions: Sequence[Any], first: Sequence[_Report]) -> None:
-        for row, episode in enumerate(self._episodes):
-            _, alone = self._play([episode], [action[row : row + 1] for action in actions])
-            for step, (one, other) in enumerate(zip(first, alone, strict=True)):
-                found = f"seed {episode.seed} alone is another episode than in a batch, in step "
-                self._check_equal(_row(_shown(one), row), _shown(other), f"{found}{step}")
-
-    def _check_copies(self, actions: Sequence[Any], first: Sequence[_Report]) -> None:
-        """Where there is no noise, the repeat of an episode is a copy."""
-        if self._condition not in self._task.noiseless:
-            return
-        repeats = [self._task.episode(episode.seed, repeat=1) for episode in self._episodes]
-        _, again = self._play(repeats, actions)
-        for one, other in zip(first, again, strict=True):
-            self._check_equal(
-                _shown(one), _shown(other), "it is declared noiseless, and its repeats differ"
-            )
-
-    def _check_equal(self, one: Any, other: Any, found: str) -> None:
-        difference = _difference(one, other)
-        if difference:
-            raise self._broken(
-                f"{found}: {difference}",
-                "what happens depends on the seed in `reset_arguments` and the actions only",
-            )
+    def _compare(
+        self,
+        first: Sequence[_Report],
+        other: Sequence[_Report],
+        found: str,
+        rows: slice = slice(None),
+    ) -> None:
+        """Two plays of the same episodes agree in every step, some rows of the first."""
+        for step, (one, another) in enumerate(zip(first, other, strict=True)):
+            difference = _difference(_shown(one), _shown(another), rows)
+            if difference:
+                right = "what happens depends on the seed in `reset_arguments` and the actions only"
+                raise self._broken(f"{found} {step}: {difference}", right)
 
     def _check_policy(self, name: str) -> None:
         """A policy accepts what it is told, and its actions are those of the environment."""
@@ -236,23 +199,19 @@ class _Check:
         try:
             policy = make(self._task, name, self._condition)
         except OptionError as error:
-            raise self._broken(
-                f"the policy {name!r} refuses what `policy_options` tells it: {error}",
-                "tell it options of its model",
-            ) from error
+            found = f"the policy {name!r} refuses what `policy_options` tells it: {error}"
+            raise self._broken(found, "tell it options of its model") from error
 
         options = getattr(policy, "env_options", {})
-        env = self._task.make_env(self._count, self._condition, _STEPS, **options)
+        env = self._task.make_env(_COUNT, self._condition, _STEPS, **options)
         try:
             observation, _ = env.reset(**self._task.reset_arguments(self._episodes))
-            action, _ = policy.predict(observation, None, np.ones(self._count, np.bool_))
+            action, _ = policy.predict(observation, None, np.ones(_COUNT, np.bool_))
         finally:
             env.close()
         if action.shape != env.action_space.shape or not np.isfinite(action).all():
-            raise self._broken(
-                f"the policy {name!r} acts with shape {action.shape}",
-                f"finite numbers {env.action_space.shape} are the environment's actions",
-            )
+            right = f"finite numbers {env.action_space.shape} are the environment's actions"
+            raise self._broken(f"the policy {name!r} acts with shape {action.shape}", right)
 
     def _broken(self, found: str, right: str) -> ComparisonError:
         return ComparisonError(
@@ -266,21 +225,14 @@ def _shown(report: _Report) -> dict[str, Any]:
     return {"observation": observation, "position": info["position"], "distance": info["distance"]}
 
 
-def _row(values: Any, row: int) -> Any:
-    """One episode of a batch, as a batch of one."""
-    if isinstance(values, Mapping):
-        return {key: _row(value, row) for key, value in values.items()}
-    return values[row : row + 1]
-
-
-def _difference(one: Any, other: Any, name: str = "") -> str:
-    """Say where two nested values differ; nothing if they do not."""
+def _difference(one: Any, other: Any, rows: slice, name: str = "") -> str:
+    """Say where some rows of nested values differ from others; nothing if they do not."""
     if isinstance(one, Mapping):
-        found = (_difference(one[key], other[key], key) for key in one)
+        found = (_difference(one[key], other[key], rows, key) for key in one)
         return next(filter(None, found), "")
 
     # The sums of a batch are rounded in another order.
-    one, other = np.asarray(one), np.asarray(other)
+    one, other = np.asarray(one)[rows], np.asarray(other)
     if one.dtype.kind == "f":
         agrees = np.allclose(one, other, rtol=1e-5, atol=1e-6, equal_nan=True)
     else:

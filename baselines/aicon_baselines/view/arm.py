@@ -1,9 +1,12 @@
 """What the worlds of arms have in common: the body as the policy knows it."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from aicon_baselines.palette import BODY
 from aicon_baselines.view.marks import FloatArray
+from aicon_baselines.view.scene import Handle
 from aicon_baselines.view.space import MuJoCoScene
 from aicon_torch.parts.self_collision import CapsuleSegments
 
@@ -36,6 +39,20 @@ class ArmScene(MuJoCoScene):
         """
         if self.episode.ended:
             raise ValueError("the episode has ended: reset it first")
+
+    def handle(
+        self,
+        where: Callable[[], FloatArray],
+        move: Callable[[FloatArray], None],
+        axes: tuple[bool, bool, bool],
+    ) -> Handle:
+        """What a hand drags as long as the episode goes on."""
+
+        def move_if_going_on(position: FloatArray) -> None:
+            self.check_going_on()
+            move(position)
+
+        return Handle(where, move_if_going_on, axes)
 
     def _radii(self) -> tuple[float, ...]:
         """The radii of the capsules, m."""

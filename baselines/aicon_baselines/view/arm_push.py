@@ -83,9 +83,10 @@ class ArmPushScene(ArmScene):
 
     def handles(self) -> Mapping[str, Handle]:
         """The target and the object."""
+        flat = (True, True, False)
         return {
-            "target": Handle(lambda: self._above("target"), self._move_target),
-            "object": Handle(lambda: self._above("object"), self._move_object),
+            "target": self.handle(lambda: self._above("target"), self._move_target, flat),
+            "object": self.handle(lambda: self._above("object"), self._move_object, flat),
         }
 
     def kick(self) -> None:
@@ -103,11 +104,7 @@ class ArmPushScene(ArmScene):
         return place
 
     def _move_target(self, position: FloatArray) -> None:
-        self.check_going_on()
-        angle = float(self.episode.info["target_pose"][0, 2])
-        self.env.move_target([*position[:2], angle])
+        self.env.move_target([*position[:2], self.episode.info["target_pose"][0, 2]])
 
     def _move_object(self, position: FloatArray) -> None:
-        self.check_going_on()
-        angle = float(self.episode.info["object_pose"][0, 2])
-        self.env.move_object([*position[:2], angle])
+        self.env.move_object([*position[:2], self.episode.info["object_pose"][0, 2]])

@@ -33,33 +33,28 @@ class MuJoCoBodies:
         data: mujoco.MjData,
         shown_groups: tuple[int, ...] = (),
     ) -> None:
-        self._scene, self._data = server.scene, data
-        self._geoms: dict[int, Any] = {}
-        self._sites: dict[int, Any] = {}
+        self._scene = server.scene
+        self._placed: list[tuple[Any, FloatArray, FloatArray]] = []  # with place and rotation
 
         for geom in range(model.ngeom):
             group = int(model.geom_group[geom])
             if group < _INVISIBLE_GROUP or group in shown_groups:
                 mesh = _mesh_of_geom(model, geom)
-                self._geoms[geom] = self._add(f"/geom/{geom}", mesh, model.geom_rgba[geom])
+                handle = self._add(f"/geom/{geom}", mesh, model.geom_rgba[geom])
+                self._placed.append((handle, data.geom_xpos[geom], data.geom_xmat[geom]))
 
         for site in range(model.nsite):
             if model.site_group[site] < _INVISIBLE_GROUP and model.site_rgba[site, 3] > 0.0:
                 mesh = _primitive(model.site_type[site], model.site_size[site])
-                self._sites[site] = self._add(f"/site/{site}", mesh, model.site_rgba[site])
+                handle = self._add(f"/site/{site}", mesh, model.site_rgba[site])
+                self._placed.append((handle, data.site_xpos[site], data.site_xmat[site]))
 
     def draw(self) -> None:
         """Bring every shape to where it is now."""
-        data = self._data
-        for geom, handle in self._geoms.items():
-            _place(handle, data.geom_xpos[geom], data.geom_xmat[geom])
-        for site, handle in self._sites.items():
-            _place(handle, data.site_xpos[site], data.site_xmat[site])
-
-    def remove(self) -> None:
-        """Remove all shapes."""
-        for handle in (*self._geoms.values(), *self._sites.values()):
-            handle.remove()
+        rotation = np.zeros(4)
+        for handle, position, matrix in self._placed:
+            mujoco.mju_mat2Quat(rotation, matrix)
+            handle.position, handle.wxyz = position, rotation
 
     def _add(self, name: str, mesh: trimesh.Trimesh, rgba: FloatArray) -> Any:
         """Add a mesh, not yet in its place."""
@@ -75,13 +70,6 @@ class MuJoCoBodies:
             cast_shadow=False,
             receive_shadow=False,
         )
-
-
-def _place(handle: Any, position: FloatArray, matrix: FloatArray) -> None:
-    """Put a shape to a position (3,), with the rotation (9,)."""
-    rotation = np.zeros(4)
-    mujoco.mju_mat2Quat(rotation, matrix)
-    handle.position, handle.wxyz = position, rotation
 
 
 def _mesh_of_geom(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:

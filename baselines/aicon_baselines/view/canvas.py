@@ -1,14 +1,14 @@
 """Drawing in the plane, on viser's three-dimensional scene: shapes by name, drawn anew or moved."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from aicon_baselines.view.marks import FloatArray, Marks
-from aicon_baselines.view.outlines import arrow_outline, triangulate
 from aicon_baselines.view.server import viser
-from aicon_baselines.worlds.shape import Shape, believed, circle
+from aicon_baselines.worlds.shape import Shape
 
 HEIGHT = 10.0
 """Height of the part of the scene that is seen at first."""
@@ -16,7 +16,6 @@ HEIGHT = 10.0
 _ASPECT = 1.1  # width over height of the part of a window beside the panel
 _FIELD_OF_VIEW = 0.45  # rad; narrow, so that the plane looks flat
 _LAYER = 0.01  # distance between two layers
-_ARROW_FACES = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6]])
 
 
 class Canvas(Marks):
@@ -36,8 +35,6 @@ class Canvas(Marks):
         super().__init__(server.scene)
         self._flip = np.array([1.0, -1.0 if flipped else 1.0])
         self._center, self.scale = np.zeros(2), 1.0
-        self._sizes: dict[str, list[int]] = {}
-        self._faces: dict[str, NDArray[np.int_]] = {}
 
         # Straight from above; with +y up, the mouse turns the view as one expects.
         distance = 0.5 * 1.08 * HEIGHT / np.tan(0.5 * _FIELD_OF_VIEW)
@@ -57,11 +54,6 @@ class Canvas(Marks):
         self._center = (low + high) / 2
         self.scale = HEIGHT / max(height, width / _ASPECT)
 
-    def clear(self) -> None:
-        """Remove all shapes."""
-        super().clear()
-        self._sizes.clear()
-
     def to_scene(self, points: ArrayLike, layer: float = 0.0) -> FloatArray:
         """Points (N, 2) of the world as points (N, 3) of the scene."""
         flat = (np.asarray(points, np.float64) - self._center) * self.scale * self._flip
@@ -76,93 +68,37 @@ class Canvas(Marks):
         return placed
 
     def draw(self, shapes: Mapping[str, Shape]) -> None:
-        """Draw shapes by name."""
+        """Draw shapes by name, or move those that are there."""
         for name, shape in shapes.items():
             if shape.color:
-                opacity = None if shape.opacity == 1.0 else shape.opacity
-                self.fill(name, [shape.points], shape.color, shape.layer, opacity)
+                self._fill(name, shape)
             if shape.edge:
-                edge, layer = f"{name}.edge", shape.layer + 0.1
-                self.line(edge, shape.points, shape.edge, layer, shape.width, closed=True)
-
-    def fill(
-        self,
-        name: str,
-        rings: Sequence[FloatArray],
-        color: str,
-        layer: float,
-        opacity: float | None = None,
-    ) -> None:
-        """Fill polygons (N, 2) without holes; drawn again, they are the same ones, moved."""
-        sizes = [len(ring) for ring in rings]
-        if not sizes:
-            return
-        vertices = self.to_scene(np.concatenate(rings), layer)
-
-        # Other polygons have other triangles.
-        if self._sizes.get(name) != sizes:
-            self._sizes[name], self._faces[name] = sizes, triangulate(rings)
-            self._handles.pop(name, None)
-        self.mesh(name, vertices, self._faces[name], color, opacity)
-
-    def ellipse(
-        self,
-        name: str,
-        center: ArrayLike,
-        covariance: ArrayLike,
-        color: str,
-        layer: float,
-        opacity: float | None = None,
-    ) -> None:
-        """Fill an ellipse of two standard deviations around a mean (2,), covariance (2, 2)."""
-        ring = believed(center, covariance, layer, color).points
-        self.fill(name, [ring], color, layer, opacity)
-
-    def disc(
-        self,
-        name: str,
-        center: ArrayLike,
-        radius: float,
-        color: str,
-        layer: float,
-        opacity: float | None = None,
-    ) -> None:
-        """Fill a disc."""
-        ring = np.asarray(center, np.float64) + radius * circle()
-        self.fill(name, [ring], color, layer, opacity)
+                edge = self.to_scene(shape.points, shape.layer + 0.1)
+                self.polyline(f"{name}.edge", edge, shape.edge, shape.width, closed=True)
 
     def line(
-        self,
-        name: str,
-        points: ArrayLike,
-        color: str,
-        layer: float,
-        thickness: float = 2.0,
-        closed: bool = False,
+        self, name: str, points: ArrayLike, color: str, layer: float, thickness: float = 2.0
     ) -> None:
         """Draw a line through points (N, 2), its thickness in pixels of the screen."""
-        self.polyline(name, self.to_scene(points, layer), color, thickness, closed)
+        self.polyline(name, self.to_scene(points, layer), color, thickness)
 
-    def arrow(
-        self,
-        name: str,
-        tail: ArrayLike,
-        direction: ArrayLike,
-        color: str,
-        layer: float,
-        length: float,
-        width: float,
-    ) -> None:
-        """Draw an arrow from a point (2,) of the world; length and width are those of the scene."""
-        along = np.asarray(direction, np.float64) * self._flip
-        norm = float(np.linalg.norm(along))
-        if norm == 0.0:
-            self.hide(name)
-            return
+    def _fill(self, name: str, shape: Shape) -> None:
+        """Fill a polygon without holes; drawn again, it is the same one, moved."""
+        known = self._handles.get(name)
+        if known is not None and len(known.vertices) != len(shape.points):
+            self._handles.pop(name).remove()  # other polygons have other triangles
 
-        along /= norm
-        across = np.array([-along[1], along[0]])
-        start = self.to_scene(tail, layer)
-        corners = arrow_outline(length, width) @ np.stack([along, across])
-        vertices = start + np.pad(corners, ((0, 0), (0, 1)))
-        self.mesh(name, vertices, _ARROW_FACES, color)
+        faces = triangulate(shape.points) if name not in self._handles else np.zeros((0, 3), int)
+        opacity = None if shape.opacity == 1.0 else shape.opacity
+        self.mesh(name, self.to_scene(shape.points, shape.layer), faces, shape.color, opacity)
+
+
+def triangulate(ring: FloatArray) -> NDArray[np.int_]:
+    """Triangles that fill a polygon (N, 2) without holes: indices of its points, (F, 3)."""
+    faces = []
+    pieces = shapely.constrained_delaunay_triangles(shapely.Polygon(ring))
+    for triangle in shapely.get_parts(pieces):
+        corners = shapely.get_coordinates(triangle)[:3]
+        gaps = np.linalg.norm(corners[:, np.newaxis] - ring, axis=-1)
+        faces.append(gaps.argmin(axis=1))
+    return np.array(faces)

@@ -1,15 +1,24 @@
 """An episode in which one may interfere: the environment, the policy and its memory."""
 
+import logging
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from gymnasium.vector import VectorEnv
 
-from aicon_baselines.view.compiling import CompiledTwins
 from aicon_baselines.view.resolutions import carried_over, resolutions_of, with_resolution
 from aicon_torch import Policy, StepTrace
 from aicon_torch.inspection import QuantityTrace
 from aicon_torch.resolution import Memory
+
+ANYWHERE = "where most meet"
+"""Stands for the quantity where the most gradients meet."""
+
+_COMPILER = ThreadPoolExecutor(max_workers=1)
+"""Compiles all policies: torch crashes where another thread has compiled and ended before."""
+
+_LOGGER = logging.getLogger(__name__)
 
 
 def by_seed(seed: int) -> dict[str, Any]:
@@ -36,7 +45,7 @@ class LiveEpisode:
         memory: The policy's memory; its batch is (1,).
         ended: Whether the episode has ended.
         resolution: Name of the resolution in use, one of `resolutions`.
-        watched: The quantity whose gradients are looked at; None for the one where most meet.
+        watched: The quantity whose gradients are looked at, or `ANYWHERE`.
     """
 
     def __init__(
@@ -50,10 +59,11 @@ class LiveEpisode:
         self._start_arguments = start_arguments
         self._resolutions = resolutions_of(policy)
         self.resolution = next(iter(self._resolutions))
-        self._twins: CompiledTwins | None = None
+        self._compiles = False
+        self._compiled: dict[str, Future[Policy]] = {}  # by resolution
 
         self.seed, self.steps, self.ended = 0, 0, False
-        self.watched: str | None = None
+        self.watched = ANYWHERE
         self.info: dict[str, Any] = {}
         self._starts = True
         self._before: Memory | None = None
@@ -109,11 +119,16 @@ class LiveEpisode:
     @property
     def compiled(self) -> bool:
         """Whether the policy in use is compiled."""
-        return self._twins is not None and self._twins.has(self.resolution)
+        future = self._compiled.get(self.resolution)
+        return future is not None and future.done() and future.exception() is None
 
     def compile(self) -> None:
-        """Compile in the background, also the resolutions that are chosen later."""
-        self._twins = CompiledTwins()
+        """Compile in the background, also the resolutions that are chosen later.
+
+        It takes seconds. The memory of a policy is that of the same one compiled, which takes over
+        between two steps.
+        """
+        self._compiles = True
         self._begin_to_compile()
 
     def start(self, seed: int) -> None:
@@ -165,6 +180,10 @@ class LiveEpisode:
         self._decide()
         self._begin_to_compile()
 
+    def look_at(self, name: str) -> None:
+        """Look at the gradients at another quantity, or `ANYWHERE`."""
+        self.watched = name
+
     def relocate(self, options: dict[str, Any]) -> None:
         """Set the world, not the policy: it still believes what it believed, and sees the new.
 
@@ -184,18 +203,26 @@ class LiveEpisode:
 
     def _decide(self) -> None:
         """Let the policy see the world as it is and choose, from what it knew before."""
-        policy = self.policy
-        if self._twins is not None:
-            policy = self._twins.of(self.resolution, policy)
-
+        policy = self._compiled[self.resolution].result() if self.compiled else self.policy
         starts = [True] if self._starts else None
         self._action, self._memory = policy.predict(self._observation, self._started(), starts)
         self._trace = None
 
     def _begin_to_compile(self) -> None:
-        """Compile the policy in use, where compiling is wanted."""
-        if self._twins is not None:
-            self._twins.begin(self.resolution, self.policy, self._observation, self._started())
+        """Compile the policy in use, where that is wanted and has not begun."""
+        name = self.resolution
+        if not self._compiles or name in self._compiled:
+            return
+
+        def work(policy: Policy, observation: Any, memory: Memory) -> Policy:
+            compiled = policy.compile()
+            compiled.predict(observation, memory)  # at its first step it compiles
+            _LOGGER.info("The policy with %s is compiled.", name)
+            return compiled
+
+        _LOGGER.info("Compiling the policy with %s; until then its readable step acts.", name)
+        known = (self.policy, self._observation, self._started())
+        self._compiled[name] = _COMPILER.submit(work, *known)
 
     def _started(self) -> Memory:
         """The memory before the step that was decided last."""

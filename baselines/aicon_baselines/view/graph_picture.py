@@ -36,7 +36,8 @@ class GraphPicture:
         """The picture of a step, as SVG in HTML.
 
         An edge is as wide as the strongest gradient along it is, compared with the strongest that
-        meets it; the path of each leader is dark. Where a quantity explores, it has another colour.
+        meets it; the path of each dominant gradient is dark. Where a quantity explores,
+        it has another colour.
         """
         shares, led = edge_shares(trace, set(self._edges))
         height = max(y for _, y in self._places.values()) + 0.6 * _ROW
@@ -52,7 +53,7 @@ class GraphPicture:
         return "".join([*lines, "</svg>"])
 
     def _line(self, edge: Edge, share: float, leads: bool) -> str:
-        """An edge: pale where nothing comes along, dark where the leader does."""
+        """An edge: pale where nothing comes along, dark where the dominant one does."""
         (x1, y1), (x2, y2) = (self._places[name] for name in edge)
         color = _PALE if share == 0.0 else RESOLVED if leads else OUTLINE
         width = 1.0 + (_WIDEST - 1.0) * share**0.5
@@ -76,7 +77,7 @@ class GraphPicture:
 
 
 def edge_shares(trace: StepTrace, edges: set[Edge]) -> tuple[dict[Edge, float], set[Edge]]:
-    """How strong the gradients along each edge are, and along which edges a leader comes.
+    """How strong the gradients along each edge are, and along which edges a dominant one comes.
 
     Args:
         trace: What a step decided.
@@ -84,21 +85,21 @@ def edge_shares(trace: StepTrace, edges: set[Edge]) -> tuple[dict[Edge, float], 
 
     Returns:
         By edge the strength of the strongest gradient along it, as a share of the strongest that
-        arrives where it does; and the edges of the leaders.
+        arrives where it does; and the edges of the dominant ones.
     """
     shares: dict[Edge, float] = {}
     led: set[Edge] = set()
 
     for met in trace.quantities.values():
-        strengths = met.strengths[0].tolist()
-        strongest, leader = max(strengths), int(met.leader[0])
+        strengths = met.magnitudes[0].tolist()
+        strongest, dominant = max(strengths), int(met.dominant[0])
         if strongest == 0.0:
             continue
         for index, path in enumerate(met.paths):
             along = edges.intersection(_steps(path))
             for edge in along:
                 shares[edge] = max(shares.get(edge, 0.0), strengths[index] / strongest)
-            if index == leader:
+            if index == dominant:
                 led |= along
     return shares, led
 

@@ -3,11 +3,13 @@
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from queue import Empty, SimpleQueue
+from typing import Any
 
 from aicon_baselines.view.episode import LiveEpisode
-from aicon_baselines.view.panel import Actions, Panel
-from aicon_baselines.view.scenes import MakeScene, make_scene
+from aicon_baselines.view.opening import MakeScene, make_scene
+from aicon_baselines.view.panel import Panel
 from aicon_baselines.view.server import PageServer
 from aicon_torch import AiconError
 
@@ -52,15 +54,15 @@ class LiveView:
     ) -> None:
         self.episode, self._loops = episode, loops
         self.running, self.speed, self.taken = not paused, 1.0, 0
-        self._requests: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._requests: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._stopped = threading.Event()
         self._note = ""
 
         self._server = server
         self.scene = scene(server, episode)
-        self._panel = Panel(server, self.scene, self._actions())
+        self._panel = Panel(server, self)
         self.scene.start()
-        self.scene.add_grips(self._ask)
+        self.scene.add_grips(self.ask)
         self._show_all()
         if compiles:
             episode.compile()
@@ -105,23 +107,31 @@ class LiveView:
     def _just_ended(self) -> bool:
         return self.running and self.episode.ended and not self._loops
 
-    def _actions(self) -> Actions:
-        """What the controls ask for."""
-        return Actions(
-            play=lambda: self._ask(self._play),
-            pause=lambda: self._ask(lambda: setattr(self, "running", False)),
-            step=lambda: self._ask(self._step_once),
-            reset=lambda seed: self._ask(lambda: self._reset(seed)),
-            set_speed=lambda speed: self._ask(lambda: setattr(self, "speed", speed)),
-            weigh=lambda goal, factor: self._ask(lambda: self.episode.weigh(goal, factor)),
-            resolve_by=lambda name: self._ask(lambda: self.episode.resolve_by(name)),
-            look_at=lambda name: self._ask(lambda: setattr(self.episode, "watched", name)),
-            kick=lambda: self._ask(self.scene.kick),
-        )
+    def ask(self, request: Callable[..., object], *arguments: Any) -> None:
+        """Have something done between two steps; it may be asked for in any thread."""
+        self._requests.put(partial(request, *arguments))
 
-    def _ask(self, request: Callable[[], None]) -> None:
-        """Have something done between two steps."""
-        self._requests.put(request)
+    def play(self) -> None:
+        """Go on by itself, or from the start again after the end."""
+        if self.episode.ended and not self.running:
+            self.reset(self.episode.seed)
+        self.running = True
+
+    def pause(self) -> None:
+        """Rest."""
+        self.running = False
+
+    def step_once(self) -> None:
+        """Go on by one step, and rest."""
+        self.running = False
+        self._advance()
+        self._panel.add_moment()
+
+    def reset(self, seed: int) -> None:
+        """Start the episode of a seed."""
+        self.episode.start(seed)
+        self.scene.start()
+        self._panel.clear()
 
     def _do_what_was_asked(self) -> bool:
         """Do it; return whether there was anything."""
@@ -139,25 +149,10 @@ class LiveView:
             except (ValueError, AiconError) as error:
                 self._note = str(error)
 
-    def _play(self) -> None:
-        if self.episode.ended and not self.running:
-            self._reset(self.episode.seed)
-        self.running = True
-
-    def _step_once(self) -> None:
-        self.running = False
-        self._advance()
-        self._panel.add_moment()
-
-    def _reset(self, seed: int) -> None:
-        self.episode.start(seed)
-        self.scene.start()
-        self._panel.clear()
-
     def _advance(self) -> None:
         """Go on by one step; after the last one, rest or go on with the next seed."""
         if self.episode.ended and self._loops:
-            self._reset(self.episode.seed + 1)
+            self.reset(self.episode.seed + 1)
         elif self.episode.ended:
             self.running = False
             return

@@ -21,7 +21,7 @@ from aicon_baselines.palette import (
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.plane import PlaneScene
 from aicon_baselines.view.scene import Handle
-from aicon_baselines.worlds import believed, disc, navigation
+from aicon_baselines.worlds import Shape, believed, disc, navigation
 from aicon_baselines.worlds.surroundings import ARRIVAL
 
 _MARGIN = 0.9  # m of ground around what there is
@@ -69,7 +69,7 @@ class NavigationScene(PlaneScene):
         self.canvas.fit(low, high)
 
         ground = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-        self.canvas.fill("ground", [ground], GROUND, 0)
+        self.canvas.draw({"ground": Shape(ground, 0, GROUND)})
 
     def draw_moving(self) -> None:
         """Draw the walls, the target, the robot, its trail, its beliefs and its gradients."""
@@ -122,7 +122,7 @@ class NavigationScene(PlaneScene):
         """Displace the robot."""
         env: Any = self.episode.env.unwrapped
         way = env.np_random.normal(0.0, _KICK, 2)
-        self._set(start=self.episode.info["position"][0] + way)
+        self._set(start=(self.episode.info["position"][0] + way).tolist())
 
     def move_target(self, position: FloatArray) -> None:
         """Put the target elsewhere.
@@ -130,7 +130,7 @@ class NavigationScene(PlaneScene):
         Raises:
             ValueError: If there is a wall.
         """
-        self._set(target=position)
+        self._set(target=np.asarray(position).tolist())
 
     def move_wall(self, position: FloatArray) -> None:
         """Put the middle of the wall that was nearest elsewhere.
@@ -140,7 +140,7 @@ class NavigationScene(PlaneScene):
         """
         walls = self._walls()
         walls[self._nearest] += position - walls[self._nearest].mean(axis=0)
-        self._set(walls=walls)
+        self._set(obstacles=[wall.tolist() for wall in walls])
 
     def _middle_of_nearest(self) -> FloatArray:
         """The middle (2,) of the wall that is nearest now, which is then the one that moves."""
@@ -155,21 +155,12 @@ class NavigationScene(PlaneScene):
         env: Any = self.episode.env.unwrapped
         return [np.array(vertices, np.float64) for vertices in env.maps[0].obstacles]
 
-    def _set(
-        self,
-        *,
-        start: FloatArray | None = None,
-        target: FloatArray | None = None,
-        walls: list[FloatArray] | None = None,
-    ) -> None:
-        """Change the world; what is not named stays."""
+    def _set(self, **changes: Any) -> None:
+        """Change the world: its start, target or obstacles, as lists; the others stay."""
         info = self.episode.info
-        self.episode.relocate(
-            {
-                "start": np.asarray(info["position"][0] if start is None else start).tolist(),
-                "target": np.asarray(info["target"][0] if target is None else target).tolist(),
-                "obstacles": [
-                    wall.tolist() for wall in (self._walls() if walls is None else walls)
-                ],
-            }
-        )
+        world = {
+            "start": info["position"][0].tolist(),
+            "target": info["target"][0].tolist(),
+            "obstacles": [wall.tolist() for wall in self._walls()],
+        }
+        self.episode.relocate(world | changes)

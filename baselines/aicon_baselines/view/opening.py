@@ -1,77 +1,64 @@
-"""Opening an episode to look at: the task's environment and a policy that tells what it decides."""
+"""Opening an episode to look at: the task's environment, its scene, and a policy with gradients."""
 
 import logging
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from aicon_baselines.agents.registry import ModelPolicy, factory
 from aicon_baselines.agents.variants import parse_variant
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.task import Task
+from aicon_baselines.named import find
 from aicon_baselines.tasks import load
 from aicon_baselines.view.episode import LiveEpisode
+from aicon_baselines.view.scene import Scene
+from aicon_baselines.view.server import viser
 
 _LOGGER = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Opening:
-    """An episode that can be opened: its names are right, and nothing is built yet.
+def prepare_episode(
+    task_name: str, policy: str = "aicon", condition: str | None = None, seed: int = 0
+) -> Callable[[], LiveEpisode]:
+    """What builds an episode: all names are right, and nothing is built yet.
 
-    Attributes:
-        task: The task, with the maps and the horizon of the episode.
-        condition: A condition of it.
-        build: What builds the policy.
-        seed: Seed of the episode.
+    The arguments and errors are those of :func:`open_episode`.
     """
+    # The names are checked as in a comparison.
+    task = load(task_name)
+    condition = condition or task.look.condition
+    conditions = [condition] if condition else None
+    config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
+    task, condition = config.apply(task), config.conditions[0]
+    if condition == "upstream":
+        raise ComparisonError(
+            "the condition 'upstream' cannot be watched; 'deterministic' is the same world"
+        )
 
-    task: Task
-    condition: str
-    build: ModelPolicy
-    seed: int
+    name, options = parse_variant(policy)
+    build = factory(task.name, name, **options)
+    if not isinstance(build, ModelPolicy):
+        raise ComparisonError(
+            f"the policy {name!r} has no gradients to show; aicon watch shows policies of the "
+            "library, such as aicon, steepest or potential_field"
+        )
+    build = replace(build, options={**task.look.options, **build.options})
 
-    @classmethod
-    def of(
-        cls, task_name: str, policy: str = "aicon", condition: str | None = None, seed: int = 0
-    ) -> "Opening":
-        """What :func:`open_episode` opens; arguments and errors are the same."""
-        # The names are checked as in a comparison.
-        task = load(task_name)
-        condition = condition or task.look.condition
-        conditions = [condition] if condition else None
-        config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
-        task, condition = config.apply(task), config.conditions[0]
-        if condition == "upstream":
-            raise ComparisonError(
-                "the condition 'upstream' cannot be watched; 'deterministic' is the same world"
-            )
+    def start_arguments(seed: int) -> dict[str, Any]:
+        return task.reset_arguments([task.episode(seed)])
 
-        name, options = parse_variant(policy)
-        build = factory(task.name, name, **options)
-        if not isinstance(build, ModelPolicy):
-            raise ComparisonError(
-                f"the policy {name!r} has no gradients to show; aicon watch shows policies of the "
-                "library, such as aicon, steepest or potential_field"
-            )
-        options = {**task.look.options, **build.options}
-        return cls(task, condition, replace(build, options=options), seed)
-
-    def open(self) -> LiveEpisode:
-        """Build the policy and its world, and start the episode."""
-        task = self.task
+    def open_it() -> LiveEpisode:
         _LOGGER.info("Building the policy; for an arm, whose shape is fitted, it takes a while.")
-        policy: Any = self.build(self.condition)
-
+        built: Any = build(condition)
         _LOGGER.info("Building the world.")
-        env = task.make_env(1, self.condition, task.horizon, **task.look.options)
+        env = task.make_env(1, condition, task.horizon, **task.look.options)
 
-        def start_arguments(seed: int) -> dict[str, Any]:
-            return task.reset_arguments([task.episode(seed)])
-
-        episode = LiveEpisode(task.name, env, policy, start_arguments)
-        episode.start(self.seed)
+        episode = LiveEpisode(task.name, env, built, start_arguments)
+        episode.start(seed)
         return episode
+
+    return open_it
 
 
 def open_episode(
@@ -88,4 +75,25 @@ def open_episode(
     Raises:
         ComparisonError: If a name is unknown, or the policy is none of the library's.
     """
-    return Opening.of(task_name, policy, condition, seed).open()
+    return prepare_episode(task_name, policy, condition, seed)()
+
+
+MakeScene = Callable[[viser.ViserServer, LiveEpisode], Scene]
+"""Makes a scene, such as the class of one."""
+
+
+def check_watchable(task: str) -> None:
+    """Refuse a task without a scene.
+
+    Raises:
+        ComparisonError: It says where a task names one.
+    """
+    if not load(task).look.scene:
+        raise ComparisonError(f"the task {task!r} has no view: its look names no scene")
+
+
+def make_scene(server: viser.ViserServer, episode: LiveEpisode) -> Scene:
+    """The scene of an episode's task, not yet drawn."""
+    check_watchable(episode.name)
+    scene: Scene = find(load(episode.name).look.scene)(server, episode)
+    return scene

@@ -10,7 +10,7 @@ from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.tasks.side_by_side import SideBySide, StandStillAfterEnd
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.live import LiveView
-from aicon_baselines.view.scenes import MakeScene
+from aicon_baselines.view.opening import MakeScene
 from aicon_baselines.view.server import serve
 from aicon_torch import Policy
 

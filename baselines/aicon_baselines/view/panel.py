@@ -1,47 +1,20 @@
 """The panel beside the world: what happens in words, the controls, and curves over time."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from aicon_baselines.palette import GOAL, RESOLVED
+from aicon_baselines.view.episode import ANYWHERE
 from aicon_baselines.view.graph_picture import GraphPicture
-from aicon_baselines.view.scene import Scene
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.status import legend, status
 from aicon_baselines.view.strips import Strip
 
+if TYPE_CHECKING:
+    from aicon_baselines.view.live import LiveView
+
 _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)
 _HEAVIEST = 3.0  # factor of a goal
-_ANYWHERE = "where most meet"
-
-
-@dataclass(frozen=True)
-class Actions:
-    """What the controls do; they are called in a thread of the server.
-
-    Attributes:
-        play: Go on, or from the start again after the end.
-        pause: Rest.
-        step: Go on by one step, and pause.
-        reset: Start the episode of a seed.
-        set_speed: How many times as fast as real time.
-        weigh: Give a goal a factor.
-        resolve_by: Take another resolution.
-        look_at: Show the gradients at another quantity; None for where most meet.
-        kick: Kick the object.
-    """
-
-    play: Callable[[], None]
-    pause: Callable[[], None]
-    step: Callable[[], None]
-    reset: Callable[[int], None]
-    set_speed: Callable[[float], None]
-    weigh: Callable[[str, float], None]
-    resolve_by: Callable[[str], None]
-    look_at: Callable[[str | None], None]
-    kick: Callable[[], None]
 
 
 class Panel:
@@ -49,12 +22,12 @@ class Panel:
 
     Args:
         server: The server of the page.
-        scene: The world beside it.
-        actions: What the controls do.
+        view: The view, which does what the controls ask for between two steps.
     """
 
-    def __init__(self, server: viser.ViserServer, scene: Scene, actions: Actions) -> None:
-        self._gui, self._scene, self._actions = server.gui, scene, actions
+    def __init__(self, server: viser.ViserServer, view: "LiveView") -> None:
+        self._gui, self._view, self._scene = server.gui, view, view.scene
+        scene = view.scene
         self._gui.main_panel.dock_right()
         self._gui.set_panel_label(f"aicon watch {scene.episode.name}")
 
@@ -99,25 +72,27 @@ class Panel:
 
     def _add_controls(self) -> None:
         """Play or pause, step, reset, speed."""
-        gui, actions = self._gui, self._actions
+        gui, view = self._gui, self._view
 
         # Two buttons in one place: a click means what was to be read when it was made.
         self._play, self._pause = gui.add_button("Play"), gui.add_button("Pause")
-        self._play.on_click(lambda _: actions.play())
-        self._pause.on_click(lambda _: actions.pause())
-        gui.add_button("Step").on_click(lambda _: actions.step())
+        self._play.on_click(lambda _: view.ask(view.play))
+        self._pause.on_click(lambda _: view.ask(view.pause))
+        gui.add_button("Step").on_click(lambda _: view.ask(view.step_once))
 
         seed = gui.add_number("Seed", self._scene.episode.seed, min=0, step=1)
         reset = gui.add_button("Reset")
-        reset.on_click(lambda _: actions.reset(int(seed.value)))
+        reset.on_click(lambda _: view.ask(view.reset, int(seed.value)))
 
         speeds = tuple(f"{speed:g} × real time" for speed in _SPEEDS)
         speed = gui.add_dropdown("Speed", speeds, initial_value=speeds[_SPEEDS.index(1.0)])
-        speed.on_update(lambda _: actions.set_speed(_SPEEDS[speeds.index(speed.value)]))
+        speed.on_update(
+            lambda _: view.ask(setattr, view, "speed", _SPEEDS[speeds.index(speed.value)])
+        )
 
     def _add_choices(self) -> None:
         """Goals, resolution, quantity, and what a hand can do to the world."""
-        gui, actions, episode = self._gui, self._actions, self._scene.episode
+        gui, view, episode = self._gui, self._view, self._scene.episode
         with gui.add_folder("Goals"):
             for goal in episode.policy.model.goals:
                 slider = gui.add_slider(goal, 0.0, _HEAVIEST, 0.05, 1.0, hint="0: switched off")
@@ -125,21 +100,19 @@ class Panel:
 
         names = episode.resolutions
         rule = gui.add_dropdown("In conflict", names, initial_value=names[0])
-        rule.on_update(lambda _: actions.resolve_by(rule.value))
+        rule.on_update(lambda _: view.ask(episode.resolve_by, rule.value))
 
-        places = (_ANYWHERE, *episode.trace.quantities)
-        place = gui.add_dropdown("Gradients at", places, initial_value=_ANYWHERE)
-        place.on_update(
-            lambda _: actions.look_at(None if place.value == _ANYWHERE else place.value)
-        )
+        places = (ANYWHERE, *episode.trace.quantities)
+        place = gui.add_dropdown("Gradients at", places, initial_value=ANYWHERE)
+        place.on_update(lambda _: view.ask(episode.look_at, place.value))
 
         gui.add_markdown(self._scene.hint)
         if self._scene.can_kick:
-            gui.add_button("Kick").on_click(lambda _: actions.kick())
+            gui.add_button("Kick").on_click(lambda _: view.ask(self._scene.kick))
 
     def _weigh(self, goal: str, event: viser.GuiEvent[Any]) -> None:
         """Give a goal the weight of its slider."""
-        self._actions.weigh(goal, float(event.target.value))
+        self._view.ask(self._scene.episode.weigh, goal, float(event.target.value))
 
     def _add_graph(self) -> None:
         """The model, with what comes along its edges."""
@@ -149,13 +122,13 @@ class Panel:
         self._graph = self._gui.add_html("")
 
     def _add_strips(self) -> None:
-        """Strengths, cosine, costs, and what is left."""
+        """Magnitudes, cosine, costs, and what is left."""
         gui, scene = self._gui, self._scene
         goals = scene.episode.policy.model.goals
         costs = {goal: scene.goal_color(goal) for goal in goals}
         left = {**scene.remaining_curves, "success": GOAL}
         self._strips = (
-            Strip(gui, "strength of the gradients", scene.strength_curves()),
+            Strip(gui, "magnitude of the gradients", scene.strength_curves()),
             Strip(
                 gui, "cosine of the two that are compared (−1: they oppose)", {"cosine": RESOLVED}
             ),

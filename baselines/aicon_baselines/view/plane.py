@@ -1,12 +1,12 @@
 """A world in the plane, seen from above, and how gradients are drawn in it."""
 
-from abc import abstractmethod
 from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aicon_baselines import worlds
 from aicon_baselines.view.canvas import HEIGHT, Canvas
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.marks import FloatArray
@@ -38,21 +38,13 @@ class PlaneScene(Scene):
 
     def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
         self.canvas = Canvas(server, self.flipped)
-        super().__init__(server, episode, self.canvas)
+        super().__init__(server, episode, self.canvas, words_at=(0.0, 0.45 * HEIGHT, 0.5))
         self._trail: list[FloatArray] = []
 
     def clear(self) -> None:
         """Remove everything that was drawn."""
         super().clear()
         self._trail = []
-
-    @abstractmethod
-    def draw_world(self) -> None:
-        """Draw what an episode does not change, and fit the canvas to it."""
-
-    def write(self, words: str) -> None:
-        """Write a line above the world."""
-        self.canvas.text("words", words, np.array([0.0, 0.45 * HEIGHT, 0.5]))
 
     def handle(self, where: Callable[[], FloatArray], move: Callable[[FloatArray], None]) -> Handle:
         """What a hand drags, by its place (2,) in the world."""
@@ -69,22 +61,21 @@ class PlaneScene(Scene):
 
     def draw_arrow(
         self, name: str, tail: ArrayLike, arrow: GradientArrow, share: float
-    ) -> FloatArray:
-        """Draw a gradient, all of one length; stronger ones cover weaker ones."""
-        width = max(_WIDEST * share**0.5, 0.03)
-        layer = _ARROW_LAYER + 1.0 - share
-        self.canvas.arrow(name, tail, arrow.direction, arrow.color, layer, _LONGEST, width)
+    ) -> FloatArray | None:
+        """Draw a gradient, all of one length; the wider ones lie below."""
+        norm = np.linalg.norm(arrow.direction[:2])
+        if norm == 0.0:
+            return None
 
+        unit, layer = 1.0 / self.canvas.scale, _ARROW_LAYER + 1.0 - share
+        width = max(_WIDEST * share**0.5, 0.03)
+        head = 1.1 * max(2.6 * width, 0.16)
+        along = arrow.length * _LONGEST * unit / norm * arrow.direction[:2]
+        shape = worlds.arrow(tail, along, unit * width, unit * head, layer, arrow.color)
+        self.canvas.draw({name: shape})
         if arrow.source is not None:
-            radius = 0.09 / self.canvas.scale
-            self.canvas.disc(f"{name}.source", arrow.source, radius, arrow.color, layer)
+            source = worlds.disc(arrow.source, 0.09 * unit, layer, arrow.color)
+            self.canvas.draw({f"{name}.source": source})
 
         # Beyond the tip.
-        way = np.array(arrow.direction[:2]) / np.linalg.norm(arrow.direction[:2])
-        tip = np.asarray(tail) + 1.12 * _LONGEST / self.canvas.scale * way
-        return self.canvas.to_scene(tip, _ARROW_LAYER + 5)
-
-    def draw_motion(self, tail: ArrayLike, action: FloatArray, color: str) -> None:
-        """Draw the motion that an action is, thin and above the gradients."""
-        layer, length = _ARROW_LAYER + 3, 1.25 * _LONGEST
-        self.canvas.arrow("motion", tail, action, color, layer, length, width=0.05)
+        return self.canvas.to_scene(np.asarray(tail) + 1.12 * along, _ARROW_LAYER + 5)

@@ -61,8 +61,7 @@ class PushScene(PlaneScene):
 
         corners = np.array([(0.0, 0.0), (SIZE, 0.0), (SIZE, SIZE), (0.0, SIZE)])
         self.canvas.fit((0.0, 0.0), (SIZE, SIZE))
-        self.canvas.fill("table", [corners], GROUND, 0)
-        self.canvas.line("walls", corners, OUTLINE, 1, thickness=3.0, closed=True)
+        self.canvas.draw({"table": Shape(corners, 0, GROUND, edge=OUTLINE, width=3.0)})
 
     def draw_moving(self) -> None:
         """Draw pusher, object, belief, goal and gradients."""

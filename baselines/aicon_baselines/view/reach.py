@@ -1,6 +1,7 @@
 """Reaching: an arm, what it takes for its body, its target and what it keeps off."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -57,27 +58,15 @@ class ReachScene(ArmScene):
 
     def handles(self) -> Mapping[str, Handle]:
         """The target and the balls."""
-        everywhere = (True, True, True)
-        handles = {
-            "target": Handle(lambda: self.data.mocap_pos[0].copy(), self._move_target, everywhere)
-        }
+        moves = {"target": self.env.move_target}
         for number in range(1, self._balls + 1):
-            handles[f"ball {number}"] = self._handle_of_ball(number)
+            moves[f"ball {number}"] = partial(self.env.move_ball, number)
+
+        handles = {}
+        for index, (name, move) in enumerate(moves.items()):
+            place = self.data.mocap_pos[index]
+            handles[name] = self.handle(place.copy, move, (True, True, True))
         return handles
-
-    def _handle_of_ball(self, number: int) -> Handle:
-        """What a hand drags of a ball."""
-
-        def move(position: FloatArray) -> None:
-            self.check_going_on()
-            self.env.move_ball(number, position)
-
-        return Handle(lambda: self.data.mocap_pos[number].copy(), move, (True, True, True))
-
-    def _move_target(self, position: FloatArray) -> None:
-        """Put the target elsewhere; its orientation stays."""
-        self.check_going_on()
-        self.env.move_target(position)
 
     def _draw_gap(self, name: str, segments: FloatArray, ball: FloatArray) -> None:
         """Draw the shortest line from the body's segments (C, 6) to a ball's middle (3,)."""

@@ -1,7 +1,7 @@
 """An episode as one HTML file that plays in a browser without a server."""
 
 from aicon_baselines.view.episode import LiveEpisode
-from aicon_baselines.view.scenes import MakeScene, make_scene
+from aicon_baselines.view.opening import MakeScene, make_scene
 from aicon_baselines.view.server import serve
 
 _PICTURES_PER_SECOND = 10.0

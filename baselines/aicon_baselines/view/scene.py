@@ -20,6 +20,7 @@ FAINT = 0.02
 """Share of the strongest gradient below which another is not drawn."""
 
 _FEW = 3  # gradients that are all labelled
+_MOTION = 0.1  # share of the strongest gradient that the arrow of the motion is as wide as
 
 
 @dataclass(frozen=True)
@@ -32,13 +33,15 @@ class GradientArrow:
         direction: Where it would go, (2,) or (3,), in the world's frame.
         strength: Its magnitude.
         source: What it comes from, a point that is marked; None for nothing to mark.
+        length: In comparison with other arrows.
     """
 
     label: str
     color: str
     direction: FloatArray
-    strength: float
+    strength: float = 0.0
     source: FloatArray | None = None
+    length: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,7 @@ class Scene(ABC):
         server: The server of the page.
         episode: The episode, started.
         marks: What it is drawn with.
+        words_at: Where a line of words is written in the scene, (3,).
     """
 
     title: ClassVar[str] = ""
@@ -87,8 +91,11 @@ class Scene(ABC):
     handle_size: ClassVar[float] = 0.9
     """Size of a handle, in units of the scene."""
 
-    def __init__(self, server: viser.ViserServer, episode: LiveEpisode, marks: Marks) -> None:
-        self.server, self.episode, self._marks = server, episode, marks
+    def __init__(
+        self, server: viser.ViserServer, episode: LiveEpisode, marks: Marks, words_at: ArrayLike
+    ) -> None:
+        self.server, self.episode = server, episode
+        self._marks, self._words_at = marks, words_at
         self._grips: dict[str, viser.TransformControlsHandle] = {}
         self._dragged: set[str] = set()
 
@@ -114,13 +121,13 @@ class Scene(ABC):
             Where its label stands in the scene, (3,); None if it has no direction.
         """
 
-    @abstractmethod
-    def draw_motion(self, tail: ArrayLike, action: FloatArray, color: str) -> None:
-        """Draw the motion that an action is."""
+    def way(self, quantity: str, vector: FloatArray) -> FloatArray:
+        """The direction in the world of a vector at a quantity; by default it is the same."""
+        return vector
 
-    @abstractmethod
     def write(self, words: str) -> None:
-        """Write a line into the world."""
+        """Write a line above the world."""
+        self._marks.text("words", words, self._words_at)
 
     def start(self) -> None:
         """Draw a new episode from nothing."""
@@ -156,18 +163,22 @@ class Scene(ABC):
         actuator = next(iter(self.episode.policy.model.actuators))
         exploring = any(bool(quantity.exploring[0]) for quantity in trace.quantities.values())
         action = trace.values[actuator][0].numpy(force=True)
-        self.draw_motion(tail, action, EXPLORING if exploring else RESOLVED)
+        color = EXPLORING if exploring else RESOLVED
+        motion = GradientArrow("", color, self.way(actuator, action), length=1.25)
+        if self.draw_arrow("motion", tail, motion, _MOTION) is None:
+            self._marks.hide("motion")
 
     def arrows(self) -> list[GradientArrow]:
         """The gradients that meet."""
         meeting = self.episode.meeting
         gradients = meeting.gradients[0].numpy(force=True)
-        strengths = meeting.strengths[0].tolist()
+        strengths = meeting.magnitudes[0].tolist()
 
         found = []
         for index, gradient in enumerate(gradients):
             label, color = self.look_of(meeting.paths[index], meeting.goals[index])
-            found.append(GradientArrow(label, color, -gradient, strengths[index]))
+            direction = self.way(meeting.name, -gradient)
+            found.append(GradientArrow(label, color, direction, strengths[index]))
         return found
 
     def look_of(self, path: tuple[str, ...], goals: tuple[str, ...]) -> tuple[str, str]:
@@ -188,7 +199,7 @@ class Scene(ABC):
         """The strengths at this moment, by curve: the strongest gradient of each goal alone."""
         strongest = dict.fromkeys(self.strength_curves(), 0.0)
         for met in self.episode.trace.quantities.values():
-            for goals, strength in zip(met.goals, met.strengths[0].tolist(), strict=True):
+            for goals, strength in zip(met.goals, met.magnitudes[0].tolist(), strict=True):
                 if len(goals) == 1:
                     strongest[goals[0]] = max(strongest[goals[0]], strength)
         return strongest
@@ -214,10 +225,10 @@ class Scene(ABC):
         """What opposes what, in words, while it explores."""
         meeting, arrows = self.episode.meeting, self.arrows()
         opponent = int(meeting.opponent[0])
-        leader = arrows[int(meeting.leader[0])].label
+        dominant = arrows[int(meeting.dominant[0])].label
         if opponent < 0 or meeting.goals_in_conflict(0) is None:
-            return f"{leader}, until it gets on"
-        return f"{leader} ↔ {arrows[opponent].label}"
+            return f"{dominant}, until it gets on"
+        return f"{dominant} ↔ {arrows[opponent].label}"
 
     def headline(self) -> str:
         """What happens, in a few words."""
@@ -230,14 +241,14 @@ class Scene(ABC):
         meeting = self.episode.meeting
         if bool(meeting.exploring[0]):
             return f"Exploring: {self.conflict()}"
-        return f"Descending: {self.arrows()[int(meeting.leader[0])].label}"
+        return f"Descending: {self.arrows()[int(meeting.dominant[0])].label}"
 
     def labelled(self) -> set[int]:
         """Which gradients have their words: where there are many, the two that are compared."""
         meeting = self.episode.meeting
         if len(meeting.paths) <= _FEW:
             return set(range(len(meeting.paths)))
-        return {int(meeting.leader[0]), int(meeting.opponent[0])}
+        return {int(meeting.dominant[0]), int(meeting.opponent[0])}
 
     def add_grips(self, ask: Request) -> None:
         """Add what a hand takes hold of.

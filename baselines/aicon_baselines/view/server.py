@@ -7,14 +7,12 @@ from contextlib import contextmanager
 from urllib.parse import urlsplit
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import missing_extra
+from aicon_baselines.extras import naming_extra
 
-try:
+with naming_extra():
     import viser
 
     from aicon_baselines.view.guard import Guard
-except ModuleNotFoundError as error:
-    raise missing_extra(error) from error
 
 __all__ = ["PageServer", "serve", "viser"]
 

@@ -30,7 +30,7 @@ def by_sides(
     found = []
     for arrow, path in zip(arrows, paths, strict=True):
         side = side_of(path)
-        touches = float(arrow.direction @ to_sides[side]) > 0.0
+        touches = float(arrow.direction[:2] @ to_sides[side]) > 0.0
         label = "touch this side" if touches else "leave this side"
         color = TOWARDS if touches else AWAY
         found.append(replace(arrow, label=label, color=color, source=places[side]))

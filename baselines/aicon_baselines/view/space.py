@@ -52,13 +52,14 @@ class MuJoCoScene(Scene):
 
     def __init__(self, server: viser.ViserServer, episode: LiveEpisode) -> None:
         self.shapes = Shapes(server.scene)
-        super().__init__(server, episode, self.shapes)
+        position, target = self.camera
+        words_at = target + np.array([0.0, 0.0, 0.6])
+        super().__init__(server, episode, self.shapes, words_at)
         self.env: Any = episode.env.unwrapped.envs[0].unwrapped  # type: ignore[attr-defined]
         self.model: mujoco.MjModel = self.env.model
         self.data: mujoco.MjData = self.env.data
         self._bodies: MuJoCoBodies | None = None
 
-        position, target = self.camera
         server.scene.set_up_direction("+z")
         server.initial_camera.position = tuple(position.tolist())
         server.initial_camera.look_at = tuple(target.tolist())
@@ -85,16 +86,11 @@ class MuJoCoScene(Scene):
     def draw_beliefs(self) -> None:
         """Draw what the policy believes; nothing, unless a world says how."""
 
-    def write(self, words: str) -> None:
-        """Write a line above the world."""
-        _, target = self.camera
-        self.shapes.text("words", words, target + np.array([0.0, 0.0, 0.6]), scale=0.9)
-
-    def direction(self, quantity: str, gradient: FloatArray) -> FloatArray:
-        """The direction (3,) in space of descending a gradient at a quantity."""
+    def way(self, quantity: str, vector: FloatArray) -> FloatArray:
+        """The direction (3,) in which a vector at a quantity moves the tip."""
         if quantity in self.joints:
-            return self.jacobian() @ -gradient
-        flat = -gradient[:3]
+            return self.jacobian() @ vector
+        flat = vector[:3]
         return np.pad(flat, (0, 3 - len(flat)))
 
     def jacobian(self) -> FloatArray:
@@ -111,32 +107,17 @@ class MuJoCoScene(Scene):
         self, name: str, tail: ArrayLike, arrow: GradientArrow, share: float
     ) -> FloatArray | None:
         """Draw a gradient as the way that descending it gives the tip, all of one length."""
-        start = np.array(tail, np.float64)
-        along = self.direction(self.episode.meeting.name, -arrow.direction)
-        norm = float(np.linalg.norm(along))
-        if norm == 0.0:
+        norm = float(np.linalg.norm(arrow.direction))
+        if norm < 1e-9:
             return None
 
-        along *= self.arrow_length / norm
+        start = np.array(tail, np.float64)
+        along = arrow.direction * arrow.length * self.arrow_length / norm
         width = self.arrow_width * max(share**0.5, _THINNEST)
         self.shapes.arrow(name, start, along, arrow.color, width)
         if arrow.source is not None:
             self.shapes.ball(f"{name}.source", arrow.source, 0.006, arrow.color)
         return start + 1.15 * along
-
-    def draw_motion(self, tail: ArrayLike, action: FloatArray, color: str) -> None:
-        """Draw the motion that an action gives the tip, thin."""
-        (actuator,) = self.episode.policy.model.actuators
-        motion = self.direction(actuator, -action)
-        norm = float(np.linalg.norm(motion))
-        if norm < 1e-9:
-            self.shapes.hide("motion")
-            return
-
-        along = motion * 1.25 * self.arrow_length / norm
-        self.shapes.arrow(
-            "motion", np.array(tail, np.float64), along, color, 0.4 * self.arrow_width
-        )
 
     def ellipsoid_axes(self, covariance: ArrayLike) -> FloatArray:
         """Two standard deviations along the axes of a covariance (3, 3), as columns."""

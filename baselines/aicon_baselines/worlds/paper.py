@@ -20,6 +20,12 @@ class Paper:
         self._axes = axes
         self._patches: dict[str, Polygon] = {}
 
+    def clear(self) -> None:
+        """Remove all shapes."""
+        for patch in self._patches.values():
+            patch.remove()
+        self._patches.clear()
+
     def draw(self, shapes: Mapping[str, Shape]) -> None:
         """Draw shapes, or move them."""
         for name, shape in shapes.items():

@@ -1,6 +1,7 @@
 """Shapes in the plane: all that the worlds in it consist of."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,6 +43,37 @@ def star(center: ArrayLike, radius: float, layer: float, color: str) -> Shape:
     radii = radius * np.where(np.arange(10) % 2, 0.4, 1.0)
     points = np.asarray(center, np.float64) + radii[:, np.newaxis] * circle(10)[:, ::-1]
     return Shape(points, layer, color, edge=WHITE, width=1.0)
+
+
+def arrow(
+    tail: ArrayLike,
+    along: ArrayLike,
+    shaft: float,
+    head: float,
+    layer: float,
+    color: str,
+    **edge: Any,
+) -> Shape:
+    """An arrow from a point (2,) along a vector (2,) to its tip.
+
+    Args:
+        tail: The point.
+        along: The vector.
+        shaft: Width of the shaft.
+        head: Width of the head.
+        layer: Higher layers cover lower ones.
+        color: Of its area.
+        **edge: Of the shape: colour and width of its edge.
+    """
+    start, way = np.asarray(tail, np.float64), np.asarray(along, np.float64)
+    length = float(np.linalg.norm(way))
+    neck = length - min(head, 0.6 * length)
+
+    side = [(0.0, shaft / 2), (neck, shaft / 2), (neck, head / 2)]
+    corners = [*side, (length, 0.0), *((x, -y) for x, y in reversed(side))]
+    ahead = way / length
+    axes = np.array([ahead, (-ahead[1], ahead[0])])
+    return Shape(start + np.array(corners) @ axes, layer, color, **edge)
 
 
 def believed(mean: ArrayLike, covariance: ArrayLike, layer: float, color: str) -> Shape:

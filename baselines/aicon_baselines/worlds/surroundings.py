@@ -42,41 +42,39 @@ def pushing(outline: FloatArray, pose: FloatArray, goal: FloatArray) -> dict[str
     }
 
 
-def surroundings(
-    task: str, env: Any, observation: Mapping[str, Any], info: Mapping[str, Any]
-) -> dict[str, Shape]:
+def surroundings(task: str, env: Any, info: Mapping[str, Any]) -> dict[str, Shape]:
     """The surroundings in an environment of one episode; none for a task that names none.
 
     Args:
         task: Name of the task, whose look names one of the functions below, or its own.
         env: Its environment, a vector of one.
-        observation: What it returned last.
-        info: Likewise.
+        info: What it told last of the episode.
     """
     source = load(task).look.surroundings
     if not source:
         return {}
-    shapes: dict[str, Shape] = find(source)(env, observation, info)
+    shapes: dict[str, Shape] = find(source)(env, info)
     return shapes
 
 
-def around_navigation(env: Any, observation: Mapping[str, Any], info: Any) -> dict[str, Shape]:
+def around_navigation(env: Any, info: Mapping[str, Any]) -> dict[str, Shape]:
     """The walls and the target of navigation."""
-    return navigation(env.unwrapped.maps[0].obstacles, info["target"][0])
+    return navigation(env.unwrapped.maps[0].obstacles, info["target"])
 
 
-def around_pushing(env: Any, observation: Mapping[str, Any], info: Any) -> dict[str, Shape]:
+def around_pushing(env: Any, info: Mapping[str, Any]) -> dict[str, Shape]:
     """The object of pushT, and where it shall lie."""
     outline = env.unwrapped.envs[0].unwrapped.object.outline
-    return pushing(outline, info["block_pose"][0], info["goal_pose"][0])
+    return pushing(outline, info["block_pose"], info["goal_pose"])
 
 
-def around_an_arm(env: Any, observation: Mapping[str, Any], info: Any) -> dict[str, Shape]:
+def around_an_arm(env: Any, info: Mapping[str, Any]) -> dict[str, Shape]:
     """The object that an arm pushes, and where it shall lie."""
     corners = np.asarray(env.unwrapped.envs[0].unwrapped.object.corners, np.float64)
-    return pushing(corners, info["object_pose"][0], info["target_pose"][0])
+    return pushing(corners, info["object_pose"], info["target_pose"])
 
 
-def around_reaching(env: Any, observation: Mapping[str, Any], info: Any) -> dict[str, Shape]:
+def around_reaching(env: Any, info: Mapping[str, Any]) -> dict[str, Shape]:
     """The target that an arm reaches for."""
-    return {"target": star(observation["target_position"][0][:2], 0.05, 7, TARGET)}
+    place = env.unwrapped.envs[0].unwrapped.data.mocap_pos[0]
+    return {"target": star(place[:2], 0.05, 7, TARGET)}

@@ -46,7 +46,7 @@ def _draw_strengths(axes: Axes, end: FloatArray) -> None:
     """How strong both are on the way to the wall, and where that way ends."""
     gaps = np.linspace(0.02, 1.2, 60)
     meetings = [meeting_at(np.array([-gap, 0.0]), TARGET, WALL) for gap in gaps]
-    strengths = np.array([to_array(meeting.strengths) for meeting in meetings])
+    strengths = np.array([to_array(meeting.magnitudes) for meeting in meetings])
     for (goal,), strength in zip(meetings[0].goals, strengths.T, strict=True):
         axes.plot(gaps, strength, color=drawing.PATHS[goal], linewidth=2.2, label=goal)
 

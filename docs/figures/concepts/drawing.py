@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrowPatch
 
 from aicon_baselines.evaluation.recording import FloatArray, to_array
 from aicon_baselines.figures.rendering import save_picture
-from aicon_baselines.figures.style import TARGET_MARK
+from aicon_baselines.figures.view import target_mark
 from aicon_baselines.palette import EXPLORING, INK, OBJECT, OBSTACLE, ROBOT, TARGET
 from aicon_torch.inspection import QuantityTrace
 from concepts.world import Wall
@@ -60,7 +59,7 @@ def as_world(
     axes.set_title(title, fontsize=11, loc="left", color=INK)
     axes.spines[:].set_color(OBJECT)
 
-    axes.plot(*target, **TARGET_MARK, zorder=6)
+    axes.add_line(target_mark(*target))
     if wall is not None:
         ends = np.array([wall.start, wall.end])
         axes.plot(*ends.T, color=OBSTACLE, linewidth=9, solid_capstyle="round", zorder=3)
@@ -86,42 +85,15 @@ def draw_wants(
 
 
 def draw_arrow(
-    axes: Axes,
-    start: FloatArray,
-    vector: FloatArray,
-    color: str,
-    *,
-    width: float = 3.0,
-    **looks: Any,
+    axes: Axes, start: FloatArray, vector: FloatArray, color: str, width: float = 3.0, **looks: Any
 ) -> None:
-    """An arrow from a point (2,) along a vector (2,)."""
+    """An arrow from a point (2,) along a vector (2,), if it has a length."""
     if np.linalg.norm(vector) < 1e-6:
         return
-    axes.add_patch(
-        FancyArrowPatch(
-            tuple(start),
-            tuple(start + vector),
-            arrowstyle="-|>",
-            mutation_scale=6 + 3 * width,
-            linewidth=width,
-            color=color,
-            shrinkA=0,
-            shrinkB=0,
-            joinstyle="miter",
-            **{"zorder": 5, **looks},
-        )
-    )
-
-
-def label(axes: Axes, place: FloatArray, text: str, color: str = INK, **looks: Any) -> None:
-    """Words at a place (2,)."""
-    axes.text(
-        float(place[0]),
-        float(place[1]),
-        text,
-        color=color,
-        **{"fontsize": 10, "zorder": 7, **looks},
-    )
+    ends: dict[str, Any] = {"xy": tuple(start + vector), "xytext": tuple(start)}
+    shape = {"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, "joinstyle": "miter"}
+    size = {"linewidth": width, "mutation_scale": 6 + 3 * width}
+    axes.annotate("", **ends, arrowprops={"color": color, **shape, **size, **looks}, zorder=5)
 
 
 def note(axes: Axes, text: str, place: tuple[float, float] = (0.03, 0.05)) -> None:

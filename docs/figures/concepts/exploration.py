@@ -1,6 +1,7 @@
 """What exploration does: along the wall, while the conflict lasts."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -57,19 +58,11 @@ def _draw_cosine(axes: Axes, way: Way) -> None:
         axes.axvspan(DT * begin, DT * end, **SHADE)
 
     bounds = Exploration()
-    for bound, words in (
-        (bounds.enter_cosine, "a conflict begins below"),
-        (bounds.exit_cosine, "and ends above"),
-    ):
+    limits = {"a conflict begins below": bounds.enter_cosine, "and ends above": bounds.exit_cosine}
+    for words, bound in limits.items():
         axes.axhline(bound, color=palette.PALE, linewidth=1, linestyle=(0, (3, 2)))
-        axes.text(
-            times[-1] - 0.1,
-            bound + 0.04,
-            f"{words} {bound:g}",
-            ha="right",
-            fontsize=9,
-            color="0.35",
-        )
+        looks: dict[str, Any] = {"ha": "right", "fontsize": 9, "color": "0.35"}
+        axes.text(times[-1] - 0.1, bound + 0.04, f"{words} {bound:g}", **looks)
     axes.set(xlabel="time, s", ylabel="cosine of the two", ylim=(-1.1, 1.1), xlim=(0, times[-1]))
     axes.set_title("How much they oppose each other", fontsize=11, loc="left")
     simplify(axes)

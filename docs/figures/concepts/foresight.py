@@ -1,6 +1,7 @@
 """What foresight does: K gradients, each where the model foresees that the action leads."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -41,9 +42,7 @@ def _draw_step(axes: Axes, title: str) -> None:
     angle = np.linspace(-0.5, 1.2, 100)
     circle = reach * np.stack((np.cos(angle), np.sin(angle)))
     axes.plot(*circle, color=palette.PALE, linewidth=1, linestyle=(0, (3, 3)))
-    drawing.label(
-        axes, np.array([0.1, -0.022]), "one step\nat most", palette.PALE, ha="right", fontsize=9
-    )
+    axes.text(0.1, -0.022, "one step\nat most", color=palette.PALE, ha="right", fontsize=9)
     drawing.draw_robot(axes, PLACE)
 
 
@@ -55,7 +54,8 @@ def _draw_foreseen(axes: Axes, foreseen: FloatArray) -> None:
     )
     for k in range(1, 5):
         offset = (-0.004, 0.006) if k % 2 else (0.003, -0.008)
-        drawing.label(axes, foreseen[k] + offset, str(k), fontsize=9)
+        x, y = foreseen[k] + offset
+        axes.text(x, y, str(k), fontsize=9, zorder=9)
     drawing.note(axes, "Each is taken where the action\nso far would lead.")
 
 
@@ -65,14 +65,8 @@ def _draw_costs(axes: Axes, foreseen: FloatArray, full: FloatArray) -> None:
     axes.plot(range(STEPS + 1), 100 * distances, "o-", color=drawing.RESULT, markersize=4)
     after_full_speed = 100 * float(np.linalg.norm(full - TARGET))
     axes.axhline(after_full_speed, color=palette.PALE, linestyle=(0, (3, 3)))
-    drawing.label(
-        axes,
-        np.array([STEPS, after_full_speed + 0.12]),
-        "after one step at full speed",
-        palette.PALE,
-        ha="right",
-        fontsize=9,
-    )
+    words: dict[str, Any] = {"color": palette.PALE, "ha": "right", "fontsize": 9}
+    axes.text(STEPS, after_full_speed + 0.12, "after one step at full speed", **words)
     axes.set_title("Foreseen distance to the target, cm", fontsize=11, loc="left")
     axes.set(xlabel="inner steps", ylim=(0, None), xticks=(0, 5, 10, 15, 20))
     simplify(axes)

@@ -34,8 +34,8 @@ def draw(path: Path) -> None:
             color, strength = drawing.PATHS[goal], float(np.linalg.norm(descent))
             drawing.draw_arrow(axes, place, _LENGTH * descent, color, width=1.5 + 1.5 * strength)
 
-            tip = place + _LENGTH * descent + _SIDES[goal]
-            drawing.label(axes, tip, f"{goal} {strength:.2f}", color, ha="center")
+            x, y = place + _LENGTH * descent + _SIDES[goal]
+            axes.text(x, y, f"{goal} {strength:.2f}", color=color, ha="center")
         drawing.draw_robot(axes, place)
 
         first, second = (descent / np.linalg.norm(descent) for descent in wants.values())

@@ -1,7 +1,7 @@
 """What a path is: from a goal back to the actuator, one derivative after the other."""
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -61,21 +61,15 @@ def draw(path: Path) -> None:
 
 def _draw_box(axes: Axes, box: _Box, *, meets: bool) -> None:
     corner = (box.x - _WIDTH / 2, box.y - _HEIGHT / 2)
+    round_box = FancyBboxPatch(corner, _WIDTH, _HEIGHT, "round,pad=0.03,rounding_size=0.12")
     edge = drawing.RESULT if meets else palette.PALE
-    axes.add_patch(
-        FancyBboxPatch(
-            corner,
-            _WIDTH,
-            _HEIGHT,
-            boxstyle="round,pad=0.03,rounding_size=0.12",
-            facecolor="white",
-            edgecolor=edge,
-            linewidth=2.4 if meets else 1.2,
-        )
-    )
+    round_box.set(facecolor="white", edgecolor=edge, linewidth=2.4 if meets else 1.2)
+    axes.add_patch(round_box)
+
     name, words = box.words.split("\n")
-    axes.text(box.x, box.y + 0.1, name, ha="center", va="center", fontsize=11.5, fontweight="bold")
-    axes.text(box.x, box.y - 0.14, words, ha="center", va="center", fontsize=9.5, color="0.35")
+    centred: dict[str, Any] = {"ha": "center", "va": "center"}
+    axes.text(box.x, box.y + 0.1, name, fontsize=11.5, fontweight="bold", **centred)
+    axes.text(box.x, box.y - 0.14, words, fontsize=9.5, color="0.35", **centred)
 
 
 def _draw_edge(axes: Axes, source: _Box, target: _Box, color: str, words: str) -> None:

@@ -41,7 +41,8 @@ def draw(path: Path) -> None:
     _arrow(second, weak, weak_color, alpha=0.25)
     _arrow(second, left, weak_color, "what is left of it", (0.08, -0.06))
     drawing.draw_arrow(second, weak, -along, palette.PALE, width=1.2, linestyle=(0, (3, 2)))
-    drawing.label(second, weak - (0.3, 0.18), "along the stronger one: gone", palette.PALE)
+    x, y = weak - (0.3, 0.18)
+    second.text(x, y, "along the stronger one: gone", color=palette.PALE)
 
     # 3. The sum without projection and with it, and how much of the stronger one they keep.
     plain, projected = strong + weak, strong + left
@@ -67,5 +68,5 @@ def _arrow(
 ) -> None:
     """An arrow from the robot, with words at some place beside its tip."""
     drawing.draw_arrow(axes, PLACE, vector, color, alpha=alpha)
-    if words:
-        drawing.label(axes, PLACE + vector + side, words, color)
+    x, y = PLACE + vector + side
+    axes.text(x, y, words, color=color)

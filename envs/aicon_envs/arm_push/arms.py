@@ -1,6 +1,6 @@
 """The arms that push."""
 
-from aicon_envs.reach.robots import Robot
+from aicon_envs.reach.robots import ROBOTS, Robot
 
 ARMS = {
     "panda": Robot(
@@ -11,12 +11,7 @@ ARMS = {
         gains=((4500.0, 450.0),) * 4 + ((2000.0, 200.0),) * 3,
         capsules="panda_description/urdf/panda_collision.urdf",
     ),
-    "ur5": Robot(
-        "ur_description/urdf/ur5_joint_limited_robot.urdf",
-        "tool0",
-        "ur_description/srdf/ur5_joint_limited_robot.srdf",
-        (0.0, -1.571, 1.571, -1.571, -1.571, 0.0),
-    ),
+    "ur5": ROBOTS["ur5"],
 }
 """Arms by name, for the push stick.
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from aicon_envs.arm_push import robot
 from aicon_envs.arm_push.capsules import robot_capsules, tool_capsules
-from aicon_envs.arm_push.inverse_kinematics import find_home, range_of_tip
+from aicon_envs.arm_push.inverse_kinematics import home_of, range_of_tip
 from aicon_envs.arm_push.reset import CONTACT_HEIGHT
 from aicon_envs.reach.robots import Robot, find_file
 
@@ -48,7 +48,7 @@ def describe(model: mujoco.MjModel, arm: Robot, width: int, height: int) -> dict
     srdf = None if arm.srdf is None else str(find_file(arm.srdf))
     shapes = {"urdf": str(find_file(arm.urdf)), "srdf": srdf, "tip": arm.tip}
 
-    nearest, farthest = range_of_tip(model, find_home(model, arm), CONTACT_HEIGHT)
+    nearest, farthest = range_of_tip(model, home_of(model, arm), CONTACT_HEIGHT)
     return {
         "frames": tuple(_to_rows(frame) for frame in frames[:-1]),
         "axes": _to_rows(model.jnt_axis[:count]),

@@ -3,19 +3,17 @@
 import math
 from typing import Any, get_args
 
-import gymnasium as gym
 import mujoco
 import numpy as np
-from gymnasium.error import ResetNeeded
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from aicon_envs.arm_push.arm_env import ArmEnv
 from aicon_envs.arm_push.arms import ARMS
 from aicon_envs.arm_push.capsules import robot_capsules
 from aicon_envs.arm_push.description import describe
 from aicon_envs.arm_push.hand_camera import HandCamera
-from aicon_envs.arm_push.inverse_kinematics import find_home
+from aicon_envs.arm_push.inverse_kinematics import home_of
 from aicon_envs.arm_push.objects import Prism, resolve_object
-from aicon_envs.arm_push.rendering import Camera
 from aicon_envs.arm_push.reset import (
     AREA,
     CONTACT_HEIGHT,
@@ -27,7 +25,6 @@ from aicon_envs.arm_push.reset import (
 from aicon_envs.arm_push.scene import TARGET_GROUP, build_scene
 from aicon_envs.arm_push.simulation import CONTROL_STEP, FloatArray, Simulation
 from aicon_envs.arm_push.spaces import (
-    Action,
     Observation,
     ObsType,
     action_space,
@@ -39,7 +36,6 @@ from aicon_envs.checks import (
     check_integer,
     check_number,
     check_numbers,
-    check_render_mode,
 )
 from aicon_envs.reach.robots import Robot, resolve_robot
 
@@ -62,7 +58,7 @@ _SPEED_NOISE = 10
 """Noise of joint velocities in rad/s for a noise of joint angles of 1 rad."""
 
 
-class ArmPushEnv(gym.Env[Observation, Action]):
+class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
     """An arm pushes an object on a table into a target pose with a stick.
 
     ## Description
@@ -104,7 +100,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
     | `robot` | "panda", "ur5" or a `Robot` |
     | `obs_type` | "rgbd" or "pose" |
     | `render_mode` | None or "rgb_array" |
-    | `render_camera` | "outside" or "hand" |
     | `object` | a name of `OBJECT_NAMES`, a `Prism` or an outline, m |
     | `mass`, `friction` | of the object, 0.5 kg and 0.35 |
     | `image_delay` | from when an image is taken to when it arrives, s |
@@ -134,13 +129,13 @@ class ArmPushEnv(gym.Env[Observation, Action]):
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
+    outside_only = (TARGET_GROUP,)
 
     def __init__(
         self,
         robot: str | Robot = "panda",
         obs_type: ObsType = "rgbd",
         render_mode: str | None = None,
-        render_camera: str = "outside",
         object: str | Prism | ArrayLike = "T",
         mass: float = 0.5,
         friction: float = 0.35,
@@ -161,23 +156,21 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         Raises:
             ValueError: If a value is not valid; the message names it and says what is.
         """
+        super().__init__(render_mode, render_width, render_height)
         check_choice("obs_type", obs_type, get_args(ObsType))
-        if render_camera not in ("outside", "hand"):
-            raise ValueError(f'render_camera must be "outside" or "hand", got {render_camera!r}')
         check_number("mass", mass, positive=True)
         check_number("friction", friction, positive=True)
 
         self.robot = resolve_robot(robot, ARMS)
         self.object = resolve_object(object)
         self.obs_type = obs_type
-        self.render_mode = check_render_mode(render_mode)
         width, height = check_integer("width", width, 1), check_integer("height", height, 1)
 
         # The scene, and what its robot makes of the spaces.
         model = build_scene(self.robot, self.object, mass, friction)
         joints = [model.joint(number).name for number in range(model.nu)]
         capsules = robot_capsules(self.robot, joints)
-        self._simulation = Simulation(model, find_home(model, self.robot), capsules)
+        self._simulation = Simulation(model, home_of(model, self.robot), capsules)
         self.observation_space = observation_space(model.nu, obs_type, width, height)
         self.action_space = action_space(model.actuator_ctrlrange[:, 1])
 
@@ -188,18 +181,10 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         self._kick_step = None if kick_time is None else _to_steps("kick_time", kick_time)
         self._kick_force = check_number("kick_force", kick_force)
 
-        # Contexts to render in are opened when they are first used.
         self._image_size = width, height
-        self._render_size = (
-            check_integer("render_width", render_width, 1),
-            check_integer("render_height", render_height, 1),
-        )
-        self._render_camera = render_camera
-        self._cameras: dict[str, Camera] = {}
         self._hand_camera = HandCamera(
             _to_steps("image_delay", image_delay), check_number("depth_noise", depth_noise)
         )
-        self._episode: EpisodeStart | None = None
 
     def description(self) -> dict[str, Any]:
         """The robot as plain data, see :func:`aicon_envs.arm_push.description.describe`."""
@@ -234,16 +219,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         terminated = bool(info["is_success"] or info["fallen"])
         return self._observe(), -error, terminated, False, info
 
-    @property
-    def model(self) -> mujoco.MjModel:
-        """The scene of MuJoCo."""
-        return self._simulation.model
-
-    @property
-    def data(self) -> mujoco.MjData:
-        """The state of MuJoCo's scene."""
-        return self._simulation.data
-
     def move_target(self, pose: ArrayLike) -> None:
         """Put the target elsewhere while the episode goes on.
 
@@ -265,39 +240,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
         self._current_episode()
         place = check_numbers("pose", pose, "(x, y, angle), finite, in m and rad", 3)
         self._simulation.place(place)
-
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture, if `render_mode` is "rgb_array"."""
-        if self.render_mode is None:
-            return None
-
-        self._current_episode()
-        return self.picture(self._render_camera)
-
-    def picture(self, camera: str) -> NDArray[np.uint8]:
-        """Return a picture of the camera "outside" or "hand"."""
-        opened = self._open_camera(f"picture of {camera}", camera, *self._render_size)
-        color, _ = opened(self._simulation.data)
-        return color
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Leave the contexts of the cameras out of copies, which open their own."""
-        return self.__dict__ | {"_cameras": {}}
-
-    def close(self) -> None:
-        """Give the contexts of the cameras back."""
-        for camera in self._cameras.values():
-            camera.close()
-
-        self._cameras.clear()
-
-    def _open_camera(self, key: str, name: str, width: int, height: int) -> Camera:
-        """Return the camera of a key, which is opened when it is first used."""
-        if key not in self._cameras:
-            shows = (TARGET_GROUP,) if name == "outside" else ()
-            self._cameras[key] = Camera(self._simulation.model, name, width, height, shows)
-
-        return self._cameras[key]
 
     def _external_force(self) -> FloatArray | None:
         """Return the force from outside in this step, ``(3,)``, N, if there is one."""
@@ -352,12 +294,6 @@ class ArmPushEnv(gym.Env[Observation, Action]):
 
     def _target_pose(self) -> FloatArray:
         return self._current_episode().target_pose
-
-    def _current_episode(self) -> EpisodeStart:
-        if self._episode is None:
-            raise ResetNeeded("the environment must be reset first")
-
-        return self._episode
 
     def _info(self) -> dict[str, Any]:
         simulation = self._simulation

@@ -7,8 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_numbers
-from aicon_envs.reach.robots import Robot
+from aicon_envs.reach.robots import Robot, find_home
 
 FloatArray = NDArray[np.float64]
 
@@ -30,21 +29,10 @@ _TOO_FAR = 4000
 """Where no arm reaches, mm."""
 
 
-def find_home(model: mujoco.MjModel, arm: Robot) -> FloatArray:
-    """Return an arm's home, ``(n,)``, rad; by default the middles of its joints' limits.
-
-    Raises:
-        ValueError: If it has another number of joints, or is not within their limits.
-    """
+def home_of(model: mujoco.MjModel, arm: Robot) -> FloatArray:
+    """Return an arm's home, ``(n,)``, rad: see :func:`aicon_envs.reach.robots.find_home`."""
     low, high = model.jnt_range[: model.nu].T
-    if arm.home is None:
-        return np.asarray((low + high) / 2.0)
-
-    expected = f"{model.nu} finite numbers within the limits of the joints, in rad"
-    home = np.array(check_numbers("home", arm.home, expected, model.nu))
-    if (home < low).any() or (home > high).any():
-        raise ValueError(f"home must be {expected}, got {arm.home}")
-    return home
+    return find_home(arm, low, high)
 
 
 def reach(

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from aicon_envs.arm_push import collision_groups as groups
 from aicon_envs.arm_push.urdf import load_arm
-from aicon_envs.reach.contacts import SAMPLES, excluded_pairs
+from aicon_envs.reach.contacts import excluded_pairs
 from aicon_envs.reach.robots import Robot
-from aicon_envs.reach.scene import draw_postures
 from aicon_envs.reach.urdf import Description
 
 FEWEST_JOINTS = 6
@@ -216,5 +215,4 @@ def _excluded_contacts(arm: Robot) -> list[tuple[str, str]]:
     model = spec.compile()
 
     low, high = model.jnt_range.T
-    postures = draw_postures(low, high, SAMPLES, np.random.default_rng(0))
-    return excluded_pairs(model, arm, description.joints, postures)
+    return excluded_pairs(model, arm, description.joints, low, high)

@@ -27,7 +27,7 @@ def self_distance(model: mujoco.MjModel, capsules: Sequence[Capsule]) -> SelfDis
 
     Args:
         model: The compiled scene.
-        capsules: The robot's; without any the gap of its collision shapes is told.
+        capsules: The robot's; without any the gap of its collision shapes is taken.
     """
     return CapsuleDistance(model, capsules) if capsules else ShapeDistance(model)
 

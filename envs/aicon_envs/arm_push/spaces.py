@@ -30,14 +30,14 @@ def observation_space(
         height: Height of images, px.
     """
     boxes: dict[str, spaces.Space[Any]] = {
-        "q": _symmetric_box(2 * math.pi, joints),
-        "dq": _symmetric_box(_LARGE, joints),
-        "ft": _symmetric_box(1e5, 6),
-        "target": _symmetric_box(2 * math.pi, 3),
+        "q": symmetric_box(2 * math.pi, joints),
+        "dq": symmetric_box(_LARGE, joints),
+        "ft": symmetric_box(1e5, 6),
+        "target": symmetric_box(2 * math.pi, 3),
     }
 
     if obs_type == "pose":
-        boxes["object_pose"] = _symmetric_box(_LARGE, 3)
+        boxes["object_pose"] = symmetric_box(_LARGE, 3)
     else:
         boxes["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
         boxes["depth"] = spaces.Box(0.0, MAX_DEPTH, (height, width), np.float32)
@@ -48,11 +48,12 @@ def observation_space(
 
 
 def action_space(speed: NDArray[np.float64]) -> spaces.Space[Action]:
-    """Return the space of joint velocities up to some speeds ``(n,)``, rad/s."""
+    """Return the space of joint velocities up to some speeds ``(n,)``, rad/s or m/s."""
     largest = speed.astype(np.float32)
     box: spaces.Space[Any] = spaces.Box(-largest, largest, dtype=np.float32)  # forgets its dtype
     return box
 
 
-def _symmetric_box(bound: float, length: int) -> spaces.Box:
+def symmetric_box(bound: float, length: int) -> spaces.Box:
+    """Return a box from a bound below zero to the same above, ``(length,)``."""
     return spaces.Box(-bound, bound, (length,), np.float64)

@@ -1,27 +1,20 @@
-"""The navigation task as a Gymnasium environment."""
+"""The navigation task as a Gymnasium environment: a vector environment of one."""
 
+import sys
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
-from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_action, check_render_mode
-from aicon_envs.nav2d.maps import check_map_name
+from aicon_envs.checks import check_action, copy_options
 from aicon_envs.nav2d.physics import Physics
-from aicon_envs.nav2d.rendering import Scene
-from aicon_envs.nav2d.reset import draw_episode
-from aicon_envs.nav2d.simulation import Simulation
-from aicon_envs.nav2d.spaces import (
-    VELOCITY,
-    Action,
-    Observation,
-    Sensing,
-    action_space,
-    observation_space,
-)
+from aicon_envs.nav2d.spaces import VELOCITY, Action, Observation, Sensing
+from aicon_envs.nav2d.vector import RENDERING, Nav2DVectorEnv
 from aicon_envs.nav2d.world import NavigationMap
+
+_FOREVER = sys.maxsize  # steps: Gymnasium's own wrapper cuts the episodes
 
 
 class Nav2DEnv(gym.Env[Observation, Action]):
@@ -91,7 +84,7 @@ class Nav2DEnv(gym.Env[Observation, Action]):
         ('u_trap_2', ['bearing', 'range'])
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
+    metadata: dict[str, Any] = RENDERING
 
     def __init__(
         self,
@@ -107,22 +100,17 @@ class Nav2DEnv(gym.Env[Observation, Action]):
             TypeError: If a keyword is unknown.
         """
         self.physics = Physics.from_options(physics, type(self))
-        self.observation_space = observation_space(sensing, self.physics)
-        self.action_space = action_space(self.physics)
-        self.render_mode = check_render_mode(render_mode)
-
-        self._default_map = check_map_name(map)
-        self._with_obstacle_bearing = sensing == "range_bearing"
-        self._simulation = Simulation(1, self.physics)
-        self._map: NavigationMap | None = None
-        self._scene: Scene | None = None
+        self._batch = Nav2DVectorEnv(
+            1, _FOREVER, AutoresetMode.DISABLED, map, sensing, render_mode, **physics
+        )
+        self.observation_space = self._batch.single_observation_space
+        self.action_space = self._batch.single_action_space
+        self.render_mode = self._batch.render_mode
 
     @property
     def map(self) -> NavigationMap:
         """The map of the current episode."""
-        if self._map is None:
-            raise ResetNeeded("there is a map after the first reset")
-        return self._map
+        return self._batch.maps[0]
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -130,59 +118,31 @@ class Nav2DEnv(gym.Env[Observation, Action]):
         """Start an episode; see the class for the options."""
         super().reset(seed=seed)
 
-        # The world and its noise come from two numbers of the environment's stream.
-        radius = self.physics.radius
-        episode = draw_episode(self.np_random, options, self._default_map, radius)
-        self._map = episode.map
-        self._simulation.load([0], [episode.map], [episode.noise])
-
-        if self.render_mode is not None:
-            self._scene = Scene(episode.map, radius)
-
-        return self._observe(), self._info() | episode.info
+        self._batch.generators = [self.np_random]
+        observations, infos = self._batch.reset(options={"per_env": [copy_options(options)]})
+        return _first(observations), _first_info(infos)
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one step; see the class for the action."""
-        # The kernel works on batches: this is one of a single world.
-        if self._map is None:
-            raise ResetNeeded("the environment must be reset before the first step")
-        velocity = check_action(action, (2,), VELOCITY)
-        self._simulation.step(velocity[np.newaxis])
-
-        if self._scene is not None:
-            self._scene.move(self._simulation.position[:, 0])
-
-        reward = float(self._simulation.reward[0])
-        terminated = bool(self._simulation.ended[0])
-        return self._observe(), reward, terminated, False, self._info()
+        check_action(action, (2,), VELOCITY)
+        actions = np.asarray(action)[np.newaxis]
+        observations, rewards, ended, _, infos = self._batch.step(actions)
+        return _first(observations), float(rewards[0]), bool(ended[0]), False, _first_info(infos)
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture of the world, (height, width, 3), if `render_mode` is "rgb_array"."""
-        if self.render_mode is None:
-            return None
-        if self._scene is None:
-            raise ResetNeeded("the environment must be reset before it is drawn")
-        return self._scene.draw()
+        pictures = self._batch.render()
+        return None if pictures is None else pictures[0]
 
-    def _observe(self) -> Observation:
-        simulation = self._simulation
-        observation = {
-            "bearing": simulation.sense_bearing(),
-            "range": simulation.sense_range(),
-        }
 
-        if self._with_obstacle_bearing:
-            observation["obstacle_bearing"] = simulation.sense_obstacle_bearing()
+def _first(observations: Observation) -> Observation:
+    return {name: reading[0] for name, reading in observations.items()}
 
-        return observation
 
-    def _info(self) -> dict[str, Any]:
-        simulation = self._simulation
-        return {
-            "is_success": bool(simulation.success[0]),
-            "collision": bool(simulation.collision[0]),
-            "position": simulation.position[:, 0].copy(),
-            "target": simulation.target[:, 0].copy(),
-            "distance": float(simulation.distance[0]),
-            "clearance": float(simulation.clearance[0]),
-        }
+def _first_info(infos: dict[str, Any]) -> dict[str, Any]:
+    """Return what the only environment of a batch tells, numbers as Python's own."""
+    info = {}
+    for name, values in infos.items():
+        if not name.startswith("_"):  # else it says whom the values are of
+            info[name] = values[0].item() if isinstance(values[0], np.generic) else values[0]
+    return info

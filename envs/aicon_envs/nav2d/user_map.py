@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.checks import is_sequence
+from aicon_envs.checks import check_numbers, is_sequence
 from aicon_envs.nav2d.world import NavigationMap, Point, Vertices, to_polygons
 
 USER_MAP_KEYS = ("obstacles", "start", "target")
@@ -63,16 +63,15 @@ def _check_places(world: NavigationMap, solid: NDArray[np.object_], radius: floa
 
 
 def _check_point(name: str, value: ArrayLike) -> Point:
-    array = _to_floats(name, value, _A_POINT)
-    if array.shape != (2,) or not np.isfinite(array).all():
-        raise ValueError(f"{name} must be {_A_POINT}, got {value!r}")
-
-    x, y = array.tolist()
+    x, y = check_numbers(name, value, _A_POINT, 2)
     return x, y
 
 
 def _check_vertices(name: str, value: ArrayLike) -> Vertices:
-    array = _to_floats(name, value, _A_POLYGON)
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be {_A_POLYGON}, got {value!r}") from error
 
     is_list_of_vertices = array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3
     if not is_list_of_vertices or not np.isfinite(array).all():
@@ -92,10 +91,3 @@ def _check_areas(polygons: list[Vertices]) -> NDArray[np.object_]:
         reason = shapely.is_valid_reason(solid[index]) if crossed[index] else "no area"
         raise ValueError(f"obstacles[{index}] must be a simple polygon with an area: {reason}")
     return solid
-
-
-def _to_floats(name: str, value: ArrayLike, expected: str) -> NDArray[np.float64]:
-    try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} must be {expected}, got {value!r}") from error

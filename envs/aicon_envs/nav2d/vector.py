@@ -10,8 +10,14 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_action, check_render_mode, copy_options
-from aicon_envs.nav2d.environment import Nav2DEnv
+from aicon_envs.checks import check_action, check_integer, check_render_mode, copy_options
+from aicon_envs.nav2d.batching import (
+    BoolArray,
+    check_autoreset_mode,
+    check_reset_mask,
+    split_options,
+    split_seed,
+)
 from aicon_envs.nav2d.maps import check_map_name
 from aicon_envs.nav2d.physics import Physics
 from aicon_envs.nav2d.rendering import Scene
@@ -26,14 +32,9 @@ from aicon_envs.nav2d.spaces import (
     observation_space,
 )
 from aicon_envs.nav2d.world import NavigationMap
-from aicon_envs.vectorized import (
-    BoolArray,
-    check_autoreset_mode,
-    check_count,
-    check_reset_mask,
-    split_options,
-    split_seed,
-)
+
+RENDERING = {"render_modes": ["rgb_array"], "render_fps": 20}
+"""What Gymnasium's metadata say of pictures."""
 
 
 class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
@@ -71,6 +72,9 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
     ## Info
     Arrays (N, ...) with a mask `_key` each, after Gymnasium's convention; `map` and `map_seed` are
     present for those just reset.
+
+    Attributes:
+        generators: The random numbers of each environment, from which its episodes are drawn.
     """
 
     def __init__(
@@ -89,10 +93,10 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
             ValueError: If a value is not valid; the message names it and lists what is.
             TypeError: If a keyword is unknown.
         """
-        self.num_envs = check_count("num_envs", num_envs)
-        self.max_episode_steps = check_count("max_episode_steps", max_episode_steps)
+        self.num_envs = check_integer("num_envs", num_envs, 1)
+        self.max_episode_steps = check_integer("max_episode_steps", max_episode_steps, 1)
         self.autoreset_mode = check_autoreset_mode(autoreset_mode)
-        self.metadata = Nav2DEnv.metadata | {"autoreset_mode": self.autoreset_mode}
+        self.metadata = RENDERING | {"autoreset_mode": self.autoreset_mode}
         self.physics = Physics.from_options(physics, type(self))
 
         self.single_observation_space = observation_space(sensing, self.physics)
@@ -106,7 +110,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
         # A generator for each sub-environment, as a single environment has one.
         self._simulation = Simulation(num_envs, self.physics)
-        self._generators = [seeding.np_random()[0] for _ in range(num_envs)]
+        self.generators = [seeding.np_random()[0] for _ in range(num_envs)]
         self._maps: dict[int, NavigationMap] = {}
         self._scenes: dict[int, Scene] = {}
         self._steps = np.zeros(num_envs, dtype=np.int64)
@@ -134,7 +138,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         indices: list[int] = np.flatnonzero(mask).tolist()
         for index in indices:
             if seeds[index] is not None:
-                self._generators[index], _ = seeding.np_random(seeds[index])
+                self.generators[index], _ = seeding.np_random(seeds[index])
 
         map_infos = self._start_episodes(indices, options_of_each)
         return self._observe(), self._infos(mask, map_infos)
@@ -180,7 +184,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
     def _check_started(self) -> None:
         if len(self._maps) < self.num_envs:
-            raise ResetNeeded("every sub-environment must be reset first")
+            raise ResetNeeded("every world must be reset first")
 
     def _start_episodes(
         self, indices: list[int], options_of_each: list[dict[str, Any]]
@@ -191,7 +195,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         episodes = {}
         for index in indices:
             episodes[index] = draw_episode(
-                self._generators[index], options_of_each[index], self._default_map, radius
+                self.generators[index], options_of_each[index], self._default_map, radius
             )
 
         # One call for all of them: loading changes the arrays of all worlds.

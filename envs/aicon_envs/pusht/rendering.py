@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
+from numpy.typing import NDArray
 from pymunk import Vec2d
 from pymunk.space_debug_draw_options import SpaceDebugColor
 
 from aicon_envs.pusht.geometry import Point
 from aicon_envs.pusht.goal import Goal
-from aicon_envs.pusht.image_resize import Picture, resize
 from aicon_envs.pusht.simulation import SIZE, Simulation
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
@@ -19,12 +19,15 @@ try:
     with warnings.catch_warnings():
         # pygame still imports it.
         warnings.filterwarnings("ignore", "pkg_resources is deprecated")
+        import cv2
         import pygame
         from pymunk.pygame_util import DrawOptions, to_pygame
 except ImportError as error:
     raise DependencyNotInstalled(
-        'pictures of pushT need pygame: pip install "aicon-torch[pusht]"'
+        'pictures of pushT need pygame and OpenCV: pip install "aicon-torch[pusht]"'
     ) from error
+
+Picture = NDArray[np.uint8]
 
 _BACKGROUND = (255, 255, 255)
 _GOAL = (144, 238, 144)
@@ -37,8 +40,10 @@ _LIGHTER = 1.2
 def draw_observation(simulation: Simulation, goal: Goal, size: tuple[int, int]) -> Picture:
     """Return the picture of an observation, (height, width, 3), for `size` (width, height)."""
     surface = _draw_world(simulation, goal)
-    pixels = pygame.surfarray.pixels3d(surface).transpose(1, 0, 2)
-    return resize(pixels, *size)
+    side = surface.get_width()
+    content = pygame.image.tobytes(surface, "RGB")
+    pixels = np.frombuffer(content, np.uint8).reshape(side, side, 3)
+    return np.asarray(cv2.resize(pixels, size), np.uint8)
 
 
 def draw_view(

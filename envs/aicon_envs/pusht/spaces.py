@@ -8,7 +8,7 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from aicon_envs import checks
-from aicon_envs.checks import check_choice
+from aicon_envs.checks import check_choice, check_integer
 from aicon_envs.pusht.geometry import Point
 from aicon_envs.pusht.simulation import SIZE
 
@@ -88,11 +88,7 @@ def check_size(name: str, width: int, height: int) -> tuple[int, int]:
     Raises:
         ValueError: If one is not an integer >= 1.
     """
-    for side, value in (("width", width), ("height", height)):
-        if not isinstance(value, int) or value < 1:
-            raise ValueError(f"{name}_{side} must be an integer >= 1, got {value!r}")
-
-    return width, height
+    return check_integer(f"{name}_width", width, 1), check_integer(f"{name}_height", height, 1)
 
 
 def _check_room_for_goal(obs_type: ObsType, observe_goal: bool) -> None:

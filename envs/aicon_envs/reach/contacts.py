@@ -6,9 +6,8 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from aicon_envs.reach.robots import Robot, find_file
+from aicon_envs.reach.robots import FloatArray, Robot, draw_postures, find_file
 
 Pair = frozenset[str]
 
@@ -20,7 +19,11 @@ ALWAYS = 0.95
 
 
 def excluded_pairs(
-    model: mujoco.MjModel, robot: Robot, joints: Collection[str], postures: NDArray[np.float64]
+    model: mujoco.MjModel,
+    robot: Robot,
+    joints: Collection[str],
+    low: FloatArray,
+    high: FloatArray,
 ) -> list[tuple[str, str]]:
     """Return the pairs of links whose contacts mean nothing.
 
@@ -31,11 +34,13 @@ def excluded_pairs(
         model: The robot, compiled with all contacts.
         robot: Says where the SRDF is.
         joints: Names of the joints that move.
-        postures: Random values of the joints, ``(N, n)``.
+        low: Lower limits of the joints, ``(n,)``.
+        high: Upper limits.
     """
     bodies = [model.body(number).name for number in range(1, model.nbody)]
     groups = _rigid_groups(model)
     disabled = _disabled_pairs(robot)
+    postures = draw_postures(low, high, SAMPLES, np.random.default_rng(0))
     touching = _always_touching(model, joints, postures)
 
     excluded = []
@@ -75,7 +80,7 @@ def _disabled_pairs(robot: Robot) -> set[Pair]:
 
 
 def _always_touching(
-    model: mujoco.MjModel, joints: Collection[str], postures: NDArray[np.float64]
+    model: mujoco.MjModel, joints: Collection[str], postures: FloatArray
 ) -> set[Pair]:
     """Return the pairs of bodies that touch in almost every posture."""
     data = mujoco.MjData(model)

@@ -23,7 +23,9 @@ MOVING = ("revolute", "continuous", "prismatic")
 """The kinds of joints with one degree of freedom."""
 
 _PLACES = ("xyz", "rpy", "radius", "length", "size", "scale", "value")
-_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+"""The components of an inertia, kg m²."""
+
 _LIMITS = ("lower", "upper", "velocity")
 _LARGEST = 1e9  # m, rad, kg, kg m²: what is larger is no robot
 
@@ -138,7 +140,7 @@ def link_name(joint: Element, tag: str) -> str:
 
 
 def _check_attributes(element: Element, called: str) -> None:
-    for name in (*_PLACES, *_INERTIA, *_LIMITS):
+    for name in (*_PLACES, *INERTIA, *_LIMITS):
         for word in element.get(name, "").split():
             largest = math.inf if name in _LIMITS else _LARGEST
             if not abs(_number(word)) <= largest:

@@ -3,26 +3,24 @@
 import math
 from typing import Any, get_args
 
-import gymnasium as gym
 import mujoco
 import numpy as np
-from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.arm_push.rendering import Camera
+from aicon_envs.arm_push.arm_env import ArmEnv
+from aicon_envs.arm_push.spaces import Observation, action_space
 from aicon_envs.checks import (
     check_action,
     check_choice,
     check_integer,
     check_number,
     check_numbers,
-    check_render_mode,
 )
 from aicon_envs.reach.reset import EpisodeDrawer, EpisodeStart, Start
-from aicon_envs.reach.robots import Robot, find_file, resolve_robot
-from aicon_envs.reach.scene import Scene, build_scene
+from aicon_envs.reach.robots import Robot, find_file, find_home, resolve_robot
+from aicon_envs.reach.scene import build_scene
 from aicon_envs.reach.simulation import CONTROL_STEP, Simulation
-from aicon_envs.reach.spaces import Action, Observation, Target, action_space, observation_space
+from aicon_envs.reach.spaces import Target, observation_space
 
 FloatArray = NDArray[np.float64]
 
@@ -30,7 +28,7 @@ _REWARD_RADIUS = 0.2
 """A turn by 1 rad costs as much as a shift by this, m."""
 
 
-class ReachEnv(gym.Env[Observation, Action]):
+class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
     """A robot reaches for a position or pose, within its limits and without touching anything.
 
     ## Description
@@ -119,6 +117,7 @@ class ReachEnv(gym.Env[Observation, Action]):
         Raises:
             ValueError: If a value is not valid; the message names it and says what is.
         """
+        super().__init__(render_mode, render_width, render_height)
         check_choice("target", target, get_args(Target))
         check_choice("start", start, get_args(Start))
         balls = check_integer("balls", balls, 0)
@@ -129,7 +128,6 @@ class ReachEnv(gym.Env[Observation, Action]):
         self.robot, self.target = resolve_robot(robot), target
         self._position_tolerance = check_number("position_tolerance", position_tolerance, True)
         self._angle_tolerance = check_number("angle_tolerance", angle_tolerance, True)
-        self.render_mode = check_render_mode(render_mode)
 
         scene = build_scene(self.robot, balls, ball_radius)
         self._simulation = Simulation(scene)
@@ -138,16 +136,8 @@ class ReachEnv(gym.Env[Observation, Action]):
         self.observation_space = observation_space(len(scene.joints), target, balls)
         self.action_space = action_space(self._speed)
 
-        home = _home(self.robot, scene)
+        home = find_home(self.robot, scene.low, scene.high)
         self._draw = EpisodeDrawer(self._simulation, home, start, balls, ball_radius, ball_speed)
-        self._episode: EpisodeStart | None = None
-
-        # The context to render in is opened when it is first used.
-        self._render_size = (
-            check_integer("render_width", render_width, 1),
-            check_integer("render_height", render_height, 1),
-        )
-        self._camera: Camera | None = None
 
     def description(self) -> dict[str, Any]:
         """What a policy may know of the robot, as plain data.
@@ -197,16 +187,6 @@ class ReachEnv(gym.Env[Observation, Action]):
         error = math.hypot(info["distance"], _REWARD_RADIUS * info["angle"])
         return self._observe(), -error, bool(info["is_success"]), False, info
 
-    @property
-    def model(self) -> mujoco.MjModel:
-        """The scene of MuJoCo."""
-        return self._simulation.scene.model
-
-    @property
-    def data(self) -> mujoco.MjData:
-        """The state of MuJoCo's scene."""
-        return self._simulation.data
-
     def move_target(self, position: ArrayLike) -> None:
         """Put the target elsewhere while the episode goes on; whether it can be reached is unknown.
 
@@ -234,34 +214,6 @@ class ReachEnv(gym.Env[Observation, Action]):
         # Seen at once, also where nothing moves.
         self._simulation.data.mocap_pos[1:] = self._ball_positions()
         mujoco.mj_kinematics(self.model, self.data)
-
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture, if `render_mode` is "rgb_array"."""
-        if self.render_mode is None:
-            return None
-
-        self._current_episode()
-        if self._camera is None:
-            model = self._simulation.scene.model
-            self._camera = Camera(model, "outside", *self._render_size)
-        color, _ = self._camera(self._simulation.data)
-        return color
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Leave the context of the camera out of copies, which open their own."""
-        return self.__dict__ | {"_camera": None}
-
-    def close(self) -> None:
-        """Give the context of the camera back."""
-        if self._camera is not None:
-            self._camera.close()
-        self._camera = None
-
-    def _current_episode(self) -> EpisodeStart:
-        if self._episode is None:
-            raise ResetNeeded("the environment must be reset first")
-
-        return self._episode
 
     def _ball_positions(self) -> FloatArray:
         """Return where the balls are now, ``(balls, 3)``, m."""
@@ -329,20 +281,3 @@ def _to_quaternion(rotation: FloatArray) -> FloatArray:
     quaternion = np.zeros(4)
     mujoco.mju_mat2Quat(quaternion, rotation.ravel())
     return quaternion
-
-
-def _home(robot: Robot, scene: Scene) -> FloatArray:
-    """Return the robot's home, ``(n,)``; by default the middles of the limits, 0 without.
-
-    Raises:
-        ValueError: If it has another number of joints, or is not within their limits.
-    """
-    if robot.home is None:
-        return np.where(np.isfinite(scene.low), (scene.low + scene.high) / 2.0, 0.0)
-
-    count = len(scene.joints)
-    expected = f"{count} finite numbers within the limits, in rad or m"
-    home = np.array(check_numbers("home", robot.home, expected, count))
-    if (home < scene.low).any() or (home > scene.high).any():
-        raise ValueError(f"home must be {expected}, got {robot.home}")
-    return home

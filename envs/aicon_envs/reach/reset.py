@@ -6,10 +6,10 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_numbers, check_option_names, copy_options
+from aicon_envs.checks import check_option_names, copy_options
 from aicon_envs.reach.balls import BallPath, draw_path
 from aicon_envs.reach.gaps import SIGHT
-from aicon_envs.reach.scene import draw_postures
+from aicon_envs.reach.robots import check_posture, draw_postures
 from aicon_envs.reach.simulation import Simulation
 
 FloatArray = NDArray[np.float64]
@@ -115,11 +115,7 @@ class EpisodeDrawer:
             return drawn
 
         scene = self._simulation.scene
-        expected = f"{len(scene.joints)} finite numbers within the limits, in rad or m"
-        joints = np.array(check_numbers(name, options[name], expected, len(scene.joints)))
-        if (joints < scene.low).any() or (joints > scene.high).any():
-            raise ValueError(f"{name} must be {expected}, got {joints.tolist()}")
-        return joints
+        return check_posture(name, options[name], scene.low, scene.high)
 
     def _draw_posture(self, generator: np.random.Generator) -> FloatArray:
         """Return joints that are free of contact and not at their stops, ``(n,)``.

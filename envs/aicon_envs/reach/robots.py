@@ -1,9 +1,21 @@
 """The robots that come with `example-robot-data`, and where their files are."""
 
 import importlib.metadata
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aicon_envs.checks import check_numbers
+
+FloatArray = NDArray[np.float64]
+
+_WIDEST = math.pi
+"""Joints without limits are drawn from ± this, rad."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +33,7 @@ class Robot:
             by default the largest torque comes at 0.02 rad and the servo lags behind by 0.1 s, as a
             Panda's do.
         capsules: Where it pushes, a URDF whose links are cylinders with round ends, by which the
-            robot's distance to itself is told; by default that of its collision shapes is told, up
+            robot's distance to itself is taken; by default it is that of its collision shapes, up
             to 50 mm.
     """
 
@@ -86,6 +98,45 @@ def resolve_robot(robot: str | Robot, known: Mapping[str, Robot] = ROBOTS) -> Ro
         raise ValueError(f"robot must be a Robot or one of {', '.join(known)}, got {robot!r}")
 
     return known[robot]
+
+
+def find_home(robot: Robot, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return a robot's home, ``(n,)``; by default the middles of its limits, 0 without.
+
+    Args:
+        robot: The robot.
+        low: Lower limits of its joints, ``(n,)``, rad or m.
+        high: Upper limits.
+
+    Raises:
+        ValueError: If it has another number of joints, or is not within their limits.
+    """
+    if robot.home is None:
+        return np.where(np.isfinite(low), (low + high) / 2.0, 0.0)
+    return check_posture("home", robot.home, low, high)
+
+
+def check_posture(name: str, values: Any, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return values of n joints that are within their limits, ``(n,)``, rad or m.
+
+    Raises:
+        ValueError: If they are not so many, or not within; it names them.
+    """
+    expected = f"{len(low)} finite numbers within the limits, in rad or m"
+    posture = np.array(check_numbers(name, values, expected, len(low)))
+    if (posture < low).any() or (posture > high).any():
+        raise ValueError(f"{name} must be {expected}, got {posture.tolist()}")
+    return posture
+
+
+def draw_postures(
+    low: FloatArray, high: FloatArray, count: int, generator: np.random.Generator
+) -> FloatArray:
+    """Return values of n joints within their limits, ``(count, n)``; ±π where there are none."""
+    bounded = np.isfinite(low)
+    least, most = np.where(bounded, low, -_WIDEST), np.where(bounded, high, _WIDEST)
+    postures: FloatArray = generator.uniform(least, most, (count, len(low)))
+    return postures
 
 
 def find_file(name: str) -> Path:

@@ -3,7 +3,6 @@
 The root of the robot is the origin, z points up. There is no table: what counts is the robot.
 """
 
-import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.reach.contacts import SAMPLES, excluded_pairs
-from aicon_envs.reach.robots import Robot
+from aicon_envs.reach.robots import Robot, draw_postures
 from aicon_envs.reach.urdf import Description, read_description
 
 FloatArray = NDArray[np.float64]
@@ -25,9 +24,6 @@ BANDWIDTH = 60.0
 
 ROTOR = 0.1
 """Inertia of a rotor as its joint feels it through the gears, kg m²."""
-
-_WIDEST = math.pi
-"""Joints without limits are drawn from ± this, rad."""
 
 
 class Scene(NamedTuple):
@@ -71,7 +67,7 @@ def build_scene(robot: Robot, balls: int = 0, ball_radius: float = 0.08) -> Scen
     spec = _read(description)
     _set_physics(spec)
     _add_servos(spec, description.joints, span.inertias)
-    for first, second in _excluded(bare, robot, description.joints, low, high):
+    for first, second in excluded_pairs(bare, robot, description.joints, low, high):
         spec.add_exclude(bodyname1=first, bodyname2=second)
 
     _prepare_arm(spec)
@@ -81,17 +77,6 @@ def build_scene(robot: Robot, balls: int = 0, ball_radius: float = 0.08) -> Scen
 
     model, speeds = spec.compile(), np.array(description.speeds)
     return Scene(model, description.joints, low, high, speeds, turns)
-
-
-def draw_postures(
-    low: FloatArray, high: FloatArray, count: int, generator: np.random.Generator
-) -> FloatArray:
-    """Return values of n joints within their limits, ``(count, n)``; ±π where there are none."""
-    least, most = np.maximum(low, -_WIDEST), np.minimum(high, _WIDEST)
-    bounded = np.isfinite(low)
-    least, most = np.where(bounded, low, least), np.where(bounded, high, most)
-    postures: FloatArray = generator.uniform(least, most, (count, len(low)))
-    return postures
 
 
 def _read(description: Description) -> mujoco.MjSpec:
@@ -122,17 +107,6 @@ def _limits(
     high = np.where(limited, model.jnt_range[numbers, 1], np.inf)
     turns = model.jnt_type[numbers] == mujoco.mjtJoint.mjJNT_HINGE.value
     return low, high, turns
-
-
-def _excluded(
-    model: mujoco.MjModel,
-    robot: Robot,
-    joints: tuple[str, ...],
-    low: FloatArray,
-    high: FloatArray,
-) -> list[tuple[str, str]]:
-    postures = draw_postures(low, high, SAMPLES, np.random.default_rng(0))
-    return excluded_pairs(model, robot, joints, postures)
 
 
 class _Span(NamedTuple):

@@ -28,6 +28,7 @@ class Simulation:
 
     Attributes:
         scene: The compiled scene.
+        model: That of MuJoCo.
         data: Its state.
         gaps: The smallest gaps during the last control step.
         limit_margin: The smallest distance of a joint to its limits during the last control step,
@@ -36,7 +37,7 @@ class Simulation:
 
     def __init__(self, scene: Scene) -> None:
         """Find the joints of the scene."""
-        self.scene = scene
+        self.scene, self.model = scene, scene.model
         self.data = mujoco.MjData(scene.model)
         self._measure = GapMeter(scene.model)
 

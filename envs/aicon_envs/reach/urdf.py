@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from aicon_envs.reach.description_checks import (
+    INERTIA,
     check_mesh,
     check_moving,
     check_numbers,
@@ -17,8 +18,6 @@ from aicon_envs.reach.description_checks import (
 from aicon_envs.reach.robots import Robot, find_file
 
 Element = ElementTree.Element
-
-_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 class Description(NamedTuple):
@@ -188,7 +187,7 @@ def _drop_impossible_inertia(link: Element) -> None:
     if inertial is None or inertia is None:
         return
 
-    xx, xy, xz, yy, yz, zz = (float(inertia.get(name, 0.0)) for name in _INERTIA)
+    xx, xy, xz, yy, yz, zz = (float(inertia.get(name, 0.0)) for name in INERTIA)
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if np.linalg.eigvalsh(matrix).min() <= 0.0:
         link.remove(inertial)

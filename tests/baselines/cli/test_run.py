@@ -25,13 +25,9 @@ def test_run_senses_what_an_opponent_needs_and_tells_what_it_does(
     assert explanation.strip() == "heads for the target"
 
 
-def test_run_saves_the_last_view_and_a_film(tmp_path: Path) -> None:
-    view, film = tmp_path / "view.png", tmp_path / "films" / "film.gif"
-    words = ["run", "--task", "nav2d", "--horizon", "5"]
-    main([*words, "--render", str(view), "--video", str(film)])
-
-    with Image.open(view) as picture:
-        assert picture.size[0] > 100
+def test_run_saves_a_film(tmp_path: Path) -> None:
+    film = tmp_path / "films" / "film.gif"
+    main(["run", "--task", "nav2d", "--horizon", "5", "--video", str(film)])
     with Image.open(film) as picture:
         assert getattr(picture, "n_frames", 1) == 5
 

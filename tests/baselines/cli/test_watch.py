@@ -13,7 +13,7 @@ pytest.importorskip("viser", reason="the live view needs the extra [view]")
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.tasks import names
-from aicon_baselines.view.opening import Opening
+from aicon_baselines.view.episode import LiveEpisode
 
 
 def obey_interrupts() -> None:
@@ -53,10 +53,10 @@ def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
 def test_its_address_is_said_before_anything_is_built(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(opening: Opening) -> None:
+    def refuse(episode: LiveEpisode, seed: int) -> None:
         raise ComparisonError("nothing is built today")
 
-    monkeypatch.setattr(Opening, "open", refuse)
+    monkeypatch.setattr(LiveEpisode, "start", refuse)
     with pytest.raises(SystemExit, match="2"):
         main(["watch", "nav2d", "--port", "0"])
     said = capsys.readouterr()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from _inputs.histories import DT, STEPS, circling, goal, history, resting, straight
+from _inputs.histories import DT, STEPS, circling, history, resting, straight
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -52,7 +52,7 @@ def test_noise_around_one_place_is_neither_a_cycle_nor_a_way() -> None:
 
 def test_a_cost_that_still_falls_is_progress() -> None:
     cost = np.linspace(5.0, 1.0, STEPS)
-    found = find_behaviour(history(straight(), goals=goal(cost)))
+    found = find_behaviour(history(straight(), costs={"arrive": cost}))
 
     assert found.kind == "progress"
     assert found.subjects == ("arrive",)
@@ -60,7 +60,7 @@ def test_a_cost_that_still_falls_is_progress() -> None:
 
 def test_a_cost_that_fell_long_ago_is_none() -> None:
     cost = np.maximum(np.linspace(5.0, -5.0, STEPS), 1.0)
-    assert find_behaviour(history(straight(), goals=goal(cost))).kind == "wandering"
+    assert find_behaviour(history(straight(), costs={"arrive": cost})).kind == "wandering"
 
 
 def test_units_do_not_matter() -> None:

@@ -7,7 +7,6 @@ from _inputs.histories import (
     actuator,
     circling,
     conflict,
-    goal,
     history,
     innovation,
     resting,
@@ -25,7 +24,7 @@ def only_cause(of: History) -> Finding:
 
 
 def test_a_conflict_that_is_explored_without_end_names_its_goals() -> None:
-    meetings = {"x": conflict(-0.9, exploring=True, strengths=(1.0, 0.8))}
+    meetings = {"x": conflict(-0.9, exploring=True, magnitudes=(1.0, 0.8))}
     found = only_cause(history(circling(3.0), meetings=meetings))
 
     assert (found.kind, found.subjects) == ("conflict", ("arrive", "keep off"))
@@ -33,7 +32,7 @@ def test_a_conflict_that_is_explored_without_end_names_its_goals() -> None:
 
 
 def test_a_conflict_that_is_not_explored_says_how_much_stronger_one_is() -> None:
-    meetings = {"x": conflict(-0.9, exploring=False, strengths=(1.0, 0.1))}
+    meetings = {"x": conflict(-0.9, exploring=False, magnitudes=(1.0, 0.1))}
     found = only_cause(history(resting(5.0), meetings=meetings))
 
     assert found.kind == "conflict"
@@ -41,12 +40,12 @@ def test_a_conflict_that_is_not_explored_says_how_much_stronger_one_is() -> None
 
 
 def test_gradients_that_agree_are_no_conflict() -> None:
-    meetings = {"x": conflict(0.9, exploring=False, strengths=(1.0, 0.8))}
+    meetings = {"x": conflict(0.9, exploring=False, magnitudes=(1.0, 0.8))}
     assert not diagnose(history(circling(3.0), meetings=meetings)).causes
 
 
 def test_a_conflict_that_was_over_when_the_robot_came_to_rest_is_not_the_reason() -> None:
-    meeting = conflict(-0.9, exploring=True, strengths=(1.0, 0.8))
+    meeting = conflict(-0.9, exploring=True, magnitudes=(1.0, 0.8))
     meeting.exploring[50:] = False
     meeting.cosine[50:] = 1.0
 
@@ -106,7 +105,7 @@ def test_a_sensor_that_fell_silent_is_named() -> None:
 
 def test_a_goal_that_never_rests_is_told_with_the_range_of_its_cost() -> None:
     cost = 2.0 + np.sin(2 * np.pi * DT * np.arange(STEPS) / 3.0)
-    found = only_cause(history(circling(3.0), goals=goal(cost)))
+    found = only_cause(history(circling(3.0), costs={"arrive": cost}))
 
     assert (found.kind, found.subjects) == ("restlessness", ("arrive",))
     assert "rose 13 times from about 1.01 to about 2.99" in found.text

@@ -75,7 +75,7 @@ def torn() -> History:
 
 def test_it_has_a_curve_for_every_part_of_the_graph(torn: History) -> None:
     assert torn.steps == STEPS
-    assert set(torn.goals) == {"left", "right"}
+    assert set(torn.costs) == {"left", "right"}
     assert torn.meetings["x"].goals == ("left", "right")
     assert torn.actuators["a"].share.shape == (STEPS, 1)
     assert [innovation.readings for innovation in torn.innovations] == [("z",)]

@@ -9,7 +9,7 @@ from _inputs.comparison import POINTS, STEPS, handmade_rows, rows_by_steps
 from matplotlib.figure import Figure
 
 from aicon_baselines.evaluation.config import configure
-from aicon_baselines.evaluation.curves import draw_success_curves, line_style, success_curve
+from aicon_baselines.evaluation.curves import STYLES, draw_success_curves, success_curve
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.report import write_report
 from aicon_baselines.evaluation.row import Row
@@ -65,9 +65,8 @@ def test_the_legend_has_the_order_in_which_the_curves_end(
 
 
 def test_no_two_policies_look_the_same() -> None:
-    styles = [line_style(index) for index in range(60)]
-    assert len({colour for colour, _ in styles[:16]}) == 16
-    assert len(set(styles)) == 60
+    assert len({color for color, _ in STYLES[:7]}) == 7
+    assert len(set(STYLES)) == len(STYLES) == 28
 
 
 @pytest.mark.parametrize("task", [POINTS, STEPS], ids=["seconds", "steps"])

@@ -5,11 +5,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-from aicon_baselines.evaluation.parent import end_with
+from aicon_baselines.evaluation.backends import end_with
 
 # A child that would go on for ever, and says so once it watches.
 CHILD = (
-    "import os, time; from aicon_baselines.evaluation.parent import end_with; "
+    "import os, time; from aicon_baselines.evaluation.backends import end_with; "
     "end_with(os.getppid()); print(os.getpid(), flush=True); time.sleep(3600)"
 )
 PARENT = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {CHILD!r}])"

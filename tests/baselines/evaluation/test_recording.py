@@ -39,7 +39,7 @@ def recorded(horizon: int | None = None, **options: Any) -> Any:
 
     policy = SimpleNamespace(predict=remember)
     kept: Any = keep
-    return record(kept, policy, TimeLimit(Counter(), 20), 0, horizon, **options)
+    return record(kept, policy, TimeLimit(Counter(), 20), {"seed": 0}, horizon, **options)
 
 
 def test_every_memory_has_what_was_told_with_it_and_one_is_told_in_the_end() -> None:

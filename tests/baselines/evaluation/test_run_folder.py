@@ -14,8 +14,7 @@ from _inputs.writer import hold
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.rows_file import append_rows, read_rows
-from aicon_baselines.evaluation.run_folder import RunFolder
-from aicon_baselines.evaluation.unfinished import keep
+from aicon_baselines.evaluation.run_folder import RunFolder, keep
 
 CONFIG = configure(POINTS)
 ROWS = handmade_rows()
@@ -60,9 +59,9 @@ def test_a_killed_writer_keeps_nobody_out(tmp_path: Path) -> None:
 def test_rows_of_unfinished_chunks_come_back_once(tmp_path: Path) -> None:
     with RunFolder.open(tmp_path, CONFIG) as folder:
         folder.append(ROWS[:2])
-        folder.unfinished.open()
-        keep(folder.unfinished.new_file(), ROWS[1:3])
-        keep(folder.unfinished.new_file(), ROWS[2:4])
+        keep(folder.begin_chunk(), ROWS[1:3])
+        keep(folder.begin_chunk(), ROWS[2:4])
+        assert folder.count_ended() == 4
 
     with RunFolder.open(tmp_path, CONFIG) as folder:
         assert sorted(folder.rows()) == ROWS[:4]
@@ -72,8 +71,7 @@ def test_rows_of_unfinished_chunks_come_back_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize("torn", ["a,usual,0", "\0\0\0\0\n", "a,usual,0\na,usual,1,7,u\n"])
 def test_what_is_torn_in_an_unfinished_chunk_is_left_out(tmp_path: Path, torn: str) -> None:
     with RunFolder.open(tmp_path, CONFIG) as folder:
-        folder.unfinished.open()
-        path = folder.unfinished.new_file()
+        path = folder.begin_chunk()
         keep(path, ROWS[:2])
         with path.open("a") as file:
             file.write(torn)

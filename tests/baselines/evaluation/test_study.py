@@ -10,8 +10,7 @@ from _inputs.comparison import POINTS, rows_by_steps
 
 from aicon_baselines.evaluation.config import configure
 from aicon_baselines.evaluation.run_folder import RunFolder
-from aicon_baselines.evaluation.study import evaluate, mean_difference
-from aicon_baselines.evaluation.study_report import write_study
+from aicon_baselines.evaluation.study import evaluate, mean_difference, write_study
 
 
 def test_differences_are_paired() -> None:

@@ -12,7 +12,6 @@ from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.rendering import (
-    Film,
     Frame,
     check_video,
     render,
@@ -21,32 +20,11 @@ from aicon_baselines.figures.rendering import (
 )
 
 
-class Slides(Film):
-    """A figure that notes what it shows."""
-
-    def __init__(self) -> None:
-        self.figure = Figure(figsize=(1, 1), dpi=20)
-        self.shown: list[int] = []
-
-    def show(self, step: int) -> None:
-        self.shown.append(step)
-        self.figure.set_facecolor("red" if step % 2 else "blue")
-
-
 def frames(count: int) -> Iterator[Frame]:
     for index in range(count):
         frame = np.zeros((160, 320, 3), np.uint8)
         frame[..., 0 if index % 2 else 2] = 250
         yield frame
-
-
-def test_film_holds_its_last_frame() -> None:
-    film = Slides()
-    rendered = list(film.frames([4, 7], hold=2))
-    assert film.shown == [4, 7]
-    assert len(rendered) == 4
-    np.testing.assert_equal(rendered[1:], [rendered[1]] * 3)
-    assert (rendered[0] != rendered[1]).any()
 
 
 def test_saved_picture_looks_like_the_rendered_one(tmp_path: Path) -> None:
@@ -57,18 +35,6 @@ def test_saved_picture_looks_like_the_rendered_one(tmp_path: Path) -> None:
         assert image.size == (100, 50)
         difference = np.asarray(image).astype(int) - render(figure)
     assert np.abs(difference).max() <= 2
-
-
-def test_a_gif_has_the_colours_of_all_its_frames(tmp_path: Path) -> None:
-    path = tmp_path / "video.gif"
-    save_video(frames(4), path, 5)
-
-    with Image.open(path) as image:
-        assert image.n_frames == 4
-        first = np.asarray(image.convert("RGB"))
-        image.seek(1)
-        second = np.asarray(image.convert("RGB"))
-    np.testing.assert_equal([first[0, 0], second[0, 0]], [[0, 0, 250], [250, 0, 0]])
 
 
 @pytest.mark.parametrize(("height", "width"), [(100, 150), (101, 151)])
@@ -107,5 +73,5 @@ def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
 
 
 def test_unknown_format_is_an_error_that_lists_the_valid_ones() -> None:
-    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, none"):
         check_video("avi")

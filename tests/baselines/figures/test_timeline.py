@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from aicon_baselines.figures.timeline import TimeCursor, add_curve_legend, gaps_at_zero
+from aicon_baselines.figures.timeline import TimeCursor, curve_handles, gaps_at_zero
 
 
 def axes_with_curves() -> Axes:
@@ -15,22 +15,9 @@ def axes_with_curves() -> Axes:
     return axes
 
 
-def labels(axes: Axes) -> list[str]:
-    legend = axes.get_legend()
-    assert legend is not None
-    return [text.get_text() for text in legend.get_texts()]
-
-
 def test_legend_is_in_the_order_of_the_curves() -> None:
-    axes = axes_with_curves()
-    add_curve_legend(axes)
-    assert labels(axes) == ["high", "low, with a peak", "nothing", "exploring"]
-
-
-def test_legend_without_explorations() -> None:
-    axes = axes_with_curves()
-    add_curve_legend(axes, shade=None)
-    assert labels(axes) == ["high", "low, with a peak", "nothing"]
+    labels = [handle.get_label() for handle in curve_handles([axes_with_curves()])]
+    assert labels == ["high", "low, with a peak", "nothing", "exploring"]
 
 
 def test_values_that_a_logarithm_does_not_have_are_gaps() -> None:

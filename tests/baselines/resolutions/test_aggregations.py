@@ -141,6 +141,7 @@ def test_without_its_modules_it_says_what_to_install(
         rule()
 
 
+@pytest.mark.slow  # TorchInductor tries as well
 @pytest.mark.parametrize("rule", AGGREGATIONS[:1])  # what cannot be traced is their common class
 def test_a_policy_with_it_runs_uncompiled_with_a_warning(rule: Any) -> None:
     policy = lean("nav2d", preset="potential_field", resolution=rule())

@@ -11,6 +11,7 @@ pytest.importorskip("mujoco", reason="the arms need MuJoCo")
 import mujoco
 
 from aicon_baselines.view import make_scene, open_episode
+from aicon_baselines.view.episode import ANYWHERE
 from aicon_baselines.view.server import serve
 from aicon_baselines.view.space import MuJoCoScene
 
@@ -56,7 +57,7 @@ def test_the_policy_sees_a_target_that_is_moved(scene: MuJoCoScene) -> None:
 def test_an_arrow_of_the_joints_is_where_the_tip_would_go(scene: MuJoCoScene) -> None:
     (actuator,) = scene.episode.policy.model.actuators
     gradient = np.random.default_rng(0).normal(size=7)
-    arrow = scene.direction(actuator, gradient)
+    arrow = scene.way(actuator, -gradient)
 
     # Descending a little moves the tip by as much, to first order.
     model, data, size = scene.model, mujoco.MjData(scene.model), 1e-6
@@ -75,10 +76,10 @@ def test_every_quantity_can_be_looked_at_under_each_resolution(
 ) -> None:
     scene.episode.resolve_by(name)
     for quantity in scene.episode.trace.quantities:
-        scene.episode.watched = quantity
+        scene.episode.look_at(quantity)
         scene.draw()
         assert len(scene.arrows()) == len(scene.episode.meeting.paths)
-    scene.episode.watched = None
+    scene.episode.look_at(ANYWHERE)
 
 
 def test_a_kick_moves_the_object() -> None:

@@ -45,7 +45,7 @@ def page(browser: Browser, view: LiveView) -> Iterator[Page]:
 def test_the_world_is_painted_and_named(page: Page, view: LiveView) -> None:
     wait_until(lambda: colors_of(page) > 50)
     goals = view.episode.policy.model.goals
-    for words in (*goals, "In conflict", "Gradients at", "strength of the gradients"):
+    for words in (*goals, "In conflict", "Gradients at", "magnitude of the gradients"):
         assert page.get_by_text(words, exact=True).count() > 0, words
 
 

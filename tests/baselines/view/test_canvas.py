@@ -8,10 +8,10 @@ import pytest
 pytest.importorskip("viser", reason="the live view needs the extra [view]")
 
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.palette import rgb
-from aicon_baselines.view.canvas import Canvas
-from aicon_baselines.view.outlines import triangulate
+from aicon_baselines.palette import OBSTACLE, rgb
+from aicon_baselines.view.canvas import Canvas, triangulate
 from aicon_baselines.view.server import serve
+from aicon_baselines.worlds import arrow, disc
 
 
 @pytest.fixture
@@ -30,23 +30,28 @@ def test_a_place_of_the_scene_is_one_of_the_world(canvas: Canvas) -> None:
     assert placed[0, 1] > placed[1, 1]  # y points down in the world, up in the scene
 
 
-def test_triangles_cover_polygons_that_are_not_convex() -> None:
+def test_triangles_cover_a_polygon_that_is_not_convex() -> None:
     corner = np.array([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)], np.float64)
-    rings = [corner, corner + 10.0]
-    points = np.concatenate(rings)
 
     area = 0.0
-    for a, b, c in points[triangulate(rings)]:
+    for a, b, c in corner[triangulate(corner)]:
         (x1, y1), (x2, y2) = b - a, c - a
         area += 0.5 * abs(x1 * y2 - x2 * y1)
-    assert area == pytest.approx(10.0)
+    assert area == pytest.approx(5.0)
 
 
-def test_an_arrow_without_a_direction_is_not_shown(canvas: Canvas) -> None:
-    for direction in ((1.0, 0.0), (0.0, 0.0), (0.0, 1.0)):
-        canvas.arrow("way", (0.0, 0.0), direction, "#000000", 1.0, 1.0, 0.1)
+def test_a_shape_may_get_other_corners(canvas: Canvas) -> None:
+    for along in ((1.0, 0.0), (0.0, 1.0)):
+        canvas.draw({"way": arrow((0.0, 0.0), along, 0.1, 0.3, 1, OBSTACLE)})
+    canvas.draw({"way": disc((0.0, 0.0), 1.0, 1, OBSTACLE)})
     canvas.clear()
     canvas.hide("way")  # there is none, which is no error
+
+
+def test_an_arrow_ends_at_its_tip() -> None:
+    points = arrow((1.0, 2.0), (3.0, 0.0), 0.1, 0.4, 1, OBSTACLE).points
+    np.testing.assert_allclose(points.max(axis=0), (4.0, 2.2))
+    np.testing.assert_allclose(points.min(axis=0), (1.0, 1.8))
 
 
 def test_an_address_that_is_none_of_this_machine_is_refused() -> None:

@@ -68,7 +68,7 @@ def test_a_goal_that_is_switched_off_stays_off_in_the_next_episode() -> None:
 def strength_of(episode: LiveEpisode, goal: str) -> float:
     """The strength of the gradients that come from a goal."""
     strengths = 0.0
-    for goals, strength in zip(episode.meeting.goals, episode.meeting.strengths[0], strict=True):
+    for goals, strength in zip(episode.meeting.goals, episode.meeting.magnitudes[0], strict=True):
         if goal in goals:
             strengths += float(strength)
     return strengths
@@ -113,6 +113,20 @@ def test_the_compiled_policy_takes_over_and_does_the_same() -> None:
         compiled.step()
     np.testing.assert_allclose(compiled.info["position"], readable.info["position"], atol=1e-9)
     torch.testing.assert_close(compiled.trace.costs, readable.trace.costs)
+
+
+@pytest.mark.slow
+def test_a_second_rule_is_compiled_after_the_first() -> None:
+    """Torch crashes where a thread that has compiled has ended, and another one compiles."""
+    episode = opened(steps=1)
+    episode.compile()
+    for name in episode.resolutions[:2]:
+        episode.resolve_by(name)
+        for _ in range(6000):
+            if episode.compiled:
+                break
+            time.sleep(0.01)
+        assert episode.compiled
 
 
 def test_a_wall_that_is_moved_leaves_the_rest_where_it_was() -> None:

@@ -19,12 +19,12 @@ def test_edges_are_as_wide_as_their_gradients_are_strong() -> None:
         edges.update(pairwise(path))
 
     shares, led = edge_shares(trace, edges)
-    strengths = meeting.strengths[0]
+    strengths = meeting.magnitudes[0]
     for path, strength in zip(meeting.paths, strengths, strict=True):
         assert shares[path[0], path[1]] == pytest.approx(float(strength / strengths.max()))
 
-    leader = meeting.paths[int(meeting.leader[0])]
-    assert (leader[0], leader[1]) in led
+    dominant = meeting.paths[int(meeting.dominant[0])]
+    assert (dominant[0], dominant[1]) in led
 
 
 def test_every_quantity_on_a_path_is_in_the_picture() -> None:

@@ -12,6 +12,7 @@ from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.palette import ROBOT
 from aicon_baselines.view import PlaneScene, open_own, serve, watch
 from aicon_baselines.view.live import LiveView
+from aicon_baselines.worlds import disc
 from aicon_torch import Actuator, Affine, Deterministic, Goal, Policy, Sensor, WorldModel
 
 
@@ -43,7 +44,7 @@ class CorridorScene(PlaneScene):
 
     def draw_moving(self) -> None:
         place = self.episode.trace.values["x"][0].numpy(force=True)
-        self.canvas.disc("robot", place, 0.1, ROBOT, 1)
+        self.canvas.draw({"robot": disc(place, 0.1, 1, ROBOT)})
         self.draw_arrows(place)
 
 

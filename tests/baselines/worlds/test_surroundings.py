@@ -14,8 +14,8 @@ def around(name: str, condition: str) -> dict[str, Shape]:
     """The surroundings at the beginning of an episode."""
     task = load(name)
     env = task.make_env(1, condition, 10)
-    observation, info = env.reset(**task.reset_arguments([task.episode(1000)]))
-    found = surroundings(name, env, observation, info)
+    _, info = env.reset(**task.reset_arguments([task.episode(1000)]))
+    found = surroundings(name, env, {key: values[0] for key, values in info.items()})
     env.close()
     return found
 

@@ -106,7 +106,6 @@ def test_a_kick_moves_the_object() -> None:
     [
         ({"obs_type": "state"}, "obs_type must be one of"),
         ({"render_mode": "human"}, "rgb_array"),
-        ({"render_camera": "above"}, "outside"),
         ({"mass": 0.0}, "mass must be a finite number > 0"),
         ({"friction": -1.0}, "friction must be a finite number > 0"),
         ({"object": "Q"}, "object must be one of"),

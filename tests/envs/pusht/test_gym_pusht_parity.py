@@ -64,7 +64,7 @@ def test_later_starts_without_a_seed_are_those_of_gym_pusht(upstream: Any) -> No
 
 @pytest.mark.parametrize("obs_type", ["pixels", "pixels_agent_pos"])
 def test_pictures_are_those_of_gym_pusht(upstream: Any, obs_type: Any) -> None:
-    """Number for number, though gym-pusht resizes with OpenCV and we do not."""
+    """Number for number."""
     theirs, ours = upstream(obs_type=obs_type), PushTEnv(obs_type=obs_type)
 
     for seed in range(4):

@@ -10,7 +10,8 @@ import mujoco
 
 from aicon_envs.reach import ROBOTS, ReachEnv
 from aicon_envs.reach.gaps import SIGHT
-from aicon_envs.reach.scene import build_scene, draw_postures
+from aicon_envs.reach.robots import draw_postures
+from aicon_envs.reach.scene import build_scene
 from aicon_envs.reach.simulation import WINDUP, Simulation
 
 

@@ -3,16 +3,14 @@ import torch
 from _inputs import normal
 from _inputs.arm import panda, postures
 
-from aicon_torch.models.arm_push import PANDA, MotionLimitOptions
-from aicon_torch.models.arm_push.limits import ArmLimits, shorten
-
-OPTIONS = MotionLimitOptions()
+from aicon_torch.models.arm_push import PANDA
+from aicon_torch.models.arm_push.limits import TIP_SPEED, ArmLimits, shorten
 
 
 def limited(a, q, height=0.01):
     """The velocity within the limits, and the motion of the end effector by it."""
     arm = panda(damping=1e-6)
-    limits = ArmLimits(arm, PANDA.chain.speed.tolist(), OPTIONS)
+    limits = ArmLimits(arm, PANDA.chain.speed.tolist())
     kept = limits(a, q, torch.full_like(q[..., :1], height))
     return kept, (arm.jacobian(q) @ kept.unsqueeze(-1)).squeeze(-1)
 
@@ -24,7 +22,7 @@ def test_slow_motions_are_left_alone():
 
 def test_no_component_of_the_end_effector_is_faster_than_it_may_be():
     _, motion = limited(5.0 * normal(20, 7, seed=1), postures(20))
-    bounds = OPTIONS.tip_speed * torch.tensor([1.0, 0.25, 0.25, 0.5], dtype=torch.float64)
+    bounds = TIP_SPEED * torch.tensor([1.0, 0.25, 0.25, 0.5], dtype=torch.float64)
     for part, bound in zip(torch.split(motion, [2, 1, 2, 1], dim=-1), bounds, strict=True):
         assert (part.norm(dim=-1) < 1.01 * bound).all()
 
@@ -37,7 +35,7 @@ def test_no_joint_is_faster_than_its_limit_and_the_direction_is_kept():
     torch.testing.assert_close(cosine, torch.ones_like(cosine))
 
 
-@pytest.mark.parametrize(("height", "fastest"), [(0.004, 0.02), (0.2, OPTIONS.tip_speed / 4)])
+@pytest.mark.parametrize(("height", "fastest"), [(0.004, 0.02), (0.2, TIP_SPEED / 4)])
 def test_the_tip_sinks_no_faster_than_it_would_arrive(height, fastest):
     q = postures(3)
     down = torch.tensor([0.0, 0.0, -0.3, 0.0, 0.0, 0.0], dtype=torch.float64).expand(3, 6)

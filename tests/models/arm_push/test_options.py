@@ -2,7 +2,7 @@ import pytest
 
 from aicon_baselines import agents
 from aicon_torch import NullspaceProjection, OptionError, SteepestPath, Sum, make_policy
-from aicon_torch.models.arm_push import CameraOptions, MotionLimitOptions, Options, TouchOptions
+from aicon_torch.models.arm_push import CameraOptions, Options
 
 pytest.importorskip("gymnasium")
 
@@ -39,8 +39,8 @@ def test_every_ablation_can_be_built_and_differs_from_ours(name):
 
 
 def test_a_nested_option_is_named_by_its_path():
-    policy = make_policy("arm_push", **{"limits.joint_speed": 0.7, "joint_limits.margin": 0.3})
-    assert policy.model.actuators["a"].limit == 0.7
+    policy = make_policy("arm_push", **{"camera.trace_weight": 7.0, "joint_limits.margin": 0.3})
+    assert policy.model.goals["push"].cost.function.weight == 7.0
     assert policy.model.goals["joint_limits"].cost.function.cost.margin == 0.3
 
 
@@ -51,10 +51,8 @@ def test_a_nested_option_is_named_by_its_path():
         ({"pullback": "inverse"}, "pullback='inverse'"),
         ({"camera.steering": "zoom"}, "steering='zoom'"),
         ({"camera.noise": 0.0}, "noise=0.0: expected a positive number"),
-        ({"limits.settling_time": -1.0}, "settling_time=-1.0"),
-        ({"touch.side_deviation": 0.0}, "side_deviation=0.0"),
         ({"goals": ("speed",)}, "has no option 'goals'"),
-        ({"limits.speed": 1.0}, "'joint_speed'"),
+        ({"camera.speed": 1.0}, "'edge_growth'"),
         ({"corners": ((0.0, 0.0), (1.0, 0.0))}, "3 or more corners"),
         ({"stick_friction": -0.1}, "stick_friction=-0.1"),
         ({"corners": WIDE}, "gets nowhere around an object .* 0.354 m from its centre"),
@@ -66,11 +64,7 @@ def test_wrong_options_are_named(options, message):
 
 
 def test_groups_check_themselves():
-    with pytest.raises(OptionError, match="trust=-1"):
-        CameraOptions(trust=-1)
-    with pytest.raises(OptionError, match="top_deviation"):
-        TouchOptions(top_deviation=0.0)
-    with pytest.raises(OptionError, match="tip_speed"):
-        MotionLimitOptions(tip_speed=0.0)
+    with pytest.raises(OptionError, match="edge_growth=-1"):
+        CameraOptions(edge_growth=-1)
     with pytest.raises(OptionError, match="lever"):
         Options(lever=0.0)

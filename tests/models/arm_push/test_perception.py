@@ -6,8 +6,8 @@ from _inputs.arm import HOME, camera_observation, panda
 
 from aicon_torch import ObservationError
 from aicon_torch.models.arm_push import PANDA, Options, camera_perception
-from aicon_torch.parts.image_registration import Detection, ImageRegistration
-from aicon_torch.parts.image_segmentation import RGBDImage
+from aicon_torch.models.arm_push.image_registration import Detection, ImageRegistration
+from aicon_torch.models.arm_push.image_segmentation import RGBDImage
 
 PERCEPTION = camera_perception(Options())
 

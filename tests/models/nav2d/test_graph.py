@@ -93,7 +93,7 @@ def test_every_preset_builds_and_acts(preset: str) -> None:
     assert action.shape == (2,) and action.isfinite().all()
 
 
-CONSTANTS = ("dt", "max_speed", "bearing_noise", "prior_range", "collision_length")
+CONSTANTS = ("dt", "max_speed", "bearing_noise", "range_noise", "actuation_noise")
 
 
 @pytest.mark.parametrize("option", CONSTANTS)

@@ -37,7 +37,7 @@ def test_the_default_is_aicon_and_each_preset_is_another() -> None:
 
 
 NOT_POSITIVE = (0.0, -1.0, math.nan, math.inf, "a")
-POSITIVE = ("dt", "max_speed", "process_noise", "keypoint_noise", "pusher_noise")
+POSITIVE = ("dt", "max_speed", "keypoint_noise")
 BAD: list[tuple[dict[str, Any], str]] = [
     *(({name: value}, f"{name}={value!r}") for name in POSITIVE for value in NOT_POSITIVE),
     *(({"dt": value}, f"dt={value}.*0.01") for value in (0.005, 0.015)),
@@ -52,7 +52,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"resolution.projector": "best"}, "projector='best'"),
     ({"resolution.temperature": 0.0}, "temperature"),
     ({"resolution.margin": -0.1}, "margin"),
-    ({"resolution.exploration.partner": "best"}, "partner='best'"),
+    ({"resolution.exploration.opponent": "best"}, "opponent='best'"),
     ({"resolution.exploration.ratio_of": "best"}, "ratio_of='best'"),
     ({"resolution.exploration.enter_cosine": -0.1}, "enter_cosine"),
     ({"resolution.exploration.ratio": 0.5}, "ratio"),

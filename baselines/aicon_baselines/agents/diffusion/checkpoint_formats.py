@@ -14,7 +14,11 @@ from typing import Any
 
 from torch import Tensor
 
-from aicon_baselines.agents.diffusion.lerobot_names import FEATURE_TYPES, import_lerobot
+from aicon_baselines.agents.diffusion.lerobot_names import (
+    FEATURE_TYPES,
+    describe_features,
+    import_lerobot,
+)
 from aicon_baselines.evaluation.errors import ComparisonError
 
 Shapes = dict[str, tuple[int, ...]]
@@ -98,8 +102,8 @@ def build_config(file: Path, content: dict[str, Any], statistics: Statistics) ->
         )
 
     # 2. Translate the rest.
-    options["input_features"] = _describe_features(read_shapes(content, "input"))
-    options["output_features"] = _describe_features(read_shapes(content, "output"))
+    options["input_features"] = describe_features(read_shapes(content, "input"))
+    options["output_features"] = describe_features(read_shapes(content, "output"))
     options["normalization_mapping"] = _normalization_modes(content, statistics)
 
     # 3. Nothing is downloaded, because all weights are in the checkpoint.
@@ -130,17 +134,6 @@ def _common_options(content: dict[str, Any]) -> dict[str, Any]:
             options[name] = tuple(value) if isinstance(value, list) else value
 
     return options
-
-
-def _describe_features(shapes: Shapes) -> dict[str, Any]:
-    types = import_lerobot("configs.types")
-
-    features = {}
-    for name, shape in shapes.items():
-        feature_type = types.FeatureType[FEATURE_TYPES.get(name, "STATE")]
-        features[name] = types.PolicyFeature(type=feature_type, shape=shape)
-
-    return features
 
 
 def _normalization_modes(content: dict[str, Any], statistics: Statistics) -> dict[str, Any]:

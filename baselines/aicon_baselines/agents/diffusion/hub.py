@@ -45,42 +45,31 @@ def locate(source: str) -> Path:
         )
 
     import_lerobot("policies.factory")  # says what to install: the hub's client comes with LeRobot
-    return _find_downloaded(repository, commit) or _download(repository, commit)
-
-
-def _find_downloaded(repository: str, commit: str) -> Path | None:
-    """Return the folder of what was downloaded before."""
-    from huggingface_hub import snapshot_download
-    from huggingface_hub.errors import LocalEntryNotFoundError
-
-    try:
-        folder = snapshot_download(
-            repository, revision=commit, allow_patterns=_FILES, local_files_only=True
-        )
-    except LocalEntryNotFoundError:
-        return None
-
-    # A download that was interrupted has a folder, too.
-    return Path(folder) if Path(folder, WEIGHTS).exists() else None
+    return _download(repository, commit)
 
 
 def _download(repository: str, commit: str) -> Path:
+    """Return the folder of what is downloaded, or was before."""
     from huggingface_hub import constants, snapshot_download
     from huggingface_hub.errors import HfHubHTTPError, LocalEntryNotFoundError
 
-    if constants.HF_HUB_OFFLINE:
-        raise _not_downloaded(repository, commit, "HF_HUB_OFFLINE is set", constants.ENDPOINT)
-
     # The client itself would try for minutes.
-    reason = _why_unreachable(constants.ENDPOINT)
-    if reason:
-        raise _not_downloaded(repository, commit, reason, constants.ENDPOINT)
+    endpoint = constants.ENDPOINT
+    is_offline = constants.HF_HUB_OFFLINE
+    reason = "HF_HUB_OFFLINE is set" if is_offline else _why_unreachable(endpoint)
 
     try:
-        return Path(snapshot_download(repository, revision=commit, allow_patterns=_FILES))
+        folder = snapshot_download(
+            repository, revision=commit, allow_patterns=_FILES, local_files_only=bool(reason)
+        )
     except (HfHubHTTPError, LocalEntryNotFoundError, OSError) as error:
-        reason = str(error).strip().splitlines()[0]
-        raise _not_downloaded(repository, commit, reason, constants.ENDPOINT) from error
+        reason = reason or str(error).strip().splitlines()[0]
+        raise _not_downloaded(repository, commit, reason, endpoint) from error
+
+    # A download that was interrupted has a folder, too.
+    if not Path(folder, WEIGHTS).exists():
+        raise _not_downloaded(repository, commit, reason or f"no {WEIGHTS} in it", endpoint)
+    return Path(folder)
 
 
 def _not_downloaded(repository: str, commit: str, reason: str, endpoint: str) -> ComparisonError:

@@ -1,6 +1,6 @@
 """What changes during training: network, averaged weights, optimiser and random numbers."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,10 @@ from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.agents.diffusion.dataset import Frames, shuffled_batches
 from aicon_baselines.agents.diffusion.lerobot_names import (
     ACTION,
-    FEATURE_TYPES,
     KEYPOINTS,
     PIXELS,
     STATE,
+    describe_features,
     import_lerobot,
 )
 
@@ -30,6 +30,7 @@ _OBSERVATIONS = {
     "do_mask_loss_for_padding": True,
 }
 _IMAGE_ENCODER = {
+    "crop_shape": (84, 84),
     "crop_is_random": True,
     "vision_backbone": "resnet18",
     "pretrained_backbone_weights": None,
@@ -38,6 +39,7 @@ _IMAGE_ENCODER = {
     "spatial_softmax_num_keypoints": 32,
 }
 _NETWORK = {
+    "kernel_size": 3,  # 5 in the published policies
     "n_groups": 8,
     "diffusion_step_embed_dim": 128,
     "use_film_scale_modulation": True,
@@ -50,12 +52,17 @@ _NOISE = {
     "beta_end": 0.02,
     "clip_sample": True,
     "clip_sample_range": 1.0,
+    # The network predicts the actions. Noise hides them at most levels, where a network that
+    # predicts it learns little of how actions follow from observations; the published policies had
+    # 200,000 steps to do so.
+    "prediction_type": "sample",
 }
 _OPTIMIZER = {
     "optimizer_betas": (0.95, 0.999),
     "optimizer_eps": 1e-8,
     "optimizer_weight_decay": 1e-6,
     "scheduler_name": "cosine",
+    "scheduler_warmup_steps": 200,
 }
 
 
@@ -69,52 +76,49 @@ def make_policy_config(
         features: The features of the dataset, as LeRobot describes them.
         device: "cpu" or "cuda".
     """
-    inputs = {name: _describe(name, features[name]["shape"]) for name in features}
+    inputs = describe_features({name: _shape_in_policy(name, features[name]) for name in features})
     outputs = {ACTION: inputs.pop(ACTION)}
-    crop_shape = (config.crop, config.crop) if config.observation == "pixels" else None
+    encoder = _IMAGE_ENCODER | ({} if config.observation == "pixels" else {"crop_shape": None})
 
     configuration = import_lerobot("policies.diffusion.configuration_diffusion")
     return configuration.DiffusionConfig(
         input_features=inputs,
         output_features=outputs,
-        normalization_mapping=_normalization_modes(config),
+        normalization_mapping=_normalization_modes(),
         device=device,
         push_to_hub=False,
         horizon=config.horizon,
         n_action_steps=config.action_steps,
-        crop_shape=crop_shape,
         down_dims=config.down_dims,
-        kernel_size=config.kernel,
-        prediction_type=config.prediction,
         optimizer_lr=config.learning_rate,
-        scheduler_warmup_steps=config.warmup,
         **_OBSERVATIONS,
-        **_IMAGE_ENCODER,
+        **encoder,
         **_NETWORK,
         **_NOISE,
         **_OPTIMIZER,
     )
 
 
-def _normalization_modes(config: TrainingConfig) -> dict[str, Any]:
-    """Return how each type of feature is normalised."""
+def _normalization_modes() -> dict[str, Any]:
+    """Return how each type of feature is normalised.
+
+    Observations reach the network through linear maps, which learn faster from values around 1.
+    """
     modes = import_lerobot("configs.types").NormalizationMode
     return {
         "VISUAL": modes.MEAN_STD,
-        "STATE": modes[config.normalization],
-        "ENV": modes[config.normalization],  # missing in LeRobot's default: they would come in px
+        "STATE": modes.MEAN_STD,
+        "ENV": modes.MEAN_STD,  # missing in LeRobot's default: they would come in px
         "ACTION": modes.MIN_MAX,
     }
 
 
-def _describe(name: str, shape: Sequence[int]) -> Any:
-    """Describe a feature of a dataset as one of a policy, where pictures have channels first."""
+def _shape_in_policy(name: str, feature: Mapping[str, Any]) -> tuple[int, ...]:
+    """Return the shape of a dataset's feature in a policy, where pictures have channels first."""
     if name == PIXELS:
-        height, width, channels = shape
-        shape = (channels, height, width)
-
-    types = import_lerobot("configs.types")
-    return types.PolicyFeature(type=types.FeatureType[FEATURE_TYPES[name]], shape=tuple(shape))
+        height, width, channels = feature["shape"]
+        return channels, height, width
+    return tuple(feature["shape"])
 
 
 _MAX_GRADIENT_NORM = 10.0
@@ -135,7 +139,6 @@ class Learner:
 
     def __init__(self, config: TrainingConfig, frames: Frames, device: torch.device) -> None:
         self.step = 0
-        self._config = config
         self._frames = frames
         self._device = device
 
@@ -155,7 +158,8 @@ class Learner:
         # 2. What changes it.
         self._averaged_weights = _average_weights(self._policy, device)
         self._optimizer = _make_optimizer(self._policy, config)
-        self._schedule = _make_schedule(self._optimizer, config)
+        schedule = policy_config.get_scheduler_preset()
+        self._schedule = schedule.build(self._optimizer, config.steps)
 
         # 3. What it learns from.
         self._offsets = {name: policy_config.observation_delta_indices for name in frames.columns}
@@ -172,9 +176,9 @@ class Learner:
     def advance(self) -> float:
         """Take one gradient step and return its loss."""
         batch = self._preprocess(self._load_batch(next(self._batches)))
-        loss = self._loss(batch)
+        loss, _ = self._policy(batch)
 
-        loss.backward()  # type: ignore[no-untyped-call]  # torch leaves it untyped
+        loss.backward()
         torch.nn.utils.clip_grad_norm_(self._policy.parameters(), _MAX_GRADIENT_NORM)
         self._optimizer.step()
         self._schedule.step()
@@ -234,37 +238,6 @@ class Learner:
         for _ in range(self.step):
             next(self._batches)
 
-    def _loss(self, batch: dict[str, Tensor]) -> Tensor:
-        """Return the mean squared error of the predicted actions a or noise ε.
-
-        The network sees √ᾱ a + √(1 - ᾱ) ε, with ᾱ of a random level of the noise (Ho et al., 2020,
-        Eq. 14). Padding does not count.
-
-        Args:
-            batch: Normalised windows: actions (B, T, 2), observations (B, o, ...).
-        """
-        network = self._policy.diffusion
-        scheduler = network.noise_scheduler
-        actions = batch[ACTION]
-
-        # 1. Hide the actions in noise.
-        levels = scheduler.config.num_train_timesteps
-        level = torch.randint(0, levels, (len(actions),), device=self._device)
-        noise = torch.randn_like(actions)
-        noisy_actions = scheduler.add_noise(actions, noise, level)
-
-        # 2. Ask the network what they were, given the observations.
-        if PIXELS in batch:
-            batch["observation.images"] = batch[PIXELS].unsqueeze(2)  # one camera
-        condition = network._prepare_global_conditioning(batch)
-        predicted = network.unet(noisy_actions, level, global_cond=condition)
-
-        # 3. Compare.
-        target = noise if self._config.prediction == "epsilon" else actions
-        counts = ~batch[_PADDED].unsqueeze(-1)
-        squared_error: Tensor = (predicted - target).square() * counts
-        return squared_error.mean()
-
     def _load_batch(self, index: NDArray[np.int64]) -> dict[str, Tensor]:
         """Return the windows (B, T, ...) around frames; pictures as float32 in [0, 1]."""
         windows, paddings = self._frames.windows(index, self._offsets)
@@ -294,17 +267,6 @@ def _make_optimizer(policy: Any, config: TrainingConfig) -> torch.optim.Optimize
         betas=policy.config.optimizer_betas,
         eps=policy.config.optimizer_eps,
         weight_decay=policy.config.optimizer_weight_decay,
-    )
-
-
-def _make_schedule(optimizer: torch.optim.Optimizer, config: TrainingConfig) -> Any:
-    from diffusers.optimization import get_scheduler
-
-    return get_scheduler(
-        "cosine",
-        optimizer,
-        num_warmup_steps=config.warmup,
-        num_training_steps=config.steps,
     )
 
 

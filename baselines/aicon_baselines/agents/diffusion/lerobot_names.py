@@ -1,8 +1,10 @@
 """What LeRobot calls things, and LeRobot itself, which is large and not always installed."""
 
 import os
+from collections.abc import Mapping
 from importlib import import_module
 from types import ModuleType
+from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import pip_command
@@ -21,6 +23,18 @@ ACTION = "action"
 
 FEATURE_TYPES = {STATE: "STATE", KEYPOINTS: "ENV", PIXELS: "VISUAL", ACTION: "ACTION"}
 """LeRobot's types of them, which choose the normalisation."""
+
+
+def describe_features(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, Any]:
+    """Return LeRobot's descriptions of features, by name, from their shapes."""
+    types = import_lerobot("configs.types")
+
+    features = {}
+    for name, shape in shapes.items():
+        feature_type = types.FeatureType[FEATURE_TYPES.get(name, "STATE")]
+        features[name] = types.PolicyFeature(type=feature_type, shape=shape)
+
+    return features
 
 
 def import_lerobot(module: str) -> ModuleType:

@@ -34,5 +34,5 @@ class Planner:
         if unknown:
             raise OptionError(f"unknown option {unknown[0]!r}; MPPI has: {', '.join(valid)}")
 
-        told = load("pusht").policy_options(condition)
-        return Agent(replace(PRESETS[self.preset], **self.changes), pusht.Options(**told))
+        known = load("pusht").policy_options(condition)
+        return Agent(replace(PRESETS[self.preset], **self.changes), pusht.Options(**known))

@@ -7,7 +7,6 @@
 | `environments.py` | the environments of the training, and everything that an agent observes |
 | `algorithms.py` | networks and hyperparameters, and how readings enter |
 | `training.py` | training, and going on with it |
-| `checkpoints.py` | saving during training |
 | `agent_folder.py` | the folder of an agent |
 | `weights.py` | loading its network, without running code |
 | `statistics.py` | what normalises its readings, as a file |

@@ -1,11 +1,14 @@
 """Training an agent, and going on with it."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback, EveryNTimesteps
 from stable_baselines3.common.logger import configure as configure_logger
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
@@ -20,7 +23,6 @@ from aicon_baselines.agents.sb3.agent_folder import (
     save,
 )
 from aicon_baselines.agents.sb3.algorithms import make_algorithm
-from aicon_baselines.agents.sb3.checkpoints import CheckpointsWithProgress
 from aicon_baselines.agents.sb3.environments import make_training_envs, normalize
 from aicon_baselines.agents.sb3.replay_file import load_replay_buffer
 from aicon_baselines.agents.sb3.statistics import load_statistics
@@ -111,9 +113,37 @@ def _learn(
     log_formats = ["csv", "tensorboard"] if find_spec("tensorboard") else ["csv"]
     model.set_logger(configure_logger(str(log_folder), log_formats))
 
+    # Now and then, and at the end.
+    checkpoints = EveryNTimesteps(checkpoint, _Checkpoint(save_agent, report))
+    checkpoints.last_time_trigger = model.num_timesteps
     model.learn(
         steps,
-        callback=CheckpointsWithProgress(config.steps, checkpoint, save_agent, report),
+        callback=checkpoints,
         reset_num_timesteps=model.num_timesteps == 0,
+        progress_bar=sys.stderr.isatty() and find_spec("rich") is not None,
     )
+    save_agent()
     model.logger.close()
+
+
+class _Checkpoint(BaseCallback):
+    """Saves, and reports how the last 100 training episodes went."""
+
+    def __init__(self, save: Callable[[], None], report: Callable[[str], None] | None) -> None:
+        super().__init__()
+        self._save, self._report = save, report
+
+    def _on_step(self) -> bool:
+        self._save()
+        if self._report is not None:
+            self._report(f"{self.num_timesteps:,} steps: {self._summary()}")
+        return True
+
+    def _summary(self) -> str:
+        rewards = [episode["r"] for episode in self.model.ep_info_buffer or ()]
+        successes = list(self.model.ep_success_buffer or ())
+        if not rewards or not successes:
+            return "no episode has ended yet"
+
+        success_rate = 100.0 * np.mean(successes)
+        return f"success {success_rate:.0f} %, reward {np.mean(rewards):.2f} (with exploration)"

@@ -13,7 +13,7 @@ _LOADABLE_ALGORITHMS = (*ALGORITHMS, "a2c", "ddpg", "td3")
 
 # Where the tasks differ. In navigation, 1000 steps are 50 s: enough to meet most traps and to
 # leave many of them.
-_TASK_DEFAULTS: dict[str, dict[str, Any]] = {
+TASK_DEFAULTS: dict[str, dict[str, Any]] = {
     "nav2d": {
         "horizon": 1000,
         "stack": 8,
@@ -71,7 +71,7 @@ class TrainingConfig:
     normalized: bool = True
 
     def __post_init__(self) -> None:
-        _check_name("task", self.task, _TASK_DEFAULTS)
+        _check_name("task", self.task, TASK_DEFAULTS)
         _check_name("algorithm", self.algorithm, _LOADABLE_ALGORITHMS)
 
         for name in ("steps", "envs", "rollout", "epochs", "horizon", "stack"):
@@ -96,10 +96,10 @@ class TrainingConfig:
             **options: Other attributes.
         """
         _check_name("algorithm", algorithm, ALGORITHMS)
-        _check_name("task", task, _TASK_DEFAULTS)
+        _check_name("task", task, TASK_DEFAULTS)
 
         given = {name: value for name, value in options.items() if value is not None}
-        return cls(task, algorithm, steps, **_TASK_DEFAULTS[task] | given)
+        return cls(task, algorithm, steps, **TASK_DEFAULTS[task] | given)
 
 
 def training_command(task: str, algorithm: str) -> str:

@@ -1,32 +1,85 @@
-"""The arm's film: from outside and from the hand, above its gradients and its errors."""
+"""The arm's figure: from outside and from the hand, above its gradients and its errors."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from PIL import Image
 
-from aicon_baselines.evaluation.recording import track
 from aicon_baselines.figures.arm_push.recording import ArmRecording, record
-from aicon_baselines.figures.rendering import Film, is_moving_picture, render, save_video
+from aicon_baselines.figures.rollout import Rollout, save_rollout
 from aicon_baselines.figures.summary import FigureFiles, FigureSummary
-from aicon_baselines.figures.timeline import (
-    TimeCursor,
-    add_curve_legend,
-    gaps_at_zero,
-    prepare_timeline,
-)
-from aicon_baselines.files import replacing
-from aicon_baselines.palette import ANGLE, DISTANCE, GOALS, TOWARDS
+from aicon_baselines.figures.timeline import gaps_at_zero, prepare_timeline
+from aicon_baselines.figures.view import PictureView
+from aicon_baselines.palette import ANGLE, DISTANCE, GOALS, INK
 from aicon_baselines.tasks.arm_push import TASK
 from aicon_torch import make_policy
 
-_FASTER = 5
-"""How much faster than real time a moving picture plays."""
+_ENDINGS = {"arrival": "Arrival at the target", "time limit": "Out of time"}
 
-_SHADE = {"color": "0.9"}
-_LEGEND = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.05), "fontsize": 7.5}
+
+class ArmRollout(Rollout):
+    """An episode of the arm, with a step every tenth of a second.
+
+    Args:
+        recording: The episode.
+    """
+
+    name = "arm_push_film"
+    aspect = 8 / 3
+    curves = {"gradients": 1.3, "errors": 1.0}
+    legend_rows = 3
+    caption = (
+        "Left: from outside, where the green shape is the target. Right: the camera in the hand, "
+        "by which the policy sees the object. Gradients: the strengths of those that meet at the "
+        "tip and at\nthe joints, by the quantities that they came through. One episode of "
+        "aicon/ArmPush-v0."
+    )
+    recording: ArmRecording
+
+    def __init__(self, recording: ArmRecording) -> None:
+        self.recording = recording
+
+    def phase(self, step: int) -> str:
+        """What the tip does, or for which goals it moves."""
+        if step == self.recording.steps - 1:
+            return _ENDINGS[self.recording.ending]
+        if self.recording.exploring[step]:
+            return "Conflict: exploring"
+
+        met = self.recording.trace.quantities["x_ee"]
+        return f"Descending: {', '.join(met.goals[int(met.dominant[step])])}"
+
+    def make_view(self, axes: Axes, coarseness: float = 1.0) -> PictureView:
+        """Both pictures, side by side."""
+        return PictureView(axes, self.recording.times, self.recording.side_by_side)
+
+    def draw_curves(self, *diagrams: Axes) -> None:
+        """The strength of each gradient; the errors and the height of the tip."""
+        strengths, errors = diagrams
+        for axes in diagrams:
+            prepare_timeline(axes, self.recording)
+            axes.set(yscale="log")
+
+        times = self.recording.times
+        for (label, values), color in zip(self.recording.strengths.items(), GOALS, strict=False):
+            shown = gaps_at_zero(values)
+            strengths.plot(times, shown, ".", color=color, label=label, markersize=3)
+        strengths.set_ylabel("strength")
+
+        curves = (
+            ("distance, mm", DISTANCE, self.recording.distance),
+            ("angle, degrees", ANGLE, self.recording.angle),
+            ("height of the tip, mm", INK, self.recording.height),
+        )
+        for label, color, values in curves:
+            errors.plot(times, np.maximum(values, 0.1), color=color, label=label, linewidth=1.4)
+        errors.set(xlabel="time (s)", ylabel="errors")
+
+    def numbers(self) -> dict[str, Any]:
+        """The errors in the end."""
+        distance, angle = self.recording.distance[-1], self.recording.angle[-1]
+        return {"distance_mm": round(float(distance), 2), "angle_deg": round(float(angle), 2)}
 
 
 def make_figure(
@@ -37,110 +90,12 @@ def make_figure(
     horizon: int = 6_000,
     progress: bool = True,
 ) -> FigureSummary:
-    """Run an episode and save `arm_push_film.png`, of its middle, and, unless "none", the video.
+    """Run an episode and save `arm_push_film.png`, `.json` and, unless "none", the video.
 
     The arguments are those of :func:`aicon_baselines.figures.nav2d.make_figure`, and the steps
     after which the episode ends.
     """
-    files = FigureFiles(out, "arm_push_film", video)
+    files = FigureFiles(out, ArmRollout.name, video)
     policy = make_policy("arm_push", **TASK.policy_options("camera")).compile()
     recording = record(policy, seed, horizon, progress=progress)
-
-    draw_still(recording, files.picture)
-    if files.film is not None:
-        draw_film(recording, files.film, progress=progress)
-
-    duration = float(recording.times[-1])
-    numbers = {"seed": seed, "ending": recording.ending, "duration_s": round(duration, 3)}
-    return files.summary(f"{recording.ending} after {duration:.1f} s", numbers)
-
-
-class ArmFilm(Film):
-    """Both views above the strengths of the gradients and the errors."""
-
-    def __init__(self, recording: ArmRecording, dpi: int = 100) -> None:
-        self.figure = Figure(figsize=(9.6, 6.4), dpi=dpi)
-        self._recording = recording
-
-        # Side by side, as large as their pictures allow.
-        views = (
-            ("outside", recording.outside, (0.01, 0.44, 0.54, 0.51)),
-            ("camera in the hand", recording.hand, (0.56, 0.44, 0.43, 0.51)),
-        )
-        self._views = []
-        for title, pictures, place in views:
-            axes = self.figure.add_axes(place)
-            axes.set_axis_off()
-            axes.set_title(title, fontsize=10)
-            self._views.append((axes.imshow(pictures[0]), pictures))
-
-        self._cursor = TimeCursor(add_timelines(self.figure, recording), "black", width=1.0)
-
-    def show(self, step: int) -> None:
-        """Bring views and cursors to a frame of the recording."""
-        for image, pictures in self._views:
-            image.set_data(pictures[step])
-        self._cursor.move(self._recording.times[step])
-
-
-def draw_still(recording: ArmRecording, path: Path) -> None:
-    """Save the frame in the middle of the film as a png."""
-    film = ArmFilm(recording)
-    film.show(len(recording.times) // 2)
-    with replacing(path) as place:
-        Image.fromarray(render(film.figure)).save(place)
-
-
-def draw_film(recording: ArmRecording, path: Path, *, progress: bool = False) -> None:
-    """Save the episode as a video, whose last frame rests a second.
-
-    An mp4 plays in real time, a moving picture five times as fast.
-    """
-    small = is_moving_picture(path)
-    film = ArmFilm(recording, dpi=60 if small else 100)
-    rate = round(1 / recording.time_step)
-    steps = track(range(0, len(recording.times), _FASTER if small else 1), "video", progress)
-    save_video(film.frames(steps, hold=rate), path, rate)
-
-
-def add_timelines(figure: Figure, recording: ArmRecording) -> tuple[Axes, Axes]:
-    """Add the strengths of the gradients and, below them, the errors."""
-    strengths = figure.add_axes((0.08, 0.23, 0.67, 0.17))
-    errors = figure.add_axes((0.08, 0.07, 0.67, 0.13))
-    _draw_strengths(strengths, recording)
-    _draw_errors(errors, recording)
-
-    for axes in (strengths, errors):
-        axes.tick_params(labelsize=8)
-    return strengths, errors
-
-
-def _draw_strengths(axes: Axes, recording: ArmRecording) -> None:
-    """Draw the strength of each gradient over time."""
-    prepare_timeline(axes, recording, _SHADE)
-    axes.set(yscale="log")
-
-    gradients = recording.strengths
-    colors = GOALS[: len(gradients)]
-    for (label, strengths), color in zip(gradients.items(), colors, strict=True):
-        shown = gaps_at_zero(strengths)
-        axes.plot(recording.times, shown, ".", color=color, label=label, markersize=3)
-
-    axes.set_ylabel("gradients", fontsize=9)
-    add_curve_legend(axes, shade=_SHADE, **_LEGEND)
-
-
-def _draw_errors(axes: Axes, recording: ArmRecording) -> None:
-    """Draw distance and angle to the target, and the height of the tip, over time."""
-    axes.set(yscale="log", xlim=(0, recording.times[-1]))
-    curves = (
-        ("distance, mm", DISTANCE, recording.distance),
-        ("angle, degrees", ANGLE, recording.angle),
-        ("height of the tip, mm", TOWARDS, recording.height),
-    )
-    for label, color, values in curves:
-        shown = np.maximum(values, 0.1)
-        axes.plot(recording.times, shown, color=color, label=label, linewidth=1.2)
-
-    axes.set_xlabel("s", fontsize=9)
-    add_curve_legend(axes, shade=None, **_LEGEND)
+    return save_rollout(ArmRollout(recording), files, progress=progress)

@@ -4,6 +4,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from aicon_baselines.evaluation import recording
 from aicon_baselines.evaluation.recording import FloatArray, Recording, to_array
@@ -20,15 +21,11 @@ _END_EFFECTOR = "x_ee"
 class ArmRecording(Recording):
     """An episode with m frames, each of the scene from outside and of the camera in the hand."""
 
-    @property
-    def outside(self) -> list[Frame]:
-        """The scene from outside, m pictures (H, W, 3)."""
-        return [outside for outside, _ in self.pictures[: len(self.memories)]]
-
-    @property
-    def hand(self) -> list[Frame]:
-        """The camera in the hand, as the policy sees it, m pictures (h, w, 3)."""
-        return [hand for _, hand in self.pictures[: len(self.memories)]]
+    def side_by_side(self, step: int) -> Frame:
+        """The scene from outside, and the camera in the hand as the policy sees it, as large."""
+        outside, hand = self.pictures[step]
+        height, width, _ = outside.shape
+        return np.hstack([outside, np.asarray(Image.fromarray(hand).resize((width, height)))])
 
     @cached_property
     def height(self) -> FloatArray:
@@ -51,7 +48,7 @@ class ArmRecording(Recording):
         strengths: dict[str, FloatArray] = {}
         for place in (_END_EFFECTOR, "x_joints"):
             arrived = self.trace.quantities[place]
-            columns = to_array(arrived.strengths).T
+            columns = to_array(arrived.magnitudes).T
 
             for path, values in zip(arrived.paths, columns, strict=True):
                 came_through = path[:-1]
@@ -75,7 +72,7 @@ def record(policy: Policy, seed: int, horizon: int, *, progress: bool = False) -
         ArmRecording,
         policy,
         env,
-        seed,
+        {"seed": seed},
         horizon,
         stride=STRIDE,
         look=look,

@@ -2,19 +2,13 @@
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.ndimage import distance_transform_edt
 from scipy.sparse.linalg import splu
 
 from aicon_baselines.evaluation.recording import BoolArray, FloatArray
-from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.view import rectangle_around
 from aicon_envs.nav2d import NavigationMap
 from aicon_envs.nav2d.world import union
-
-_ASPECT = 1.95  # width of a panel over its height
-_MARGIN = 0.45  # m of free space around what is shown
 
 
 class Grid:
@@ -53,8 +47,8 @@ class Grid:
         self.nearest_free = tuple(nearest)
 
         # The least-squares problem of `potential`, factorised once.
-        self._first, self._second, self._axis = _neighbours(self.free)
-        self._difference = _difference_matrix(self._first, self._second, len(self.points))
+        self._along_x, self._along_y = _differences(self.free)
+        self._difference = sparse.vstack([self._along_x, self._along_y])
         laplacian = self._difference.T @ self._difference
         regular = laplacian + 1e-9 * sparse.eye_array(len(self.points))  # fixes the free constant
         self._solver = splu(regular.tocsc())
@@ -71,8 +65,8 @@ class Grid:
         Returns:
             φ as an array of the grid's shape, NaN in obstacles, from 0.
         """
-        along = descent[self._first, self._axis] + descent[self._second, self._axis]
-        rises = -0.5 * self._spacing * along
+        sums = [abs(self._along_x) @ descent[:, 0], abs(self._along_y) @ descent[:, 1]]
+        rises = -0.5 * self._spacing * np.concatenate(sums)
         heights = self._solver.solve(self._difference.T @ rises)
         return self.fill(heights - heights.min())
 
@@ -83,42 +77,24 @@ class Grid:
         return filled
 
 
-def _neighbours(free: BoolArray) -> NDArray[np.int64]:
-    """For any two neighbours their indices among the free points, and their axis, (3, links)."""
-    index = np.full(free.shape, -1)
-    index[free] = np.arange(free.sum())
-    pairs = [(index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
+def _differences(free: BoolArray) -> tuple[sparse.csr_array, sparse.csr_array]:
+    """Two matrices that map values at the free points to differences of neighbours, φⱼ − φᵢ.
 
-    links = []
-    for axis, (first, second) in enumerate(pairs):
-        both = (first >= 0) & (second >= 0)
-        links.append(np.stack([first[both], second[both], np.full(both.sum(), axis)]))
-
-    return np.concatenate(links, axis=1)
-
-
-def _difference_matrix(
-    first: NDArray[np.int64], second: NDArray[np.int64], points: int
-) -> sparse.csr_array:
-    """The matrix that maps values at the points to the differences φⱼ − φᵢ of neighbours."""
-    links = len(first)
-    rows = np.tile(np.arange(links), 2)
-    columns = np.concatenate([second, first])
-    signs = np.repeat([1.0, -1.0], links)
-    return sparse.csr_array((signs, (rows, columns)), shape=(links, points))
-
-
-def grid_around(recording: NavigationRecording, spacing: float) -> Grid:
-    """A grid over the smallest rectangle of a panel's aspect that shows all there is.
-
-    Args:
-        recording: The rollout, whose trajectory, target and obstacles are to be seen.
-        spacing: Distance of neighbours, m.
+    The first has a row for any two neighbours along x, the second for any two along y.
     """
-    world = recording.world
-    points = [*recording.positions, world.target]
-    for vertices in world.obstacles:
-        points.extend(vertices)
+    rows, columns = free.shape
+    of_row, of_column = _difference_of_line(columns), _difference_of_line(rows)
+    along_x = sparse.kron(sparse.eye_array(rows), of_row, format="csr")
+    along_y = sparse.kron(of_column, sparse.eye_array(columns), format="csr")
 
-    low, high = rectangle_around(np.array(points), _MARGIN, _ASPECT)
-    return Grid(world, low, high, spacing)
+    matrices = []
+    for matrix in (along_x, along_y):
+        # Only where both neighbours are free.
+        inner = abs(matrix) @ free.ravel() == 2
+        matrices.append(sparse.csr_array(matrix[inner][:, free.ravel()]))
+    return matrices[0], matrices[1]
+
+
+def _difference_of_line(count: int) -> sparse.dia_array:
+    """The matrix (count − 1, count) of differences along a line of points."""
+    return sparse.diags_array([-1.0, 1.0], offsets=[0, 1], shape=(count - 1, count))

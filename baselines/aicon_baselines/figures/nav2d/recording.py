@@ -53,7 +53,7 @@ class NavigationRecording(Recording):
     @cached_property
     def strengths(self) -> dict[str, FloatArray]:
         """Norm of the gradient of each path at x_rob, (n,) each."""
-        strengths = to_array(self.resolution.strengths)
+        strengths = to_array(self.resolution.magnitudes)
         columns = {name: self.resolution.paths.index(path) for name, path in PATHS.items()}
         return {name: strengths[:, column] for name, column in columns.items()}
 
@@ -105,7 +105,5 @@ def record(
         raise ComparisonError(str(error)) from error
 
     # The map and the noise have the same seed.
-    options = {"map_seed": seed}
-    return recording.record(
-        NavigationRecording, policy, env, seed, options=options, progress=progress
-    )
+    reset = {"seed": seed, "options": {"map_seed": seed}}
+    return recording.record(NavigationRecording, policy, env, reset, progress=progress)

@@ -11,15 +11,27 @@ from matplotlib.quiver import Quiver
 
 from aicon_baselines import palette
 from aicon_baselines.evaluation.recording import FloatArray
-from aicon_baselines.figures.nav2d import style
-from aicon_baselines.figures.nav2d.field import Field, clearance, sample
+from aicon_baselines.figures.nav2d.field import clearance, sample
 from aicon_baselines.figures.nav2d.grid import Grid
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
-from aicon_baselines.figures.view import WorldView
+from aicon_baselines.figures.view import WorldView, rectangle_around
 from aicon_baselines.worlds import believed, disc, navigation
 from aicon_baselines.worlds.paper import Paper
 from aicon_baselines.worlds.surroundings import ARRIVAL
 
+ASPECT = 1.95
+"""Width of the picture over its height."""
+
+HEIGHT = LinearSegmentedColormap.from_list(
+    "height", ["#fdfcf5", "#dfeae2", "#b5d2cb", "#86b3b1", "#5b8f96", "#3f6d7a"]
+)
+"""Colours of the potential, from low to high."""
+
+TINT = 0.24
+"""Opacity of what says "exploring"."""
+
+_MARGIN = 0.45  # m of free space around what is shown
+_ARROW = "#23454f"
 _ARROWS_PER_ROW = 27
 
 
@@ -28,47 +40,46 @@ class NavigationView(WorldView):
 
     Args:
         axes: Where to draw.
-        recording: The rollout.
-        grid: Where to sample.
-        outline: Whether to outline where the agent would explore.
+        recording: The rollout, whose trajectory, target and obstacles are to be seen.
+        spacing: Distance of the positions at which the potential is sampled, m.
     """
 
-    def __init__(
-        self, axes: Axes, recording: NavigationRecording, grid: Grid, *, outline: bool = False
-    ) -> None:
+    def __init__(self, axes: Axes, recording: NavigationRecording, spacing: float) -> None:
         super().__init__(axes)
-        self._recording, self._grid, self._outlined = recording, grid, outline
-        left, right, bottom, top = grid.extent
+        self._recording = recording
+        self._grid = _grid_around(recording, spacing)
+        left, right, bottom, top = self._grid.extent
         axes.set(xlim=(left, right), ylim=(bottom, top))
 
         # The potential, and a tint where the agent would explore.
-        clear, tint = to_rgba(palette.EXPLORING, 0.0), to_rgba(palette.EXPLORING, style.TINT)
-        self._heights = self._add_layer(style.HEIGHT, zorder=0)
-        self._tint = self._add_layer(
-            LinearSegmentedColormap.from_list("tint", [clear, tint]), zorder=1
-        )
+        clear, tint = to_rgba(palette.EXPLORING, 0.0), to_rgba(palette.EXPLORING, TINT)
+        tints = LinearSegmentedColormap.from_list("tint", [clear, tint])
+        self._heights = self._add_layer(HEIGHT, zorder=0)
+        self._tint = self._add_layer(tints, zorder=1)
         self._outline: ContourSet | None = None
 
         # Arrows on a coarser grid.
-        spacing = (right - left) / _ARROWS_PER_ROW
-        self._arrow_length = 0.72 * spacing
-        self._arrow_points = _arrow_points(recording, grid, spacing)
+        arrow_spacing = (right - left) / _ARROWS_PER_ROW
+        self._arrow_length = 0.72 * arrow_spacing
+        self._arrow_points = _arrow_points(recording, self._grid, arrow_spacing)
         self._arrows = self._add_arrows()
 
-        # What is in the world, above both.
+        # What is in the world, above both; the trajectory has a white edge.
         self._paper = Paper(axes)
         self._paper.draw(navigation(recording.world.obstacles, recording.world.target))
-        self._add_trajectory()
+        looks: dict[str, Any] = {"solid_capstyle": "round"}
+        edge = axes.plot([], [], color="white", linewidth=4.2, zorder=4, **looks)
+        trail = axes.plot([], [], color=palette.ROBOT, linewidth=2.2, zorder=5, **looks)
+        self._trajectory = edge + trail
 
     def _add_layer(self, colors: Colormap, zorder: int) -> AxesImage:
         """Add values on the grid as colours, between 0 and 1 until other limits are set."""
-        grid = self._grid
         return self.axes.imshow(
-            np.zeros(grid.shape),
+            np.zeros(self._grid.shape),
             cmap=colors,
             vmin=0,
             vmax=1,
-            extent=grid.extent,
+            extent=self._grid.extent,
             origin="lower",
             interpolation="bilinear",
             zorder=zorder,
@@ -87,27 +98,20 @@ class NavigationView(WorldView):
             headwidth=4.2,
             headlength=4.6,
             headaxislength=4.0,
-            color=style.ARROW,
+            color=_ARROW,
             zorder=2,
         )
 
-    def _add_trajectory(self) -> None:
-        """Add the agent's trajectory with a white edge."""
-        looks: dict[str, Any] = {"solid_capstyle": "round"}
-        (edge,) = self.axes.plot([], [], color="white", linewidth=4.2, zorder=4, **looks)
-        (trail,) = self.axes.plot([], [], color=palette.ROBOT, linewidth=2.2, zorder=5, **looks)
-        self._trajectory = (edge, trail)
-
     def show(self, step: int) -> None:
         """Bring the picture, and the time above it, to a step, 1 or later."""
-        recording = self._recording
-        self.set_time(recording.times[step], size=10)
+        recording, grid = self._recording, self._grid
+        self.set_time(recording.times[step])
 
         # One sample of the field for both, the grid and the arrows.
-        points = np.concatenate([self._grid.points, self._arrow_points])
-        field = sample(recording, step, points)
-        on_grid = len(self._grid.points)
-        self._show_potential(Field(field.descent[:on_grid], field.exploring[:on_grid]))
+        field = sample(recording, step, np.concatenate([grid.points, self._arrow_points]))
+        on_grid = len(grid.points)
+        self._show_potential(field.descent[:on_grid])
+        self._show_exploration(grid.fill(field.exploring[:on_grid].astype(np.float64)))
         self._show_arrows(field.descent[on_grid:])
 
         # The agent, where it has been, and what it believes.
@@ -122,40 +126,38 @@ class NavigationView(WorldView):
             }
         )
 
-    def _show_potential(self, field: Field) -> None:
-        """Show the potential that fits a field on the grid, and where the agent would explore."""
-        grid = self._grid
+    def _show_potential(self, descent: FloatArray) -> None:
+        """Show the potential that fits a field on the grid."""
         # Within obstacles it goes on as at their edge, so that no light seam shows.
-        heights = grid.potential(field.descent)
-        self._heights.set_data(heights[grid.nearest_free])
+        heights = self._grid.potential(descent)
+        self._heights.set_data(heights[self._grid.nearest_free])
         self._heights.set_clim(*np.nanpercentile(heights, (0.5, 99.5)))
 
-        exploring = np.nan_to_num(grid.fill(field.exploring.astype(np.float64)))
+    def _show_exploration(self, exploring: FloatArray) -> None:
+        """Tint and outline where the agent would explore: where values on the grid are 1."""
+        exploring = np.nan_to_num(exploring)
         self._tint.set_data(exploring)
-        if self._outlined:
-            self._show_outline(exploring)
 
-    def _show_outline(self, exploring: FloatArray) -> None:
-        """Outline where values on the grid are 1 and not 0."""
         if self._outline is not None:
             self._outline.remove()
             self._outline = None
-
         if exploring.any():
-            self._outline = self.axes.contour(
-                exploring,
-                [0.5],
-                extent=self._grid.extent,
-                colors=palette.EXPLORING,
-                linewidths=0.9,
-                zorder=1,
-            )
+            looks: dict[str, Any] = {"colors": palette.EXPLORING, "linewidths": 0.9, "zorder": 1}
+            self._outline = self.axes.contour(exploring, [0.5], extent=self._grid.extent, **looks)
 
     def _show_arrows(self, descent: FloatArray) -> None:
         """Point the arrows along the descent, all of one length."""
         norms = np.linalg.norm(descent, axis=1, keepdims=True)
         arrows = self._arrow_length * descent / np.maximum(norms, 1e-9)
         self._arrows.set_UVC(*arrows.T)
+
+
+def _grid_around(recording: NavigationRecording, spacing: float) -> Grid:
+    """A grid over the smallest rectangle that shows all there is."""
+    world = recording.world
+    points = np.concatenate([recording.positions, [world.target], *world.obstacles])
+    low, high = rectangle_around(points, _MARGIN, ASPECT)
+    return Grid(world, low, high, spacing)
 
 
 def _arrow_points(recording: NavigationRecording, grid: Grid, spacing: float) -> FloatArray:

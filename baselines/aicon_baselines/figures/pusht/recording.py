@@ -11,9 +11,13 @@ from torch import Tensor
 from aicon_baselines.evaluation import recording
 from aicon_baselines.evaluation.recording import BoolArray, FloatArray, Recording, to_array
 from aicon_envs.pusht.geometry import place
+from aicon_envs.pusht.simulation import PUSHER_RADIUS
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts import Servo
 from aicon_torch.policy import Policy
+
+_CORNER = 1.0  # px from a corner within which a contact is at it
+_NEAR = 10.0  # px between pusher and object within which a contact is at stake
 
 
 class PushRecording(Recording):
@@ -134,7 +138,7 @@ class PushRecording(Recording):
     @cached_property
     def strengths(self) -> FloatArray:
         """Norms of the gradients, (n + 1, N)."""
-        return to_array(self.resolution.strengths)
+        return to_array(self.resolution.magnitudes)
 
     def strongest(self, useful: bool) -> FloatArray:
         """Strength of the strongest gradient of useful or detrimental contacts, (n + 1,).
@@ -148,6 +152,22 @@ class PushRecording(Recording):
     def motions(self) -> FloatArray:
         """Commanded displacement of the pusher in the step after each moment, (n + 1, 2), px."""
         return _in_pixels(self.trace.values["a"]) * self.time_step
+
+    @cached_property
+    def at_corners(self) -> BoolArray:
+        """Whether it is near the object and its nearest contact is at a corner, (n + 1,)."""
+        distances = np.linalg.norm(self.contacts - self.pushers[:, np.newaxis], axis=-1)
+        moments = range(len(distances))
+        nearest = self.contacts[moments, distances.argmin(axis=1)]
+
+        corners = np.stack([self.corners(moment) for moment in moments])
+        to_corners = np.linalg.norm(corners - nearest[:, np.newaxis], axis=-1)
+
+        # Far from the object no contact is at stake.
+        near_corner = to_corners.min(axis=1) < _CORNER
+        near_object = distances.min(axis=1) < PUSHER_RADIUS + _NEAR
+        at_corners: BoolArray = near_corner & near_object
+        return at_corners
 
     def corners(self, moment: int) -> FloatArray:
         """Corners of the object in the world, in order around it, (N, 2), px."""
@@ -169,4 +189,4 @@ def record(policy: Policy, seed: int, limit: int | None = None) -> PushRecording
         limit: Limit of the episode, steps; by default the environment's.
     """
     env = gymnasium.make("aicon/PushT-v0", max_episode_steps=limit)
-    return recording.record(PushRecording, policy, env, seed, beyond=True)
+    return recording.record(PushRecording, policy, env, {"seed": seed}, beyond=True)

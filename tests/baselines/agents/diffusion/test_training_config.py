@@ -14,11 +14,6 @@ from aicon_baselines.evaluation import ComparisonError
         ({"observation": "sound"}, "unknown observation 'sound'; valid: keypoints, pixels"),
         ({"action_steps": 16}, "action_steps must be at most 15, not 16"),
         ({"horizon": 12}, "horizon must be a multiple of 8, 2 for each of down_dims, not 12"),
-        (
-            {"normalization": "MIN_MAX"},
-            "shift needs normalization MEAN_STD: take shift 0, not 2.0",
-        ),
-        ({"prediction": "x"}, "unknown prediction 'x'; valid: sample, epsilon"),
     ],
 )
 def test_a_training_that_makes_no_sense_is_an_error(

@@ -19,7 +19,7 @@ def quick() -> dict[str, Any]:
 @pytest.fixture(scope="session")
 def small() -> dict[str, Any]:
     """Options of a training that takes a second."""
-    return {"down_dims": (8, 16), "batch": 8, "warmup": 2}
+    return {"down_dims": (8, 16), "batch": 8}
 
 
 @pytest.fixture(scope="session")

@@ -10,6 +10,7 @@ pytest.importorskip("stable_baselines3")
 pytest.importorskip("pymunk")
 
 import train_sb3
+from aicon_baselines.agents.sb3 import training_config
 from aicon_baselines.cli.command_line import run_command
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation.rows_file import read_rows
@@ -39,13 +40,15 @@ def test_rows_are_appended_to_the_same_run(
 
 
 def test_the_comparison_takes_what_the_script_trained(
-    tmp_path: Path, small: dict[str, int], capsys: pytest.CaptureFixture[str]
+    tmp_path: Path,
+    small: dict[str, int],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The command that the training prints at its end, with fewer episodes."""
+    usual = training_config.TASK_DEFAULTS["nav2d"]
+    monkeypatch.setitem(training_config.TASK_DEFAULTS, "nav2d", usual | small)
     arguments = ["--task", "nav2d", "--steps", "128", "--out", str(tmp_path / "agent")]
-    for name, value in small.items():
-        arguments += [f"--{name}", str(value)]
-
     run_command(train_sb3.COMMAND, arguments)
 
     printed = capsys.readouterr().out.split("aicon compare ")[1].split("--out")[0].split()

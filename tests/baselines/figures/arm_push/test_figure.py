@@ -14,11 +14,16 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.figures.arm_push import ArmRecording, figure, make_figure, record
-from aicon_baselines.figures.arm_push.figure import add_timelines
+from aicon_baselines.figures.arm_push import (
+    ArmRecording,
+    ArmRollout,
+    figure,
+    make_figure,
+    record,
+)
 from aicon_baselines.tasks.arm_push import TASK
 
-SEED, HORIZON = 1000, 21
+SEED, HORIZON = 1000, 81
 
 
 @pytest.fixture(scope="module")
@@ -31,10 +36,10 @@ def episode() -> ArmRecording:
 
 
 def test_every_tenth_step_is_recorded(episode: ArmRecording) -> None:
-    np.testing.assert_allclose(episode.times, [0.0, 0.1, 0.2])
+    np.testing.assert_allclose(episode.times, 0.1 * np.arange(9))
     assert episode.ending == "time limit"
-    assert len(episode.outside) == len(episode.hand) == len(episode.distance) == 3
-    assert episode.exploring.shape == (3,)
+    assert len(episode.distance) == 9 and episode.exploring.shape == (9,)
+    assert episode.side_by_side(8).shape == (360, 960, 3)
 
 
 def test_gradients_come_by_the_end_effector_or_straight_to_the_joints(
@@ -47,11 +52,12 @@ def test_gradients_come_by_the_end_effector_or_straight_to_the_joints(
     } <= episode.strengths.keys()
     assert not any("x_ee" in label for label in episode.strengths)
     for strengths in episode.strengths.values():
-        assert strengths.shape == (3,)
+        assert strengths.shape == (9,)
 
 
 def test_no_colour_stands_for_two_curves_and_none_is_left_out(episode: ArmRecording) -> None:
-    strengths, errors = add_timelines(Figure(), episode)
+    strengths, errors = Figure().subplots(2)
+    ArmRollout(episode).draw_curves(strengths, errors)
     assert len(strengths.lines) == len(episode.strengths)
     for axes in (strengths, errors):
         colors = [to_hex(line.get_color()) for line in axes.lines]
@@ -62,15 +68,15 @@ def test_all_files_are_written(
     episode: ArmRecording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(figure, "record", lambda *arguments, **options: episode)
-    summary = make_figure(tmp_path, video="gif", progress=False)
+    summary = make_figure(tmp_path, video="webp", progress=False)
 
     with Image.open(tmp_path / "arm_push_film.png") as image:
-        assert image.size == (960, 640)
-    assert imageio.mimread(tmp_path / "arm_push_film.gif")[0].shape[:2] == (384, 576)
+        assert image.width == 1820
+    assert imageio.mimread(tmp_path / "arm_push_film.webp")[0].shape[1] == 480
     assert all(path.exists() for path in summary.files)
-    assert str(summary).startswith("time limit after 0.2 s")
+    assert str(summary).startswith("time limit after 0.9 s")
 
 
 def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:
-    with pytest.raises(ComparisonError, match="mp4, webp, gif, none"):
+    with pytest.raises(ComparisonError, match="mp4, webp, none"):
         make_figure(tmp_path, SEED, "avi", progress=False)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from aicon_baselines.figures.nav2d import NavigationRecording, clearance, sample
+from aicon_baselines.figures.nav2d import NavigationRecording
+from aicon_baselines.figures.nav2d.field import clearance, sample
 from aicon_envs.nav2d import NavigationMap
 
 CORNERS = [(-0.5, -0.4), (0.6, -0.4), (0.6, 0.3), (-0.5, 0.3)]

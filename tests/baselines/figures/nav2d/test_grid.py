@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aicon_baselines.figures.nav2d import Grid
+from aicon_baselines.figures.nav2d.grid import Grid
 from aicon_envs.nav2d import NavigationMap
 
 CORNERS = [(-0.5, -0.4), (0.6, -0.4), (0.6, 0.3), (-0.5, 0.3)]

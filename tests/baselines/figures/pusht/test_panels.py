@@ -5,35 +5,29 @@ import pytest
 from _inputs import driven
 
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.figures.pusht import (
-    PushRecording,
-    at_corners,
-    choose_panels,
-    phase,
-    record,
-    summarize,
-)
+from aicon_baselines.figures.pusht import PushRecording, PushRollout, record
+from aicon_baselines.figures.rollout import choose_panels, summarize
 from aicon_envs.pusht.simulation import PUSHER_RADIUS
 
 
-def test_default_episode_shows_the_story(episode: PushRecording) -> None:
-    contact, harmful, conflict, around, corner, last = (
-        panel.step for panel in choose_panels(episode)
-    )
-    assert contact < harmful < conflict < around < corner < last == episode.steps
-    assert episode.touched[contact]
-    assert not episode.touched[:contact].any()
-    assert not episode.useful[harmful, episode.strengths[harmful].argmax()]
-    assert episode.exploring[[conflict, corner]].all()
-    assert not episode.exploring[[contact, harmful, around]].any()
-    assert not episode.touched[[conflict, around]].any()
-    assert at_corners(episode)[corner]
-    assert episode.ending == "arrival"
+def test_the_default_episode_shows_every_phase_and_the_end(episode: PushRecording) -> None:
+    rollout = PushRollout(episode)
+    panels = choose_panels(rollout)
+    phases = {rollout.phase(step) for step in range(1, episode.steps)}
+    assert {panel.title for panel in panels[:-1]} == phases
+    assert len(phases) == 5
+
+    for panel in panels:
+        assert panel.title == rollout.phase(panel.step)
+    assert panels[-1].title == "Arrival in the goal pose"
     assert episode.costs[-1] < 0.05 * episode.costs[0]
 
 
 def test_exploration_is_across_the_strongest_gradient(episode: PushRecording) -> None:
-    conflict = choose_panels(episode)[2].step
+    """Where the first conflict is the strongest: its weaker side counts."""
+    begin, end = episode.explorations[0]
+    weaker = np.minimum(episode.strongest(useful=True), episode.strongest(useful=False))
+    conflict = begin + int(weaker[begin:end].argmax())
     strongest = episode.descents[conflict, episode.strengths[conflict].argmax()]
     motion = episode.motions[conflict]
 
@@ -45,26 +39,27 @@ def test_exploration_is_across_the_strongest_gradient(episode: PushRecording) ->
 def test_panels_are_in_order_in_any_episode(limit: int) -> None:
     policy = driven("pusht", **{"resolution.exploration": None})
     recording = record(policy, 1011, limit)
-    panels = choose_panels(recording)
+    rollout = PushRollout(recording)
+    panels = choose_panels(rollout)
 
     assert recording.ending == "time limit"
     assert panels[-1].title == "Out of time"
     assert all(np.diff([panel.step for panel in panels]) > 0)
-    assert summarize(recording, panels)["explorations_s"] == []
+    assert summarize(rollout, panels)["explorations_s"] == []
 
 
 def test_too_short_an_episode_is_an_error() -> None:
     with pytest.raises(ComparisonError, match="5 steps"):
-        choose_panels(record(driven("pusht"), 1050, limit=5))
+        choose_panels(PushRollout(record(driven("pusht"), 1050, limit=5)))
 
 
 def test_corners_are_near(episode: PushRecording) -> None:
-    for moment in np.flatnonzero(at_corners(episode)):
+    for moment in np.flatnonzero(episode.at_corners):
         offsets = episode.corners(int(moment)) - episode.pushers[moment]
         assert np.linalg.norm(offsets, axis=1).min() < PUSHER_RADIUS + 11.0
 
 
 def test_every_moment_has_a_phase(episode: PushRecording) -> None:
+    rollout = PushRollout(episode)
     for moment in range(episode.steps):
-        assert ("exploring" in phase(episode, moment)) == episode.exploring[moment]
-    assert phase(episode, episode.steps) == "Arrival in the goal pose"
+        assert ("exploring" in rollout.phase(moment)) == episode.exploring[moment]

@@ -12,55 +12,52 @@ pytest.importorskip("pytorch_kinematics")
 from matplotlib.figure import Figure
 from PIL import Image
 
-from aicon_baselines.agents import factory
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.figures.reach import ReachRecording, draw_picture, make_figure, record
-from aicon_baselines.figures.reach.figure import ZOOM, captioned, draw_curves, draw_film
+from aicon_baselines.evaluation.recording import Recording
+from aicon_baselines.figures.reach import ReachRollout, draw_picture, make_figure, record_reach
+from aicon_baselines.figures.rollout import draw_film
 
 
 @pytest.fixture(scope="module")
-def episode() -> ReachRecording:
-    policy = factory("reach", "damped_least_squares")("ur5_pose_home")
+def episode() -> Recording:
     try:
-        return record(policy, "ur5", 1000, 7)
+        return record_reach("ur5_pose_home", seed=1000, horizon=7)
     except RuntimeError as error:
         pytest.skip(f"no OpenGL without a display: {error}")
 
 
-def test_every_second_step_is_seen_and_every_step_is_measured(episode: ReachRecording) -> None:
-    assert len(episode.pictures) == 4 and episode.pictures[0].shape == (480, 480, 3)
+def test_every_second_step_and_the_end_are_seen_and_every_step_is_measured(
+    episode: Recording,
+) -> None:
+    assert len(episode.memories) == 4 and episode.pictures[0].shape == (480, 480, 3)
     assert not np.array_equal(episode.pictures[0], episode.pictures[-1])
-    np.testing.assert_allclose(episode.times, 0.02 * np.arange(1, 8))
+    np.testing.assert_allclose(episode.times, 0.04 * np.arange(4))
     for name in ("distance", "angle", "self_gap", "limit_margin"):
-        values = episode.after(name)
-        assert values.shape == (7,) and (values > 0.0).all()
+        values = episode.told(name)
+        assert values.shape == (5,) and (values > 0.0).all()
 
 
-def test_the_picture_shows_each_robot(episode: ReachRecording, tmp_path: Path) -> None:
-    draw_picture([episode, episode], tmp_path / "reach.png")
+def test_the_picture_shows_each_robot(episode: Recording, tmp_path: Path) -> None:
+    draw_picture({"ur5": episode, "again": episode}, tmp_path / "reach.png")
     with Image.open(tmp_path / "reach.png") as picture:
         assert picture.width > 1000 and picture.height > 500
 
 
-def test_the_film_says_what_happens(episode: ReachRecording, tmp_path: Path) -> None:
-    draw_film(episode, tmp_path / "reach.webp")
+def test_the_film_shows_every_picture_with_its_phase(episode: Recording, tmp_path: Path) -> None:
+    rollout = ReachRollout(episode)
+    draw_film(rollout, tmp_path / "reach.webp")
     with Image.open(tmp_path / "reach.webp") as film:
-        assert film.size == (320, 320) and film.n_frames > 2
-
-    written = list(captioned(episode))
-    assert len(written) == len(episode.pictures)
-    for frame, picture in zip(written, episode.pictures, strict=True):
-        plain = picture[ZOOM, ZOOM]
-        assert (frame[:40] != plain[:40]).any() and (frame[50:] == plain[50:]).all()
+        assert film.n_frames >= len(episode.memories)
+    assert rollout.phase(episode.steps - 1) == "Out of time"
 
 
-def test_the_curves_are_those_of_the_episode(episode: ReachRecording) -> None:
+def test_the_curves_are_those_of_the_episode(episode: Recording) -> None:
     axes = Figure().add_subplot()
-    draw_curves(axes, episode)
-    np.testing.assert_array_equal(axes.lines[0].get_ydata(), episode.after("distance"))
-    np.testing.assert_array_equal(axes.lines[2].get_ydata(), episode.after("self_gap"))
+    ReachRollout(episode).draw_curves(axes)
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), episode.told("distance")[:-1])
+    np.testing.assert_array_equal(axes.lines[2].get_ydata(), episode.told("self_gap")[:-1])
 
 
 def test_an_unknown_format_is_an_error_before_anything_runs(tmp_path: Path) -> None:
-    with pytest.raises(ComparisonError, match="unknown video 'avi'; valid: mp4, webp, gif, none"):
+    with pytest.raises(ComparisonError, match="unknown video 'avi'; valid: mp4, webp, none"):
         make_figure(tmp_path, video="avi")

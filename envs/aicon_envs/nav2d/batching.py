@@ -1,4 +1,4 @@
-"""What the vector environments share: seeds, options, masks and modes of their sub-environments."""
+"""Seeds, options, masks and modes of the sub-environments of a vector environment."""
 
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
@@ -12,15 +12,6 @@ from aicon_envs.checks import check_integer, is_sequence
 BoolArray = NDArray[np.bool_]
 
 _AUTORESET_MODES = (AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED)
-
-
-def check_count(name: str, value: int) -> int:
-    """Return a number of things.
-
-    Raises:
-        ValueError: If it is no integer, or below 1.
-    """
-    return check_integer(name, value, 1)
 
 
 def check_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:

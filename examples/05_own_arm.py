@@ -9,7 +9,7 @@ A LeRobot SO-101, whose five joints reach a position and an approach direction, 
 targets one after the other; each appears before the arm has come to rest. The robot's files come
 with `pip install "aicon-torch[robots]" example-robot-data`.
 
-    python examples/07_own_arm.py
+    python examples/05_own_arm.py
 """
 
 import importlib.metadata

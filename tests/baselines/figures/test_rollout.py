@@ -1,25 +1,17 @@
-"""The panels of all figures: their order, and their marks over time."""
+"""The panels of a rollout: their order, and their marks over time."""
 
 import pytest
 from matplotlib.figure import Figure
 
-from aicon_baselines.figures.panels import Panel, increasing, mark_panels
+from aicon_baselines.evaluation.recording import runs_of
+from aicon_baselines.figures.rollout import Panel, mark_panels
 
 
 @pytest.mark.parametrize(
-    ("steps", "last", "expected"),
-    [
-        ([3, 5, 9], 9, [3, 5, 9]),
-        ([0, 0, 0], 9, [1, 2, 3]),
-        ([9, 9, 9], 9, [7, 8, 9]),
-        ([5, 2, 30], 6, [4, 5, 6]),
-        ([1, 2, 3], 3, [1, 2, 3]),
-    ],
+    ("items", "runs"), [("", []), ("aab", [(0, 2), (2, 3)]), ("aba", [(0, 1), (1, 2), (2, 3)])]
 )
-def test_steps_increase_within_the_episode(
-    steps: list[int], last: int, expected: list[int]
-) -> None:
-    assert increasing(steps, last) == expected
+def test_runs_of_equal_items(items: str, runs: list[tuple[int, int]]) -> None:
+    assert runs_of(items) == runs
 
 
 def test_marks_stand_at_the_times_of_the_panels() -> None:

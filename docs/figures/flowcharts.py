@@ -1,6 +1,4 @@
-"""Draw the flowcharts of the documents as SVG, for a site that needs no network and no script.
-
-Example: python scripts/flowcharts.py docs/graphs.md > graph.svg
+"""The flowcharts of the documents as SVG, for a site that needs no network and no script.
 
 It reads what `model.to_mermaid()` writes: nodes in four shapes, and arrows from left to right.
 Nodes stand in columns, as many as there are on the longest way; in a column that it passes, an
@@ -8,23 +6,18 @@ arrow has a place of its own (K. Sugiyama, S. Tagawa and M. Toda, "Methods for v
 of hierarchical system structures", 1981).
 """
 
-import argparse
 import html
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from graphlib import TopologicalSorter
 from itertools import pairwise
-from pathlib import Path
 from statistics import mean
-
-from aicon_baselines.cli.command_line import Command, run_command
 
 LETTER, LINE = 6.6, 15.0  # px: width of a letter, at most, and height of a line
 PADDING, BETWEEN, COLUMN = 9.0, 12.0, 26.0  # px: in a box, between boxes, between columns
 ROUNDS = 24  # of moving the nodes toward their neighbours
 
-_BLOCK = re.compile(r"^```mermaid\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _NODE = re.compile(
     r"(?P<name>\w+)(?:\[/(?P<sensor>.*?)/\]|\[\\(?P<actuator>.*?)\\\]"
     r"|\((?P<estimate>.*?)\)|\{\{(?P<goal>.*?)\}\})?"
@@ -237,20 +230,3 @@ def _box(node: Node) -> str:
         for row, line in enumerate(node.lines)
     ]
     return "".join([shape, *words])
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the page."""
-    parser.add_argument("page", type=Path, help="a page with blocks of mermaid")
-
-
-def run(arguments: argparse.Namespace) -> None:
-    """Print the flowcharts of a page."""
-    for source in _BLOCK.findall(arguments.page.read_text()):
-        print(draw(source))
-
-
-COMMAND = Command(__doc__, add_arguments, run)
-
-if __name__ == "__main__":
-    run_command(COMMAND)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from _inputs.images import INTRINSICS, L_SHAPE, TOP, behind_stick, from_above
 
-from aicon_torch.parts.image_registration import ImageRegistration
+from aicon_torch.models.arm_push.image_registration import ImageRegistration
 
 FIND = ImageRegistration(L_SHAPE, INTRINSICS)
 POSE = np.array([0.02, -0.01, 0.4])

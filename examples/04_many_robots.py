@@ -5,7 +5,7 @@ state; all that lives from step to step is in the memory, a flat dictionary of t
 `torch.save` keeps 64 episodes, and another policy, in another process, goes on with them. Where
 episodes begin at different times, `episode_start` says which.
 
-    python examples/06_many_robots.py
+    python examples/04_many_robots.py
 """
 
 import statistics

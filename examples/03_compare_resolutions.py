@@ -11,7 +11,7 @@ times; only what happens to the gradients that meet at a quantity differs.
 
 One episode shows how they differ, not how often each succeeds: docs/results/pusht.md says that.
 
-    python examples/04_compare_resolutions.py
+    python examples/03_compare_resolutions.py
 """
 
 from typing import NamedTuple

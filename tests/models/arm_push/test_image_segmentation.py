@@ -1,14 +1,14 @@
 import numpy as np
 from _inputs.images import BLACK, GREY, INTRINSICS, L_SHAPE, RED, TOP, behind_stick, from_above
 
-from aicon_torch.parts.image_segmentation import (
+from aicon_torch.models.arm_push.image_segmentation import (
     TopFaceSegmentation,
     close,
     dilate,
     is_colored,
     thin,
 )
-from aicon_torch.parts.polygon import contains, place, signed_distance
+from aicon_torch.models.arm_push.polygon import contains, place, signed_distance
 
 POSE = np.array([0.02, -0.01, 0.4])
 SEGMENT = TopFaceSegmentation(INTRINSICS)

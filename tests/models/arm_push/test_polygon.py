@@ -3,7 +3,7 @@ import pytest
 import torch
 from _inputs.images import L_SHAPE
 
-from aicon_torch.parts.polygon import contains, place, signed_distance
+from aicon_torch.models.arm_push.polygon import contains, place, signed_distance
 from aicon_torch.parts.rigid_object import RigidObject
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])  # counterclockwise

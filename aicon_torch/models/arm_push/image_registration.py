@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aicon_torch.parts.camera import Intrinsics
-from aicon_torch.parts.image_segmentation import (
+from aicon_torch.models.arm_push.image_segmentation import (
     RGBDImage,
     TopFace,
     TopFaceSegmentation,
     is_colored,
     thin,
 )
-from aicon_torch.parts.polygon import Array, contains, place, signed_distance
+from aicon_torch.models.arm_push.polygon import Array, contains, place, signed_distance
+from aicon_torch.parts.camera import Intrinsics
 
 FIT_TOLERANCE = 0.006
 """An edge fits, and a surface point is inside, within this of the outline, m."""
@@ -42,6 +42,15 @@ LARGEST_STEP = np.array([0.03, 0.03, 0.3])
 
 SMALLEST_STEP = 1e-5
 """A fit ends with a step that is smaller, m and rad."""
+
+TRUSTED_SCORE = 0.85
+"""Score from which a registration that starts at the prior is taken as it is."""
+
+ORIENTATIONS = 16
+"""How many a search tries: a fit finds the outline from a start a sixteenth of a turn off."""
+
+MOST_STEPS = 10
+"""Of Gauss-Newton: a fit from nearby ends after four or five."""
 
 FEWEST_SAMPLES = 5
 """Of the surface, without which it does not count as seen."""
@@ -70,18 +79,10 @@ class ImageRegistration:
     Attributes:
         corners: The outline about the object's frame, in order, ``(N, 2)``, m.
         intrinsics: Of the camera.
-        accept: Score from which a registration that starts at the prior is taken as it is.
-        fewest: Fewest edge points.
-        orientations: How many of them a search tries.
-        rounds: Most steps of Gauss-Newton.
     """
 
     corners: Array
     intrinsics: Intrinsics
-    accept: float = 0.85
-    fewest: int = 12
-    orientations: int = 16
-    rounds: int = 10
 
     def __call__(self, image: RGBDImage, prior: Array | None) -> Detection | None:
         """Find the object.
@@ -93,20 +94,20 @@ class ImageRegistration:
         Returns:
             What the image shows; None if it shows too little of the object.
         """
-        face = TopFaceSegmentation(self.intrinsics, self.fewest)(image)
+        face = TopFaceSegmentation(self.intrinsics)(image)
         if face is None:
             return None
 
         expected = None if prior is None else self.detect(prior, image, face)
-        if expected is not None and expected.score >= self.accept:
+        if expected is not None and expected.score >= TRUSTED_SCORE:
             return expected
         return self.search(image, face, expected)
 
     def search(self, image: RGBDImage, face: TopFace, best: Detection | None) -> Detection:
         """The best fit from starts in all orientations at once, or from the best so far."""
         coarse = face._replace(edges=thin(face.edges, SEARCH_EDGE_POINTS))
-        angles = np.arange(self.orientations) * 2 * np.pi / self.orientations
-        middles = np.tile(face.surface.mean(0), (self.orientations, 1))
+        angles = np.arange(ORIENTATIONS) * 2 * np.pi / ORIENTATIONS
+        middles = np.tile(face.surface.mean(0), (ORIENTATIONS, 1))
 
         poses = self.fit(np.column_stack((middles, angles)), coarse.edges)
         scores = self.score(poses, image, coarse)
@@ -132,8 +133,8 @@ class ImageRegistration:
         """
         poses = np.array(starts, dtype=np.float64)
         moving = np.ones((*poses.shape[:-1], 1), np.bool_)
-        for iteration in range(self.rounds):
-            scale = FIRST_SCALE if iteration < self.rounds // 2 else LAST_SCALE
+        for iteration in range(MOST_STEPS):
+            scale = FIRST_SCALE if iteration < MOST_STEPS // 2 else LAST_SCALE
             steps = moving * self._gauss_newton_steps(poses, edges, scale)
             poses += steps
 

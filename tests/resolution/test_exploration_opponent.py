@@ -1,4 +1,4 @@
-"""Exploration: against which gradient the leader is compared, and how."""
+"""Exploration: against which gradient the dominant one is compared, and how."""
 
 import math
 from typing import Any
@@ -25,7 +25,7 @@ from torch import Tensor
 
 from aicon_torch import NullspaceProjection
 
-OPPOSING = literal(partner="opposing")
+OPPOSING = literal(opponent="opposing")
 
 
 def comparing(**options: Any) -> NullspaceProjection:
@@ -37,12 +37,12 @@ def comparing(**options: Any) -> NullspaceProjection:
 
 
 @pytest.mark.parametrize(
-    ("partner", "cosine", "conflicting"), [("second", 0.3162, False), ("opposing", -0.9923, True)]
+    ("opponent", "cosine", "conflicting"), [("second", 0.3162, False), ("opposing", -0.9923, True)]
 )
 def test_among_three_the_second_strongest_may_not_be_the_one_that_opposes(
-    partner: str, cosine: float, conflicting: bool
+    opponent: str, cosine: float, conflicting: bool
 ) -> None:
-    total, state = resolve(literal(partner=partner), THREE)
+    total, state = resolve(literal(opponent=opponent), THREE)
     assert bool(state["exploring"]) == conflicting
     assert float(state["cosine"]) == pytest.approx(cosine, abs=1e-4)
 
@@ -101,31 +101,31 @@ def test_an_opposing_partner_is_kept_up_to_the_exit_cosine() -> None:
 # --- how much stronger
 
 
-@pytest.mark.parametrize("partner", ["second", "opposing"])
+@pytest.mark.parametrize("opponent", ["second", "opposing"])
 @pytest.mark.parametrize(("length", "conflicting"), [(0.34, True), (0.32, False)])
-def test_the_ratio_is_to_the_partner(partner: str, length: float, conflicting: bool) -> None:
+def test_the_ratio_is_to_the_opponent(opponent: str, length: float, conflicting: bool) -> None:
     """λ = 3.
 
-    The strongest of the others counts in the text; the one that opposes, where that is the partner.
+    The strongest of the others counts in the text; the one that opposes, where it is the opponent.
     """
     stack = torch.tensor([[1.0, 0.0], [-length, 0.0], [0.0, 0.9]], dtype=torch.float64)
-    rule = literal(partner=partner)
+    rule = literal(opponent=opponent)
 
     exploring = explores(rule, stack, exploring_memory(stack, rule))
-    assert exploring == (conflicting and partner == "opposing")
+    assert exploring == (conflicting and opponent == "opposing")
 
 
-@pytest.mark.parametrize("partner", ["second", "opposing"])
+@pytest.mark.parametrize("opponent", ["second", "opposing"])
 @pytest.mark.parametrize(("ratio_of", "conflicting"), [("weights", True), ("magnitudes", False)])
 def test_the_dominance_ratio_may_be_of_the_magnitudes(
-    partner: str, ratio_of: str, conflicting: bool
+    opponent: str, ratio_of: str, conflicting: bool
 ) -> None:
     """Lengths of ratio 3.33 have weights of ratio 2.4 with τ = 0.8.
 
     Only the former exceed λ = 3.
     """
     gradients = torch.tensor([[1.0, 0.0], [-0.3, 0.0]], dtype=torch.float64)
-    assert explores(comparing(ratio_of=ratio_of, partner=partner), gradients) == conflicting
+    assert explores(comparing(ratio_of=ratio_of, opponent=opponent), gradients) == conflicting
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
@@ -133,7 +133,7 @@ def test_the_dominance_ratio_may_be_of_the_magnitudes(
 def test_a_ratio_of_magnitudes_does_not_depend_on_their_unit(
     scale: float, ratio: float, conflicting: bool
 ) -> None:
-    rule = comparing(ratio_of="magnitudes", partner="opposing")
+    rule = comparing(ratio_of="magnitudes", opponent="opposing")
     assert explores(rule, scale * pair(-0.9, ratio)) == conflicting
 
 
@@ -163,7 +163,7 @@ def test_where_nothing_opposes_there_is_no_conflict(stack: Tensor, exploring: bo
 def in_conflict(gradients: Tensor, exploring: bool, ratio_of: str) -> bool:
     """Whether a stack ``(n, d)`` is in conflict, with the thresholds −0.3 and −0.1 and λ = 2."""
     norms = lengths(gradients)
-    strengths = norms if ratio_of == "magnitudes" else torch.softmax(norms / 0.8, dim=-1)
+    compared = norms if ratio_of == "magnitudes" else torch.softmax(norms / 0.8, dim=-1)
 
     first = int(norms.argmax())
     cosines = torch.cosine_similarity(gradients[first], gradients, dim=-1)
@@ -172,7 +172,7 @@ def in_conflict(gradients: Tensor, exploring: bool, ratio_of: str) -> bool:
     opposing = [i for i in range(len(norms)) if i != first and cosines[i] <= threshold]
     if not opposing:
         return False
-    return bool(strengths[first] <= 2.0 * strengths[opposing].max())
+    return bool(compared[first] <= 2.0 * compared[opposing].max())
 
 
 @pytest.mark.parametrize("batch", BATCHES, ids=str)
@@ -180,7 +180,7 @@ def in_conflict(gradients: Tensor, exploring: bool, ratio_of: str) -> bool:
 def test_partners_are_found_row_by_row(batch: tuple[int, ...], ratio_of: Any) -> None:
     """On random stacks of four."""
     thresholds = {"enter_cosine": -0.3, "exit_cosine": -0.1, "ratio": 2.0}
-    exploration = exploration_in_paper(**thresholds, partner="opposing", ratio_of=ratio_of)
+    exploration = exploration_in_paper(**thresholds, opponent="opposing", ratio_of=ratio_of)
     rule = projection_in_paper(margin=0.0, exploration=exploration)
 
     stack = normal(*batch, 20, 4, 2, seed=3)

@@ -9,14 +9,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from aicon_torch.models.arm_push.polygon import Array, Mask
 from aicon_torch.parts.camera import Intrinsics
-from aicon_torch.parts.polygon import Array, Mask
 
 DARKEST_COLOR = 60
 """Value of a pixel, of 255, below which it has no colour."""
 
 FACE_THICKNESS = 0.012
 """Points of the top face are measured within this of its height, m."""
+
+FEWEST_EDGE_POINTS = 12
+"""Without which a face does not count as seen; on its surface there must be twice as many."""
 
 MOST_EDGE_POINTS = 150
 
@@ -59,29 +62,27 @@ class TopFaceSegmentation:
 
     Attributes:
         intrinsics: Of the camera.
-        fewest: Least number of points on the edges; on the surface there must be twice as many.
     """
 
     intrinsics: Intrinsics
-    fewest: int = 12
 
     def __call__(self, image: RGBDImage) -> TopFace | None:
         """The top face; None if the image shows too little of it."""
         brightness = _brightness(image.rgb)
         colored = is_colored(image.rgb) & (brightness > DARKEST_COLOR)
-        if colored.sum() < self.fewest:
+        if colored.sum() < FEWEST_EDGE_POINTS:
             return None
 
         # The top is where most of the object is, by its depth and its brightness.
         height, face = self._face(image, colored, brightness)
         rows, columns = np.nonzero(face)
-        if len(rows) < self.fewest:
+        if len(rows) < FEWEST_EDGE_POINTS:
             return None
 
         hidden = brightness < DARKEST_COLOR
         surface = self._on_plane(columns, rows, image, height)
         edges = self._edges(image, face, hidden, height)
-        if len(edges) < self.fewest or len(surface) < 2 * self.fewest:
+        if len(edges) < FEWEST_EDGE_POINTS or len(surface) < 2 * FEWEST_EDGE_POINTS:
             return None
         return TopFace(surface, edges, height, hidden)
 

@@ -8,7 +8,7 @@ estimated to move.
 A small arm of three joints holds its tip in place. After a second a ball rolls toward it. Without
 the new goal it is hit; with it the arm gives way, and returns when the ball has passed.
 
-    python examples/08_add_to_a_running_arm.py
+    python examples/06_add_to_a_running_arm.py
 """
 
 import math

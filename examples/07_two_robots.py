@@ -7,7 +7,7 @@ side. The action is then one for each actuator, by name.
 Two robots on wheels are watched by a camera above them, and each is to go to where the other one
 stands.
 
-    python examples/10_two_robots.py
+    python examples/07_two_robots.py
 """
 
 import math
@@ -90,11 +90,10 @@ def rolled(pose: Tensor, twist: Tensor) -> Tensor:
 
 def opposite_poses(noise: torch.Generator) -> tuple[Tensor, Tensor]:
     """Robots 4 m apart, on either side of the origin, whose headings are anything."""
-    shares = torch.rand(3, PAIRS, generator=noise, dtype=torch.float64)
-    angle = 2 * math.pi * shares[0]
-    x, y = 2.0 * angle.cos(), 2.0 * angle.sin()
-    first = torch.stack((x, y, 2 * math.pi * shares[1]), dim=-1)
-    second = torch.stack((-x, -y, 2 * math.pi * shares[2]), dim=-1)
+    angles = 2 * math.pi * torch.rand(3, PAIRS, generator=noise, dtype=torch.float64)
+    place = 2.0 * torch.stack((angles[0].cos(), angles[0].sin()), dim=-1)
+    first = torch.cat((place, angles[1].unsqueeze(-1)), dim=-1)
+    second = torch.cat((-place, angles[2].unsqueeze(-1)), dim=-1)
     return first, second
 
 
@@ -120,13 +119,12 @@ def main() -> None:
         between = DRIVE.point_ahead(first) - DRIVE.point_ahead(second)
         least_gap = min(least_gap, float(between.norm(dim=-1).min()) - 2 * RADIUS)
 
-    missing_1 = (DRIVE.point_ahead(first) - targets["target_1"]).norm(dim=-1).max()
-    missing_2 = (DRIVE.point_ahead(second) - targets["target_2"]).norm(dim=-1).max()
-    farthest = max(float(missing_1), float(missing_2))
+    ends = torch.stack((DRIVE.point_ahead(first), DRIVE.point_ahead(second)))
+    missing = (ends - torch.stack((*targets.values(),))).norm(dim=-1)
     print(f"\n{PAIRS} pairs: at least {100 * least_gap:.0f} cm between them,")
-    print(f"and at most {100 * farthest:.0f} cm from their targets in the end")
+    print(f"and at most {100 * float(missing.max()):.0f} cm from their targets in the end")
 
-    if least_gap < 0 or farthest > 0.05:
+    if least_gap < 0 or missing.max() > 0.05:
         raise SystemExit("They did not arrive, or met.")
     print("The robots have changed places, and did not touch.")
 

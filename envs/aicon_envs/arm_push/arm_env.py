@@ -1,0 +1,91 @@
+"""What the environments of arms have in common: MuJoCo's scene, pictures of it, the episode."""
+
+from typing import Any, Generic, Protocol, TypeVar
+
+import gymnasium as gym
+import mujoco
+import numpy as np
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from aicon_envs.arm_push.rendering import Camera
+from aicon_envs.checks import check_integer, check_render_mode
+
+
+class Simulated(Protocol):
+    """A simulation by MuJoCo."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+
+
+World = TypeVar("World", bound=Simulated)
+Episode = TypeVar("Episode")
+
+
+class ArmEnv(gym.Env[dict[str, NDArray[Any]], NDArray[np.float32]], Generic[World, Episode]):
+    """An arm in MuJoCo: a world, and what a reset fixes of an episode.
+
+    Contexts to render in are opened when they are first used.
+    """
+
+    _simulation: World
+    _episode: Episode | None = None
+
+    outside_only: tuple[int, ...] = ()
+    """Groups of shapes that no other camera sees than the one outside."""
+
+    def __init__(self, render_mode: str | None, render_width: int, render_height: int) -> None:
+        """Check how pictures are rendered."""
+        self.render_mode = check_render_mode(render_mode)
+        self._render_size = (
+            check_integer("render_width", render_width, 1),
+            check_integer("render_height", render_height, 1),
+        )
+        self._cameras: dict[str, Camera] = {}
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The scene of MuJoCo."""
+        return self._simulation.model
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """The state of MuJoCo's scene."""
+        return self._simulation.data
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return a picture from outside, if `render_mode` is "rgb_array"."""
+        return None if self.render_mode is None else self.picture("outside")
+
+    def picture(self, camera: str) -> NDArray[np.uint8]:
+        """Return a picture of a camera of the scene."""
+        self._current_episode()
+        opened = self._open_camera(f"picture of {camera}", camera, *self._render_size)
+        color, _ = opened(self.data)
+        return color
+
+    def close(self) -> None:
+        """Give the contexts of the cameras back."""
+        for camera in self._cameras.values():
+            camera.close()
+
+        self._cameras.clear()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the contexts of the cameras out of copies, which open their own."""
+        return self.__dict__ | {"_cameras": {}}
+
+    def _open_camera(self, key: str, name: str, width: int, height: int) -> Camera:
+        """Return the camera of a key."""
+        if key not in self._cameras:
+            shows = self.outside_only if name == "outside" else ()
+            self._cameras[key] = Camera(self.model, name, width, height, shows)
+
+        return self._cameras[key]
+
+    def _current_episode(self) -> Episode:
+        if self._episode is None:
+            raise ResetNeeded("the environment must be reset first")
+
+        return self._episode
