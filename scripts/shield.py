@@ -229,7 +229,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--seed", type=int, default=300_000, help="first seed (default: 300000)")
     parser.add_argument("--horizon", type=int, default=1000, help="steps (default: 1000)")
-    parser.add_argument("--policies", nargs="*", default=[], help="who proposes (default: all)")
+    parser.add_argument("--proposers", nargs="*", default=[], help="who proposes (default: all)")
     parser.add_argument("--out", type=Path, default=Path("runs/shield"))
 
 
@@ -244,7 +244,7 @@ def run(asked: argparse.Namespace) -> None:
     elif asked.what == "draw":
         draw(asked.out, asked.seed, asked.horizon)
     else:
-        compare(asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.policies)
+        compare(asked.what, asked.out, asked.seed, asked.episodes, asked.horizon, asked.proposers)
 
 
 COMMAND = Command(__doc__, add_arguments, run)
