@@ -1,6 +1,7 @@
 """Other people's worlds, where their packages are installed."""
 
 import sys
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,7 +15,7 @@ WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
 )
 def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    import so101_pick_place as world
+    world = import_module("so101_pick_place")
 
     env = world.make_env(2, "none", horizon=150)
     policy = world.build(world.Options()).compile()

@@ -17,7 +17,8 @@ def leaf(*values: float) -> Tensor:
 def slopes(rel: Tensor, opening: Tensor, sign: float = -1.0) -> tuple[Tensor, Tensor]:
     """How a cost changes that falls (-1) or grows (1) with the likelihood of a grasp."""
     likelihood = GRASP.likelihood(rel, opening)
-    return torch.autograd.grad(sign * likelihood.sum(), (rel, opening))
+    by_rel, by_opening = torch.autograd.grad(sign * likelihood.sum(), (rel, opening))
+    return by_rel, by_opening
 
 
 def test_fingers_open_on_the_way_and_close_about_the_object() -> None:
