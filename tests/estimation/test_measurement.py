@@ -46,13 +46,13 @@ def test_an_uncertain_estimate_that_is_not_read_is_named() -> None:
 
 def test_what_is_accepted_depends_on_the_gate_and_on_presence() -> None:
     distance = torch.tensor([0.5, 8.9, 9.1, 100.0, float("nan")])
-    assert Measurement(offset, 1.0).accepted(None, lambda: distance) is None
+    assert Measurement(offset, 1.0).accepted({}, lambda: distance) is None
 
     gated = Measurement(offset, 1.0, gate=9.0)
-    accepted = gated.accepted(gated.present({}), lambda: distance)
+    accepted = gated.accepted({}, lambda: distance)
     assert accepted is not None and accepted.tolist() == [True, True, False, False, False]
 
     gated.optional = ("z.present",)
     present = torch.tensor([False, True, True, True, True])
-    accepted = gated.accepted(gated.present({"z.present": present}), lambda: distance)
+    accepted = gated.accepted({"z.present": present}, lambda: distance)
     assert accepted is not None and accepted.tolist() == [False, True, False, False, False]
