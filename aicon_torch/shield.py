@@ -26,7 +26,7 @@ from aicon_torch.resolution import Memory
 PROPOSAL = "proposal"
 """The sensor, and the observation's key, of what is proposed."""
 
-WISH = "x_proposal"
+NOMINAL = "x_proposal"
 """The estimate of it as an action of the actuator."""
 
 
@@ -57,10 +57,10 @@ class Shield:
         policy: Anything with the ``predict`` of stable-baselines3, or a function of the
             observation, that proposes actions ``(*B, size)``. What is not finite asks for nothing.
         model: The graph: sensors, one actuator with a finite limit, estimators, safety goals.
-        wish: Where proposals are no actions of the actuator, such as places to go to: a function
+        nominal: Where proposals are no actions of the actuator, such as places to go to: a function
             of ``proposal`` and any quantities, wired by its parameters' names, that returns the
             action ``(*B, size)`` that is meant. (``Actuator(command=)`` is the way back.)
-        size: Number of components of a proposal, where there is a wish; by default the actuator's.
+        size: Number of components of a proposal, where ``nominal`` is given; by default the actuator's.
         goes_around: Whether it goes around what holds it up, or stays there.
 
     Raises:
@@ -78,14 +78,14 @@ class Shield:
         self,
         policy: Any,
         model: WorldModel,
-        wish: Callable[..., Tensor] | None = None,
+        nominal: Callable[..., Tensor] | None = None,
         size: int | None = None,
         goes_around: bool = True,
     ) -> None:
         if not callable(getattr(policy, "predict", policy)):
             raise OptionError(f"policy={policy!r}: expected something with predict, or a function.")
         self.inner = policy
-        following = _following(model, wish, size, goes_around)
+        following = _following(model, nominal, size, goes_around)
         self.policy = Policy(following, law=DirectDescent(gain=1.0, smoothing=0.0))
         self._state: ShieldState | None = None
 
@@ -157,12 +157,12 @@ class Shield:
             state: The state.
             row: Which row of the batch.
         """
-        return shielding(self.policy.model, WISH, state.memory, row)
+        return shielding(self.policy.model, NOMINAL, state.memory, row)
 
 
 def _following(
     model: WorldModel,
-    wish: Callable[..., Tensor] | None,
+    nominal: Callable[..., Tensor] | None,
     size: int | None,
     goes_around: bool,
 ) -> WorldModel:
@@ -180,8 +180,8 @@ def _following(
     ((name, actuator),) = model.actuators.items()
     dampers = replace(actuator.dampers, escape=WayAround() if goes_around else None)
     proposal = Sensor(size or actuator.size, actuator.unit)
-    asked = Deterministic(WISH, _asked if wish is None else wish)
-    follow = Goal("follow", Interconnection(_disagreement, inputs=[name, WISH]))
+    asked = Deterministic(NOMINAL, _asked if nominal is None else nominal)
+    follow = Goal("follow", Interconnection(_disagreement, inputs=[name, NOMINAL]))
     return WorldModel(
         sensors={**model.sensors, PROPOSAL: proposal},
         actuators={name: replace(actuator, dampers=dampers)},
@@ -198,9 +198,9 @@ def _asked(proposal: Tensor) -> Tensor:
     return proposal
 
 
-def _disagreement(action: Tensor, wish: Tensor) -> Tensor:
+def _disagreement(action: Tensor, nominal: Tensor) -> Tensor:
     """The cost g = −a·w ``(*B,)``, whose gradient is −w wherever the action is."""
-    return -(action * wish.detach()).sum(-1)  # stops: moving is not to change what is asked for
+    return -(action * nominal.detach()).sum(-1)  # stops: moving is not to change what is asked for
 
 
 def _finite(proposal: Any) -> Any:

@@ -154,7 +154,7 @@ def test_places_to_go_to_are_read_by_a_wish_and_sent_by_a_command() -> None:
     def place(v: Tensor, position: Tensor, dt: Tensor) -> Tensor:
         return position + v * dt
 
-    shield = Shield(lambda seen: np.array([0.02, 2.01]), world(command=place), wish=towards)
+    shield = Shield(lambda seen: np.array([0.02, 2.01]), world(command=place), nominal=towards)
     action, _ = shield.predict({"position": np.array([0.0, 2.0])})
     np.testing.assert_allclose(action, (0.02, 2.01), atol=1e-6)
 

@@ -52,13 +52,13 @@ class Shielding:
 
 
 def shielding(
-    model: WorldModel, wish: str, memory: Memory, row: int | tuple[int, ...] = ()
+    model: WorldModel, nominal: str, memory: Memory, row: int | tuple[int, ...] = ()
 ) -> Shielding:
     """Read off a memory what the step that returned it made of the proposal.
 
     Args:
         model: The graph.
-        wish: The quantity that says what is proposed.
+        nominal: The quantity that says what is proposed.
         memory: The memory, ``(*B, …)``.
         row: Which row of the batch.
 
@@ -72,7 +72,7 @@ def shielding(
         raise ValueError(f"row={row!r}: the memory has batch shape {batch}; name one row of it.")
 
     values["dt"] = model.like.new_tensor(model.dt)
-    asked, around = values[wish], memory.get(f"{name}/escape/escaping")
+    asked, around = values[nominal], memory.get(f"{name}/escape/escaping")
     return Shielding(
         proposal=tuple(asked.tolist()),
         action=tuple(values[name].tolist()),

@@ -39,7 +39,7 @@ SERVO = Servo.of(substep=SUBSTEP)
 
 def shielded(policy: Predictor, goes_around: bool = True) -> Shield:
     """A shield around a policy that proposes places to go to, px, compiled."""
-    return Shield(policy, model(), wish=mean_velocity, goes_around=goes_around).compile()
+    return Shield(policy, model(), nominal=mean_velocity, goes_around=goes_around).compile()
 
 
 def model() -> WorldModel:
