@@ -60,7 +60,7 @@ class Shield:
         nominal: Where proposals are no actions of the actuator, such as places to go to: a function
             of ``proposal`` and any quantities, wired by its parameters' names, that returns the
             action ``(*B, size)`` that is meant. (``Actuator(command=)`` is the way back.)
-        size: Number of components of a proposal, where ``nominal`` is given; by default the actuator's.
+        size: Number of components of a proposal; by default the actuator's.
         goes_around: Whether it goes around what holds it up, or stays there.
 
     Raises:
