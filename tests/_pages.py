@@ -11,23 +11,6 @@ from playwright.sync_api import Browser, Page
 NAMES = ("navigation", "pusht", "arm", "theory")
 TASKS = NAMES[:3]
 
-FRAMES = """
-    const request = window.requestAnimationFrame.bind(window), waiting = new Set();
-    window.requestAnimationFrame = (draw) => {
-        waiting.add(draw);
-        return request((now) => { if (waiting.delete(draw)) draw(now); });
-    };
-    window.drawFrames = (count) => {
-        const begin = performance.now();
-        for (let i = 1; i <= count; ++i) {
-            const now = [...waiting];
-            waiting.clear();
-            for (const draw of now) draw(begin + (1000 / 60) * i);
-        }
-    };
-"""
-"""Lets frames be drawn by hand, a sixtieth of a second after each other."""
-
 
 @contextmanager
 def visited(browser: Browser, path: Path, address: str = "", **looks: Any) -> Iterator[Page]:
@@ -40,7 +23,6 @@ def visited(browser: Browser, path: Path, address: str = "", **looks: Any) -> It
     page.on("console", lambda said: complaints.append(said.text))
     page.on("request", lambda asked: None if is_own(asked.url) else complaints.append(asked.url))
 
-    page.add_init_script(FRAMES)
     page.goto(path.as_uri() + address)
     yield page
     context.close()
