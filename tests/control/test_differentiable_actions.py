@@ -8,7 +8,7 @@ from torch import Tensor
 from aicon_torch import Policy, by_gain, by_sign, straight_through
 from aicon_torch.differentiation import is_hop, pull, stop, through_time
 
-SLOW = ("arm_push", "reach")
+SLOW = ("pusht", "arm_push", "reach")
 LOG = pytest.mark.parametrize(
     "log",
     [pytest.param(log, id=n, marks=[pytest.mark.slow] * (n in SLOW)) for n, log in LOGS.items()],

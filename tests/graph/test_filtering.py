@@ -9,6 +9,14 @@ from aicon_torch import EKF, Actuator, Affine, Goal, Measurement, Policy, Sensor
 from aicon_torch.errors import ObservationError
 
 LOG = pytest.mark.parametrize("log", LOGS.values(), ids=LOGS)
+SOME_LOGS_AT_FIRST = pytest.mark.parametrize(
+    "log",
+    [
+        pytest.param(log, id=name, marks=[pytest.mark.slow] * (name == "arm_push"))
+        for name, log in LOGS.items()
+    ],
+)
+"""The arm has the most numbers, each with two more filters for its differences."""
 
 
 @LOG
@@ -25,7 +33,7 @@ def test_estimates_are_those_of_a_policy_that_somebody_else_acts_for(log: Log) -
             torch.testing.assert_close(series[:, step], memory[name], rtol=0, atol=0)
 
 
-@LOG
+@SOME_LOGS_AT_FIRST
 def test_likelihood_has_the_gradient_of_finite_differences(log: Log) -> None:
     policy = log.make()
     learner, observations = policy.learn(*log.numbers), stacked(log.observations())

@@ -42,12 +42,17 @@ def test_it_serves_a_page_without_a_display_and_ends_with_a_sentence() -> None:
             address = line.split()[3].replace("localhost", "127.0.0.1")
             assert b"<html" in urlopen(address, timeout=60).read()[:1000].lower()
 
+            # What is told while it is built comes after the address.
+            assert process.stderr is not None
+            said = [process.stderr.readline()]
+            while said[-1] and "Building the policy" not in said[-1]:
+                said.append(process.stderr.readline())
             process.send_signal(signal.SIGINT)
             printed, errors = process.communicate(timeout=60)
         finally:
             process.kill()  # whatever was wrong with it, nobody waits for it
     assert (process.returncode, printed) == (130, "")
-    assert "Building the policy" in errors and errors.endswith("\nstopped\n")
+    assert "Building the policy" in said[-1] and errors.endswith("\nstopped\n")
 
 
 def test_its_address_is_said_before_anything_is_built(
