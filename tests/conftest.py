@@ -2,10 +2,13 @@
 
 import os
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import suppress
+from typing import Any
 
 import pytest
 import torch
+from _chromium import launched
 from gymnasium.error import DependencyNotInstalled
 from hypothesis import HealthCheck, settings
 
@@ -41,6 +44,12 @@ def pytest_configure(config: pytest.Config) -> None:
         compiler.FLAGS = ("-O0", "-fno-sanitize=undefined", *compiler.FLAGS[1:])
     usual = "quick" if is_quick else "default"
     settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", usual))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Chromium, driven by playwright, of which a process can hold one only."""
+    yield from launched()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -107,7 +107,11 @@ class ControlStep:
     def estimate(
         self, memory: Memory, readings: Named, executed: Mapping[str, Tensor] | None = None
     ) -> dict[str, Tensor]:
-        """The values after the new readings, and after actions that somebody else executed."""
+        """The values after the new readings, and after actions that somebody else executed.
+
+        A reading that is NaN ends here: its last one takes its place and is marked absent, so that
+        corrections skip it, and the watchdog slows the action down as it ages.
+        """
         validated = self.validate(readings, memory)
         return self.model.update({**self.model.values(memory), **validated, **(executed or {})})
 

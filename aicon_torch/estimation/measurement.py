@@ -92,7 +92,7 @@ class Measurement(nn.Module):
         """Which rows of the batch believe the reading, ``(*B,)``; None if all must.
 
         Args:
-            values: Named values of the step, with the presence flags of optional sensors.
+            values: Named values of the step, with every sensor's presence, ``name.present``.
             squared_distance: Gives the squared Mahalanobis distance ``(*B,)`` of the residual.
         """
         present = self.present(values)

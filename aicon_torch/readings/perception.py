@@ -13,7 +13,9 @@ class Perception(Protocol):
 
     A sensor reads numbers of a fixed size. Where an observation brings something else, a perception
     makes readings of it, outside the graph: no gradient goes through it, and it keeps no state of
-    its own.
+    its own. A network with trained weights may be one, such as
+    :class:`aicon_torch.models.pusht.picture.PicturePerception`. It is neither compiled nor
+    exported: it stays in Python, before the step.
     """
 
     def __call__(

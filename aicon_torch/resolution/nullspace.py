@@ -33,7 +33,7 @@ class NullspaceProjection(Resolution):
         margin: By how much a gradient must exceed the one that held its rank before, to take it
             (the paper: 10 %).
         projector: ``"orthogonal"`` I − vvᵀ (Eq. 6), ``"qr"`` I − QQᵀ (Eq. 5) or ``"pinv"`` I − J⁺J
-            (Eq. 4), which are equal for scalar goals; ``"none"`` adds without projecting.
+            (Eq. 4), which are equal, where J is one gradient; ``"none"`` adds without projecting.
         restore_magnitude: Whether a gradient that meets others further on gets the magnitude of the
             one that led here. The weights compare only those that met; the next quantity compares
             magnitudes. In the text what leaves is the sum as it is.

@@ -22,7 +22,10 @@ def orthogonal(top: Tensor, gradients: Tensor) -> Tensor:
 
 
 def qr(top: Tensor, gradients: Tensor) -> Tensor:
-    """(I − QQᵀ) ∇ with Jᵀ = QR (Eq. 5); a gradient that is zero takes nothing away."""
+    """(I − QQᵀ) ∇ with Jᵀ = QR (Eq. 5), J the row ``top``.
+
+    A gradient that is zero takes nothing away.
+    """
     q = torch.linalg.qr(top.unsqueeze(-1)).Q
     q = q * (top != 0).any(-1)[..., None, None]
 

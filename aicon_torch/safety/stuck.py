@@ -52,13 +52,15 @@ class Stalemate:
 
     Three states and what leads from one to another:
 
-    ======  =========================================================  ======
-    FREE    a stalemate, and the constraints' force leads out of it    PUSHED
-    FREE    a stalemate, and it does not                               DETOUR
-    PUSHED  the crest of the cost is passed, or the motion is blocked  FREE
-    DETOUR  the place is reached, or the motion is blocked             FREE
-    any     the goals are other ones                                   FREE
-    ======  =========================================================  ======
+    ======  =============================================================  ======
+    FREE    a stalemate, and the constraints' force leads out of it        PUSHED
+    FREE    a stalemate, and it does not                                   DETOUR
+    PUSHED  the crest is passed, the motion is blocked, or 15 T are over   FREE
+    DETOUR  the place is reached, or the motion is blocked                 FREE
+    any     the goals are other ones                                       FREE
+    ======  =============================================================  ======
+
+    In memory, FREE is not `escaping`; PUSHED is `escaping` and `by_force`, DETOUR without it.
 
     A *stalemate* is that the cost of the goals has not fallen for a while, although the constraints
     oppose the nominal action or the cost has not risen either. (One that comes and goes while

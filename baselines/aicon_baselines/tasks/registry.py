@@ -1,4 +1,5 @@
-"""The evaluation tasks, by name: the one place where a task is registered."""
+"""The evaluation tasks: ours by name, those of other packages (entry points ``aicon.tasks``), and
+yours as MODULE:TASK."""
 
 from dataclasses import replace
 from functools import cache

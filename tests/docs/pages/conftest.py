@@ -1,21 +1,12 @@
-"""The pages to play with, made once, and a real browser."""
+"""The pages to play with, made once."""
 
-from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import pytest
-from _chromium import launched
 
 
-@pytest.fixture(scope="package")
-def browser() -> Iterator[Any]:
-    """Chromium, driven by playwright."""
-    yield from launched()
-
-
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the pages; policies that were compiled before are taken as they are."""
     from building.scripts import has_node
