@@ -87,7 +87,8 @@ class Task:
         make_env: Builds the environment from (number of episodes, condition, horizon in steps), and
             from further arguments of the environment, such as the `env_options` of a policy that
             has some or `render_mode`. It must leave ended episodes alone (autoreset disabled;
-            `StandStillAfterEnd` and `SideBySide` make one of single environments) and report `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,),
+            `StandStillAfterEnd` and `SideBySide` make one of single environments) and report
+            `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,),
             `collision` (B,) and what `measures` names in `info`.
         reset_arguments: The arguments of the environment's `reset` that select these episodes.
         policy_options: What a policy is told about a condition: options of its model.

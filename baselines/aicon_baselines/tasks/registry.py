@@ -1,5 +1,4 @@
-"""The evaluation tasks: ours by name, those of other packages (entry points ``aicon.tasks``), and
-yours as MODULE:TASK."""
+"""The evaluation tasks: ours by name, other packages' by entry points, and yours as MODULE:TASK."""
 
 from dataclasses import replace
 from functools import cache
