@@ -10,7 +10,6 @@ Example: python scripts/doorway.py --out runs/doorway
 """
 
 import argparse
-import csv
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +17,8 @@ import numpy as np
 
 from aicon_baselines.cli.command_line import Command, run_command
 from doorway_world import DOOR, DT, RADIUS, Array, drive, drive_by_orca, has_orca, starts
+from rule_study import rules as plain_rules
+from rule_study import save_as_they_come
 
 TOUCH = 0.01  # m, how far discs overlap before they count as touching
 DISCS = (2, 4, 8)
@@ -57,14 +58,9 @@ def run(arguments: argparse.Namespace) -> None:
 
     arguments.out.mkdir(parents=True, exist_ok=True)
     names = [*rules(), *(["ORCA"] if has_orca() else [])]
-    cells: list[Cell] = []
-    with (arguments.out / "cells.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(Cell._fields)
-        for name, count in tqdm([(n, c) for n in names for c in DISCS], unit="cell"):
-            cells.append(measure(name, count, arguments))
-            table.writerow(cells[-1])
-            file.flush()
+    tries = [(name, count) for name in names for count in DISCS]
+    found = ([measure(name, count, arguments)] for name, count in tqdm(tries, unit="cell"))
+    cells = save_as_they_come(arguments.out / "cells.csv", Cell._fields, found)
 
     print(f"\nof {arguments.tries} tries: all through (median, s), nobody touched; largest overlap")
     print(f"{'discs':24}" + "".join(f"{count:>26}" for count in DISCS))
@@ -80,15 +76,16 @@ def run(arguments: argparse.Namespace) -> None:
 
 def rules() -> dict[str, Any]:
     """What happens to gradients that meet, without and with exploration."""
-    from aicon_torch import NullspaceProjection, SteepestPath, Sum
+    from aicon_torch import NullspaceProjection
 
+    plain = plain_rules()
     return {
-        "sum": Sum(),
+        "sum": plain["sum"],
         "sum, explores": NullspaceProjection(projector="none", temperature=None),
-        "projection": NullspaceProjection(temperature=None, exploration=None),
+        "projection": plain["projection"],
         "projection, explores": NullspaceProjection(temperature=None),
         "as shipped": NullspaceProjection(),
-        "steepest path": SteepestPath(),
+        "steepest path": plain["steepest path"],
     }
 
 

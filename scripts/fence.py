@@ -9,7 +9,6 @@ Example: python scripts/fence.py --out runs/fence
 """
 
 import argparse
-import csv
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
+from rule_study import rules, save_as_they_come
 
 DT = 0.02  # s
 SPEED = 1.0  # m/s, of the robot; the leaders drive at half of it
@@ -56,15 +56,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     arguments.out.mkdir(parents=True, exist_ok=True)
     tries = [(rule, law, count) for law in laws() for rule in rules() for count in LEADERS]
-    cells: list[Cell] = []
-    with (arguments.out / "cells.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(Cell._fields)
-        for rule, law, count in tqdm(tries, unit="policy"):
-            found = follow(rule, law, count)
-            cells += found
-            table.writerows(found)
-            file.flush()
+    found = (follow(rule, law, count) for rule, law, count in tqdm(tries, unit="policy"))
+    cells = save_as_they_come(arguments.out / "cells.csv", Cell._fields, found)
 
     for law in laws():
         print(f"\n{law}: the least slope that keeps all {STARTS} starts on this side\n")
@@ -74,19 +67,6 @@ def run(arguments: argparse.Namespace) -> None:
             print(f"{rule:24}" + "".join(f"{slope:>8}" for slope in least))
     draw(cells, arguments.out / "fence.png")
     print(f"\nsaved in {arguments.out}: cells.csv, fence.png")
-
-
-def rules() -> dict[str, Any]:
-    """What happens to gradients that meet; nobody explores."""
-    from aicon_torch import NullspaceProjection, SteepestPath, Sum
-
-    return {
-        "sum": Sum(),
-        "projection": NullspaceProjection(temperature=None, exploration=None),
-        "projection, softmax": NullspaceProjection(exploration=None),
-        "softmax sum": NullspaceProjection(projector="none", exploration=None),
-        "steepest path": SteepestPath(),
-    }
 
 
 def laws() -> dict[str, Any]:

@@ -13,7 +13,6 @@ Example: python scripts/retarget.py --out runs/retarget
 """
 
 import argparse
-import csv
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +20,7 @@ import numpy as np
 
 from aicon_baselines.cli.command_line import Command, run_command
 from retarget_world import DT, MARGIN, follow, make_policy, references
+from rule_study import rules, save_as_they_come
 
 SETTLES = 1.0  # s, after which errors count
 BEHIND = 0.005  # m, from where on a point counts as behind it
@@ -70,36 +70,16 @@ def run(arguments: argparse.Namespace) -> None:
     tries += [("near", rule, 8, (3.0,)) for rule in (*rules(), *explorers())]
     tries += [("dips", rule, 8, (3.0,)) for rule in explorers()]
 
-    cells: list[Cell] = []
-    with (arguments.out / "cells.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(Cell._fields)
-        for world, rule, count, slopes in tqdm(tries, unit="policy"):
-            found = measure(world, rule, count, slopes, arguments)
-            cells += found
-            table.writerows(found)
-            file.flush()
+    found = (measure(*one, arguments) for one in tqdm(tries, unit="policy"))
+    cells = save_as_they_come(arguments.out / "cells.csv", Cell._fields, found)
 
     report(cells, arguments.tries)
     draw(cells, arguments.out / "retarget.png")
     print(f"\nsaved in {arguments.out}: cells.csv, retarget.png")
 
 
-def rules() -> dict[str, Any]:
-    """What happens to gradients that meet; nobody explores."""
-    from aicon_torch import NullspaceProjection, SteepestPath, Sum
-
-    return {
-        "sum": Sum(),
-        "projection": NullspaceProjection(temperature=None, exploration=None),
-        "projection, softmax": NullspaceProjection(exploration=None),
-        "softmax sum": NullspaceProjection(projector="none", exploration=None),
-        "steepest path": SteepestPath(),
-    }
-
-
 def explorers() -> dict[str, Any]:
-    """The same with exploration: the text's, the shipped one, and one that lets tracking be."""
+    """Rules with exploration: the text's, the shipped one, and one that lets tracking be."""
     from aicon_torch import Exploration, NullspaceProjection
 
     patient = Exploration(unless_tracking=True)

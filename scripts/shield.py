@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import diffusion_policy, saved_agent
 from aicon_baselines.agents.shields import nav2d, pusht
+from aicon_baselines.agents.shields.clamped import shortened
 from aicon_baselines.agents.shipped import shipped_folder
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.evaluation.episodes import Step, run_episodes
@@ -51,28 +52,26 @@ class Heard:
         return self.proposal, state
 
 
-def worlds() -> dict[str, World]:
-    """The tasks, by name."""
+def navigation() -> World:
+    """Who goes straight, and PPO, among walls."""
     ppo = saved_agent("nav2d", shipped_folder("sb3", "nav2d"))[1]
-    pushing = saved_agent("pusht", shipped_folder("sb3", "pusht"), sampled=True)[1]
+    proposers = {"straight": nav2d.Straight, "PPO": lambda: ppo("range")}
+    return World(proposers, _guards(nav2d.clamped, nav2d.shielded), _navigation, 0.05)
+
+
+def pushing() -> World:
+    """PPO and LeRobot's student, with a region in the way."""
+    ppo = saved_agent("pusht", shipped_folder("sb3", "pusht"), sampled=True)[1]
     student = diffusion_policy("pusht", str(shipped_folder("diffusion", "pusht")))[1]
-    return {
-        "nav2d": World(
-            {"straight": nav2d.Straight, "PPO": lambda: ppo("range")},
-            _guards(nav2d.Clamp, nav2d.shielded),
-            _navigation,
-            0.05,
-        ),
-        "pusht": World(
-            {
-                "PPO": lambda: pushing("deterministic"),
-                "student": lambda: student("deterministic"),
-            },
-            _guards(pusht.Clamp, pusht.shielded),
-            _pushing,
-            0.1,
-        ),
+    proposers = {
+        "PPO": lambda: ppo("deterministic"),
+        "student": lambda: student("deterministic"),
     }
+    return World(proposers, _guards(pusht.clamped, pusht.shielded), _pushing, 0.1)
+
+
+WORLDS = {"nav2d": navigation, "pusht": pushing}
+"""The tasks, by name; each loads its own policies."""
 
 
 def _guards(clamp: Any, shielded: Any) -> dict[str, Callable[[Any], Predictor]]:
@@ -98,11 +97,10 @@ def _pushing(first: int, count: int) -> tuple[Any, Any]:
 
 def compare(task: str, out: Path, first: int, count: int, horizon: int, only: list[str]) -> None:
     """Run every policy with every guard, and print a row of the table each."""
-    world = worlds()[task]
-    for proposer, make in world.proposers.items():
+    world = WORLDS[task]()
+    chosen = {name: make for name, make in world.proposers.items() if not only or name in only}
+    for proposer, make in chosen.items():
         for name, guard in world.guards.items():
-            if only and proposer not in only:
-                continue
             env, start = world.start(first, count)
             heard = Heard(make())
             steps = run_episodes(guard(heard), env, start)
@@ -123,7 +121,7 @@ def measured(
     places: list[NDArray[Any]] = []
     for number, step in enumerate(steps):
         on = step.running
-        difference = _shortened(step.action, longest) - _shortened(heard.proposal, longest)
+        difference = shortened(step.action, longest) - shortened(heard.proposal, longest)
         change += float(np.linalg.norm(difference, axis=-1)[on].sum())
         total += int(on.sum())
         touched |= on & np.asarray(step.info["collision"], bool)
@@ -149,13 +147,6 @@ def measured(
         "change": change / max(total, 1),
         "failed": (first + np.flatnonzero(~good)).tolist(),
     }
-
-
-def _shortened(action: NDArray[Any], longest: float) -> NDArray[Any]:
-    """Actions (B, n) as the environment executes them."""
-    length = np.linalg.norm(action, axis=-1, keepdims=True)
-    shortened: NDArray[Any] = action * np.minimum(1.0, longest / np.maximum(length, 1e-9))
-    return shortened
 
 
 def _in_words(row: Mapping[str, Any], time_step: float) -> str:
@@ -207,7 +198,7 @@ def draw(out: Path, seed: int, horizon: int) -> None:
     """One map, and the ways under each guard, as shield.png."""
     import matplotlib.pyplot as plt
 
-    world, task = worlds()["nav2d"], load("nav2d")
+    world, task = navigation(), load("nav2d")
     episode = task.episode(seed)
     _, obstacles, begin, target = make_map(episode.map, np.random.default_rng(seed))
     figure, axes = plt.subplots(1, 4, figsize=(12, 3.4), sharex=True, sharey=True)

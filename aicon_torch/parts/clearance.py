@@ -94,6 +94,17 @@ class CollisionLikelihood:
         return torch.exp(-x_obs[..., 0] / self.length)
 
 
+def certain_clearance(x_obs: Tensor, P_obs: Tensor) -> Tensor:
+    """The clearance that is certain enough, d − 2σ_d, ``(*B,)``, m.
+
+    Args:
+        x_obs: (d, ∇d), ``(*B, 3)``, m and m/m.
+        P_obs: Its covariance, ``(*B, 3, 3)``.
+    """
+    deviation = P_obs[..., 0, 0].clamp(min=0.0).sqrt()
+    return x_obs[..., 0] - 2.0 * deviation
+
+
 @dataclass(frozen=True)
 class ClearanceLimits:
     """Near an obstacle a velocity is limited by what may have happened since it was felt.
@@ -135,8 +146,7 @@ class ClearanceLimits:
         Returns:
             ``(*B, 2)``, m/s.
         """
-        deviation = P_obs[..., 0, 0].clamp(min=0.0).sqrt()
-        certain = (x_obs[..., 0] - 2.0 * deviation).unsqueeze(-1) - self.offset
+        certain = certain_clearance(x_obs, P_obs).unsqueeze(-1) - self.offset
         time = self.time + age
 
         # No faster than what is left allows.

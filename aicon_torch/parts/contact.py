@@ -75,7 +75,7 @@ def is_interior(point: Tensor, x_side: Tensor) -> Tensor:
 
 
 def likelihood_across(gap: Tensor, reach: float) -> Tensor:
-    """P = exp(−d/ℓ), ``(*B,)``: how likely it is that a gap d ``(*B,)``, m, is closed.
+    """How likely it is that a gap d ``(*B,)``, m, is closed: p = exp(−d/ℓ), ``(*B,)``.
 
     Args:
         gap: d; more than certain where it is negative.

@@ -83,7 +83,7 @@ class Grasp:
         return x_rel - x_rel.new_tensor((0.0, 0.0, self.height))
 
     def _detour(self, offset: Tensor) -> Tensor:
-        """H e_z, ``(*B, 3)``, m: how far above the object the tip is aimed."""
+        """How far above the object the tip is aimed, h e_z, ``(*B, 3)``, m."""
         beside = norm(offset[..., :2]) - self.size / 2
         above = beside.clamp(0.0, self.size).detach()  # stops the gradient: where to aim is no goal
         return above.unsqueeze(-1) * offset.new_tensor((0.0, 0.0, 1.0))

@@ -104,7 +104,7 @@ def nearness(gap: Tensor) -> Tensor:
 
 
 def sinking(place: Tensor, z_slope: Tensor) -> Tensor:
-    """S max(0, m − h): slope s from a margin above the floor downward."""
+    """Slope s from a margin above the floor downward: s max(0, m − h)."""
     return z_slope[..., 0] * torch.relu(MARGIN - place[..., 1])
 
 
@@ -118,27 +118,20 @@ def two_gradients(resolution: Resolution) -> Policy:
     model = WorldModel(
         sensors={"z_first": Sensor(2, "1"), "z_second": Sensor(2, "1")},
         actuators={"a": Actuator(2, "1", limit=10.0)},
-        estimators=[Deterministic("x", displacement_by_action, is_motion=True)],
-        goals=[Goal("first", first), Goal("second", second)],
+        estimators=[Deterministic("x", Interconnection(displacement, ["a", "dt"]), is_motion=True)],
+        goals=[
+            Goal("first", Interconnection(along, ["x", "z_first"])),
+            Goal("second", Interconnection(along, ["x", "z_second"])),
+        ],
         dt=1.0,
         dtype=torch.float64,
     )
     return Policy(model, resolution, DirectDescent(gain=1.0, smoothing=0.0))
 
 
-def displacement_by_action(a: Tensor, dt: Tensor) -> Tensor:
-    """X = a dt."""
-    return a * dt
-
-
-def first(x: Tensor, z_first: Tensor) -> Tensor:
+def along(x: Tensor, gradient: Tensor) -> Tensor:
     """A cost whose gradient is what is read."""
-    return (x * z_first).sum(-1)
-
-
-def second(x: Tensor, z_second: Tensor) -> Tensor:
-    """Another one."""
-    return (x * z_second).sum(-1)
+    return (x * gradient).sum(-1)
 
 
 def foresight(count: int) -> Policy:

@@ -1,5 +1,6 @@
 """Navigation behind a shield: it feels a clearance, and knows neither a target nor a map."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from torch import Tensor
 
+from aicon_baselines.agents.shields.clamped import Clamped, shortened
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_envs.nav2d import Physics
 from aicon_torch import Actuator, Deterministic, Goal, Sensor, WorldModel
 from aicon_torch.dampers import VelocityDampers
+from aicon_torch.models.nav2d.graph import displacement
 from aicon_torch.parts import Clearance, clock
+from aicon_torch.parts.clearance import certain_clearance
 from aicon_torch.shield import Shield
 from aicon_torch.vectors import shorten
 
@@ -33,6 +37,7 @@ def shielded(policy: Predictor, goes_around: bool = True) -> Shield:
 def model() -> WorldModel:
     """The walls that are felt: a clearance d, in whatever direction it grows."""
     physics = Physics()
+
     walls = Clearance(
         "x_wall",
         "z_wall",
@@ -40,6 +45,7 @@ def model() -> WorldModel:
         motion_noise=physics.actuation_noise * physics.dt,
         dt=physics.dt,
     )
+
     velocity = Actuator(
         2,
         "m/s",
@@ -47,6 +53,7 @@ def model() -> WorldModel:
         constraints=[slowed],
         dampers=VelocityDampers(braking=BRAKING),
     )
+
     return WorldModel(
         sensors={
             "z_wall": Sensor(1, "m", key="range", range=(-1.0, 20.0), max_gap=physics.dt),
@@ -60,26 +67,15 @@ def model() -> WorldModel:
     )
 
 
-def displacement(a: Tensor, dt: Tensor) -> Tensor:
-    """x_rob = a·dt, ``(*B, 2)``, m."""
-    return a * dt
-
-
 def too_near(x_wall: Tensor, P_wall: Tensor) -> Tensor:
     """What is missing to the margin, m + 2σ − d, ``(*B,)``, m."""
-    return MARGIN - certain(x_wall, P_wall)
+    return MARGIN - certain_clearance(x_wall, P_wall)
 
 
 def slowed(a: Tensor, x_wall: Tensor, P_wall: Tensor) -> Tensor:
     """A velocity of at most (d − 2σ)/τ, ``(*B, 2)``, m/s: the wall's direction may be wrong."""
-    fastest = certain(x_wall, P_wall).unsqueeze(-1) / TIME
+    fastest = certain_clearance(x_wall, P_wall).unsqueeze(-1) / TIME
     return shorten(a, fastest.clamp(min=SLOWEST))
-
-
-def certain(x_wall: Tensor, P_wall: Tensor) -> Tensor:
-    """The clearance that is certain enough, d − 2σ, ``(*B,)``, m."""
-    deviation = P_wall[..., 0, 0].clamp(min=0.0).sqrt()
-    return x_wall[..., 0] - 2.0 * deviation
 
 
 @dataclass(frozen=True)
@@ -115,21 +111,12 @@ class Wandering:
         return action, action
 
 
-@dataclass(frozen=True)
-class Clamp:
-    """A policy whose speed is clamped to the clearance that is left: (d − m)/τ.
+def clamped(policy: Predictor) -> Clamped:
+    """A policy whose speed is clamped to the clearance that is left: (d − m)/τ."""
+    return Clamped(policy, within_clearance)
 
-    Attributes:
-        policy: Who proposes.
-    """
 
-    policy: Any
-
-    def predict(
-        self, observation: dict[str, NDArray[Any]], *others: Any, **named: Any
-    ) -> tuple[NDArray[Any], Any]:
-        """The velocity (B, 2), m/s."""
-        action, state = self.policy.predict(observation, *others, **named)
-        fastest = np.clip((observation["range"] - MARGIN) / TIME, 0.0, Physics().max_speed)
-        speed = np.linalg.norm(action, axis=-1, keepdims=True)
-        return action * np.minimum(1.0, fastest / np.maximum(speed, 1e-9)), state
+def within_clearance(action: NDArray[Any], observation: Mapping[str, Any]) -> NDArray[Any]:
+    """The velocity (B, 2), m/s."""
+    fastest = np.clip((observation["range"] - MARGIN) / TIME, 0.0, Physics().max_speed)
+    return shortened(action, fastest)

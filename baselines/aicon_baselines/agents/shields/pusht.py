@@ -1,6 +1,7 @@
 """pushT behind a shield: a disc on the board that the pusher must not enter."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from itertools import count
 from typing import Any, cast
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.ablations.pusht import PIXEL
+from aicon_baselines.agents.shields.clamped import Clamped
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.tasks.side_by_side import SideBySide, side_by_side
 from aicon_envs.pusht import PushTEnv
@@ -72,24 +74,18 @@ def mean_velocity(proposal: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: Tens
     return (moved + SERVO.displacement_by_velocity[-1] * v_pusher) / dt
 
 
-@dataclass(frozen=True)
-class Clamp:
-    """A policy whose places are clamped to the outside of the region.
+def clamped(policy: Predictor) -> Clamped:
+    """A policy whose places are clamped to the outside of the region."""
+    return Clamped(policy, outside)
 
-    Attributes:
-        policy: Who proposes.
-    """
 
-    policy: Any
-
-    def predict(
-        self, observation: dict[str, NDArray[Any]], *others: Any, **named: Any
-    ) -> tuple[NDArray[Any], Any]:
-        """The place (B, 2), px."""
-        place, state = self.policy.predict(observation, *others, **named)
-        away = place - observation["region"]
-        distance = np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-9)
-        return observation["region"] + away * np.maximum(1.0, (RADIUS + MARGIN) / distance), state
+def outside(place: NDArray[Any], observation: Mapping[str, Any]) -> NDArray[Any]:
+    """The place (B, 2), px."""
+    middle = observation["region"]
+    away = place - middle
+    distance = np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-9)
+    moved: NDArray[Any] = middle + away * np.maximum(1.0, (RADIUS + MARGIN) / distance)
+    return moved
 
 
 class Region(gymnasium.Wrapper[Any, Any, Any, Any]):

@@ -28,7 +28,7 @@ def test_a_wall_straight_ahead_is_not_touched_by_a_shielded_policy() -> None:
 
 def test_the_clamp_stands_at_a_wall_and_the_wanderer_moves() -> None:
     seen = {"range": np.array([[0.1], [5.0]]), "bearing": np.zeros((2, 1))}
-    action, _ = nav2d.Clamp(nav2d.Straight()).predict(seen)
+    action, _ = nav2d.clamped(nav2d.Straight()).predict(seen)
     np.testing.assert_allclose(action, [[0.0, 0.0], [0.5, 0.0]])
     assert nav2d.Wandering().predict(seen)[0].any()
 
