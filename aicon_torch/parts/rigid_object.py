@@ -105,24 +105,30 @@ class RigidObject:
         """
         return rotate(self.keypoints.to(pose), pose[..., 2:]) + pose[..., None, :2]
 
-    def registration(self, x_keypoints: Tensor) -> Tensor:
+    def registration(self, x_keypoints: Tensor, share: Tensor | None = None) -> Tensor:
         """The pose whose keypoints are nearest to these in the least-squares sense.
 
-        The optimal rotation in the plane has the angle of Σᵢ (rᵢ · kᵢ, rᵢ × kᵢ), where rᵢ are the
-        keypoints in the body frame and kᵢ those that are seen, both taken from their means (Kabsch
-        1976).
+        The optimal rotation in the plane has the angle of Σᵢ wᵢ (rᵢ · kᵢ, rᵢ × kᵢ), where rᵢ are
+        the keypoints in the body frame and kᵢ those that are seen, both taken from their means
+        (Kabsch 1976).
 
         Args:
             x_keypoints: Corners in the order of the sensor, ``(*B, K, 2)``, m.
+            share: wᵢ, by how much each counts, ``(*B, K)``, 1 in all; None for all the same.
 
         Returns:
             Centre of mass and orientation (x, y, θ), ``(*B, 3)``, m and rad.
         """
         body = self.keypoints.to(x_keypoints)
         body_mean, seen_mean = body.mean(0), x_keypoints.mean(-2)
+        if share is not None:
+            body_mean, seen_mean = share @ body, (share.unsqueeze(-2) @ x_keypoints).squeeze(-2)
 
         # The rotation, from the keypoints about their means.
-        body_x, body_y = (body - body_mean).unbind(-1)
+        arms = body - body_mean.unsqueeze(-2)
+        if share is not None:
+            arms = share.unsqueeze(-1) * arms
+        body_x, body_y = arms.unbind(-1)
         seen_x, seen_y = (x_keypoints - seen_mean.unsqueeze(-2)).unbind(-1)
         cos = (body_x * seen_x + body_y * seen_y).sum(-1)
         sin = (body_x * seen_y - body_y * seen_x).sum(-1)

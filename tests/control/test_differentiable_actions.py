@@ -2,7 +2,7 @@
 
 import pytest
 import torch
-from _inputs.logs import LOGS, Log, slope_along
+from _inputs.logs import LOGS, Log, slope_off
 from torch import Tensor
 
 from aicon_torch import Policy, by_gain, by_sign, straight_through
@@ -42,20 +42,16 @@ def test_actions_have_the_gradient_of_finite_differences(log: Log) -> None:
         for parameter in learner.parameters():
             parameter += 0.01
 
+    # The first bearings know far better than the prior: P − K S Kᵀ cancels, and actions round to
+    # 1e-10 there, which no difference resolves.
     def what_is_done(graph: bool = False) -> Tensor:
-        actions = torch.stack(drive(learner, observations, graph))
-        return (actions * torch.arange(1.0, actions.numel() + 1).view_as(actions).sin()).sum()
+        return torch.stack(drive(learner, observations, graph))[3:].sum(-2).flatten()
 
-    # Among obstacles a step amplifies rounding: differences of other widths scatter by 1e-5.
-    tolerance = 1e-5 if "avoid" in learner.model.goals else 1e-6
     parameters = dict(learner.named_parameters())
     done = what_is_done(graph=True)
-    slopes = torch.autograd.grad(done, list(parameters.values()))
-    for (name, parameter), slope in zip(parameters.items(), slopes, strict=True):
-        wanted = float(slope.sum())
-        measured = slope_along(what_is_done, parameter, torch.ones_like(parameter), wanted)
-        scale = max(abs(measured), 1e-4 * abs(float(done.detach())))
-        assert abs(wanted - measured) <= tolerance * scale, name
+    for name, parameter in parameters.items():
+        slopes = [torch.autograd.grad(a, parameter, retain_graph=True)[0].sum() for a in done]
+        assert slope_off(what_is_done, parameter, torch.stack(slopes)) <= 1e-6, name
 
 
 # --- what a hop stops, a loss does not

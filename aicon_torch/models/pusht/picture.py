@@ -7,7 +7,7 @@ and what the picture shows tell the variances, with which the pose is a measurem
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -23,11 +23,30 @@ CHANNELS = 28
 DILATIONS = (1, 2, 4, 8)
 """Of the convolutions at a quarter of the picture's size: they see 15 cells in each direction."""
 
+MARGIN = 1
+"""Cells of a heatmap beyond each border of the picture: a corner may be at the border."""
+
 SEEN = 6
 """Numbers of what is seen: the pose, m and rad, and the logarithms of its variances."""
 
-TYPICAL = (-12.0, -12.0, -8.0)
-"""Logarithms of variances with which training starts, m² and rad²: 2.5 px and 1°."""
+TYPICAL = (-7.0, -7.0, -3.0)
+"""Logarithms of variances with which training starts, m² and rad²: 30 px and 13°."""
+
+
+class Sight(NamedTuple):
+    """What a network sees in pictures.
+
+    Attributes:
+        pose: Of the object, and the logarithms of its variances, ``(B, 6)``, m and rad.
+        corners: Of the object, ``(B, K, 2)``, m.
+        log_variances: Of the corners' coordinates, ``(B, K)``, m².
+        log_share: Where each corner may be, log-probabilities of cells, ``(B, K, h, w)``.
+    """
+
+    pose: Tensor
+    corners: Tensor
+    log_variances: Tensor
+    log_share: Tensor
 
 
 class PoseNetwork(nn.Module):
@@ -36,8 +55,6 @@ class PoseNetwork(nn.Module):
     Args:
         body: The object.
     """
-
-    grid: Tensor
 
     def __init__(self, body: RigidObject) -> None:
         super().__init__()
@@ -50,32 +67,35 @@ class PoseNetwork(nn.Module):
             convolution = nn.Conv2d(CHANNELS, CHANNELS, 3, padding=dilation, dilation=dilation)
             layers += [convolution, nn.ReLU()]
         self.features = nn.Sequential(*layers)
-        self.heatmaps = nn.Conv2d(CHANNELS, corners, 1)
-        told = 2 * CHANNELS + 2 * corners
-        self.variances = nn.Sequential(nn.Linear(told, 16), nn.ReLU(), nn.Linear(16, 3))
+        self.heatmaps = nn.Conv2d(CHANNELS, 2 * corners, 3, padding=1 + MARGIN)
+        told = 2 * CHANNELS + 3 * corners
+        self.variances = nn.Sequential(nn.Linear(told, 24), nn.ReLU(), nn.Linear(24, 3))
 
-    def forward(self, picture: Tensor) -> tuple[Tensor, Tensor]:
-        """What is seen, and the corners.
+    def forward(self, picture: Tensor) -> Sight:
+        """What is seen in pictures ``(B, 3, h, w)``, 0 to 1."""
+        return self.seen_in(self.features(picture - 0.5))
 
-        Args:
-            picture: ``(B, 3, h, w)``, 0 to 1.
+    def seen_in(self, features: Tensor) -> Sight:
+        """What is seen in the features ``(B, c, h / 4, w / 4)`` of pictures."""
+        heat, doubt = self.heatmaps(features).chunk(2, dim=-3)
 
-        Returns:
-            Pose and logarithms of variances ``(B, 6)``, corners ``(B, K, 2)``, m.
-        """
-        features = self.features(picture - 0.5)
-        share = self.heatmaps(features).flatten(-2).softmax(-1)
-        places = _places(features)
+        # Each corner is where its heatmap has its mean, and as unsure as it looks there.
+        log_share = heat.flatten(-2).log_softmax(-1)
+        share, places = log_share.exp(), _places(heat)
         corners = share @ places
+        log_variances = (share * doubt.flatten(-2)).sum(-1) + TYPICAL[0]
 
-        # How far each heatmap spreads, and how far its corner is from where the object has it.
-        pose = self.body.registration(corners)
+        # The pose fits best the corners that are seen best.
+        pose = self.body.registration(corners, (-log_variances).softmax(-1))
         off = norm(corners - self.body.keypoints_at(pose))
         spread = (share @ places.square() - corners.square()).sum(-1).clamp(min=1e-12).sqrt()
+
+        # What its own variances are is told by how its corners agree.
         pooled = (features.mean((-2, -1)), features.amax((-2, -1)))
-        told = torch.cat((*pooled, 100 * off, 100 * spread), dim=-1)
+        told = torch.cat((*pooled, 100 * off, 100 * spread, log_variances - TYPICAL[0]), dim=-1)
         variances = self.variances(told) + told.new_tensor(TYPICAL)
-        return torch.cat((pose, variances), dim=-1), corners
+        seen = torch.cat((pose, variances), dim=-1)
+        return Sight(seen, corners, log_variances, log_share.unflatten(-1, heat.shape[-2:]))
 
 
 def seen_off(x_pose: Tensor, z_seen: Tensor) -> Tensor:
@@ -93,13 +113,18 @@ def first_sight(z_seen: Tensor) -> tuple[Tensor, Tensor]:
     return z_seen[..., :3], torch.diag_embed(seen_variances(z_seen))
 
 
-def _places(features: Tensor) -> Tensor:
-    """Where the cells of feature maps ``(B, c, h, w)`` are in the world, ``(h w, 2)``, m."""
-    height, width = features.shape[-2:]
+def along(cells: int, like: Tensor) -> Tensor:
+    """Where the centres of the cells of a heatmap are along one axis, ``(cells,)``, m."""
     low, high = WORKSPACE
-    x = low + (high - low) * (torch.arange(width).to(features) + 0.5) / width
-    y = low + (high - low) * (torch.arange(height).to(features) + 0.5) / height
-    return torch.stack(torch.meshgrid(x, y, indexing="xy"), dim=-1).flatten(0, 1)
+    size = (high - low) / (cells - 2 * MARGIN)
+    return low + size * (torch.arange(cells).to(like) - MARGIN + 0.5)
+
+
+def _places(maps: Tensor) -> Tensor:
+    """Where the cells of heatmaps ``(B, K, h, w)`` are in the world, ``(h w, 2)``, m."""
+    height, width = maps.shape[-2:]
+    x, y = along(width, maps), along(height, maps)
+    return torch.stack(torch.meshgrid(x, y, indexing="xy"), -1).flatten(0, 1)
 
 
 class PicturePerception:
@@ -139,6 +164,6 @@ class PicturePerception:
         pictures = torch.as_tensor(np.asarray(observation["pixels"]))
         batch = pictures.shape[:-3]
         flat = pictures.reshape(-1, *pictures.shape[-3:]).movedim(-1, -3)
-        seen, _ = self.network(flat.float() / 255)
+        seen = self.network(flat.float() / 255).pose
         told = {name: value for name, value in observation.items() if name != "pixels"}
         return {**told, "seen": seen.reshape(*batch, SEEN).double().numpy()}

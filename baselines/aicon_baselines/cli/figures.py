@@ -4,7 +4,8 @@ Example: aicon figures nav2d --out runs/figures
 
 nav2d saves nav2d_rollout.png (six moments of the evolving potential), nav2d_rollout.json (the
 figure's numbers) and the film nav2d_rollout.mp4. pusht saves the same as pusht_rollout: six moments
-of an episode, and the gradients that arrive at the pusher. arm_push saves the same as
+of an episode, and the gradients that arrive at the pusher. pusht_pixels: the pictures that it sees,
+and where a network and the filter have the object in them. arm_push saves the same as
 arm_push_film: the arm from outside and from its hand, and its gradients. reach saves reach.png,
 moments of three arms' episodes beside their errors and gaps, and reach.mp4, one of them with a ball
 in its way. With --video webp a film is a small moving picture for a page.
@@ -20,6 +21,7 @@ from aicon_baselines.cli.command_line import Command, add_option
 _FIGURES = {
     "nav2d": "2D navigation: the evolving potential",
     "pusht": "pushing: the gradients that arrive at the pusher",
+    "pusht_pixels": "pushing by pictures that are covered: what is seen and what is believed",
     "arm_push": "pushing with an arm: its views and its gradients",
     "reach": "reaching with three arms: moments, errors and gaps",
 }
