@@ -109,6 +109,7 @@ def _residual(options: Options, registration: KeypointRegistration) -> Callable[
 def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
     """The pose as a network sees it in a picture, with the variances that it tells."""
     motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
+    noise: Noise = seen_variances if options.estimation else UNFILTERED_NOISE**2
     return EKF(
         "x_pose",
         "P_pose",
@@ -116,7 +117,7 @@ def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
         noise=_process_noise(options, dynamics),
         initial=first_sight,
         size=3,
-        correct=[Measurement(seen_off, seen_variances, size=3)],
+        correct=[Measurement(seen_off, noise, size=3)],
     )
 
 

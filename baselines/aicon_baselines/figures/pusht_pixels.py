@@ -128,9 +128,9 @@ class SeenRollout(Rollout):
     aspect = 1.0
     curves = {"off": 1.1, "unsure": 1.1}
     caption = (
-        "The pictures that the policy is given, and over them what it makes of them. White: where the "
-        "object really is.\nOne episode of "
-        "aicon/PushT-v0; a third of each picture is covered, elsewhere at each step."
+        "The pictures that the policy is given, and over them what it makes of them. White: where "
+        "the object really is.\nOne episode of aicon/PushT-v0; a third of each picture is "
+        "covered, elsewhere at each step."
     )
     arrival = "Arrival in the goal pose"
     recording: SeenRecording

@@ -9,14 +9,21 @@ from _inputs.pushing import body_of, poses
 
 from aicon_torch import OptionError, Policy, make_policy
 from aicon_torch.models.pusht.picture import PoseNetwork
+from aicon_torch.parts.planar import pose_error
 
 
 @pytest.fixture
-def policy(tmp_path: Path) -> Policy:
-    """A policy whose network is untrained."""
+def weights(tmp_path: Path) -> Path:
+    """Those of an untrained network."""
     torch.manual_seed(0)
     torch.save(PoseNetwork(body_of()).state_dict(), tmp_path / "weights.pt")
-    return make_policy("pusht", picture=tmp_path / "weights.pt", push_noise=0.2)
+    return tmp_path / "weights.pt"
+
+
+@pytest.fixture
+def policy(weights: Path) -> Policy:
+    """A policy whose network is untrained."""
+    return make_policy("pusht", picture=weights, push_noise=0.2)
 
 
 def seen(variance: float) -> dict[str, torch.Tensor]:
@@ -27,8 +34,9 @@ def seen(variance: float) -> dict[str, torch.Tensor]:
     return {"agent_pos": torch.tensor([[256.0, 400.0]]), "seen": told}
 
 
-def test_a_picture_leads_to_an_action(policy: Policy) -> None:
-    picture = np.full((2, 96, 96, 3), 255, np.uint8)
+@pytest.mark.parametrize("side", [96, 48])
+def test_a_picture_leads_to_an_action(policy: Policy, side: int) -> None:
+    picture = np.full((2, side, side, 3), 255, np.uint8)
     observation = {"agent_pos": np.full((2, 2), 256.0), "pixels": picture}
     action, memory = policy.predict(observation)
     assert action.shape == (2, 2) and np.isfinite(action).all()
@@ -46,6 +54,26 @@ def test_what_is_seen_clearly_counts_more(policy: Policy) -> None:
         _, after = policy.predict(shifted, memory)
         moved.append(float(after["x_pose"][0, 0] - memory["x_pose"][0, 0]))
     assert 0.009 < moved[0] <= 0.01 and 0 < moved[1] < 0.001
+
+
+def test_without_estimation_what_is_seen_is_taken_as_it_comes(weights: Path) -> None:
+    taken = make_policy("pusht", picture=weights, estimation=False)
+    taken.perception, memory = None, None
+    for variance in (1e-4, 1e-2):
+        told = seen(variance)
+        _, memory = taken.predict(told, memory)
+        torch.testing.assert_close(memory["x_pose"], told["seen"][:, :3], rtol=0, atol=1e-6)
+
+
+def test_a_corner_that_is_unsure_counts_less() -> None:
+    body, true = body_of(), poses(4, seed=1)
+    corners = body.keypoints_at(true)
+    corners[:, 0] += 0.05
+    sure = torch.ones(4, 8, dtype=torch.float64) / 8
+    torch.testing.assert_close(body.registration(corners, sure), body.registration(corners))
+    sure[:, 0], sure[:, 1:] = 0.0, 1 / 7
+    off = pose_error(body.registration(corners, sure), true, 1.0)
+    torch.testing.assert_close(off, torch.zeros_like(off))
 
 
 def test_weights_of_something_else_are_an_error(tmp_path: Path) -> None:
