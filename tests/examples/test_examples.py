@@ -21,6 +21,7 @@ CLAIMS = {
     "05_own_arm": "The arm reached every target, within its limits.",
     "06_add_to_a_running_arm": "The arm gave way to the ball, and came back.",
     "07_two_robots": "The robots have changed places, and did not touch.",
+    "08_learned_motion": "What was learned brings the robots to their target.",
 }
 NEEDED = {
     "03_compare_resolutions": ["pymunk"],
@@ -37,6 +38,7 @@ LONG = (
     "04_many_robots",
     "05_own_arm",
     "06_add_to_a_running_arm",
+    "08_learned_motion",
 )
 """Those that take the most time; what they use, others do as well."""
 
