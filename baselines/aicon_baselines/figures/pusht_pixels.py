@@ -28,7 +28,7 @@ from aicon_torch.models.pusht import PIXEL, Options, rigid_object
 CONDITION = "pixels_covered"
 
 DEFAULT_SEED = 1007
-"""Of 1000 to 1029 the one in which the object is out of sight for longest while it is pushed."""
+"""A tuning seed: the object is out of sight again and again while it is pushed."""
 
 UNSURE = 10.0
 """Standard deviation of a coordinate from which on the object counts as not seen, px."""

@@ -110,18 +110,6 @@ def random_cover(size: tuple[int, int], generator: np.random.Generator, share: f
     return covered
 
 
-def random_box(size: tuple[int, int], generator: np.random.Generator, largest: float) -> Mask:
-    """A turned rectangle or an ellipse, whose sides are up to a share of the picture's side."""
-    half = 0.5 * size[1] * generator.uniform(0.08, largest, 2)
-    turn, center = generator.uniform(0, 2 * math.pi), generator.uniform(0, 1, 2) * size[1]
-    along = _along(size, center, turn) / half[0]
-    across = _along(size, center, turn + math.pi / 2) / half[1]
-    is_round = generator.uniform() < 0.5
-    size_there = along**2 + across**2 if is_round else np.maximum(np.abs(along), np.abs(across))
-    mask: Mask = size_there < 1
-    return mask
-
-
 def _along(size: tuple[int, int], center: NDArray[Any], angle: float) -> NDArray[Any]:
     """How far each pixel is from a centre (x, y) along a direction, pixels."""
     y, x = np.mgrid[: size[0], : size[1]] + 0.5
