@@ -1,4 +1,4 @@
-"""Train the network that sees pushT's object in pictures of 96 × 96, with shapes and covers in them.
+"""Train the network that sees pushT's object in pictures, with shapes and covers in them.
 
 Example: python scripts/train_picture.py --out baselines/checkpoints/pusht_picture/weights.pt
          aicon compare --task pusht --policies aicon --conditions pixels pixels_covered --out runs/p
