@@ -146,10 +146,12 @@ class Writer:
         widest: Kind = "real" if "real" in kinds else "int"
         return [self.cast(array, widest) for array in arrays]
 
-    @staticmethod
-    def _each(function: Callable[..., Number], *arrays: Array) -> Array:
+    def _each(self, function: Callable[..., Number], *arrays: Array) -> Array:
         result = np.frompyfunc(function, len(arrays), 1)(*arrays)
-        return result if isinstance(result, np.ndarray) else as_array([result], ())
+        if not isinstance(result, np.ndarray):
+            return as_array([result], ())
+        self.program.arrays.append(result)
+        return result
 
 
 def as_array(numbers: Sequence[Number], shape: tuple[int, ...]) -> Array:
