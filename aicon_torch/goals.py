@@ -16,7 +16,9 @@ class Goal(Node):
     :class:`aicon_torch.dampers.VelocityDampers`). Its gradient meets no other and is never
     projected away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the
     parameters of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is
-    ε − g. One that bounds each component of the actuator by itself may have a method ``room``,
+    ε − g. Of many gaps only the smallest bound an action; a cost that can compute one without the
+    others may have a method ``gap``, with the number of that one ``(*B,)`` as its last parameter.
+    One that bounds each component of the actuator by itself may have a method ``room``,
     likewise, that says how far they may go down and up, ``(*B, n)`` both: see
     :class:`aicon_torch.dampers.ConstraintEscape`.
 
@@ -63,6 +65,13 @@ class Goal(Node):
             return own(*self._read(values))
         cost: Tensor = self.cost(values)
         return self.tolerance - cost.unsqueeze(-1)
+
+    def gap(self, values: Values, which: Tensor) -> Tensor:
+        """The gap of a number ``(*B,)``, which may differ from row to row, ``(*B,)``."""
+        own: Callable[..., Tensor] | None = getattr(self.cost.function, "gap", None)
+        if own is not None:
+            return own(*self._read(values), which)
+        return self.gaps(values).gather(-1, which.unsqueeze(-1)).squeeze(-1)
 
     @property
     def has_room(self) -> bool:

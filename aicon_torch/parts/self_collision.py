@@ -90,6 +90,8 @@ class SelfCollision(nn.Module):
         OptionError: As for :class:`CapsuleSegments`.
     """
 
+    first: Tensor
+    second: Tensor
     radii: Tensor
 
     def __init__(
@@ -103,12 +105,13 @@ class SelfCollision(nn.Module):
         self.cost = cost
         if pairs is None:
             pairs = distant_pairs(capsules)
-        self.first = [first for first, _ in pairs]
-        self.second = [second for _, second in pairs]
+        first, second = torch.tensor(pairs, dtype=torch.long).reshape(-1, 2).unbind(-1)
+        self.register_buffer("first", first, persistent=False)
+        self.register_buffer("second", second, persistent=False)
 
         radii = [capsule.radius for capsule in capsules]
         single = torch.tensor(radii, dtype=torch.float64)
-        self.register_buffer("radii", single[self.first] + single[self.second])
+        self.register_buffer("radii", single[first] + single[second])
 
     def forward(self, x_body: Tensor) -> Tensor:
         """The cost ``(*B,)`` of the segments ``(*B, C, 6)``, m."""
@@ -118,10 +121,22 @@ class SelfCollision(nn.Module):
         """How far each pair is from where it costs something, d − d₀, ``(*B, pairs)``, m."""
         return self.distances(x_body) - self.cost.margin
 
+    def gap(self, x_body: Tensor, pair: Tensor) -> Tensor:
+        """How far one pair is from that, ``(*B,)``, m, by its number ``(*B,)``."""
+        first, second = _row(x_body, self.first[pair]), _row(x_body, self.second[pair])
+        distance = segment_distance(first, second) - self.radii.to(x_body)[pair]
+        return distance - self.cost.margin
+
     def distances(self, x_body: Tensor) -> Tensor:
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
         return segment_distance(first, second) - self.radii.to(x_body)
+
+
+def _row(segments: Tensor, number: Tensor) -> Tensor:
+    """One of C segments ``(*B, C, 6)`` by its number ``(*B,)``."""
+    index = number[..., None, None].expand(*number.shape, 1, segments.shape[-1])
+    return segments.gather(-2, index).squeeze(-2)
 
 
 def _check_sizes(capsules: Sequence[Capsule]) -> None:

@@ -193,23 +193,22 @@ class ActuatorSafety:
             d⁺(0) ``(*B, m)`` and ∂d⁺/∂a ``(*B, m, n)``.
         """
         copies = copied(values, which.shape[-1])
-        gap_of_copy = which.movedim(-1, 0).unsqueeze(-1)
+        gap_of_copy = which.movedim(-1, 0)
 
         with torch.enable_grad():
             action = torch.zeros_like(copies[self.actuator]).requires_grad_()
-            all_gaps = self._gaps_ahead(goal, {**copies, self.actuator: action})
-            gaps = all_gaps.gather(-1, gap_of_copy).squeeze(-1)
+            gaps = self._gap_ahead(goal, {**copies, self.actuator: action}, gap_of_copy)
             (slopes,) = pull(gaps.sum(), action)
 
         at_rest = hop_from(gaps)  # a bound is a number
         return at_rest.movedim(0, -1), slopes.movedim(0, -2)
 
-    def _gaps_ahead(self, goal: Goal, values: Mapping[str, Tensor]) -> Tensor:
-        """The gaps one step ahead, ``(*B, m)``: every estimate is anticipated once."""
+    def _gap_ahead(self, goal: Goal, values: Mapping[str, Tensor], which: Tensor) -> Tensor:
+        """One gap of each row one step ahead, ``(*B,)``: every estimate is anticipated once."""
         inputs = dict(values)
         for name in self._upstream[goal.name]:
             inputs[name] = self.model.owners[name](inputs, name)
-        return goal.gaps(inputs).clamp(max=FARTHEST)
+        return goal.gap(inputs, which).clamp(max=FARTHEST)
 
     def _is_box(self, goal: Goal) -> bool:
         """Whether each of a goal's gaps depends on one component of the action, as joint stops do.

@@ -60,7 +60,18 @@ def test_a_capsule_goes_with_its_link():
 def test_neighbours_are_not_compared():
     capsules = [Capsule(link, (0.0, 0.0, 0.0), (0.0, 0.0, 0.1), 0.05) for link in (0, 2, 3, 8)]
     goal = SelfCollision(capsules, COST)
-    assert set(zip(goal.first, goal.second, strict=True)) == {(2, 0), (3, 0), (3, 1), (3, 2)}
+    pairs = torch.stack((goal.first, goal.second), dim=-1)
+    assert pairs.tolist() == [[2, 0], [3, 0], [3, 1], [3, 2]]
+
+
+def test_the_gap_of_one_pair_is_that_among_all():
+    segments, goal = (
+        CapsuleSegments(panda_chain(), PANDA.shape.capsules),
+        SelfCollision(PANDA.shape.capsules, COST, PANDA.shape.pairs),
+    )
+    q = HOME.expand(len(goal.first), -1)
+    each = torch.arange(len(goal.first))
+    assert torch.equal(goal.gap(segments(q), each), goal.gaps(segments(HOME)))
 
 
 def test_a_folded_arm_costs_and_unfolding_it_helps():

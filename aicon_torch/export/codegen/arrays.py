@@ -1,7 +1,7 @@
 """Arrays of a program's numbers: what a tensor is while it is translated."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import torch
@@ -122,10 +122,11 @@ class Writer:
             result = self.map(operation, kind, result, rows[..., place])
         return np.expand_dims(result, tuple(dims)) if keeps else result
 
-    def pick(self, candidates: Sequence[Any], index: Number) -> Number:
+    def pick(self, candidates: Sequence[Number], index: Number) -> Number:
         """The candidate at an index, which may be known when the program runs only."""
         if index.operation == CONSTANT:
-            return cast(Number, candidates[index.value])
+            place: int = index.value
+            return candidates[place]
 
         # Of two, a choice; of more, an array is shorter than as many choices.
         if len(candidates) <= 2:
@@ -133,7 +134,7 @@ class Writer:
             arguments = (self.is_at(index, len(candidates) - 1), other, candidates[0])
             return self.program.apply("where", arguments, other.kind)
         if all(candidate is candidates[0] for candidate in candidates):
-            return cast(Number, candidates[0])
+            return candidates[0]
         return self.program.pick(index, candidates)
 
     def is_at(self, index: Number, place: int) -> Number:
@@ -146,10 +147,12 @@ class Writer:
         widest: Kind = "real" if "real" in kinds else "int"
         return [self.cast(array, widest) for array in arrays]
 
-    @staticmethod
-    def _each(function: Callable[..., Number], *arrays: Array) -> Array:
+    def _each(self, function: Callable[..., Number], *arrays: Array) -> Array:
         result = np.frompyfunc(function, len(arrays), 1)(*arrays)
-        return result if isinstance(result, np.ndarray) else as_array([result], ())
+        if not isinstance(result, np.ndarray):
+            return as_array([result], ())
+        self.program.arrays.append(result)
+        return result
 
 
 def as_array(numbers: Sequence[Number], shape: tuple[int, ...]) -> Array:

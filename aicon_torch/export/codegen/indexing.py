@@ -5,7 +5,7 @@ a number of the program, such as the gradient that leads, it chooses among all c
 """
 
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -302,7 +302,7 @@ def _replaced(value: Array, where: tuple[Any, ...], source: Array) -> Array:
 
 def _known(index: Array) -> Any:
     """The indices as integers, or as truth values; None where the program computes them."""
-    numbers = [cast(Number, number) for number in index.reshape(-1)]
+    numbers: list[Number] = list(index.reshape(-1))
     if any(number.operation != CONSTANT for number in numbers):
         return None
     return np.array([number.value for number in numbers]).reshape(index.shape)

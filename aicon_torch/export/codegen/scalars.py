@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 Kind = Literal["real", "int", "bool"]
 """What a number is: of the graph's precision, an index, or true or false."""
@@ -14,8 +15,8 @@ Kind = Literal["real", "int", "bool"]
 CONSTANT, INPUT, ITEM = "constant", "input", "item"
 """Numbers that are not computed: literals, elements of an input, results of a routine."""
 
-PICK = "pick"
-"""One of many numbers: its arguments are an index, and the candidates."""
+LIST, PICK = "list", "pick"
+"""Many numbers as an array, and the one of them at an index: its arguments are index and array."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -134,6 +135,7 @@ class Program:
     def __init__(self, dtype: torch.dtype) -> None:
         self.dtype = dtype
         self.numbers: list[Number] = []
+        self.arrays: list[NDArray[Any]] = []  # of numbers, as they were computed together
         self.tables: dict[str, list[float]] = {}  # constants of routines
         self._places: dict[tuple[Any, ...], Number] = {}
         self._round = np.float32 if dtype == torch.float32 else np.float64
@@ -197,7 +199,9 @@ class Program:
 
     def pick(self, index: Number, candidates: Sequence[Number]) -> Number:
         """The candidate at an index; the first one where there is none."""
-        return self._number(PICK, (index, *candidates), candidates[0].kind)
+        kind = candidates[0].kind
+        array = self._number(LIST, tuple(candidates), kind, (len(candidates),))
+        return self._number(PICK, (index, array), kind)
 
     def cast(self, number: Number, kind: Kind) -> Number:
         """The number as another kind."""

@@ -12,6 +12,26 @@ from aicon_torch.export.codegen.scalars import Kind, Number
 Best = tuple[Number, Number]
 """A value, and its index."""
 
+COMPARED = 64
+"""Times that a number is looked at, in picking the best of many, from which on a loop does it."""
+
+SELECTION_ROUTINES = {
+    "in_order": """\
+/* The largest of n numbers in order, or the smallest, and their places. NaN is larger than all; of
+   equal ones the first comes first. */
+static void in_order(int n, int count, int largest, const real *x, real *y) {
+  real *places = y + count;
+  for (int i = 0; i < n; ++i) {
+    int k = i < count ? i : count;
+    for (; k > 0 && (largest ? is_above(x[i], y[k - 1]) : is_above(y[k - 1], x[i])); --k)
+      if (k < count) y[k] = y[k - 1], places[k] = places[k - 1];
+    if (k < count) y[k] = x[i], places[k] = (real)i;
+  }
+}
+""",
+}
+"""The routines in C."""
+
 
 def extreme_index(is_better: str) -> Translation:
     """The translation of argmax (``"gt"``) and argmin (``"lt"``)."""
@@ -46,13 +66,18 @@ def topk(
     largest: bool = True,
     sorted: bool = True,
 ) -> tuple[Array, Array]:
-    """The largest or smallest values in order, and their indices; of equal ones the first."""
-    is_better = "gt" if largest else "lt"
+    """The largest or smallest values in order, and their indices; NaN is larger than all."""
+    is_better = "gt" if largest else "below"
     return _along(value, dim, lambda line: _in_order(writer, line, count, is_better))
 
 
 def sort(
-    writer: Writer, kind: Kind, value: Array, dim: int = -1, descending: bool = False
+    writer: Writer,
+    kind: Kind,
+    value: Array,
+    dim: int = -1,
+    descending: bool = False,
+    stable: bool = True,
 ) -> tuple[Array, Array]:
     """All values in order, and their indices; equal ones stay in theirs."""
     return topk(writer, kind, value, value.shape[dim], dim, largest=descending)
@@ -94,6 +119,13 @@ def _along(value: Array, dim: int, function: Callable[[Array], list[Best]]) -> t
 def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[Best]:
     """The first of a line in order: the best of all, the best of the others, and so on."""
     program = writer.program
+    if line[0].kind == "real" and count > 1 and len(line) * count >= COMPARED:
+        sizes = (len(line), count, int(is_better == "gt"), 2 * count)
+        call = program.call("in_order", line, sizes)
+        values = [program.item(call, k) for k in range(count)]
+        places = [program.cast(program.item(call, count + k), "int") for k in range(count)]
+        return list(zip(values, places, strict=True))
+
     taken = [program.constant(False, "bool")] * len(line)
 
     order: list[Best] = []
@@ -120,7 +152,12 @@ def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[B
 
 
 def _is_better(writer: Writer, candidate: Number, best: Number, is_better: str) -> Number:
-    """Whether a candidate is larger or smaller; NaN is better than all, as torch has it."""
+    """Whether a candidate is larger (``"gt"``) or smaller (``"lt"``), or NaN, which is both.
+
+    A candidate is *below* (``"below"``) where the best one is larger, or NaN.
+    """
+    if is_better == "below":
+        candidate, best, is_better = best, candidate, "gt"
     operation = f"{is_better}_or_nan" if candidate.kind == "real" else is_better
     return writer.program.apply(operation, (candidate, best), "bool")
 

@@ -20,13 +20,25 @@ def picked(x: Tensor) -> Tensor:
     return torch.cat((x.gather(0, index), x.gather(0, place), x[:1].expand(SIZE).gather(0, place)))
 
 
+def the_first_of_many(x: Tensor) -> Tensor:
+    """Of so many that a loop picks them, some equal: in order, their places, and the first ones."""
+    many = torch.cat((x, x.flip(0), x))
+    down, up = many.sort(stable=True, descending=True), many.sort(stable=True)
+    few, largest, smallest = (
+        x.sort().values,
+        many.topk(5).values,
+        many.topk(5, largest=False).values,
+    )
+    return torch.cat((*down, *up, few, largest, smallest))
+
+
 def first_and_last(x: Tensor) -> Tensor:
     """Where the largest and the smallest are, and all from the largest down."""
     places = torch.stack((x.argmax(), x.argmin()))
     return torch.cat((places.to(x.dtype), x.sort(descending=True).values))
 
 
-@pytest.mark.parametrize("function", [picked, first_and_last])
+@pytest.mark.parametrize("function", [picked, first_and_last, the_first_of_many])
 @pytest.mark.parametrize("count", [0, 1, 2, SIZE], ids="{} missing".format)
 def test_missing_numbers_come_first_as_in_torch(
     function: Function, count: int, tmp_path: Path

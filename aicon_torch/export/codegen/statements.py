@@ -1,0 +1,198 @@
+"""What computes the numbers of a program, in C."""
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import chain
+
+import numpy as np
+import torch
+
+from aicon_torch.export.codegen.lanes import Lanes, in_phases, in_rows
+from aicon_torch.export.codegen.networks import NETWORK_ROUTINES
+from aicon_torch.export.codegen.scalars import (
+    CONSTANT,
+    INPUT,
+    ITEM,
+    LIST,
+    LOOP,
+    OPERATIONS,
+    PICK,
+    Number,
+    Program,
+)
+from aicon_torch.export.codegen.selection import SELECTION_ROUTINES
+from aicon_torch.export.codegen.solving import ROUTINES as SOLVING_ROUTINES
+
+ROUTINES = {**SOLVING_ROUTINES, **NETWORK_ROUTINES, **SELECTION_ROUTINES}
+"""The routines that a program calls, in C."""
+
+TYPES = {"real": "real", "int": "integer", "bool": "int"}
+"""The type of each kind of number in C."""
+
+
+class Statements:
+    """The statements of one function.
+
+    Args:
+        program: The program.
+        needed: The indices of the numbers that the function computes.
+        results: Those of them that are read after all is computed.
+    """
+
+    def __init__(
+        self, program: Program, needed: Collection[int], results: Iterable[Number]
+    ) -> None:
+        self.program = program
+        self.phases = in_phases(program, needed)
+        self._array_of: dict[int, str] = {}  # where a loop leaves a number, by the number's index
+        for phase in self.phases:
+            for lanes in chain(*phase.loops.values()):
+                for row, number in enumerate(lanes.numbers):
+                    self._array_of[number.index] = f"{_array(lanes)}[{row}]"
+        self._read = {number.index for number in self._read_outside_of_loops(results)}
+
+    def lines(self) -> list[str]:
+        """The statements, in an order in which they can be computed."""
+        lines: list[str] = []
+        for phase in self.phases:
+            for number in phase.alone:
+                lines += self._statement(number, [self.text(each) for each in number.arguments])
+            for rows, looped in phase.loops.items():
+                lines += self._loop_over_rows(rows, looped)
+        return lines
+
+    def text(self, number: Number) -> str:
+        """A number as an argument, outside of loops."""
+        if number.operation == CONSTANT:
+            return _literal(number, suffix_of(self.program))
+        return self._array_of.get(number.index, f"v{number.index}")
+
+    def _read_outside_of_loops(self, results: Iterable[Number]) -> Iterator[Number]:
+        """What is read by itself, or by another loop than the one that computes it."""
+        yield from results
+        for phase in self.phases:
+            for number in phase.alone:
+                yield from number.arguments
+            for looped in phase.loops.values():
+                here = set(looped)
+                for argument in chain(*(lanes.arguments for lanes in looped)):
+                    if argument not in here:
+                        yield from in_rows(argument)
+
+    def _loop_over_rows(self, rows: int, looped: Sequence[Lanes]) -> list[str]:
+        """A loop, with the arrays that it reads and writes."""
+        before: list[str] = []
+        inside: list[str] = []
+        gathered: dict[tuple[Number, ...], str] = {}
+
+        here = set(looped)
+        for lanes in looped:
+            arguments: list[str] = []
+            for argument in lanes.arguments:
+                if isinstance(argument, Number):
+                    arguments.append(self.text(argument))
+                elif argument in here:
+                    arguments.append(_one(argument))
+                elif isinstance(argument, Lanes) and argument.last in self._array_of:
+                    arguments.append(f"{_array(argument)}[row]")
+                else:
+                    numbers = in_rows(argument)
+                    if numbers not in gathered:
+                        gathered[numbers] = f"{_one(lanes)}_of_{len(gathered)}"
+                        before.append(self._list(gathered[numbers], numbers))
+                    arguments.append(f"{gathered[numbers]}[row]")
+
+            number = lanes.numbers[0]
+            inside += self._statement(number, arguments)
+            if any(each.index in self._read for each in lanes.numbers):
+                before.append(f"  {TYPES[number.kind]} {_array(lanes)}[{rows}];")
+                inside.append(f"  {_array(lanes)}[row] = {_one(lanes)};")
+
+        return [*before, f"  for (int row = 0; row < {rows}; ++row) {{", *inside, "  }"]
+
+    def _statement(self, number: Number, arguments: Sequence[str]) -> list[str]:
+        """What computes a number, or calls a routine."""
+        name, value = f"v{number.index}", ""
+        if number.operation in ROUTINES:
+            return _call(number, name, arguments)
+        if number.operation == LOOP:
+            return self._loop(number, name, arguments)
+        if number.operation == LIST:
+            return [self._list(name, number.arguments)]
+
+        if number.operation == INPUT:
+            value = f"{number.value[0]}[{number.value[1]}]"
+        elif number.operation == ITEM:
+            value = f"{arguments[0]}[{number.value}]"
+        elif number.operation == PICK:
+            index, array = arguments
+            (count,) = number.arguments[1].value
+            value = f"{array}[(unsigned long long){index} < {count} ? {index} : 0]"
+        else:
+            operation = OPERATIONS[number.operation]
+            value = operation.text.format(*arguments, f=suffix_of(self.program))
+        return [f"  const {TYPES[number.kind]} {name} = {value};"]
+
+    def _list(self, name: str, numbers: Sequence[Number]) -> str:
+        """An array of numbers."""
+        are_known = all(number.operation == CONSTANT for number in numbers)
+        qualifiers = "static const" if are_known else "const"
+        listed = ", ".join(map(self.text, numbers))
+        return f"  {qualifiers} {TYPES[numbers[0].kind]} {name}[] = {{{listed}}};"
+
+    def _loop(self, number: Number, name: str, arguments: Sequence[str]) -> list[str]:
+        """An operation on each number of arrays."""
+        operation, places, count = number.value
+        given = iter(arguments)
+        at_place = [place.format(next(given)) if "{}" in place else place for place in places]
+        text = OPERATIONS[operation].text.format(*at_place, f=suffix_of(self.program))
+        return [
+            f"  real {name}[{count}];",
+            f"  for (int i = 0; i < {count}; ++i) {name}[i] = {text};",
+        ]
+
+
+def is_array(number: Number) -> bool:
+    """Whether it is many numbers: a list, or all that a routine or a loop gives."""
+    return number.operation in (LIST, LOOP) or number.operation in ROUTINES
+
+
+def suffix_of(program: Program) -> str:
+    """The suffix of functions and literals of the program's precision."""
+    return "f" if program.dtype == torch.float32 else ""
+
+
+def _one(lanes: Lanes) -> str:
+    """The name of one row's number, in the loop."""
+    return f"v{lanes.numbers[0].index}"
+
+
+def _array(lanes: Lanes) -> str:
+    """The name of an array of them all."""
+    return f"{_one(lanes)}_rows"
+
+
+def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
+    """The call of a routine, whose arguments and results are arrays."""
+    *sizes, count = number.value
+    given = f"  const real {name}_in[] = {{{', '.join(arguments)}}};"
+    result = f"  real {name}[{count}];"
+
+    pointers = f"{name}_in"
+    if len(number.arguments) == 1 and is_array(number.arguments[0]):
+        given, pointers = "", arguments[0]
+    if number.operation.startswith("substitute"):
+        size = sizes[0]
+        pointers = f"{name}_in, {name}_in + {size * size}, {name}_in + {size * size + size}"
+    numbers = ", ".join(str(size) for size in sizes)
+    return [*filter(None, (given, result)), f"  {number.operation}({numbers}, {pointers}, {name});"]
+
+
+def _literal(number: Number, suffix: str) -> str:
+    """A constant, to the last digit."""
+    if number.kind != "real":
+        return str(int(number.value))
+    value = float(number.value)
+    if not np.isfinite(value):
+        return "((real)NAN)" if np.isnan(value) else f"({'-' if value < 0 else ''}(real)INFINITY)"
+    text = f"{value!r}{suffix}"
+    return f"({text})" if value < 0 or text.startswith("-") else text
