@@ -162,7 +162,8 @@ def train(
 
     torch.manual_seed(SEED)
     body = rigid_object(Options())
-    network = PoseNetwork(body).to(memory_format=torch.channels_last)
+    network: Any = PoseNetwork(body)  # torch types no formats
+    network.to(memory_format=torch.channels_last)
     optimizer = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-4)
     state, done = folder / "state.pt", 0
     if state.exists():
