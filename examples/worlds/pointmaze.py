@@ -1,12 +1,13 @@
-"""PointMaze of Gymnasium-Robotics: a ball that is pushed by forces rolls through a maze it knows.
+"""PointMaze of Gymnasium-Robotics: a ball that is pushed rolls through a maze that it knows.
 
-The world is that of gymnasium-robotics (MIT), which wants MuJoCo < 4: `make worlds`, or in a virtual
-environment of its own, in this folder,
+The world is that of gymnasium-robotics (MIT), whose other worlds want MuJoCo < 4, so `make worlds`
+puts it into a folder of its own. By hand, in this folder:
 
     pip install 'aicon-torch[compare]' gymnasium-robotics==1.4.2 mujoco==3.10.0
-    aicon compare --task pointmaze:TASK --policies aicon without_exploration --episodes 100 --seed 400000
+    aicon compare --task pointmaze:TASK --policies aicon steepest --episodes 100 --seed 400000
 
-The ball sees its position, its velocity and the goal; the map stands in the graph as walls.
+The ball sees where it is, how fast, and the goal; the map stands in the graph as walls. What is set
+by hand are four numbers: the speed, the lag, the length of a collision and the horizon.
 """
 
 from collections.abc import Sequence
@@ -29,13 +30,14 @@ from aicon_torch import (
     DirectDescent,
     Foresight,
     Goal,
+    Interconnection,
     NullspaceProjection,
     Policy,
     Sensor,
     WorldModel,
 )
 from aicon_torch.control import ActionLaw
-from aicon_torch.parts import ForceServo, Lag, Walls
+from aicon_torch.parts import ForceServo, Lag, Walls, norm
 from aicon_torch.resolution import Exploration, Resolution, SteepestPath, TrapEscape
 
 # --- the world
@@ -100,8 +102,8 @@ class PointMaze(gymnasium.Env[Any, Any]):
 
 # --- the policy
 
-SERVO = ForceServo(mass=4.19, time=0.1, largest=100.0)
 ESCAPE = TrapEscape(progress="reach", hold="avoid", along="avoid", onward=True)
+RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
 
 
 @dataclass(frozen=True)
@@ -109,11 +111,21 @@ class Options:
     """What is set by hand."""
 
     maze: str = "umaze"
-    speed: float = 3.0  # m/s
+    speed: float = 5.0  # m/s, that of the world
+    lag: float = 0.1  # in which the servo brings the ball to a velocity, s
     length: float = 0.04  # of the likelihood of a collision, m
-    time: float = 0.1  # in which the servo brings the ball to a velocity, s
-    resolution: Resolution = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
+    resolution: Resolution = RESOLUTION
     law: ActionLaw = field(default_factory=lambda: Foresight(horizon=0.2))
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "aicon": {},
+    "without_escape": {"resolution.exploration.escape": TrapEscape()},
+    "without_exploration": {"resolution.exploration": None},
+    "sum_exploring": {"resolution.projector": "none"},
+    "one_gradient": {"law": DirectDescent()},
+    "steepest": {"resolution": SteepestPath()},
+}
 
 
 def build(options: Options) -> Policy:
@@ -121,8 +133,7 @@ def build(options: Options) -> Policy:
     grid = getattr(robotics(".envs.maze.maps"), MAPS[options.maze])
     rows = ["".join("#" if cell == 1 else " " for cell in row) for row in grid]
     walls = Walls.from_grid(rows, radius=0.1)
-    near = walls.collision_likelihood(options.length)
-    servo, lag = ForceServo(mass=4.19, time=options.time, largest=100.0), Lag(options.time)
+    servo, lag = ForceServo(mass=4.19, time=options.lag, largest=100.0), Lag(options.lag)
 
     def ahead(z_ball: Tensor, v_ball: Tensor, a: Tensor, dt: Tensor) -> Tensor:
         return z_ball + lag.displacement(a, v_ball, dt)
@@ -131,17 +142,51 @@ def build(options: Options) -> Policy:
         return servo(a, v_ball) / servo.largest
 
     def far(p_ball: Tensor, z_goal: Tensor) -> Tensor:
-        return torch.linalg.vector_norm(p_ball - z_goal, dim=-1)
+        return norm(p_ball - z_goal)
 
-    def hits(p_ball: Tensor) -> Tensor:
-        return near(p_ball)
-
+    avoid = Interconnection(walls.collision_likelihood(options.length), ["p_ball"])
     model = WorldModel(
         sensors={name: Sensor(2, "SI") for name in ("z_ball", "v_ball", "z_goal")},
         actuators={"a": Actuator(2, "m/s", limit=options.speed, command=push)},
         estimators=[Deterministic("p_ball", ahead)],
-        goals=[Goal("reach", far), Goal("avoid", hits)],
+        goals=[Goal("reach", far), Goal("avoid", avoid)],
         dt=STEP,
         dtype=torch.float64,
     )
     return Policy(model, options.resolution, options.law)
+
+
+# --- the task
+
+
+def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
+    """The worlds of a batch."""
+    horizon = min(horizon, HORIZONS[condition])
+    return side_by_side(lambda: PointMaze(condition, **options), count, horizon)
+
+
+def reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
+    """The seed places ball and goal."""
+    return {"seed": [episode.seed for episode in episodes]}
+
+
+def policy_options(condition: str) -> dict[str, Any]:
+    """The map."""
+    return {"maze": condition}
+
+
+TASK = Task(
+    name="pointmaze",
+    time_step=STEP,
+    horizon=max(HORIZONS.values()),
+    chunk_size=50,
+    maps=("maze",),
+    conditions=tuple(HORIZONS),
+    make_env=make_env,
+    reset_arguments=reset_arguments,
+    policy_options=policy_options,
+    noiseless=tuple(HORIZONS),
+    time_unit="steps",
+    model=__name__,
+    presets=tuple(PRESETS),
+)
