@@ -99,7 +99,7 @@ WORLD_POLICIES := aicon without_escape without_exploration sum_exploring one_gra
 
 worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/, with what carries each; goes on where it was
 	cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare --task pointmaze:TASK \
-	  --policies $(WORLD_POLICIES) --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
+	  --conditions umaze medium large --policies $(WORLD_POLICIES) --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
 
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build
