@@ -79,7 +79,8 @@ class Walls:
 
     def gaps(self, position: Tensor) -> Tensor:
         """The gap between the robot at ``(*B, 2)`` and each of K faces, ``(*B, K)``, m."""
-        start, end = position.new_tensor(self.faces).split(2, dim=-1)
+        faces = position.new_tensor(self.faces)
+        start, end = faces[:, :2], faces[:, 2:]
         way, ahead = end - start, position.unsqueeze(-2) - start
         length = torch.linalg.vector_norm(way, dim=-1)
         along = (ahead * way).sum(-1) / length
