@@ -16,7 +16,7 @@ AICON := $(VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install constraints test test-all test-oldest test-newest compare arm_push reach figures benchmark lint docs format clean
+.PHONY: help install constraints test test-all test-oldest test-newest compare arm_push reach worlds figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -88,6 +88,19 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 	  --conditions $(REACH_CONDITIONS) --episodes $(EPISODES) --seed 0 --jobs $(JOBS) --out $(OUT)/reach
 	$(AICON) figures reach --out $(OUT)/reach
 
+# What other people's worlds need lies in a folder of its own, in front of what is installed: they want an older MuJoCo.
+WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0
+WORLD_POLICIES := aicon without_escape without_exploration sum_exploring one_gradient steepest
+
+.venv-worlds/.installed: Makefile $(INSTALLED)
+	rm -rf .venv-worlds
+	$(VENV)/bin/python -m pip install --disable-pip-version-check --no-deps --target .venv-worlds $(WORLDS)
+	@touch $@
+
+worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/, with what carries each; goes on where it was
+	cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare --task pointmaze:TASK \
+	  --conditions umaze medium large --policies $(WORLD_POLICIES) --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
+
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build
 	@echo "The site: docs/_build/index.html"
@@ -109,5 +122,5 @@ format: $(INSTALLED) ## Put the code into the project's format
 	$(RUN) -m ruff format
 
 clean: ## Remove the virtual environments and what tools left behind, but no results
-	rm -rf .venv .venv-uv .venv-oldest .venv-newest build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv-worlds .venv .venv-uv .venv-oldest .venv-newest build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find aicon_torch envs baselines scripts tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -40,6 +40,7 @@ from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.keypoint_offset import KeypointOffset
+from aicon_torch.parts.lag import Lag
 from aicon_torch.parts.landmark import (
     BearingPrior,
     Landmark,
@@ -75,6 +76,7 @@ from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
 from aicon_torch.parts.velocity_lag import VelocityLag
+from aicon_torch.parts.walls import Walls
 from aicon_torch.parts.wheels import Bicycle, DifferentialDrive, Wheels
 from aicon_torch.parts.workspace import Workspace
 
@@ -111,6 +113,7 @@ __all__ = [
     "JointLimits",
     "KeypointOffset",
     "KeypointRegistration",
+    "Lag",
     "Landmark",
     "MovingObstacle",
     "Obstacle",
@@ -136,6 +139,7 @@ __all__ = [
     "TouchedTop",
     "VelocityLag",
     "Visibility",
+    "Walls",
     "Wheels",
     "Workspace",
     "approach",

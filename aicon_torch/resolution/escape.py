@@ -29,6 +29,9 @@ class TrapEscape:
         hold_gain: Gain of that feedback, per relative error of the magnitude.
         along: A goal, or several, in whose common nullspace to explore, instead of the dominant
             gradient's.
+        onward: Whether it goes on in the direction in which it explored last, as that nullspace
+            turns, and not in that of the motion average, which in an inner corner points back into
+            the corner along either wall.
 
     Example:
         >>> TrapEscape(progress="reach", hold=("stops", "collision"), along=("stops", "collision"))
@@ -39,6 +42,7 @@ class TrapEscape:
     hold: str | Sequence[str] | None = None
     hold_gain: float = 3.0
     along: str | Sequence[str] | None = None
+    onward: bool = False
 
     @property
     def goals(self) -> tuple[str, ...]:

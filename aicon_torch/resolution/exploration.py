@@ -104,6 +104,8 @@ class Exploration:
         }
         if self.escape.progress:
             memory["displacement"] = torch.zeros(size)
+        if self.escape.onward:
+            memory["tangent"] = memory["normal"] = torch.zeros(size)
         return memory
 
     def __call__(
@@ -149,7 +151,15 @@ class Exploration:
         # 4. Move along the nullspace.
         exploring = torch.where(was_exploring, stays, enters)
         new_memory["exploring"] = exploring
-        return exploring, self.direction(stack, ranked, average), new_memory
+        normals = self.escape.normals(stack, ranked) or [select(ranked.directions, ranked.dominant)]
+        before = average
+        if self.escape.onward:
+            onward = turned_with(memory["tangent"], memory["normal"], normals[0])
+            before = torch.where(was_exploring.unsqueeze(-1), onward, average)
+        tangent = self.tangent(ranked, normals, before)
+        if self.escape.onward:
+            new_memory |= {"tangent": tangent, "normal": normals[0]}
+        return exploring, self.escape.hold_level(tangent, stack, ranked), new_memory
 
     def compare(self, ranked: RankedGradients, exploring: Tensor) -> Comparison:
         """Set the dominant gradient against its opponent.
@@ -197,19 +207,32 @@ class Exploration:
         explained: Tensor = slope * torch.linalg.vector_norm(moved, dim=-1)
         return standing - here > explained
 
-    def direction(self, stack: GradientStack, ranked: RankedGradients, average: Tensor) -> Tensor:
-        """The unit direction in a nullspace that best continues the motion average, ``(*B, d)``."""
-        normals = self.escape.normals(stack, ranked) or [select(ranked.directions, ranked.dominant)]
-
+    def tangent(self, ranked: RankedGradients, normals: list[Tensor], before: Tensor) -> Tensor:
+        """The unit direction in a nullspace that best continues the motion before, ``(*B, d)``."""
         # The motion so far decides; where it has no say the descent does, and else an axis.
         descent = -1e-6 * ranked.weighted.sum(-2)
-        components = torch.arange(average.shape[-1], device=average.device)
+        components = torch.arange(before.shape[-1], device=before.device)
         largest = torch.stack(normals).abs().amax(0)
         axis = 1e-9 * (components == largest.argmin(-1, keepdim=True)).to(torch.float32)
-        free = _reject_all(average + descent, normals) + axis
-        tangent = unit(_reject_all(free, normals))
+        free = _reject_all(before + descent, normals) + axis
+        return unit(_reject_all(free, normals))
 
-        return self.escape.hold_level(tangent, stack, ranked)
+
+def turned_with(tangent: Tensor, normal: Tensor, new_normal: Tensor) -> Tensor:
+    """A direction t, turned as its normal n turns to n′: t − (n + n′) (n′·t) / (1 + n·n′).
+
+    So it goes on around a corner on the same side. Where the new normal is next to opposite, as
+    between two walls, the direction stays.
+
+    Args:
+        tangent: t, ``(*B, d)``, at right angles to n.
+        normal: n, ``(*B, d)``, of length one.
+        new_normal: n′, likewise.
+    """
+    cosine = (normal * new_normal).sum(-1, keepdim=True)
+    share = (new_normal * tangent).sum(-1, keepdim=True) / (1.0 + cosine).clamp(min=0.5)
+    turned: Tensor = tangent - (normal + new_normal) * share
+    return turned
 
 
 def _reject_all(vector: Tensor, normals: list[Tensor]) -> Tensor:

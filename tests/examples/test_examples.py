@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import torch
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -22,6 +23,7 @@ CLAIMS = {
     "06_add_to_a_running_arm": "The arm gave way to the ball, and came back.",
     "07_two_robots": "The robots have changed places, and did not touch.",
     "08_learned_motion": "What was learned brings the robots to their target.",
+    "nano": "The disc is out of the trap and at its target",
 }
 NEEDED = {
     "03_compare_resolutions": ["pymunk"],
@@ -39,6 +41,7 @@ LONG = (
     "05_own_arm",
     "06_add_to_a_running_arm",
     "08_learned_motion",
+    "nano",
 )
 """Those that take the most time; what they use, others do as well."""
 
@@ -56,7 +59,11 @@ def test_an_example_does_what_it_announces(
         if importlib.util.find_spec(module) is None:
             pytest.skip(f"{module} is not installed")
 
-    runpy.run_path(str(example), run_name="__main__")
+    precision = torch.get_default_dtype()
+    try:
+        runpy.run_path(str(example), run_name="__main__")
+    finally:
+        torch.set_default_dtype(precision)
     last_line = capsys.readouterr().out.strip().splitlines()[-1]
     assert last_line.startswith(CLAIMS[example.stem])
 

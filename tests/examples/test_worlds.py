@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from aicon_torch.models import replace_options
+
 WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
 
 
@@ -27,3 +29,26 @@ def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None
         succeeded = info["is_success"].tolist()
     env.close()
     assert succeeded == [True, True]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("gymnasium_robotics"), reason="needs: make worlds")
+def test_pointmaze_rolls_around_its_wall(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Within the benchmark's horizon, where without exploration it stays in front of the wall."""
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world = import_module("pointmaze")
+    succeeded: dict[str, bool] = {}
+
+    for preset in ("aicon", "without_exploration"):
+        options = replace_options(world.Options("umaze"), world.PRESETS[preset], "PointMaze")
+        policy = world.build(options).compile()
+        env = world.PointMaze("umaze")
+        (observation, info), memory = env.reset(seed=1016), None
+        for _ in range(world.HORIZONS["umaze"]):
+            action, memory = policy.predict(observation, memory)
+            observation, _, ended, _, info = env.step(action)
+            if ended:
+                break
+        env.close()
+        succeeded[preset] = info["is_success"]
+    assert succeeded == {"aicon": True, "without_exploration": False}

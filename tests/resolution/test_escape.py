@@ -18,6 +18,7 @@ from _inputs import (
 from torch import Tensor
 
 from aicon_torch import TrapEscape, make_policy
+from aicon_torch.resolution.exploration import turned_with
 
 NONE = torch.zeros(4, dtype=torch.float64)
 ONES = torch.ones(4, dtype=torch.float64)
@@ -44,6 +45,40 @@ def test_paper_literal_has_none_of_the_escapes() -> None:
     ours: Any = make_policy("nav2d")
     escape = ours.resolution.exploration.escape
     assert (escape.progress, escape.hold) == ("reach", "avoid")
+
+
+# --- a side that is kept
+
+
+def unit_at(degrees: float) -> Tensor:
+    angle = torch.tensor(degrees, dtype=torch.float64).deg2rad()
+    return torch.stack((angle.cos(), angle.sin()))
+
+
+@pytest.mark.parametrize("turn", [-110, -90, -20, 0, 45, 90, 110])
+def test_onward_a_direction_turns_with_its_normal_and_keeps_its_side(turn: float) -> None:
+    for side in (-90, 90):
+        onward = turned_with(unit_at(30 + side), unit_at(30), unit_at(30 + turn))
+        torch.testing.assert_close(onward, unit_at(30 + turn + side))
+
+
+def test_onward_a_direction_stays_between_two_walls() -> None:
+    along = unit_at(90)
+    torch.testing.assert_close(turned_with(along, unit_at(0), unit_at(180)), along)
+
+
+def test_onward_an_inner_corner_is_no_end() -> None:
+    """The average points into the corner; what it did last, and its normal, lead out of it."""
+    gradients, into_the_corner = conflict(4), normal(4, 3, seed=2)
+    rule = literal(TrapEscape(along="g0", onward=True))
+    memory = exploring_memory(gradients, rule, average=into_the_corner)
+    wall = direction(gradients[:, 0])
+    tangent = torch.linalg.cross(wall, normal(4, 3, seed=3))
+    tangent = tangent / lengths(tangent).unsqueeze(-1)
+    total, after = resolve(rule, gradients, {**memory, "tangent": tangent, "normal": wall})
+
+    torch.testing.assert_close(-total, tangent, rtol=0, atol=1e-5)
+    torch.testing.assert_close(after["tangent"], tangent, rtol=0, atol=1e-5)
 
 
 # --- a nullspace of choice

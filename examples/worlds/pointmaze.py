@@ -1,0 +1,192 @@
+"""PointMaze of Gymnasium-Robotics: a ball that is pushed rolls through a maze that it knows.
+
+The world is that of gymnasium-robotics (MIT), whose other worlds want MuJoCo < 4, so `make worlds`
+puts it into a folder of its own. By hand, in this folder:
+
+    pip install 'aicon-torch[compare]' gymnasium-robotics==1.4.2 mujoco==3.10.0
+    aicon compare --task pointmaze:TASK --policies aicon steepest --episodes 100 --seed 400000
+
+The ball sees where it is, how fast, and the goal; the map stands in the graph as walls. What is set
+by hand are four numbers: the speed, the lag, the length of a collision and the horizon.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+import gymnasium
+import numpy as np
+import torch
+from gymnasium.error import DependencyNotInstalled
+from gymnasium.spaces import Box, Dict
+from torch import Tensor
+
+from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.tasks.side_by_side import side_by_side
+from aicon_torch import (
+    Actuator,
+    Deterministic,
+    DirectDescent,
+    Foresight,
+    Goal,
+    Interconnection,
+    NullspaceProjection,
+    Policy,
+    Sensor,
+    WorldModel,
+)
+from aicon_torch.control import ActionLaw
+from aicon_torch.parts import ForceServo, Lag, Walls, norm
+from aicon_torch.resolution import Exploration, Resolution, SteepestPath, TrapEscape
+
+# --- the world
+
+STEP = 0.01  # s
+HORIZONS = {"umaze": 300, "medium": 600, "large": 800}  # steps, the benchmark's
+NAMES = {"umaze": "UMaze", "medium": "Medium", "large": "Large"}
+MAPS = {"umaze": "U_MAZE", "medium": "MEDIUM_MAZE", "large": "LARGE_MAZE"}
+
+
+def robotics(module: str = "") -> Any:
+    """The package."""
+    try:
+        return import_module(f"gymnasium_robotics{module}")
+    except ModuleNotFoundError as error:
+        raise DependencyNotInstalled(f"{error}: pip install gymnasium-robotics") from error
+
+
+class PointMaze(gymnasium.Env[Any, Any]):
+    """The world, which ends where the ball arrives, as the benchmark counts it."""
+
+    observation_space = Dict(
+        {name: Box(-np.inf, np.inf, (2,), np.float64) for name in ("z_ball", "v_ball", "z_goal")}
+    )
+    action_space = Box(-1.0, 1.0, (2,), np.float64)
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
+
+    def __init__(self, maze: str, render_mode: str | None = None) -> None:
+        gymnasium.register_envs(robotics())
+        name = f"PointMaze_{NAMES[maze]}-v3"
+        self.world = gymnasium.make(name, continuing_task=False, render_mode=render_mode)
+        self.render_mode = render_mode
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        """Place ball and goal."""
+        super().reset(seed=seed)
+        return self._seen(self.world.reset(seed=seed)[0], False)
+
+    def step(self, action: Any) -> Any:
+        """Push."""
+        state, _, arrives, ends, told = self.world.step(np.asarray(action, np.float64))
+        return self._result(state, told["success"], arrives, ends)
+
+    def _result(self, state: Any, success: bool, arrives: bool, ends: bool) -> Any:
+        observation, info = self._seen(state, success)
+        return observation, 0.0, arrives, ends, info
+
+    def render(self) -> Any:
+        """A picture."""
+        return self.world.render()
+
+    def close(self) -> None:
+        """Close the world."""
+        self.world.close()
+
+    def _seen(self, state: Any, success: bool) -> Any:
+        ball, velocity = np.split(state["observation"], 2)
+        distance = float(np.linalg.norm(ball - state["desired_goal"]))
+        info = {"position": ball, "distance": distance, "is_success": success, "collision": False}
+        return {"z_ball": ball, "v_ball": velocity, "z_goal": state["desired_goal"]}, info
+
+
+# --- the policy
+
+ESCAPE = TrapEscape(progress="reach", hold="avoid", along="avoid", onward=True)
+RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is set by hand."""
+
+    maze: str = "umaze"
+    speed: float = 5.0  # m/s, that of the world
+    lag: float = 0.1  # in which the servo brings the ball to a velocity, s
+    length: float = 0.04  # of the likelihood of a collision, m
+    resolution: Resolution = RESOLUTION
+    law: ActionLaw = field(default_factory=lambda: Foresight(horizon=0.2))
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "aicon": {},
+    "without_escape": {"resolution.exploration.escape": TrapEscape()},
+    "without_exploration": {"resolution.exploration": None},
+    "sum_exploring": {"resolution.projector": "none"},
+    "one_gradient": {"law": DirectDescent()},
+    "steepest": {"resolution": SteepestPath()},
+}
+
+
+def build(options: Options) -> Policy:
+    """The graph."""
+    grid = getattr(robotics(".envs.maze.maps"), MAPS[options.maze])
+    rows = ["".join("#" if cell == 1 else " " for cell in row) for row in grid]
+    walls = Walls.from_grid(rows, radius=0.1)
+    servo, lag = ForceServo(mass=4.19, time=options.lag, largest=100.0), Lag(options.lag)
+
+    def ahead(z_ball: Tensor, v_ball: Tensor, a: Tensor, dt: Tensor) -> Tensor:
+        return z_ball + lag.displacement(a, v_ball, dt)
+
+    def push(a: Tensor, v_ball: Tensor) -> Tensor:
+        return servo(a, v_ball) / servo.largest
+
+    def far(p_ball: Tensor, z_goal: Tensor) -> Tensor:
+        return norm(p_ball - z_goal)
+
+    avoid = Interconnection(walls.collision_likelihood(options.length), ["p_ball"])
+    model = WorldModel(
+        sensors={name: Sensor(2, "SI") for name in ("z_ball", "v_ball", "z_goal")},
+        actuators={"a": Actuator(2, "m/s", limit=options.speed, command=push)},
+        estimators=[Deterministic("p_ball", ahead)],
+        goals=[Goal("reach", far), Goal("avoid", avoid)],
+        dt=STEP,
+        dtype=torch.float64,
+    )
+    return Policy(model, options.resolution, options.law)
+
+
+# --- the task
+
+
+def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
+    """The worlds of a batch."""
+    horizon = min(horizon, HORIZONS[condition])
+    return side_by_side(lambda: PointMaze(condition, **options), count, horizon)
+
+
+def reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
+    """The seed places ball and goal."""
+    return {"seed": [episode.seed for episode in episodes]}
+
+
+def policy_options(condition: str) -> dict[str, Any]:
+    """The map."""
+    return {"maze": condition}
+
+
+TASK = Task(
+    name="pointmaze",
+    time_step=STEP,
+    horizon=max(HORIZONS.values()),
+    chunk_size=50,
+    maps=("maze",),
+    conditions=tuple(HORIZONS),
+    make_env=make_env,
+    reset_arguments=reset_arguments,
+    policy_options=policy_options,
+    noiseless=tuple(HORIZONS),
+    time_unit="steps",
+    model=__name__,
+    presets=tuple(PRESETS),
+)
