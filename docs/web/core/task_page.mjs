@@ -174,7 +174,7 @@ export class TaskPage {
   #meddle(does) {
     does();
     this.episode.before = this.episode.world.moving;
-    this.#draw(1);
+    if (!this.isPlaying) this.#draw(1); // else the next frame does
   }
 
   #step() {

@@ -49,7 +49,7 @@ export async function startFloor({ root, policies, palette, data }) {
   root.querySelector("button").addEventListener("click", restart);
   restart();
 
-  whileSeen(root, (passed) => {
+  whileSeen(stage, (passed) => {
     // Any number of pulls is switched on, in the memory.
     for (const { policy } of runners.episodes) {
       policy
@@ -76,7 +76,7 @@ export async function startFloor({ root, policies, palette, data }) {
       ],
       { fill: palette.OBJECT },
     );
-    stage.text("the floor is felt", [0, data.floor.margin], palette.INK, [0, -12]);
+    stage.text("from here on the floor is felt", [0, data.floor.margin], palette.INK, [0, -12]);
 
     ["sum", "projection"].forEach((name, i) => {
       const place = places[i];

@@ -41,7 +41,7 @@ export class ArmWorld {
       );
       const isClear =
         this.gap > 0.1 &&
-        norm(this.ball) > 0.3 &&
+        norm(this.ball) > this.sizes.links[0] + this.sizes.ball + this.sizes.thickness + 0.05 &&
         norm(minus(this.ball, this.target)) > this.sizes.ball + 0.12;
       if (isClear && norm(minus(this.target, tip)) > 0.4) return;
     }
