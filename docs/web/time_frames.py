@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -44,28 +45,33 @@ WATCH = """
     });
 
     // When the first picture has changed: ms since the address was called.
-    const pictures = new Set(["blank"]);
+    const pictures = new Set(), isStill = location.pathname.includes("theory");
     const look = () => {
         const canvas = document.querySelector("canvas[role]");
         if (canvas?.width > 1) {
-            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-            if (data[3]) pictures.add(new Int32Array(data.buffer).reduce((a, b) => (31 * a + b) | 0));
+            const pen = canvas.getContext("2d");
+            const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+            const dots = new Int32Array(data.buffer);
+            if (data[3]) pictures.add(dots.reduce((sum, dot) => (31 * sum + dot) | 0));
         }
-        if (pictures.size > (location.pathname.includes("theory") ? 1 : 2)) watched.moved = performance.now();
+        if (pictures.size > (isStill ? 0 : 1)) watched.moved = performance.now();
         else request(look);
     };
     request(look);
 """
-"""What a page tells of its frames. The first screen of the theory stands still: there, it is drawn."""
+"""What a page tells of its frames.
+
+The first screen of the theory stands still until it is turned: there, it is drawn.
+"""
 
 DRAG = """(held, seconds) => {
     const { left, top } = held.getBoundingClientRect(), begin = performance.now();
     const move = (now) => {
-        const passed = (now - begin) / 1000;
-        if (passed > seconds) return;
-        const place = { clientX: left + 30 * Math.sin(2 * passed), clientY: top + 30 * Math.sin(3 * passed) };
+        const time = (now - begin) / 1000, [right, down] = [Math.sin(2 * time), Math.sin(3 * time)];
+        if (time > seconds) return;
+        const place = { clientX: left + 30 * right, clientY: top + 30 * down };
         held.dispatchEvent(new PointerEvent("pointermove", place));
-        if (held.type === "range") held.valueAsNumber = 6 + 5 * Math.sin(2 * passed);
+        if (held.type === "range") held.valueAsNumber = 6 + 5 * right;
         held.dispatchEvent(new Event("input"));
         requestAnimationFrame(move);
     };
@@ -73,7 +79,12 @@ DRAG = """(held, seconds) => {
 }"""
 """Moves what is held once in every frame."""
 
-WORK = "(() => { const t = performance.now(); for (let i = 0, x = 0; i < 3e7; ++i) x += i % 7; return performance.now() - t; })()"
+WORK = """() => {
+    const begin = performance.now();
+    for (let i = 0, x = 0; i < 3e7; ++i) x += Math.sqrt(i);
+    return performance.now() - begin;
+}"""
+"""How long some work takes, ms."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print a line for each page, and for each screen that it has."""
+    """Print when each page moves, and a line for each of its screens."""
     with tempfile.TemporaryDirectory() as made, sync_playwright() as playwright:
         folder = (arguments.pages or Path(made)).absolute()
         if arguments.pages is None:
@@ -96,20 +107,31 @@ def run(arguments: argparse.Namespace) -> None:
         look = PHONE if arguments.phone else {}
         with served(folder) as server:
             for path in sorted(folder.glob("*.html")):
+                print(path.stem)
                 for place in (f"{server}/{path.name}", path.as_uri()):
-                    with opened(browser, place, arguments.slower, look) as page:
-                        moved = page.evaluate("watched.moved")
-                        print(f"{path.stem} from {place[:4]}: moves after {moved:.0f} ms")
-                        if place.startswith("file"):
-                            print_frames(page, path.stem, arguments.seconds)
+                    for slower in (1.0, arguments.slower):
+                        with opened(browser, place, slower, look) as page:
+                            moved = f"moves after {page.evaluate('watched.moved'):.0f} ms"
+                            print(f"  {place[:4]}, {slower:g} times slower: {moved}")
+                with opened(browser, path.as_uri(), 1.0, look) as page:
+                    slow_down(page, arguments.slower)
+                    print_frames(page, path.stem, arguments.seconds)
+
+
+def slow_down(page: Page, slower: float) -> None:
+    """Slow a page down, and say how much slower it is, for other work may slow it down as well."""
+    page.wait_for_timeout(2000)  # until every screen is there
+    before = page.evaluate(WORK)
+    session = page.context.new_cdp_session(page)
+    session.send("Emulation.setCPUThrottlingRate", {"rate": slower})
+    now = page.evaluate(WORK)
+    print(f"  {now / before:.1f} times slower: {now:.0f} ms for what took {before:.0f}")
 
 
 def print_frames(page: Page, name: str, seconds: float) -> None:
     """Print a line for each screen of a page."""
-    slowed = page.evaluate(WORK)
     for part in page.locator(".stage:not(.plot)").all():
         root = part.locator("xpath=ancestor::section")
-        screen = root.get_attribute("id") or name
         part.scroll_into_view_if_needed()
         page.wait_for_timeout(1000)
         page.evaluate("for (const kind of ['at', 'scripts', 'all']) watched[kind].length = 0")
@@ -118,11 +140,11 @@ def print_frames(page: Page, name: str, seconds: float) -> None:
         found = page.evaluate("watched")
         times = found["at"]
         rate = 1000 * (len(times) - 1) / (times[-1] - times[0])
-        late = sum(b - a > 25 for a, b in zip(times, times[1:], strict=False))
+        late = sum(later - earlier > 25 for earlier, later in pairwise(times))
         scripts, whole = (spread(found[kind]) for kind in ("scripts", "all"))
         print(
-            f"  {screen}: {rate:.1f} frames a second, {late} of {len(times)} late; "
-            f"scripts {scripts} ms, with painting {whole} ms",
+            f"  {root.get_attribute('id') or name}: {rate:.1f} frames a second, {late} of "
+            f"{len(times)} late; scripts {scripts} ms, with painting {whole} ms",
             flush=True,
         )
 

@@ -17,6 +17,7 @@ export class Stage {
     /** @type {Map<string, HTMLCanvasElement>} */
     this.labels = new Map();
     this.isAsked = false; // for a frame
+    this.drawn = "";
     /** @type {() => void} */
     this.redraw = () => {}; // what is called when another size has left it blank
     this.fit([0, 0], [1, 1], false);
@@ -37,6 +38,7 @@ export class Stage {
   }
 
   #resize() {
+    this.drawn = ""; // it will be blank
     const { width, height } = this.element.getBoundingClientRect();
     const dots = (this.dots = Math.min(window.devicePixelRatio || 1, 2));
     this.canvas.width = Math.max(1, Math.round(width * dots));
@@ -72,6 +74,16 @@ export class Stage {
       this.isAsked = false;
       this.redraw();
     });
+  }
+
+  /** Whether a picture would be another one than before. @param {unknown} what Shows, to a thousandth. */
+  differs(what) {
+    const round = (/** @type {string} */ _, /** @type {any} */ value) =>
+      typeof value === "number" ? Math.round(1000 * value) : value;
+    const words = JSON.stringify([what, this.size], round);
+    const differs = words !== this.drawn;
+    this.drawn = words;
+    return differs;
   }
 
   /** What is drawn, as a picture of its own, which costs little to show again. @param {() => void} draw */

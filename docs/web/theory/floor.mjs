@@ -57,6 +57,7 @@ export async function startFloor({ root, policies, palette, data }) {
         .forEach((_, i, active) => (active[i] = i <= count.value ? 1 : 0));
     }
     const places = runners.after(passed);
+    if (!stage.differs([places, count.value, slope.value])) return;
     stage.clear(palette.GROUND);
     stage.polygon(
       [

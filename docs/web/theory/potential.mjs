@@ -9,7 +9,7 @@ import { Runners, tell, whileSeen } from "./screen.mjs";
 
 const COLUMNS = 44;
 const NEAREST_BELIEF = 0.1; // m; nearer than this the agent does not believe its target
-const WORKING = 2; // ms of a frame for the potential
+const WORKING = 1.5; // ms of a frame for the potential
 const SWEEPS = 120; // of the potential that fits
 
 /** The potential that shifts as the target is triangulated and the projections change: the paper's first figure.
@@ -66,6 +66,7 @@ export async function startPotential({ root, policies, palette, data }) {
     const [x, y] = policy.values("p_tar");
     believed = plus(robot, [x, y]);
     if (runners.episodes[0].steps > 1) field.workFor(WORKING);
+    if (!stage.differs([robot, believed, world.target, field.count])) return;
 
     stage.clear(palette.GROUND);
     if (field.picture) stage.show(field.picture);
@@ -115,6 +116,7 @@ class Field {
     this.descents = [];
     /** @type {HTMLCanvasElement | null} */
     this.picture = null;
+    this.count = 0; // of pictures
     this.work = this.#forever(descentAt, stage, palette);
   }
 
@@ -146,6 +148,7 @@ class Field {
       const shades = this.#shades();
       yield;
       this.picture = stage.picture(() => this.#draw(shades, stage, palette));
+      this.count += 1;
       yield;
     }
   }

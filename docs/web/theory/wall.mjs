@@ -55,6 +55,7 @@ export async function startWall({ root, policies, palette }) {
   plot.redraw = () => (curves = null);
   whileSeen(stage, (passed) => {
     const places = runners.after(2 * passed);
+    if (!stage.differs([places, target, wall])) return;
     stage.clear(palette.GROUND);
     stage.line(wall, palette.OBSTACLE, 9);
     stage.disc(target, 0.06, palette.TARGET);

@@ -25,7 +25,8 @@ export class ArmWorld {
     this.draw();
   }
 
-  /** Posture, target and ball of a seed: the ball lies about on the way, but not at either end. */
+  /** Posture, target and ball of a seed: the ball lies about on the way, but not at either end, and so far out
+   * that the first link can pass it; else there may be no way. */
   draw() {
     const between = (/** @type {number} */ low, /** @type {number} */ high) =>
       low + (high - low) * this.random.uniform();
