@@ -63,9 +63,14 @@ def changes(look: Callable[[], Any], what: str) -> Iterator[None]:
     """What is done within changes what is seen, soon."""
     before = look()
     yield
+    until(lambda: look() != before, f"{what} changes nothing")
+
+
+def until(is_so: Callable[[], bool], complaint: str) -> None:
+    """Wait until something is so."""
     end = time.monotonic() + 60
-    while look() == before:
-        assert time.monotonic() < end, f"{what} changes nothing"
+    while not is_so():
+        assert time.monotonic() < end, complaint
         time.sleep(0.05)
 
 
