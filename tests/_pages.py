@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Browser, Locator, Page, expect
 
 NAMES = ("navigation", "pusht", "arm", "theory")
 TASKS = NAMES[:3]
@@ -22,6 +22,7 @@ def visited(browser: Browser, path: Path, address: str = "", **looks: Any) -> It
     context = browser.new_context(**looks)
     page = context.new_page()
     page.set_default_timeout(60_000)
+    expect.set_options(timeout=60_000)
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("console", lambda said: complaints.append(said.text))

@@ -112,9 +112,10 @@ def test_every_control_of_the_theory(way: str, pages: Path, browser: Any) -> Non
 def test_a_link_brings_back_the_moment(name: str, pages: Path, browser: Any) -> None:
     path = pages / f"{name}.html"
     with visited(browser, path) as page:
-        start(page, playing=True)
+        start(page)
         page.get_by_label("Sum").check()
-        page.wait_for_timeout(700)
+        for _ in range(8):
+            page.get_by_role("button", name="One step").click()
         page.get_by_role("button", name="Link to this moment").click()
         then, address = picture(page), page.evaluate("location.hash")
         page.get_by_role("button", name="One step").click()
