@@ -267,8 +267,10 @@ export class Stage {
       event.preventDefault();
       const length =
         (event.shiftKey ? 5 : 1) * (held.handle.step ?? 0.02 * (this.high[0] - this.low[0]));
-      const [x, y] = held.handle.place;
-      held.handle.move([x + length * way[0], y + (this.isDown ? -1 : 1) * length * way[1]]);
+      const { handle } = held;
+      const [x, y] = handle.place;
+      handle.place = [x + length * way[0], y + (this.isDown ? -1 : 1) * length * way[1]];
+      handle.move(handle.place); // from there the next press goes on, though nothing is drawn yet
     });
     this.element.append(button);
     return held;

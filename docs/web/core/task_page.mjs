@@ -177,7 +177,7 @@ export class TaskPage {
   #meddle(does) {
     does();
     this.episode.before = this.episode.world.moving;
-    if (!this.isPlaying) this.#draw(1); // else the next frame does
+    this.#draw(1);
   }
 
   #step() {
