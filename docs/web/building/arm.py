@@ -13,7 +13,6 @@ from aicon_torch import (
     Actuator,
     Affine,
     Deterministic,
-    Exploration,
     Foresight,
     Goal,
     Interconnection,
@@ -23,7 +22,6 @@ from aicon_torch import (
     Policy,
     Resolution,
     Sensor,
-    TrapEscape,
     WorldModel,
 )
 from aicon_torch.parts import (
@@ -46,11 +44,6 @@ DT, SPEED, STOP = 0.02, 1.5, 2.6
 LINKS, THICKNESS, BALL = (0.4, 0.35, 0.25), 0.03, 0.07
 """Lengths of the links, their radius and that of the ball, m."""
 
-ESCAPE = TrapEscape(hold="keep off", along="keep off")
-"""Exploration goes along the ball, as near as it was."""
-
-RESOLUTION = NullspaceProjection(exploration=Exploration(escape=ESCAPE))
-
 
 @dataclass(frozen=True)
 class Options:
@@ -61,7 +54,7 @@ class Options:
         law: From the gradients to the action.
     """
 
-    resolution: Resolution = RESOLUTION
+    resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
 
 
@@ -76,7 +69,7 @@ def build(options: Options) -> Policy:
         Capsule(number, (0.0, 0.0, 0.0), (length, 0.0, 0.0), THICKNESS)
         for number, length in enumerate(LINKS, start=1)
     ]
-    ball = Obstacle(Sphere(BALL), capsules, SquaredHinge(margin=0.2, weight=0.5))
+    ball = Obstacle(Sphere(BALL), capsules, SquaredHinge(margin=0.08, weight=0.5))
     stops = JointLimits([-STOP] * 3, [STOP] * 3, SquaredHinge(margin=0.15, weight=0.05))
     agreement = Measurement(Affine(q=1.0, z_joints=-1.0), noise=1e-8, size=3)
 

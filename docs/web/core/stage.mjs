@@ -14,6 +14,11 @@ export class Stage {
     this.pen = this.canvas.getContext("2d");
     /** @type {Map<string, { button: HTMLButtonElement, handle: Handle }>} */
     this.buttons = new Map();
+    /** @type {Map<string, HTMLCanvasElement>} */
+    this.labels = new Map();
+    this.isAsked = false; // for a frame
+    this.drawn = "";
+    /** @type {() => void} */
     this.redraw = () => {}; // what is called when another size has left it blank
     this.fit([0, 0], [1, 1], false);
     new ResizeObserver(() => {
@@ -33,8 +38,9 @@ export class Stage {
   }
 
   #resize() {
+    this.drawn = ""; // it will be blank
     const { width, height } = this.element.getBoundingClientRect();
-    const dots = Math.min(window.devicePixelRatio || 1, 2);
+    const dots = (this.dots = Math.min(window.devicePixelRatio || 1, 2));
     this.canvas.width = Math.max(1, Math.round(width * dots));
     this.canvas.height = Math.max(1, Math.round(height * dots));
     this.pen.setTransform(dots, 0, 0, dots, 0, 0);
@@ -58,6 +64,42 @@ export class Stage {
       this.low[0] + (left - this.left) / this.scale,
       this.isDown ? this.low[1] + down : this.high[1] - down,
     ];
+  }
+
+  /** Draw at the next frame, however often that is asked for. */
+  soon() {
+    if (this.isAsked) return;
+    this.isAsked = true;
+    requestAnimationFrame(() => {
+      this.isAsked = false;
+      this.redraw();
+    });
+  }
+
+  /** Whether a picture would be another one than before. @param {unknown} what Shows, to a thousandth. */
+  differs(what) {
+    const round = (/** @type {string} */ _, /** @type {any} */ value) =>
+      typeof value === "number" ? Math.round(1000 * value) : value;
+    const words = JSON.stringify([what, this.size], round);
+    const differs = words !== this.drawn;
+    this.drawn = words;
+    return differs;
+  }
+
+  /** What is drawn, as a picture of its own, which costs little to show again. @param {() => void} draw */
+  picture(draw) {
+    const [pen, picture] = [this.pen, document.createElement("canvas")];
+    [picture.width, picture.height] = [this.canvas.width, this.canvas.height];
+    this.pen = picture.getContext("2d");
+    this.pen.setTransform(pen.getTransform());
+    draw();
+    this.pen = pen;
+    return picture;
+  }
+
+  /** @param {HTMLCanvasElement} picture */
+  show(picture) {
+    this.pen.drawImage(picture, 0, 0, this.size[0], this.size[1]);
   }
 
   /** @param {string} color */
@@ -142,13 +184,33 @@ export class Stage {
   /** Words beside a place, so many dots off. @param {string} words @param {Point} place @param {string} color
    * @param {Point} [off] */
   text(words, place, color, [right, down] = [0, 0]) {
-    const { pen } = this;
     const [x, y] = this.toScreen(place);
-    pen.font = "600 13px system-ui, sans-serif";
-    [pen.textAlign, pen.textBaseline, pen.lineWidth] = ["center", "middle", 4];
+    const label = this.#label(words, color);
+    const [width, height] = [label.width / this.dots, label.height / this.dots];
+    const whole = (/** @type {number} */ at) => Math.round(at * this.dots) / this.dots; // sharp letters
+    this.pen.drawImage(label, whole(x + right - width / 2), whole(y + down - height / 2), width, height);
+  }
+
+  /** Words as a picture: letters with an edge are slow to paint. @param {string} words @param {string} color */
+  #label(words, color) {
+    const name = `${words} ${color} ${this.dots}`;
+    const known = this.labels.get(name);
+    if (known) return known;
+
+    const label = document.createElement("canvas");
+    const pen = label.getContext("2d");
+    const font = "600 13px system-ui, sans-serif";
+    pen.font = font;
+    label.width = this.dots * Math.ceil(pen.measureText(words).width + 8);
+    label.height = this.dots * 24;
+    pen.scale(this.dots, this.dots);
+    [pen.font, pen.textAlign, pen.textBaseline, pen.lineWidth] = [font, "center", "middle", 4];
     [pen.strokeStyle, pen.fillStyle, pen.lineJoin] = ["rgb(255 255 255 / 85%)", color, "round"];
-    pen.strokeText(words, x + right, y + down);
-    pen.fillText(words, x + right, y + down);
+    const middle = /** @type {Point} */ ([label.width / this.dots / 2, 12]);
+    pen.strokeText(words, ...middle);
+    pen.fillText(words, ...middle);
+    this.labels.set(name, label);
+    return label;
   }
 
   /** Put a button on everything that can be taken hold of. @param {Handle[]} handles */
@@ -205,8 +267,10 @@ export class Stage {
       event.preventDefault();
       const length =
         (event.shiftKey ? 5 : 1) * (held.handle.step ?? 0.02 * (this.high[0] - this.low[0]));
-      const [x, y] = held.handle.place;
-      held.handle.move([x + length * way[0], y + (this.isDown ? -1 : 1) * length * way[1]]);
+      const { handle } = held;
+      const [x, y] = handle.place;
+      handle.place = [x + length * way[0], y + (this.isDown ? -1 : 1) * length * way[1]];
+      handle.move(handle.place); // from there the next press goes on, though nothing is drawn yet
     });
     this.element.append(button);
     return held;

@@ -19,6 +19,7 @@ import { Stage } from "./stage.mjs";
  *   told(world: W): string }} Task */
 
 const TABLE_EVERY = 120; // ms between two tables, which nobody reads faster
+const ANSWER = 5000; // ms that an answer stands
 const MOST_STEPS = 8; // of a frame: a page that was hidden does not catch up
 
 /** The element with an id. @param {string} id @returns {any} */
@@ -42,6 +43,7 @@ export class TaskPage {
     this.last = 0; // ms, of the last frame
     this.toldAt = 0;
     this.saidLast = "";
+    this.quietUntil = 0; // ms, so that an answer can be read
   }
 
   /** Begin with the moment of the address. */
@@ -163,6 +165,7 @@ export class TaskPage {
       () => true,
       () => false,
     );
+    this.quietUntil = performance.now() + ANSWER;
     this.#say(
       copied
         ? "The link to this moment is in the clipboard and in the address."
@@ -237,7 +240,7 @@ export class TaskPage {
 
     // A screen reader hears what changes, not every number.
     const state = exploring ? "It explores. " : against ? "Two gradients oppose each other. " : "";
-    this.#say(state + this.task.told(this.episode.world));
+    if (performance.now() > this.quietUntil) this.#say(state + this.task.told(this.episode.world));
   }
 
   /** @param {string} words */

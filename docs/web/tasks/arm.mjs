@@ -1,3 +1,4 @@
+import { drawDecision } from "../core/decision.mjs";
 import { norm } from "../core/plane.mjs";
 import { TaskPage, pageData } from "../core/task_page.mjs";
 import { ArmWorld, chainAt, tipVelocity } from "../worlds/arm.mjs";
@@ -30,40 +31,24 @@ const task = {
 
   frame: () => ({ low: [-REACH, -REACH], high: [REACH, REACH], isDown: false }),
 
-  draw(stage, world, at, policy, { wants, exploring }) {
+  draw(stage, world, at, policy, meeting) {
     const points = chainAt(arm.links, at);
     const tip = points[3];
     stage.clear(palette.GROUND);
     stage.disc(world.ball, arm.ball, palette.OBSTACLE);
     stage.disc(world.target, 0.035, palette.TARGET);
-    stage.text("target", world.target, palette.TARGET, [0, -26]);
     stage.line(points, palette.BODY, 2 * arm.thickness * stage.scale);
     stage.line(points, palette.ROBOT, 3);
     for (const point of points.slice(0, 3)) stage.disc(point, 0.03, palette.ROBOT, palette.WHITE);
     stage.disc(tip, 0.018, palette.ROBOT, palette.WHITE);
+    stage.text("target", world.target, palette.TARGET, [0, -26]);
 
     if (world.arrived) return;
     // A gradient of the joints has no direction in the plane: drawn is where it takes the tip.
-    for (const { gradient, strength, color } of wants) {
-      stage.arrow(
-        tip,
-        tipVelocity(
-          points,
-          gradient.map((value) => -value),
-        ),
-        18 + (62 * strength) / wants[0].strength,
-        color,
-        5,
-      );
-    }
-    const motion = tipVelocity(points, policy.values("a"));
-    stage.arrow(
-      tip,
-      motion,
-      (70 * norm(motion)) / arm.speed,
-      exploring ? palette.EXPLORING : palette.RESOLVED,
-      2,
-    );
+    const ofTip = (/** @type {ArrayLike<number>} */ velocity) => tipVelocity(points, velocity);
+    const velocity = policy.values("a");
+    const share = norm(ofTip(velocity)) / arm.speed;
+    drawDecision(stage, palette, tip, meeting, ofTip, { velocity, share });
   },
 
   handles: (world) => [

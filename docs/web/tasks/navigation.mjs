@@ -1,3 +1,4 @@
+import { asItIs, drawDecision } from "../core/decision.mjs";
 import { norm, plus, times } from "../core/plane.mjs";
 import { TaskPage, pageData } from "../core/task_page.mjs";
 import { NavigationWorld } from "../worlds/navigation.mjs";
@@ -40,7 +41,7 @@ const task = {
     return { low: bound(Math.min, -MARGIN), high: bound(Math.max, MARGIN), isDown: false };
   },
 
-  draw(stage, world, at, policy, { wants, exploring }) {
+  draw(stage, world, at, policy, meeting) {
     const robot = /** @type {Point} */ ([at[0], at[1]]);
     stage.clear(palette.GROUND);
     for (const wall of world.walls) stage.polygon(wall, { fill: palette.OBSTACLE });
@@ -63,23 +64,9 @@ const task = {
 
     stage.disc(robot, physics.radius, palette.ROBOT, palette.WHITE);
     if (world.arrived) return;
-    for (const { gradient, strength, color } of wants) {
-      stage.arrow(
-        robot,
-        [-gradient[0], -gradient[1]],
-        16 + (64 * strength) / wants[0].strength,
-        color,
-        5,
-      );
-    }
-    const [vx, vy] = policy.values("a");
-    stage.arrow(
-      robot,
-      [vx, vy],
-      (90 * Math.hypot(vx, vy)) / physics.max_speed,
-      exploring ? palette.EXPLORING : palette.RESOLVED,
-      2,
-    );
+    const velocity = policy.values("a");
+    const share = norm(velocity) / physics.max_speed;
+    drawDecision(stage, palette, robot, meeting, asItIs, { velocity, share });
   },
 
   handles: (world) => [

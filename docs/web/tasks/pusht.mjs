@@ -1,4 +1,5 @@
-import { placed, wrap } from "../core/plane.mjs";
+import { asItIs, drawDecision, felt } from "../core/decision.mjs";
+import { norm, placed, wrap } from "../core/plane.mjs";
 import { TaskPage, pageData } from "../core/task_page.mjs";
 import { PushingWorld } from "../worlds/pushing.mjs";
 
@@ -34,7 +35,7 @@ const task = {
 
   frame: () => ({ low: [0, 0], high: [table.size, table.size], isDown: true }),
 
-  draw(stage, world, at, policy, { wants, exploring }) {
+  draw(stage, world, at, policy, meeting) {
     const disc = /** @type {Point} */ ([at[0], at[1]]);
     stage.clear(palette.GROUND);
     stage.polygon(
@@ -61,21 +62,13 @@ const task = {
     stage.disc(disc, table.radius, palette.ROBOT, palette.WHITE);
     if (world.arrived) return;
     const contacts = Array.from(policy.values("x_contact"), (value) => value / table.pixel);
-    for (const { gradient, strength, color, label } of wants.slice(0, 8)) {
-      const share = strength / wants[0].strength;
-      if (share < 0.02) continue;
+    for (const { color, label } of felt(meeting.wants)) {
       const side = Number(label.match(/\d+/)) - 1;
       stage.disc([contacts[2 * side], contacts[2 * side + 1]], 4, color);
-      stage.arrow(disc, [-gradient[0], -gradient[1]], 18 + 60 * share, color, 4);
     }
-    const [vx, vy] = policy.values("a");
-    stage.arrow(
-      disc,
-      [vx, vy],
-      (90 * Math.hypot(vx, vy)) / (FASTEST * table.pixel),
-      exploring ? palette.EXPLORING : palette.RESOLVED,
-      2,
-    );
+    const velocity = policy.values("a");
+    const share = norm(velocity) / (FASTEST * table.pixel);
+    drawDecision(stage, palette, disc, meeting, asItIs, { velocity, share });
   },
 
   handles(world, at) {

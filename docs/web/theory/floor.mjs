@@ -49,7 +49,7 @@ export async function startFloor({ root, policies, palette, data }) {
   root.querySelector("button").addEventListener("click", restart);
   restart();
 
-  whileSeen(root, (passed) => {
+  whileSeen(stage, (passed) => {
     // Any number of pulls is switched on, in the memory.
     for (const { policy } of runners.episodes) {
       policy
@@ -57,6 +57,7 @@ export async function startFloor({ root, policies, palette, data }) {
         .forEach((_, i, active) => (active[i] = i <= count.value ? 1 : 0));
     }
     const places = runners.after(passed);
+    if (!stage.differs([places, count.value, slope.value])) return;
     stage.clear(palette.GROUND);
     stage.polygon(
       [
@@ -76,7 +77,7 @@ export async function startFloor({ root, policies, palette, data }) {
       ],
       { fill: palette.OBJECT },
     );
-    stage.text("the floor is felt", [0, data.floor.margin], palette.INK, [0, -12]);
+    stage.text("from here on the floor is felt", [0, data.floor.margin], palette.INK, [0, -12]);
 
     ["sum", "projection"].forEach((name, i) => {
       const place = places[i];

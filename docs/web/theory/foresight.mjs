@@ -45,7 +45,7 @@ export async function startForesight({ root, policies, palette }) {
     stage.arrow([0, 0], end, dots(end), palette.ROBOT, 4);
     shown.slice(1).forEach((place) => stage.disc(place, 0.0012, palette.WHITE, palette.ROBOT));
     stage.disc([0, 0], 0.004, palette.ROBOT, palette.WHITE);
-    stage.text("one gradient", full, palette.AWAY, [0, 16]);
+    stage.text("one gradient", full, palette.AWAY, [0, -18]);
     stage.hold([
       {
         name: "near target",
@@ -53,7 +53,7 @@ export async function startForesight({ root, policies, palette }) {
         color: palette.TARGET,
         place: target,
         step: 0.004,
-        move: (to) => ((target = to), draw()),
+        move: (to) => ((target = to), stage.soon()),
       },
     ]);
 
@@ -82,16 +82,16 @@ export async function startForesight({ root, policies, palette }) {
       2,
     );
     plot.disc([count, distance(end)], 0.25, palette.ROBOT);
-    plot.text("gradients in the step: 0 … 20", [MOST / 2, 0], palette.INK, [0, 12]);
+    plot.text("gradients in the step: 0 … 20", [MOST / 2, 0], palette.INK, [0, 18]);
     tell(
       root,
       '[data-told="left"]',
       `After ${count} ${count === 1 ? "gradient" : "gradients"} it is ${distance(end).toFixed(2)} cm from the target; with one at full speed ${distance(full).toFixed(2)} cm.`,
     );
   }
+  stage.redraw = draw;
   slider(root, "iterations", (value) => {
     count = value;
-    draw();
+    stage.soon();
   });
-  stage.redraw = draw;
 }

@@ -47,6 +47,8 @@ export async function startNullspace({ root, policies, palette }) {
     stage.arrow(origin, wants[1], length(wants[1]), palette.AWAY, 5);
     stage.arrow(origin, projected, length(projected), palette.RESOLVED, 4);
     if (exploring) stage.arrow(origin, explored, length(explored), palette.EXPLORING, 4);
+    stage.text("sum", added, palette.CERTAINTY, [0, 18]);
+    stage.text("projection", projected, palette.RESOLVED, [0, -18]);
     stage.text("first", wants[0], palette.TOWARDS, [0, -26]);
     stage.text("second", wants[1], palette.AWAY, [0, -26]);
     stage.hold(
@@ -58,7 +60,7 @@ export async function startNullspace({ root, policies, palette }) {
         step: 0.1,
         move: (/** @type {Point} */ to) => {
           wants = /** @type {[Point, Point]} */ (wants.map((want, k) => (k === i ? to : want)));
-          draw();
+          stage.soon();
         },
       })),
     );
@@ -70,11 +72,10 @@ export async function startNullspace({ root, policies, palette }) {
       "projection, exploring": exploring ? explored : projected,
     };
     for (const [name, motion] of Object.entries(rows)) {
-      const line = root.querySelector(`[data-row="${name}"]`);
-      wants.forEach(
-        ([x, y], i) =>
-          (line.children[i + 1].textContent = (motion[0] * x + motion[1] * y).toFixed(2)),
-      );
+      wants.forEach(([x, y], i) => {
+        const gain = motion[0] * x + motion[1] * y;
+        tell(root, `[data-row="${name}"] td:nth-child(${i + 2})`, gain.toFixed(2));
+      });
     }
     tell(
       root,

@@ -9,7 +9,7 @@ import { Runners, tell, whileSeen } from "./screen.mjs";
 
 const COLUMNS = 44;
 const NEAREST_BELIEF = 0.1; // m; nearer than this the agent does not believe its target
-const A_FRAME = 25; // points that are sampled in a frame
+const WORKING = 1.5; // ms of a frame for the potential
 const SWEEPS = 120; // of the potential that fits
 
 /** The potential that shifts as the target is triangulated and the projections change: the paper's first figure.
@@ -28,7 +28,6 @@ export async function startPotential({ root, policies, palette, data }) {
   );
   stage.fit(low, high, false);
 
-  const field = new Field(low, high);
   let world = new NavigationWorld(data.map, data.physics, 1);
   let runners = new Runners([new Episode(world, policy)]);
   const restart = () => {
@@ -38,14 +37,39 @@ export async function startPotential({ root, policies, palette, data }) {
   root.querySelector("button").addEventListener("click", restart);
   const isRunning = /** @type {HTMLInputElement} */ (root.querySelector('input[name="runs"]'));
 
-  whileSeen(root, (passed) => {
+  // What the agent would do elsewhere: its own step, from its own memory. Covariances, ranks and the exploration
+  // that goes on are those of the moment. Two things depend on the place: the target as seen from there, and the
+  // true clearance there, which the agent itself cannot know.
+  const nothingRead = readingsOf(probe, {});
+  let believed = start;
+  /** @param {Point} place @returns {Point | null} */
+  const descentAt = (place) => {
+    const { walls, physics } = world;
+    if (walls.some((wall) => contains(wall, place))) return null;
+    const away = walls
+      .map((wall) => minus(place, nearestOn(wall, place)))
+      .reduce((a, b) => (norm(a) < norm(b) ? a : b));
+    const toTarget = minus(believed, place);
+    const [gap, slope] = [norm(away) - physics.radius, times(1 / (norm(away) || 1), away)];
+    probe.memory.set(policy.memory);
+    probe.values("p_tar").set(times(Math.max(NEAREST_BELIEF / norm(toTarget), 1), toTarget));
+    probe.values("x_obs").set([gap, ...slope]);
+    probe.values("a").fill(0);
+    probe.step(nothingRead);
+    const [x, y] = probe.values("a/gradient");
+    return [-x / world.dt, -y / world.dt];
+  };
+  const field = new Field(low, high, descentAt, stage, palette);
+
+  whileSeen(stage, (passed) => {
     const [robot] = runners.after(isRunning.checked && !world.arrived ? 3 * passed : 0);
     const [x, y] = policy.values("p_tar");
-    const believed = plus(robot, [x, y]);
-    if (runners.episodes[0].steps > 1) field.sample(policy, probe, world, believed);
+    believed = plus(robot, [x, y]);
+    if (runners.episodes[0].steps > 1) field.workFor(WORKING);
+    if (!stage.differs([robot, believed, world.target, field.count])) return;
 
     stage.clear(palette.GROUND);
-    field.draw(stage, palette);
+    if (field.picture) stage.show(field.picture);
     for (const wall of world.walls) stage.polygon(wall, { fill: palette.OBSTACLE });
     stage.disc(world.target, 0.1, palette.TARGET);
     stage.spread(believed, policy.values("P_tar"), palette.BELIEF);
@@ -76,99 +100,85 @@ export async function startPotential({ root, policies, palette, data }) {
   });
 }
 
-/** What the agent would do elsewhere: its own step, from its own memory, at the points of a grid. */
+/** The potential that fits descents at the points of a grid, worked out bit by bit, again and again. */
 class Field {
-  /** @param {Point} low @param {Point} high */
-  constructor(low, high) {
+  /** @param {Point} low @param {Point} high @param {(place: Point) => Point | null} descentAt Null within a wall.
+   * @param {Stage} stage @param {Record<string, string>} palette */
+  constructor(low, high, descentAt, stage, palette) {
     this.low = low;
     this.spacing = (high[0] - low[0]) / COLUMNS;
     this.rows = Math.ceil((high[1] - low[1]) / this.spacing);
-    const count = COLUMNS * this.rows;
-    this.descents = Array.from({ length: count }, () => /** @type {Point} */ ([0, 0]));
-    this.heights = new Float64Array(count);
-    this.isFree = new Array(count).fill(true);
-    this.next = 0;
-    this.picture = document.createElement("canvas");
-    [this.picture.width, this.picture.height] = [COLUMNS, this.rows];
+    this.places = Array.from({ length: COLUMNS * this.rows }, (_, index) =>
+      plus(low, times(this.spacing, [(index % COLUMNS) + 0.5, Math.floor(index / COLUMNS) + 0.5])),
+    );
+    this.heights = new Float64Array(this.places.length);
+    /** @type {(Point | null)[]} */
+    this.descents = [];
+    /** @type {HTMLCanvasElement | null} */
+    this.picture = null;
+    this.count = 0; // of pictures
+    this.work = this.#forever(descentAt, stage, palette);
   }
 
-  /** The middle of a cell. @param {number} index @returns {Point} */
-  place(index) {
-    const [column, row] = [index % COLUMNS, Math.floor(index / COLUMNS)];
-    return plus(this.low, times(this.spacing, [column + 0.5, row + 0.5]));
+  /** Go on for so long, ms. @param {number} time */
+  workFor(time) {
+    const end = performance.now() + time;
+    do this.work.next();
+    while (performance.now() < end);
   }
 
-  /** Sample some points more; after the last one, fit the potential anew.
-   *
-   * Covariances, ranks and the exploration that goes on are those of the moment. Two things depend on the
-   * place: the target as seen from there, and the true clearance there, which the agent itself cannot know.
-   * @param {import("./screen.mjs").Policy} policy @param {import("./screen.mjs").Policy} probe
-   * @param {NavigationWorld} world @param {Point} believed */
-  sample(policy, probe, world, believed) {
-    const nothingRead = readingsOf(probe, {});
-    const walls = world.walls;
-    for (let k = 0; k < A_FRAME; k += 1, this.next += 1) {
-      if (this.next === this.descents.length) return this.#fit();
-      const place = this.place(this.next);
-      this.isFree[this.next] = !walls.some((wall) => contains(wall, place));
-      if (!this.isFree[this.next]) continue;
-
-      const away = walls
-        .map((wall) => minus(place, nearestOn(wall, place)))
-        .reduce((a, b) => (norm(a) < norm(b) ? a : b));
-      const toTarget = minus(believed, place);
-      probe.memory.set(policy.memory);
-      probe.values("p_tar").set(times(Math.max(NEAREST_BELIEF / norm(toTarget), 1), toTarget));
-      probe
-        .values("x_obs")
-        .set([norm(away) - world.physics.radius, ...times(1 / (norm(away) || 1), away)]);
-      probe.values("a").fill(0);
-      probe.step(nothingRead);
-      const [x, y] = probe.values("a/gradient");
-      this.descents[this.next] = [-x / world.dt, -y / world.dt];
-    }
-  }
-
-  /** Heights whose slopes fit the descents best: each cell in turn, from its neighbours. */
-  #fit() {
-    this.next = 0;
-    const beside = [
-      [1, 0],
-      [-1, 0],
-      [0, 1],
-      [0, -1],
-    ];
-    for (let sweep = 0; sweep < SWEEPS; sweep += 1) {
-      this.heights.forEach((_, index) => {
-        if (!this.isFree[index]) return;
-        const [column, row] = [index % COLUMNS, Math.floor(index / COLUMNS)];
-        let [sum, count] = [0, 0];
-        for (const [right, up] of beside) {
-          if (
-            column + right < 0 ||
-            column + right >= COLUMNS ||
-            row + up < 0 ||
-            row + up >= this.rows
-          )
-            continue;
-          const other = index + right + COLUMNS * up;
-          if (!this.isFree[other]) continue;
-          const [here, there] = [this.descents[index], this.descents[other]];
-          sum +=
-            this.heights[other] +
-            (this.spacing / 2) * (right * (here[0] + there[0]) + up * (here[1] + there[1]));
-          count += 1;
+  /** Sample every point, fit, paint, and begin anew.
+   * @param {(place: Point) => Point | null} descentAt @param {Stage} stage @param {Record<string, string>} palette
+   * @returns {Generator<void, never, void>} */
+  *#forever(descentAt, stage, palette) {
+    for (;;) {
+      for (const [index, place] of this.places.entries()) {
+        this.descents[index] = descentAt(place);
+        yield;
+      }
+      const cells = this.#cells();
+      for (let sweep = 0; sweep < SWEEPS; sweep += 1) {
+        for (const { index, others, rise } of cells) {
+          let sum = 0;
+          for (const other of others) sum += this.heights[other];
+          this.heights[index] = sum / others.length + rise;
         }
-        if (count) this.heights[index] = sum / count;
-      });
+        yield;
+      }
+      const shades = this.#shades();
+      yield;
+      this.picture = stage.picture(() => this.#draw(shades, stage, palette));
+      this.count += 1;
+      yield;
     }
-    this.#paint();
   }
 
-  #paint() {
-    const free = this.heights.filter((_, index) => this.isFree[index]);
+  /** The free cells with the free ones beside them, and how much higher they lie than these on average. */
+  #cells() {
+    const { descents, spacing } = this;
+    return descents.flatMap((here, index) => {
+      if (!here) return [];
+      const column = index % COLUMNS;
+      const beside = [column + 1 < COLUMNS && [1, 0], column > 0 && [-1, 0], [0, 1], [0, -1]]
+        .filter((way) => way && descents[index + way[0] + COLUMNS * way[1]])
+        .map((way) => /** @type {number[]} */ (way));
+      const others = beside.map(([right, up]) => index + right + COLUMNS * up);
+      const rises = beside.map(([right, up], k) => {
+        const there = descents[others[k]];
+        return (spacing / 2) * (right * (here[0] + there[0]) + up * (here[1] + there[1]));
+      });
+      const rise = rises.reduce((a, b) => a + b, 0) / rises.length;
+      return others.length ? [{ index, others, rise }] : [];
+    });
+  }
+
+  /** The heights as a small picture, a dot a cell, in thirteen shades. */
+  #shades() {
+    const free = this.heights.filter((_, index) => this.descents[index]);
     const [least, most] = [Math.min(...free), Math.max(...free)];
-    const pen = this.picture.getContext("2d");
+    const shades = document.createElement("canvas");
+    [shades.width, shades.height] = [COLUMNS, this.rows];
+    const pen = shades.getContext("2d");
     const image = pen.createImageData(COLUMNS, this.rows);
     this.heights.forEach((height, index) => {
       const share = Math.round((12 * (height - least)) / (most - least || 1)) / 12;
@@ -179,17 +189,17 @@ class Field {
       );
     });
     pen.putImageData(image, 0, 0);
+    return shades;
   }
 
-  /** @param {Stage} stage @param {Record<string, string>} palette */
-  draw(stage, palette) {
+  /** @param {HTMLCanvasElement} shades @param {Stage} stage @param {Record<string, string>} palette */
+  #draw(shades, stage, palette) {
     const [left, top] = stage.toScreen(plus(this.low, [0, this.rows * this.spacing]));
     const size = this.spacing * stage.scale;
-    stage.pen.drawImage(this.picture, left, top, COLUMNS * size, this.rows * size);
+    stage.pen.drawImage(shades, left, top, COLUMNS * size, this.rows * size);
     this.descents.forEach((descent, index) => {
-      const isShown =
-        (index % COLUMNS) % 3 === 1 && Math.floor(index / COLUMNS) % 3 === 1 && this.isFree[index];
-      if (isShown) stage.arrow(this.place(index), descent, 14, palette.OUTLINE, 1.2);
+      const isShown = (index % COLUMNS) % 3 === 1 && Math.floor(index / COLUMNS) % 3 === 1;
+      if (isShown && descent) stage.arrow(this.places[index], descent, 14, palette.OUTLINE, 1.2);
     });
   }
 }

@@ -9,9 +9,11 @@ import { readingsOf } from "../core/readings.mjs";
  * @typedef {{ root: HTMLElement, policies: import("../core/policies.mjs").Policies,
  *   palette: Record<string, string>, data: any }} Screen */
 
-/** Call something for every frame in which a part of the page is seen, with the time since the last, s.
- * @param {HTMLElement} element @param {(passed: number) => void} frame */
-export function whileSeen(element, frame) {
+const SEEN = 0.1; // share of a stage
+
+/** Call something for every frame in which a stage is seen, with the time since the last, s.
+ * @param {import("../core/stage.mjs").Stage} stage @param {(passed: number) => void} frame */
+export function whileSeen(stage, frame) {
   let isSeen = false;
   let last = 0;
   const next = (/** @type {number} */ now) => {
@@ -21,9 +23,10 @@ export function whileSeen(element, frame) {
     requestAnimationFrame(next);
   };
   new IntersectionObserver(([entry]) => {
-    if (entry.isIntersecting && !isSeen) requestAnimationFrame((now) => ((last = now), next(now)));
-    isSeen = entry.isIntersecting;
-  }).observe(element);
+    const wasSeen = isSeen;
+    isSeen = entry.intersectionRatio >= SEEN;
+    if (isSeen && !wasSeen) requestAnimationFrame((now) => ((last = now), next(now)));
+  }, { threshold: SEEN }).observe(stage.element);
 }
 
 /** A slider, and what shows its number. @param {HTMLElement} root @param {string} name
@@ -44,11 +47,20 @@ export function slider(root, name, does = () => {}) {
   };
 }
 
-/** Write words into a part of a screen, unless they stand there. @param {HTMLElement} root
+/** @type {Map<Element, string>} */
+const untold = new Map();
+const TELL_EVERY = 120; // ms; nobody reads faster
+
+/** Write words into a part of a screen, soon. @param {HTMLElement} root
  * @param {string} selector @param {string} words */
 export function tell(root, selector, words) {
-  const part = root.querySelector(selector);
-  if (part.textContent !== words) part.textContent = words;
+  if (untold.size === 0) setTimeout(tellAll, TELL_EVERY);
+  untold.set(root.querySelector(selector), words);
+}
+
+function tellAll() {
+  for (const [part, words] of untold) if (part.textContent !== words) part.textContent = words;
+  untold.clear();
 }
 
 /** A point that moves as it is told. */

@@ -15,6 +15,11 @@ const screens = {
   foresight: startForesight,
   potential: startPotential,
 };
-for (const [name, start] of Object.entries(screens)) {
-  void start({ root: document.getElementById(name), policies, palette, data });
+
+/** One after the other, since the first one is seen first. */
+async function startAll() {
+  for (const [name, start] of Object.entries(screens)) {
+    await start({ root: document.getElementById(name), policies, palette, data });
+  }
 }
+void startAll();

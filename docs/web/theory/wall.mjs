@@ -50,8 +50,12 @@ export async function startWall({ root, policies, palette }) {
   const goals = policies.paths("wall sum", "x").map(([goal]) => goal);
   const scale = 1 / Math.max(...strengths[0].norms);
 
-  whileSeen(root, (passed) => {
+  /** @type {HTMLCanvasElement | null} */
+  let curves = null;
+  plot.redraw = () => (curves = null);
+  whileSeen(stage, (passed) => {
     const places = runners.after(2 * passed);
+    if (!stage.differs([places, target, wall])) return;
     stage.clear(palette.GROUND);
     stage.line(wall, palette.OBSTACLE, 9);
     stage.disc(target, 0.06, palette.TARGET);
@@ -69,7 +73,7 @@ export async function startWall({ root, policies, palette }) {
             3,
           );
       }
-      stage.disc(places[i], 0.06, colors[i], palette.WHITE);
+      stage.disc(places[i], 0.09 - 0.02 * i, colors[i], palette.WHITE); // all can be seen in one place
     });
     stage.hold([
       {
@@ -90,7 +94,17 @@ export async function startWall({ root, policies, palette }) {
 
     const [here] = places;
     const gap = norm(minus(nearestOn(wall, here), here));
-    draw(plot, gap);
+    curves ??= plot.picture(drawCurves);
+    plot.show(curves);
+    plot.line(
+      [
+        [FAR - gap, 0],
+        [FAR - gap, 0.38 * FAR],
+      ],
+      palette.AWAY,
+      1.5,
+      [4, 4],
+    );
     const { gradients } = runners.episodes[0].policy.decided("x");
     const rest = norm(
       gradients.reduce(
@@ -113,8 +127,8 @@ export async function startWall({ root, policies, palette }) {
     );
   });
 
-  /** Both strengths over the distance to the wall, and where the sum is. @param {Stage} plot @param {number} gap */
-  function draw(plot, gap) {
+  /** Both strengths over the distance to the wall. */
+  function drawCurves() {
     plot.clear(palette.WHITE);
     plot.line(
       [
@@ -124,6 +138,7 @@ export async function startWall({ root, policies, palette }) {
       palette.PALE,
       1,
     );
+    plot.text("distance to the wall: 1.2 m … 0", [FAR / 2, 0], palette.INK, [0, 16]);
     goals.forEach((goal, row) => {
       const color = goal === "avoid" ? palette.OBSTACLE : palette.TARGET;
       const curve = strengths.map(
@@ -132,15 +147,5 @@ export async function startWall({ root, policies, palette }) {
       plot.line(curve, color, 2.5);
       plot.text(goal, curve[goal === "avoid" ? 40 : 8], color, [goal === "avoid" ? -30 : 0, -12]);
     });
-    plot.line(
-      [
-        [FAR - gap, 0],
-        [FAR - gap, 0.38 * FAR],
-      ],
-      palette.AWAY,
-      1.5,
-      [4, 4],
-    );
-    plot.text("distance to the wall: 1.2 m … 0", [FAR / 2, 0], palette.INK, [0, 10]);
   }
 }

@@ -25,7 +25,8 @@ export class ArmWorld {
     this.draw();
   }
 
-  /** Posture, target and ball of a seed: the ball lies about on the way, but not at either end. */
+  /** Posture, target and ball of a seed: the ball lies about on the way, but not at either end, and so far out
+   * that the first link can pass it; else there may be no way. */
   draw() {
     const between = (/** @type {number} */ low, /** @type {number} */ high) =>
       low + (high - low) * this.random.uniform();
@@ -41,7 +42,7 @@ export class ArmWorld {
       );
       const isClear =
         this.gap > 0.1 &&
-        norm(this.ball) > 0.3 &&
+        norm(this.ball) > this.sizes.links[0] + this.sizes.ball + this.sizes.thickness + 0.05 &&
         norm(minus(this.ball, this.target)) > this.sizes.ball + 0.12;
       if (isClear && norm(minus(this.target, tip)) > 0.4) return;
     }

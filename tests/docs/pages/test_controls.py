@@ -1,57 +1,121 @@
-"""All that can be done to a task is done by mouse, by finger and by keyboard."""
+"""All that can be done on a page is done by mouse, by finger and by keyboard."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from _pages import TASKS, picture, place, start, visited
-from playwright.sync_api import Page
+from _pages import NAMES, PHONE, TASKS, Hand, changes, picture, place, start, until, visited
+from playwright.sync_api import Locator, Page, expect
 
 pytestmark = pytest.mark.slow
 
-HANDLES = {
-    "navigation": ["target", "wall 1"],
-    "pusht": ["object", "goal", "turn object", "turn goal"],
-    "arm": ["target", "ball"],
-}
-PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+HANDLES = {"navigation": "target", "pusht": "object", "arm": "target"}
+BUTTONS = ("Pause", "One step", "Kick", "Start again", "Next seed", "Link to this moment")
 
 every_task = pytest.mark.parametrize("name", TASKS)
+every_way = pytest.mark.parametrize("way", ["mouse", "finger", "keyboard"])
 
 
 @every_task
-def test_buttons_do_what_they_say(name: str, pages: Path, browser: Any) -> None:
-    with visited(browser, pages / f"{name}.html") as page:
-        start(page)
-        standing = picture(page)
-        page.wait_for_timeout(300)
-        assert picture(page) == standing  # paused
+@every_way
+def test_every_control_of_a_task(name: str, way: str, pages: Path, browser: Any) -> None:
+    with visited(browser, pages / f"{name}.html", **PHONE if way == "finger" else {}) as page:
+        start(page, playing=True)
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")  # nothing is cut
+        hand = Hand(page, way)
+        buttons = {words: page.get_by_role("button", name=words) for words in BUTTONS}
+        seed, speed = page.get_by_label("Seed"), page.get_by_label("Speed")
 
-        for button in ("One step", "Kick"):
-            before = picture(page)
-            page.get_by_role("button", name=button).click()
-            assert picture(page) != before, button
+        # It stands still, and moves when it is told to.
+        hand.press(buttons["Pause"])
+        expect(page.get_by_role("button", name="Go on")).to_be_visible()
+        for words in ("One step", "Kick"):
+            with changes(lambda: picture(page), words):
+                hand.press(buttons[words])
 
-        page.get_by_role("button", name="Go on").click()
-        page.get_by_role("button", name="Pause").wait_for()
-        page.get_by_label("Speed").select_option("8")
-        page.wait_for_timeout(300)
+        # Whatever has a circle is moved.
+        for handle in page.locator(".handle").all():
+            with changes(handle.bounding_box, str(handle.get_attribute("aria-label"))):
+                hand.drag(handle)
 
-        page.get_by_role("button", name="Next seed").click()
-        seed = int(page.get_by_label("Seed").input_value())
-        page.get_by_label("Seed").fill("7")
-        page.get_by_label("Seed").press("Enter")
-        page.get_by_role("button", name="Start again").click()
-        assert seed != 7 and page.get_by_label("Seed").input_value() == "7"
+        # The policy is another one.
+        for words in ("Sum", "Steepest path", "Projection"):
+            hand.press(page.get_by_label(words))
+            expect(page.get_by_label(words)).to_be_checked()
+        for words in ("Exploration", "Foresight"):
+            hand.press(page.get_by_label(words))
+            expect(page.get_by_label(words)).not_to_be_checked()
+
+        # So is the episode.
+        hand.choose(speed, "8")
+        expect(speed).to_have_value("8")
+        hand.press(buttons["Start again"])
+        expect(buttons["Pause"]).to_be_visible()
+        hand.press(buttons["Next seed"])
+        expect(seed).not_to_have_value("7")
+        hand.write(seed, "7")
+        expect(seed).to_have_value("7")
+        hand.press(buttons["Link to this moment"])
+        expect(page.get_by_role("status")).to_contain_text("link to this moment")
+        assert "seed=7" in page.evaluate("location.hash")
+
+
+RESTARTS = {"wall": "with exploration", "floor": "projection", "potential": "spread"}
+"""What falls on a screen of the theory until it starts again."""
+
+
+def number(told: Locator) -> float:
+    """What is told in metres."""
+    return float(told.inner_text().split()[0])
+
+
+def see_all(page: Page) -> Iterator[Locator]:
+    """One screen of the theory after the other: what can be moved is there once it is seen."""
+    for screen in page.locator("section.screen").all():
+        screen.locator(".stage").first.scroll_into_view_if_needed()
+        screen.locator(".handle, input[type=range]").first.wait_for()
+        yield screen
+
+
+@every_way
+def test_every_control_of_the_theory(way: str, pages: Path, browser: Any) -> None:
+    with visited(browser, pages / "theory.html", **PHONE if way == "finger" else {}) as page:
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        hand = Hand(page, way)
+        for screen in see_all(page):
+            for slider in screen.locator("input[type=range]").all():
+                shown = screen.locator(f'output[name="{slider.get_attribute("name")}"]')
+                with changes(shown.inner_text, "slider"):
+                    hand.slide(slider)
+            for handle in screen.locator(".handle").all():
+                with changes(handle.bounding_box, str(handle.get_attribute("aria-label"))):
+                    hand.drag(handle)
+
+        for name, words in RESTARTS.items():
+            hand.press(page.locator(f"#{name}").get_by_role("button", name="again"))
+            page.locator(f"#{name} .stage").first.scroll_into_view_if_needed()
+            told = page.locator(f'#{name} [data-told="{words}"]')
+            page.wait_for_timeout(500)  # words come a little later
+            begin = number(told)
+            until(lambda told=told, most=begin - 0.3: number(told) < most, f"{name}: nothing moves")
+            low = number(told)
+            hand.press(page.locator(f"#{name}").get_by_role("button", name="again"))
+            until(lambda told=told, least=low + 0.2: number(told) > least, f"{name}: no new start")
+
+        drives = page.get_by_label("It drives")
+        hand.press(drives)
+        expect(drives).not_to_be_checked()
 
 
 @every_task
 def test_a_link_brings_back_the_moment(name: str, pages: Path, browser: Any) -> None:
     path = pages / f"{name}.html"
     with visited(browser, path) as page:
-        start(page, playing=True)
+        start(page)
         page.get_by_label("Sum").check()
-        page.wait_for_timeout(700)
+        for _ in range(8):
+            page.get_by_role("button", name="One step").click()
         page.get_by_role("button", name="Link to this moment").click()
         then, address = picture(page), page.evaluate("location.hash")
         page.get_by_role("button", name="One step").click()
@@ -71,95 +135,58 @@ def test_the_rule_changes_in_the_middle_of_an_episode(name: str, pages: Path, br
         start(page)
         for _ in range(5):
             page.get_by_role("button", name="One step").click()
-        where = place(page, HANDLES[name][0])
+        where = place(page, HANDLES[name])
 
         ranks = page.locator("#wants tr:first-child td:nth-child(3)")
         assert ranks.inner_text() in "12"
         page.get_by_label("Exploration").uncheck()
         page.get_by_label("Sum").check()
         page.get_by_role("button", name="One step").click()
-        page.wait_for_function("document.querySelector('#wants td:nth-child(3)').innerText === '–'")
+        expect(ranks).to_have_text("–")
 
         page.get_by_label("Steepest path").check()
         assert page.get_by_label("Exploration").is_disabled()
         page.get_by_label("Foresight").uncheck()
         page.get_by_label("Projection").check()
         page.get_by_role("button", name="One step").click()
-        page.wait_for_function("document.querySelector('#wants td:nth-child(3)').innerText !== '–'")
-        assert place(page, HANDLES[name][0]) == pytest.approx(where, abs=60)
+        expect(ranks).not_to_have_text("–")
+        assert place(page, HANDLES[name]) == pytest.approx(where, abs=60)
 
 
-@every_task
-def test_a_mouse_drags(name: str, pages: Path, browser: Any) -> None:
+@pytest.mark.parametrize("name", NAMES)
+def test_tab_and_a_screen_reader_find_everything(name: str, pages: Path, browser: Any) -> None:
     with visited(browser, pages / f"{name}.html") as page:
-        start(page)
-        for handle in HANDLES[name]:
-            x, y = place(page, handle)
-            page.mouse.move(x, y)
-            page.mouse.down()
-            page.mouse.move(x + 15, y + 5, steps=3)
-            page.mouse.up()
-            assert place(page, handle) != (x, y), handle
+        if name == "theory":
+            assert list(see_all(page))
+        else:
+            start(page)
 
-
-@every_task
-def test_a_finger_drags(name: str, pages: Path, browser: Any) -> None:
-    with visited(browser, pages / f"{name}.html", **PHONE) as page:
-        page.locator("#wants tr").first.wait_for()
-        page.get_by_role("button", name="Pause").tap()
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")  # nothing is cut
-
+        # Each control, and each picture, has a name and a role.
         session = page.context.new_cdp_session(page)
-        for handle in HANDLES[name]:
-            page.locator(f'[data-name="{handle}"]').scroll_into_view_if_needed()
-            x, y = place(page, handle)
-            for kind, dx in (("touchStart", 0), ("touchMove", 8), ("touchMove", 16)):
-                points = [{"x": x + dx, "y": y + dx / 2}]
-                session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-            session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-            assert place(page, handle) != (x, y), handle
+        nodes = session.send("Accessibility.getFullAXTree")["nodes"]
+        roles = []
+        for node in nodes:
+            properties = {p["name"]: p["value"].get("value") for p in node.get("properties", [])}
+            role = node.get("role", {}).get("value")
+            if node["ignored"] or role in ("RootWebArea", "option", "MenuListOption"):
+                continue
+            if properties.get("focusable") or role == "image":
+                assert node["name"]["value"].strip(), node
+                roles.append(role)
+        controls = "a[href], button, input:not(:disabled), select"
+        shown = page.locator(controls).count()
+        assert len([role for role in roles if role != "image"]) == shown
+        assert roles.count("image") == page.locator("canvas").count()
 
-
-@every_task
-def test_a_keyboard_reaches_everything(name: str, pages: Path, browser: Any) -> None:
-    with visited(browser, pages / f"{name}.html") as page:
-        start(page)
-        page.get_by_label("Exploration").focus()
-        page.keyboard.press("Space")
-        assert not page.get_by_label("Exploration").is_checked()
-
-        page.get_by_label("Projection").focus()
-        page.keyboard.press("ArrowDown")
-        assert page.get_by_label("Sum").is_checked()
-
-        # One after the other, from the top of the page.
+        # Tab reaches each of them, radio buttons as one.
         page.evaluate("document.activeElement.blur()")
-        reached = [tab(page) for _ in range(40)]
-        wanted = {"pause", "step", "kick", "again", "seed", "next", "speed", "link", "foresight"}
-        assert wanted | set(HANDLES[name]) | {"sum"} <= set(reached)
-
-        for handle in HANDLES[name]:
-            before = place(page, handle)
-            page.locator(f'[data-name="{handle}"]').focus()
-            page.keyboard.press("ArrowLeft")
-            page.keyboard.press("Shift+ArrowUp")
-            assert place(page, handle) != before, handle
-
-
-def tab(page: Page) -> str:
-    """What the next press of Tab reaches."""
-    page.keyboard.press("Tab")
-    words: str = page.evaluate(
-        "(({ dataset, id, value }) => dataset.name || id || value || '')(document.activeElement)"
-    )
-    return words
-
-
-@every_task
-def test_a_screen_reader_hears_what_happens(name: str, pages: Path, browser: Any) -> None:
-    with visited(browser, pages / f"{name}.html") as page:
-        start(page)
-        assert page.get_by_role("status").inner_text().endswith(("target.", "off."))
-        for handle in HANDLES[name]:
-            label = page.locator(f'[data-name="{handle}"]').get_attribute("aria-label")
-            assert label and "arrow keys" in label
+        reached = set()
+        for _ in range(shown + 5):
+            page.keyboard.press("Tab")
+            reached.add(
+                page.evaluate(
+                    f"[...document.querySelectorAll('{controls}')].indexOf(document.activeElement)"
+                )
+            )
+        radios = page.locator("input[type=radio]").count()
+        assert len(reached - {-1}) == shown - max(radios - 1, 0)

@@ -48,6 +48,7 @@ def set_slider(part: Locator, name: str, value: float) -> None:
 def test_projection_takes_nothing_from_the_leader(pages: Path, browser: Any) -> None:
     with visited(browser, pages / "theory.html") as page:
         part = screen(page, "nullspace")
+        expect(part.locator("td").last).not_to_be_empty()
         rows = {
             name: [
                 float(text) for text in part.locator(f'[data-row="{name}"] td').all_inner_texts()
@@ -62,7 +63,8 @@ def test_projection_takes_nothing_from_the_leader(pages: Path, browser: Any) -> 
         part.locator('[data-name="want 2"]').focus()
         for _ in range(12):
             page.keyboard.press("ArrowDown")
-        assert "a conflict; it explores" in part.locator('[data-told="leader"]').inner_text()
+        leader = part.locator('[data-told="leader"]')
+        expect(leader).to_contain_text("a conflict; it explores")
 
 
 @pytest.mark.parametrize(("count", "sinks"), [(1, False), (4, True), (12, True)])
@@ -106,9 +108,9 @@ def test_more_gradients_come_nearer_than_one(pages: Path, browser: Any) -> None:
         left = {}
         for count in (1, 3, 20):
             set_slider(part, "iterations", count)
-            left[count] = number(
-                part.locator('[data-told="left"]').inner_text().partition(" it is ")[2]
-            )
+            told = part.locator('[data-told="left"]')
+            expect(told).to_contain_text(f"After {count} ")
+            left[count] = number(told.inner_text().partition(" it is ")[2])
         assert left[20] < left[3] < left[1] and left[20] < 0.2
 
 

@@ -79,8 +79,9 @@ def test_the_t_is_pushed_home_in_planck() -> None:
     """From ten starts that are not reported."""
     pytest.importorskip("ziglang", reason="no ziglang (pip install ziglang)")
     from aicon_torch import make_policy
-    from count_pushes import in_planck, start_of
+    from building.pushing import table
+    from count_starts import in_the_page, start_of
 
     starts = [start_of(seed) for seed in range(1000, 1010)]
-    rows = in_planck(make_policy("pusht", observe_goal=True), starts)
+    rows = in_the_page("pusht", make_policy("pusht", observe_goal=True), table(), starts)
     assert sum(row["success"] for row in rows) >= 9

@@ -1,8 +1,9 @@
-"""Push the T in two worlds from the same starts: gym-pusht's, and that of the page, in Node.js.
+"""Run the policies of two pages from many starts, in Node.js: how many arrive, and which do not.
 
-The policy is one and the same file. Starts are those of gym-pusht with these seeds.
+The T is pushed in two worlds from the same starts, which are those of gym-pusht with these seeds:
+gym-pusht's own, and that of the page. The policy is one and the same file.
 
-Example: python docs/web/count_pushes.py --seed 300000 --starts 200
+Example: python docs/web/count_starts.py pusht --seed 300000 --starts 200
 """
 
 import argparse
@@ -16,37 +17,45 @@ import gymnasium as gym
 import aicon_envs  # noqa: F401  # registers the environments
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_torch import Policy, make_policy
-from building import scripts
+from building import arm, scripts
 from building.packing import compiled
 from building.pushing import table
 
-STEPS = 300
-"""How many steps there are, those of the benchmark."""
+STEPS = {"pusht": 300, "arm": 1000}
+"""How many steps there are: those of the benchmark, and 20 s."""
 
 Row = dict[str, Any]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare which starts there are."""
+    """Declare which page it is, and which starts there are."""
+    parser.add_argument("page", choices=tuple(STEPS), help="of which page")
     parser.add_argument("--seed", type=int, default=300_000, help="the first (default: 300000)")
     parser.add_argument("--starts", type=int, default=200, help="how many (default: 200)")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print a line for each world: how many succeed, after how many steps, and which do not."""
-    policy = make_policy("pusht", observe_goal=True)
+    """Print a line for each world."""
     seeds = range(arguments.seed, arguments.seed + arguments.starts)
+    if arguments.page == "arm":
+        rows = in_the_page("arm", make_policy(arm), arm.sizes(), list(seeds))
+        touched = sum(row["touches"] > 0 for row in rows)
+        print(f"arm  {told(rows, seeds, STEPS['arm'])}; in {touched} a link touches the ball")
+        return
+
+    policy = make_policy("pusht", observe_goal=True)
     starts = [start_of(seed) for seed in seeds]
-    print(f"gym-pusht  {told(in_the_benchmark(policy, seeds), seeds)}")
-    print(f"planck     {told(in_planck(policy, starts), seeds)}")
+    print(f"gym-pusht  {told(in_the_benchmark(policy, seeds), seeds, STEPS['pusht'])}")
+    rows = in_the_page("pusht", policy, table(), starts)
+    print(f"planck     {told(rows, seeds, STEPS['pusht'])}")
 
 
-def told(rows: list[Row], seeds: range) -> str:
+def told(rows: list[Row], seeds: range, most: int) -> str:
     """What came of some starts, in words."""
     steps = sorted(row["steps"] for row in rows if row["success"])
     failed = [seed for seed, row in zip(seeds, rows, strict=True) if not row["success"]]
     middle = steps[len(steps) // 2] if steps else None
-    return f"{len(steps)}/{len(rows)} within {STEPS} steps, median {middle}; failed: {failed}"
+    return f"{len(steps)}/{len(rows)} within {most} steps, median {middle}; failed: {failed}"
 
 
 def start_of(seed: int) -> Row:
@@ -61,7 +70,7 @@ def in_the_benchmark(policy: Policy, seeds: range) -> list[Row]:
     rows: list[Row] = []
     for seed in seeds:
         (observation, info), memory, steps = env.reset(seed=seed), None, 0
-        while steps < STEPS and not info["is_success"]:
+        while steps < STEPS["pusht"] and not info["is_success"]:
             action, memory = compiled_policy.predict(observation, memory)
             observation, _, _, _, info = env.step(action)
             steps += 1
@@ -69,13 +78,13 @@ def in_the_benchmark(policy: Policy, seeds: range) -> list[Row]:
     return rows
 
 
-def in_planck(policy: Policy, starts: list[Row]) -> list[Row]:
-    """The starts in the page's world."""
+def in_the_page(page: str, policy: Policy, sizes: Row, starts: list[Any]) -> list[Row]:
+    """The starts in a page's world: seeds, or where things are, px and rad."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "policy.wasm").write_bytes(compiled(policy))
-        task = {"table": table(), "starts": starts, "steps": STEPS}
+        task = {"page": page, "sizes": sizes, "starts": starts, "steps": STEPS[page]}
         Path(folder, "task.json").write_text(json.dumps(task))
-        script = scripts.bundle("worlds/push_from.mjs", "esm")
+        script = scripts.bundle("worlds/run_from.mjs", "esm")
         printed = scripts.run("node", "--input-type=module", "-", folder, given=script)
     rows: list[Row] = json.loads(printed)
     return rows
