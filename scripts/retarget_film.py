@@ -53,7 +53,7 @@ def draw(reference: Array, paths: dict[str, Array], wall: float) -> Iterator[Any
 
     from aicon_baselines.figures.rendering import render
 
-    figure = Figure(figsize=(8.4, 3.4), dpi=80, layout="constrained")
+    figure = Figure(figsize=(8.4, 2.5), dpi=80, layout="constrained")
     (panels,) = figure.subplots(1, len(paths), sharex=True, sharey=True, squeeze=False)
     aim_links, aim = shape(reference)
     shapes = {rule: shape(path) for rule, path in paths.items()}
@@ -71,8 +71,8 @@ def draw(reference: Array, paths: dict[str, Array], wall: float) -> Iterator[Any
                 axes.plot(*place, "o", color=color, markersize=4)
 
             depth = max(0.0, float(points[step, :, 0].max()) - wall)
-            axes.set_title(f"{rule}: {100 * depth:.1f} cm behind the wall", fontsize=10)
-            axes.set(xlim=(-0.15, wall + 0.2), ylim=(-0.02, 1.0), aspect="equal")
+            axes.set_title(f"{rule}: {100 * depth:.1f} cm behind the wall", fontsize=9)
+            axes.set(xlim=(-0.45, wall + 0.15), ylim=(-0.02, 0.95), aspect="equal")
             axes.set(xticks=[], yticks=[])
         yield render(figure)
 
