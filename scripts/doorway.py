@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from doorway_world import DOOR, DT, RADIUS, Array, drive, drive_by_orca, has_orca, starts
+from rule_study import fill
 from rule_study import rules as plain_rules
-from rule_study import save_as_they_come
 
 TOUCH = 0.01  # m, how far discs overlap before they count as touching
 DISCS = (2, 4, 8)
@@ -28,17 +28,20 @@ class Cell(NamedTuple):
     """What came of one rule with so many discs.
 
     Attributes:
+        seconds: Of a try.
         cleared: In how many tries all discs came through.
-        seconds: Median time until the last one was through, of these tries.
+        median: Time until the last one was through, of these tries, s.
         untouched: In how many tries nobody touched anything.
         overlap: How far two discs overlapped at most, m.
     """
 
+    seed: int
+    tries: int
+    seconds: float
     rule: str
     discs: int
-    tries: int
     cleared: int
-    seconds: float
+    median: float
     untouched: int
     overlap: float
 
@@ -54,20 +57,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule, save a row for each cell as it comes, and draw them."""
-    from tqdm import tqdm
-
     arguments.out.mkdir(parents=True, exist_ok=True)
     names = [*rules(), *(["ORCA"] if has_orca() else [])]
-    tries = [(name, count) for name in names for count in DISCS]
-    found = ([measure(name, count, arguments)] for name, count in tqdm(tries, unit="cell"))
-    cells = save_as_they_come(arguments.out / "cells.csv", Cell._fields, found)
+    settings = (arguments.seed, arguments.tries, arguments.seconds)
+    wanted = [(*settings, name, count) for name in names for count in DISCS]
+    cells = fill(arguments.out / "cells.csv", Cell, wanted, measure)
 
     print(f"\nof {arguments.tries} tries: all through (median, s), nobody touched; largest overlap")
     print(f"{'discs':24}" + "".join(f"{count:>26}" for count in DISCS))
     for name in names:
         own = [cell for cell in cells if cell.rule == name]
         told = [
-            f"{c.cleared} ({c.seconds:.0f}), {c.untouched}; {1e3 * c.overlap:.0f} mm" for c in own
+            f"{c.cleared} ({c.median:.0f}), {c.untouched}; {1e3 * c.overlap:.0f} mm" for c in own
         ]
         print(f"{name:24}" + "".join(f"{text:>26}" for text in told))
     draw(cells, names, arguments.out / "doorway.png")
@@ -89,10 +90,10 @@ def rules() -> dict[str, Any]:
     }
 
 
-def measure(rule: str, count: int, arguments: argparse.Namespace) -> Cell:
+def measure(seed: int, tries: int, seconds: float, rule: str, count: int) -> list[Cell]:
     """Let so many discs pass in every try."""
-    discs, targets = starts(count, arguments.tries, arguments.seed)
-    steps = round(arguments.seconds / DT)
+    discs, targets = starts(count, tries, seed)
+    steps = round(seconds / DT)
     if rule == "ORCA":
         path = drive_by_orca(discs, targets, steps)
     else:
@@ -107,7 +108,8 @@ def measure(rule: str, count: int, arguments: argparse.Namespace) -> Cell:
     untouched = int((np.maximum(overlaps, in_walls) <= TOUCH).sum())
     median = float(np.median(times)) if cleared.any() else float("nan")
     largest = round(float(overlaps.max()), 4)
-    return Cell(rule, count, arguments.tries, int(cleared.sum()), median, untouched, largest)
+    told = (int(cleared.sum()), median, untouched, largest)
+    return [Cell(seed, tries, seconds, rule, count, *told)]
 
 
 def _distances(path: Array) -> Array:
@@ -127,7 +129,7 @@ def draw(cells: list[Cell], names: list[str], path: Path) -> None:
         style: dict[str, Any] = {"marker": "osD^v<>"[number], "label": name, "alpha": 0.8}
         panels[0].plot(counts, [100 * cell.cleared / cell.tries for cell in own], **style)
         panels[1].plot(counts, [100 * cell.untouched / cell.tries for cell in own], **style)
-        panels[2].plot(counts, [cell.seconds for cell in own], **style)
+        panels[2].plot(counts, [cell.median for cell in own], **style)
 
     for panel, title in zip(
         panels,
@@ -142,7 +144,7 @@ def draw(cells: list[Cell], names: list[str], path: Path) -> None:
     figure.savefig(path, dpi=150)
 
 
-COMMAND = Command(__doc__, add_arguments, run)
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
     run_command(COMMAND)

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
-from rule_study import rules, save_as_they_come
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from rule_study import fill, rules
 
 DT = 0.02  # s
 SPEED = 1.0  # m/s, of the robot; the leaders drive at half of it
@@ -52,12 +52,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule, save a row for each cell as it comes, and draw them."""
-    from tqdm import tqdm
-
     arguments.out.mkdir(parents=True, exist_ok=True)
-    tries = [(rule, law, count) for law in laws() for rule in rules() for count in LEADERS]
-    found = (follow(rule, law, count) for rule, law, count in tqdm(tries, unit="policy"))
-    cells = save_as_they_come(arguments.out / "cells.csv", Cell._fields, found)
+    wanted = [(rule, law, count) for law in laws() for rule in rules() for count in LEADERS]
+    cells = fill(arguments.out / "cells.csv", Cell, wanted, follow)
 
     for law in laws():
         print(f"\n{law}: the least slope that keeps all {STARTS} starts on this side\n")
@@ -191,7 +188,7 @@ def draw(cells: list[Cell], path: Path) -> None:
     figure.savefig(path, dpi=150)
 
 
-COMMAND = Command(__doc__, add_arguments, run)
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
     run_command(COMMAND)

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from retarget_world import DT, MARGIN, follow, make_policy, references
-from rule_study import rules, save_as_they_come
+from rule_study import fill, rules
 
 SETTLES = 1.0  # s, after which errors count
 BEHIND = 0.005  # m, from where on a point counts as behind it
@@ -33,6 +33,7 @@ class Cell(NamedTuple):
     """What came of one rule with so many points and one slope.
 
     Attributes:
+        seconds: Of a try.
         world: "dips", or "near" for the negative control.
         clean: How many of the tries were clean.
         behind: Share of the time more than 5 mm behind the wall.
@@ -40,11 +41,13 @@ class Cell(NamedTuple):
         held: The same while it is behind it, m.
     """
 
+    seed: int
+    tries: int
+    seconds: float
     world: str
     rule: str
     points: int
     slope: float
-    tries: int
     clean: int
     behind: float
     free: float
@@ -62,16 +65,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule in both worlds, save a row for each cell as it comes, and draw them."""
-    from tqdm import tqdm
-
     arguments.out.mkdir(parents=True, exist_ok=True)
-    tries: list[tuple[str, str, int, tuple[float, ...]]]
-    tries = [("dips", rule, count, SLOPES) for rule in rules() for count in POINTS]
-    tries += [("near", rule, 8, (3.0,)) for rule in (*rules(), *explorers())]
-    tries += [("dips", rule, 8, (3.0,)) for rule in explorers()]
-
-    found = (measure(*one, arguments) for one in tqdm(tries, unit="policy"))
-    cells = save_as_they_come(arguments.out / "cells.csv", Cell._fields, found)
+    worlds = [("dips", rule, count) for rule in rules() for count in POINTS]
+    worlds += [("near", rule, 8) for rule in (*rules(), *explorers())]
+    worlds += [("dips", rule, 8) for rule in explorers()]
+    settings = (arguments.seed, arguments.tries, arguments.seconds)
+    wanted = [(*settings, *world) for world in worlds]
+    cells = fill(arguments.out / "cells.csv", Cell, wanted, measure)
 
     report(cells, arguments.tries)
     draw(cells, arguments.out / "retarget.png")
@@ -91,11 +91,10 @@ def explorers() -> dict[str, Any]:
     }
 
 
-def measure(
-    world: str, rule: str, count: int, slopes: tuple[float, ...], arguments: argparse.Namespace
-) -> list[Cell]:
+def measure(seed: int, tries: int, seconds: float, world: str, rule: str, count: int) -> list[Cell]:
     """Every slope and every try at once, as rows of one batch."""
-    joints, points = references(count, arguments.tries, arguments.seconds, arguments.seed)
+    joints, points = references(count, tries, seconds, seed)
+    slopes = SLOPES if world == "dips" and rule in rules() else (3.0,)
     deepest = points[..., 0].max(-1)
     if world == "dips":
         walls = np.quantile(deepest, 1.0 - DIPS, axis=0)
@@ -108,26 +107,26 @@ def measure(
         np.tile(joints, (1, copies, 1)),
         np.tile(points, (1, copies, 1, 1)),
         np.tile(walls, copies)[:, None],
-        np.repeat(slopes, arguments.tries)[:, None],
+        np.repeat(slopes, tries)[:, None],
     )
 
     begin = round(SETTLES / DT)
     is_behind = (deepest > walls)[begin:]
     cells = []
     for index, slope in enumerate(slopes):
-        own = slice(index * arguments.tries, (index + 1) * arguments.tries)
+        own = slice(index * tries, (index + 1) * tries)
         depth, error = depths[begin:, own], errors[begin:, own]
         clean, behind = int((depth.max(0) <= BEHIND).sum()), float((depth > BEHIND).mean())
         free = float(error[~is_behind].mean())
         held = float(error[is_behind].mean()) if is_behind.any() else 0.0
         told = (round(value, 5) for value in (behind, free, held))
-        cells.append(Cell(world, rule, count, slope, arguments.tries, clean, *told))
+        cells.append(Cell(seed, tries, seconds, world, rule, count, slope, clean, *told))
     return cells
 
 
 def least_slope(cells: list[Cell], rule: str, count: int) -> Cell | None:
     """The cell of the least slope from which on every try is clean; None where there is none."""
-    own = [cell for cell in cells if cell[:3] == ("dips", rule, count)]
+    own = [cell for cell in cells if cell[3:6] == ("dips", rule, count)]
     least = None
     for cell in sorted(own, key=lambda cell: -cell.slope):
         if cell.clean < cell.tries:
@@ -149,7 +148,7 @@ def report(cells: list[Cell], tries: int) -> None:
     print("\n8 points, slope 3: error, mm, where all can be had; then before and behind the wall")
     for rule in (*rules(), *explorers()):
         near, dips = (
-            next(cell for cell in cells if cell[:4] == (world, rule, 8, 3.0))
+            next(cell for cell in cells if cell[3:7] == (world, rule, 8, 3.0))
             for world in ("near", "dips")
         )
         print(
@@ -188,7 +187,7 @@ def draw(cells: list[Cell], path: Path) -> None:
     figure.savefig(path, dpi=150)
 
 
-COMMAND = Command(__doc__, add_arguments, run)
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
     run_command(COMMAND)

@@ -1,10 +1,12 @@
 """The studies of where projection matters: retargeting and the doorway, cut short."""
 
 import numpy as np
+import pytest
 
 import doorway
 import doorway_world
 import retarget
+import retarget_film
 import retarget_world
 
 
@@ -33,3 +35,17 @@ def test_discs_that_do_not_explore_never_touch() -> None:
         np.linalg.norm(np.diff(path, axis=0), axis=-1).max()
         <= 1.001 * doorway_world.SPEED * doorway_world.DT
     )
+
+
+def test_a_film_shows_an_arm_whose_points_are_behind_the_wall_in_red() -> None:
+    still = np.tile(retarget_world.HOME, (2, 1))
+    links, points = retarget_film.shape(still)
+    assert links.shape == (2, 9, 2) and points.shape == (2, 8, 2)
+    assert points[0, 0] == pytest.approx(links[0, -1])  # the first point is the tip
+    farthest = float(points[0, :, 0].max())
+
+    def reds(wall: float) -> int:
+        (frame,) = retarget_film.draw(still, {"sum": still}, wall)
+        return int(((frame[..., 0] > 150) & (frame[..., 1] < 60)).sum())
+
+    assert reds(farthest + 0.1) == 0 < reds(farthest - 0.05)
