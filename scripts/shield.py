@@ -16,7 +16,7 @@ import torch
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import diffusion_policy, saved_agent
-from aicon_baselines.agents.shields import nav2d, pusht
+from aicon_baselines.agents.shields import arm, nav2d, pusht
 from aicon_baselines.agents.shields.clamped import shortened
 from aicon_baselines.agents.shipped import shipped_folder
 from aicon_baselines.cli.command_line import Command, run_command
@@ -27,8 +27,9 @@ from aicon_baselines.tasks import load
 from aicon_envs.nav2d import Physics, make_map
 from aicon_torch import load_exported
 
-STILL = {"nav2d": (600, 0.5), "pusht": (50, 20.0)}
-"""An episode that does not end is stuck where it stays for so many steps within so far, m or px."""
+STILL = {"nav2d": (600, 0.5), "pusht": (50, 20.0), "arm": (100, 0.1)}
+"""An episode that does not end is stuck where it stays for so many steps within so far, m, px or
+rad."""
 
 
 class World(NamedTuple):
@@ -70,7 +71,12 @@ def pushing() -> World:
     return World(proposers, _guards(pusht.clamped, pusht.shielded), _pushing, 0.1)
 
 
-WORLDS = {"nav2d": navigation, "pusht": pushing}
+def moving() -> World:
+    """An arm whose joints go straight, with a ball in the way."""
+    return World({"straight": arm.Straight}, _guards(arm.clamped, arm.shielded), _moving, 0.02)
+
+
+WORLDS = {"nav2d": navigation, "pusht": pushing, "arm": moving}
 """The tasks, by name; each loads its own policies."""
 
 
@@ -92,6 +98,11 @@ def _navigation(first: int, count: int) -> tuple[Any, Any]:
 
 def _pushing(first: int, count: int) -> tuple[Any, Any]:
     env = pusht.make_env(count, 1000)
+    return env, env.reset(seed=list(range(first, first + count)))
+
+
+def _moving(first: int, count: int) -> tuple[Any, Any]:
+    env = arm.make_env(count, 1000)
     return env, env.reset(seed=list(range(first, first + count)))
 
 
@@ -216,7 +227,7 @@ def draw(out: Path, seed: int, horizon: int) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
-    parser.add_argument("what", choices=("nav2d", "pusht", "random", "time", "draw"))
+    parser.add_argument("what", choices=(*WORLDS, "random", "time", "draw"))
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--seed", type=int, default=300_000, help="first seed (default: 300000)")
     parser.add_argument("--horizon", type=int, default=1000, help="steps (default: 1000)")

@@ -84,7 +84,8 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
     `position` (3,): the tip, m; `distance`, m; `angle`, rad, 0 where it does not count;
     `is_success`; during the last step: `self_contact`, `ball_contact`, `collision`, one of them;
     `limit_violation`, a joint beyond its limits; `self_gap` and `ball_gap`, the smallest gaps, m,
-    at most 0.05; `limit_margin`, the smallest distance of a joint to its limits, rad or m.
+    at most 0.05; `limit_margin`, the smallest distance of a joint to its limits, rad or m. At the
+    start also `target_joints` (n,), at which the tip is at the target, rad or m.
 
     ## Version history
     v0: first version.
@@ -171,7 +172,7 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         self._target = self._simulation.tip_at(episode.target_joints)
         self._simulation.start(episode.joints, self._ball_positions())
         self._simulation.show_target(*self._target)
-        return self._observe(), self._info()
+        return self._observe(), self._info() | {"target_joints": episode.target_joints.copy()}
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step of 0.02 s."""
