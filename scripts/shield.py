@@ -39,6 +39,7 @@ class World(NamedTuple):
     guards: Mapping[str, Callable[[Any], Predictor]]
     start: Callable[[int, int], tuple[Any, Any]]
     time_step: float
+    at_once: int = 1000  # episodes side by side; an arm in MuJoCo takes 0.1 GB
 
 
 class Heard:
@@ -73,7 +74,7 @@ def pushing() -> World:
 
 def moving() -> World:
     """An arm whose joints go straight, with a ball in the way."""
-    return World({"straight": arm.Straight}, _guards(arm.clamped, arm.shielded), _moving, 0.02)
+    return World({"straight": arm.Straight}, _guards(arm.clamped, arm.shielded), _moving, 0.02, 25)
 
 
 WORLDS = {"nav2d": navigation, "pusht": pushing, "arm": moving}
@@ -112,10 +113,15 @@ def compare(task: str, out: Path, first: int, count: int, horizon: int, only: li
     chosen = {name: make for name, make in world.proposers.items() if not only or name in only}
     for proposer, make in chosen.items():
         for name, guard in world.guards.items():
-            env, start = world.start(first, count)
-            heard = Heard(make())
-            steps = run_episodes(guard(heard), env, start)
-            row = measured(task, steps, heard, count, horizon, first)
+            parts = []
+            for begin in range(first, first + count, world.at_once):
+                number = min(world.at_once, first + count - begin)
+                env, start = world.start(begin, number)
+                heard = Heard(make())
+                steps = run_episodes(guard(heard), env, start)
+                parts.append(measured(task, steps, heard, number, horizon, begin))
+                env.close()
+            row = _together(parts)
             told = {"policy": proposer, "guard": name, **row}
             print(_in_words(told, world.time_step), flush=True)
             with (out / f"{task}.jsonl").open("a") as file:
@@ -154,9 +160,23 @@ def measured(
         "clean": int(good.sum()),
         "touched": int(touched.sum()),
         "stuck": int((failed & (spread < near)).sum()),
-        "steps": float(np.median(duration[success])) if success.any() else None,
-        "change": change / max(total, 1),
+        "durations": duration[success].tolist(),
+        "changes": change,
+        "steps": total,
         "failed": (first + np.flatnonzero(~good)).tolist(),
+    }
+
+
+def _together(parts: list[dict[str, Any]]) -> dict[str, Any]:
+    """What became of all episodes, of which some were run side by side."""
+    lists = {key: [each for part in parts for each in part[key]] for key in ("durations", "failed")}
+    sums = {key: sum(part[key] for part in parts) for key in parts[0] if key not in lists}
+    durations = lists["durations"]
+    return sums | {
+        "seed": parts[0]["seed"],
+        "steps": float(np.median(durations)) if durations else None,
+        "change": sums["changes"] / max(sums["steps"], 1),
+        "failed": lists["failed"],
     }
 
 

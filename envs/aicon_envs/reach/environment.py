@@ -144,8 +144,8 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         """What a policy may know of the robot, as plain data.
 
         Returns:
-            ``urdf``, ``srdf``: files, the second may be None; ``tip``: name of the link; ``low``,
-            ``high``: limits of the joints, rad or m; ``speed``: rad/s or m/s; ``balls``: their
+            ``urdf``, ``srdf``: files, the second may be None; ``tip``: name of the link; ``joints``:
+            their names; ``low``, ``high``: limits of the joints, rad or m; ``speed``: rad/s or m/s; ``balls``: their
             number; ``ball_radius``: m; ``time_step``: s.
         """
         scene, srdf = self._simulation.scene, self.robot.srdf
@@ -153,6 +153,7 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
             "urdf": str(find_file(self.robot.urdf)),
             "srdf": None if srdf is None else str(find_file(srdf)),
             "tip": self.robot.tip,
+            "joints": scene.joints,
             "low": tuple(scene.low.tolist()),
             "high": tuple(scene.high.tolist()),
             "speed": tuple(self._speed.tolist()),
