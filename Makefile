@@ -8,6 +8,7 @@ OUT ?= runs
 
 INSTALLED := $(VENV)/.installed
 UV := .venv-uv/bin/uv
+PLUGINS := baselines/lerobot_policy_aicon baselines/lerobot_robot_aicon
 # Ours, the paper's text, the sum with exploration, the steepest path, and the sum.
 POLICIES := aicon paper_literal sum_with_exploration steepest potential_field
 # The policies are small: more threads than one only wait for each other.
@@ -26,13 +27,13 @@ help: ## Show this list
 install: $(INSTALLED) ## Create the virtual environment (the other targets do it if need be)
 
 # constraints.txt lists every package, so nothing is resolved here: what is installed is what was tested.
-$(INSTALLED): pyproject.toml constraints.txt baselines/lerobot_policy_aicon/pyproject.toml
+$(INSTALLED): pyproject.toml constraints.txt $(PLUGINS:%=%/pyproject.toml)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
 	  echo "aicon-torch needs Python 3.11 or newer, and $(PYTHON) is older or missing."; \
 	  echo "Name another one: make PYTHON=/path/to/python3.11 $(MAKECMDGOALS)"; exit 1; } >&2
 	$(PYTHON) -m venv --clear $(VENV)
 	$(VENV)/bin/python -m pip install --disable-pip-version-check --no-deps -r constraints.txt
-	$(VENV)/bin/python -m pip install --disable-pip-version-check --no-deps -e . -e baselines/lerobot_policy_aicon
+	$(VENV)/bin/python -m pip install --disable-pip-version-check --no-deps -e . $(PLUGINS:%=-e %)
 	@touch $@
 
 $(UV):

@@ -1,5 +1,6 @@
 """Small vector operations on stacks of gradients."""
 
+import math
 from collections.abc import Sequence
 
 import torch
@@ -36,3 +37,8 @@ def reject(vectors: Tensor, direction: Tensor) -> Tensor:
 def select(stack: Tensor, index: Tensor) -> Tensor:
     """The row ``(*B, d)`` of each stack ``(*B, n, d)`` that an index ``(*B, 1)`` names."""
     return stack.gather(-2, index.unsqueeze(-1).expand(*index.shape, stack.shape[-1])).squeeze(-2)
+
+
+def wrap_angle(angle: Tensor) -> Tensor:
+    """The same angle in [−π, π), rad."""
+    return torch.remainder(angle + math.pi, 2 * math.pi) - math.pi

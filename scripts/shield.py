@@ -16,7 +16,7 @@ import torch
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.registry import diffusion_policy, saved_agent
-from aicon_baselines.agents.shields import nav2d, pusht
+from aicon_baselines.agents.shields import arm, nav2d, pusht
 from aicon_baselines.agents.shields.clamped import shortened
 from aicon_baselines.agents.shipped import shipped_folder
 from aicon_baselines.cli.command_line import Command, run_command
@@ -27,8 +27,9 @@ from aicon_baselines.tasks import load
 from aicon_envs.nav2d import Physics, make_map
 from aicon_torch import load_exported
 
-STILL = {"nav2d": (600, 0.5), "pusht": (50, 20.0)}
-"""An episode that does not end is stuck where it stays for so many steps within so far, m or px."""
+STILL = {"nav2d": (600, 0.5), "pusht": (50, 20.0), "arm": (100, 0.1)}
+"""An episode that does not end is stuck where it stays for so many steps within so far, m, px or
+rad."""
 
 
 class World(NamedTuple):
@@ -38,6 +39,7 @@ class World(NamedTuple):
     guards: Mapping[str, Callable[[Any], Predictor]]
     start: Callable[[int, int], tuple[Any, Any]]
     time_step: float
+    at_once: int = 1000  # episodes side by side; an arm in MuJoCo takes 0.1 GB
 
 
 class Heard:
@@ -70,7 +72,12 @@ def pushing() -> World:
     return World(proposers, _guards(pusht.clamped, pusht.shielded), _pushing, 0.1)
 
 
-WORLDS = {"nav2d": navigation, "pusht": pushing}
+def moving() -> World:
+    """An arm whose joints go straight, with a ball in the way."""
+    return World({"straight": arm.Straight}, _guards(arm.clamped, arm.shielded), _moving, 0.02, 25)
+
+
+WORLDS = {"nav2d": navigation, "pusht": pushing, "arm": moving}
 """The tasks, by name; each loads its own policies."""
 
 
@@ -95,16 +102,26 @@ def _pushing(first: int, count: int) -> tuple[Any, Any]:
     return env, env.reset(seed=list(range(first, first + count)))
 
 
+def _moving(first: int, count: int) -> tuple[Any, Any]:
+    env = arm.make_env(count, 1000)
+    return env, env.reset(seed=list(range(first, first + count)))
+
+
 def compare(task: str, out: Path, first: int, count: int, horizon: int, only: list[str]) -> None:
     """Run every policy with every guard, and print a row of the table each."""
     world = WORLDS[task]()
     chosen = {name: make for name, make in world.proposers.items() if not only or name in only}
     for proposer, make in chosen.items():
         for name, guard in world.guards.items():
-            env, start = world.start(first, count)
-            heard = Heard(make())
-            steps = run_episodes(guard(heard), env, start)
-            row = measured(task, steps, heard, count, horizon, first)
+            parts = []
+            for begin in range(first, first + count, world.at_once):
+                number = min(world.at_once, first + count - begin)
+                env, start = world.start(begin, number)
+                heard = Heard(make())
+                steps = run_episodes(guard(heard), env, start)
+                parts.append(measured(task, steps, heard, number, horizon, begin))
+                env.close()
+            row = _together(parts)
             told = {"policy": proposer, "guard": name, **row}
             print(_in_words(told, world.time_step), flush=True)
             with (out / f"{task}.jsonl").open("a") as file:
@@ -143,9 +160,23 @@ def measured(
         "clean": int(good.sum()),
         "touched": int(touched.sum()),
         "stuck": int((failed & (spread < near)).sum()),
-        "steps": float(np.median(duration[success])) if success.any() else None,
-        "change": change / max(total, 1),
+        "durations": duration[success].tolist(),
+        "changes": change,
+        "steps": total,
         "failed": (first + np.flatnonzero(~good)).tolist(),
+    }
+
+
+def _together(parts: list[dict[str, Any]]) -> dict[str, Any]:
+    """What became of all episodes, of which some were run side by side."""
+    lists = {key: [each for part in parts for each in part[key]] for key in ("durations", "failed")}
+    sums = {key: sum(part[key] for part in parts) for key in parts[0] if key not in lists}
+    durations = lists["durations"]
+    return sums | {
+        "seed": parts[0]["seed"],
+        "steps": float(np.median(durations)) if durations else None,
+        "change": sums["changes"] / max(sums["steps"], 1),
+        "failed": lists["failed"],
     }
 
 
@@ -216,7 +247,7 @@ def draw(out: Path, seed: int, horizon: int) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
-    parser.add_argument("what", choices=("nav2d", "pusht", "random", "time", "draw"))
+    parser.add_argument("what", choices=(*WORLDS, "random", "time", "draw"))
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--seed", type=int, default=300_000, help="first seed (default: 300000)")
     parser.add_argument("--horizon", type=int, default=1000, help="steps (default: 1000)")

@@ -72,6 +72,7 @@ from aicon_torch.parts.self_collision import (
     segment_distance,
 )
 from aicon_torch.parts.servo import PositionTarget, PusherMotion, Servo
+from aicon_torch.parts.table import Table
 from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.parts.touch import ContactForce, ForceThreshold, TouchedSide, TouchedTop
@@ -132,6 +133,7 @@ __all__ = [
     "Servo",
     "Sphere",
     "SquaredHinge",
+    "Table",
     "TipMetric",
     "TipPose",
     "ToolPose",

@@ -1,9 +1,9 @@
 """Geometry of the plane: vectors (x, y), angles, and poses (x, y, θ) of something rigid."""
 
-import math
-
 import torch
 from torch import Tensor
+
+from aicon_torch.vectors import wrap_angle
 
 
 def norm(vectors: Tensor) -> Tensor:
@@ -38,11 +38,6 @@ def rotate(vectors: Tensor, angle: Tensor) -> Tensor:
     cos, sin = torch.cos(angle), torch.sin(angle)
     x, y = vectors.unbind(-1)
     return torch.stack((cos * x - sin * y, sin * x + cos * y), dim=-1)
-
-
-def wrap_angle(angle: Tensor) -> Tensor:
-    """The same angle in [−π, π), rad."""
-    return torch.remainder(angle + math.pi, 2 * math.pi) - math.pi
 
 
 def pose_error(pose: Tensor, target: Tensor, rotation_length: float) -> Tensor:

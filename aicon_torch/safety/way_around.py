@@ -1,12 +1,14 @@
 """The way around what holds up a proposal: exploration in the nullspace of the constraints."""
 
+import math
+
 import torch
 from torch import Tensor
 
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
 from aicon_torch.safety.stuck import spread
-from aicon_torch.vectors import reject, unit
+from aicon_torch.vectors import reject, unit, wrap_angle
 
 # Shares, and times in the dampers' time constant T: a faster robot needs no new number.
 HELD = 0.1  # share of the proposal that is carried out, below which it is held up
@@ -15,6 +17,7 @@ ASKING = 0.05  # share of the actuator's limit below which a proposal asks for n
 LEAN = 0.5  # by how much it leans against the constraint on its way along it
 GAIN = 1 / 3  # how much farther it must have come, as a share of the way on which it brakes
 ASIDE = 0.1  # by how much the side of a sequence counts beside that of the proposal
+TURNS = 2.0  # times all around in the plane of the way, after which another is tried
 CONTACT = 1e-3  # share of what is tried that the constraints must take away to be felt
 
 
@@ -29,6 +32,7 @@ def initial_way(size: int) -> Memory:
         "normal": torch.zeros(size),
         "tangent": torch.zeros(size),
         "angle": torch.tensor(0.0),
+        "turned": torch.tensor(0.0),
         "kept": torch.tensor(1.0),
         "gained": torch.tensor(0.0),
         "escapes": torch.tensor(0),
@@ -51,7 +55,8 @@ class Around:
     It is over once w is open (w·n ≥ 0), and the actuator has come farther along w than where it was
     held up, ∫ a·w/‖w‖ dt > G: of a proposal that leads to a target it is nearer to that then, so
     that it does not come back to the same place, as with the Bug algorithms (Lumelsky and Stepanov
-    1987). Or where nothing is proposed any more.
+    1987). Or where nothing is proposed any more. Or where n has turned by 4π, so that no way leads
+    out in this plane: then another one is tried.
 
     Args:
         limits: Of the actuator, ``(n,)``.
@@ -102,13 +107,15 @@ class Around:
         onwards = memory["angle"] + asked / self.speed * self.dt / self.time
         angle = torch.where(is_felt, torch.atan2(along_tangent, along_normal), onwards)
         angle = torch.where(around, angle, 0.0)
+        turned = memory["turned"] + wrap_angle(angle - memory["angle"])
 
         # From FREE to AROUND, and back.
         begins = ~around & is_felt & is_asking & (kept < HELD)
         normal, _ = _turned({**memory, "angle": angle})
         is_open = (nominal * normal).sum(-1) >= 0.0
         has_passed = is_open & (gained > GAIN * self.speed * self.time)
-        ends = around & (has_passed | ~is_asking)
+        is_enclosed = turned.abs() > TURNS * 2.0 * math.pi
+        ends = around & (has_passed | is_enclosed | ~is_asking)
 
         # The plane of the way; to either side alike, the sides of a sequence are tried.
         entry = unit(safe.force)
@@ -119,6 +126,7 @@ class Around:
             "normal": torch.where(is_new, entry, memory["normal"]),
             "tangent": torch.where(is_new, unit(reject(sideways, entry)), memory["tangent"]),
             "angle": angle,
+            "turned": torch.where(around, turned, 0.0),
             "kept": torch.where(begins | around, 1.0, kept),
             "gained": torch.where(begins, 0.0, gained),
             "escapes": memory["escapes"] + begins,

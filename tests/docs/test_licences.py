@@ -6,7 +6,8 @@ from _documents import ROOT
 
 
 def test_every_distribution_brings_its_licence() -> None:
-    for path in (ROOT, ROOT / "baselines" / "lerobot_policy_aicon"):
+    plugins = (ROOT / "baselines").glob("lerobot_*")
+    for path in (ROOT, *plugins):
         project = tomllib.loads((path / "pyproject.toml").read_text())["project"]
         assert (project["license"], project["license-files"]) == ("MIT", ["LICENSE"])
         assert (path / "LICENSE").read_text() == (ROOT / "LICENSE").read_text()

@@ -84,7 +84,8 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
     `position` (3,): the tip, m; `distance`, m; `angle`, rad, 0 where it does not count;
     `is_success`; during the last step: `self_contact`, `ball_contact`, `collision`, one of them;
     `limit_violation`, a joint beyond its limits; `self_gap` and `ball_gap`, the smallest gaps, m,
-    at most 0.05; `limit_margin`, the smallest distance of a joint to its limits, rad or m.
+    at most 0.05; `limit_margin`, the smallest distance of a joint to its limits, rad or m. At the
+    start also `target_joints` (n,), at which the tip is at the target, rad or m.
 
     ## Version history
     v0: first version.
@@ -143,8 +144,8 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         """What a policy may know of the robot, as plain data.
 
         Returns:
-            ``urdf``, ``srdf``: files, the second may be None; ``tip``: name of the link; ``low``,
-            ``high``: limits of the joints, rad or m; ``speed``: rad/s or m/s; ``balls``: their
+            ``urdf``, ``srdf``: files, the second may be None; ``tip``: name of the link; ``joints``:
+            their names; ``low``, ``high``: limits of the joints, rad or m; ``speed``: rad/s or m/s; ``balls``: their
             number; ``ball_radius``: m; ``time_step``: s.
         """
         scene, srdf = self._simulation.scene, self.robot.srdf
@@ -152,6 +153,7 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
             "urdf": str(find_file(self.robot.urdf)),
             "srdf": None if srdf is None else str(find_file(srdf)),
             "tip": self.robot.tip,
+            "joints": scene.joints,
             "low": tuple(scene.low.tolist()),
             "high": tuple(scene.high.tolist()),
             "speed": tuple(self._speed.tolist()),
@@ -171,7 +173,7 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         self._target = self._simulation.tip_at(episode.target_joints)
         self._simulation.start(episode.joints, self._ball_positions())
         self._simulation.show_target(*self._target)
-        return self._observe(), self._info()
+        return self._observe(), self._info() | {"target_joints": episode.target_joints.copy()}
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step of 0.02 s."""

@@ -1,0 +1,166 @@
+"""The body of an arm: its joints, its links, and what it must not do, whatever it is for."""
+
+import copy
+from pathlib import Path
+from typing import Any
+
+from torch import Tensor
+
+from aicon_torch.errors import OptionError, choices
+from aicon_torch.estimation import Deterministic, Estimator, KalmanFilter, Measurement
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.reach.options import Options
+from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.joint_limits import JointLimits
+from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
+from aicon_torch.parts.robot import Robot
+from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
+from aicon_torch.parts.table import Table
+from aicon_torch.quantities import Actuator, Sensor
+
+JOINT_NOISE = 1e-4
+"""Standard deviation of the encoders, rad."""
+
+JOINT_DRIFT = 1e-6
+"""Variance of what moves a joint in a step besides its command, rad²."""
+
+UNKNOWN_JOINT = 10.0
+"""Variance of a joint before it is read, rad²."""
+
+BALL_NOISE = 0.002
+"""Standard deviation of a ball's position as it is seen, m."""
+
+BALL_DISTANCE = SquaredHinge(margin=0.03, weight=1.0)
+"""How far links stay from balls, m, which is their margin where balls are goals like any other:
+three times as far as from each other, since a ball may move."""
+
+TABLE_DISTANCE = SquaredHinge(margin=0.01, weight=1.0)
+"""How far links stay from a table, m."""
+
+
+def body_model(options: Options, table: float | None = None) -> WorldModel:
+    """The graph of an arm that wants nothing: for a :class:`aicon_torch.Shield`.
+
+    An observation has the joints ``q`` ``(*B, n)``, rad or m, and the balls, if there are any; the
+    action ``a`` is the velocity of the joints.
+
+    Args:
+        options: The robot, its safety and balls; what concerns a target is not read.
+        table: Height of a table in the frame of the base, m; None for no table.
+
+    Raises:
+        OptionError: As for :func:`aicon_torch.models.reach.world_model`; also if the robot has no
+            shape, or a link cannot keep off the table.
+    """
+    robot = robot_of(options)
+    if robot.shape is None:
+        raise OptionError("robot: it has no shape, so a shield could keep its stops alone.")
+
+    count = len(robot.chain.names)
+    speeds = speeds_of(options, robot.chain)
+    velocity = Actuator(
+        count, "rad/s or m/s", speeds, keeps_direction=True, dampers=options.dampers
+    )
+    return WorldModel(
+        sensors={"z_joints": Sensor(count, "rad or m", key="q"), **ball_sensors(options)},
+        actuators={"a": velocity},
+        estimators=[joints(count), body(robot), *ball_estimators(options)],
+        goals=bounds(options, robot, table),
+        dt=options.dt,
+        dtype=options.dtype,
+    )
+
+
+def towards(proposal: Tensor, x_joints: Tensor, dt: Tensor) -> Tensor:
+    """The velocity ``(*B, n)`` that takes the joints in one step where a policy proposes."""
+    return (proposal - x_joints) / dt
+
+
+def robot_of(options: Options) -> Robot:
+    """The robot of the options, a copy of its own for this model."""
+    if isinstance(options.robot, Robot):
+        return copy.deepcopy(options.robot)
+    if isinstance(options.robot, str | Path):
+        return Robot.from_urdf(options.robot, tip=options.tip, srdf=options.srdf)
+    raise OptionError(
+        f"robot={options.robot!r}: expected a URDF, such as 'ur5.urdf', or a Robot of "
+        "aicon_torch.models.reach."
+    )
+
+
+def speeds_of(options: Options, chain: Chain) -> tuple[float, ...]:
+    """The largest speed of each joint: its own, or that of the options if that is less."""
+    speeds = chain.speed if options.speed is None else chain.speed.clamp(max=options.speed)
+    if not (speeds > 0).all():
+        raise OptionError(
+            f"The joints {choices(chain.names)} have the largest speeds {speeds.tolist()}: "
+            "expected numbers above 0 (rad/s or m/s)."
+        )
+    if not speeds.isfinite().all():
+        raise OptionError(
+            f"speed=None: the robot's description has no largest speed for all of its joints "
+            f"({choices(chain.names)}); expected speed=, a number (rad/s)."
+        )
+    return tuple(speeds.tolist())
+
+
+def joints(count: int) -> KalmanFilter:
+    """x_joints: the encoders, filtered."""
+    agreement = Affine(x_joints=1.0, z_joints=-1.0)
+    return KalmanFilter(
+        "x_joints",
+        "P_joints",
+        predict=Affine(x_joints=1.0, a="dt"),
+        noise=JOINT_DRIFT,
+        initial=([0.0] * count, UNKNOWN_JOINT),
+        correct=[Measurement(agreement, JOINT_NOISE**2, size=count)],
+    )
+
+
+def body(robot: Robot) -> Deterministic:
+    """x_body: the capsules of the links, in the frame of the base."""
+    assert robot.shape is not None
+    return Deterministic("x_body", CapsuleSegments(robot.chain, robot.shape.capsules))
+
+
+def ball_sensors(options: Options, **watched: Any) -> dict[str, Sensor]:
+    """Where each ball is seen."""
+    return {f"z_{ball}": Sensor(3, "m", key=ball, **watched) for ball in _balls(options)}
+
+
+def ball_estimators(options: Options) -> list[Estimator]:
+    """Where each ball is, and how fast."""
+    return [
+        moving_point(f"x_{ball}", f"z_{ball}", options.dt, BALL_NOISE) for ball in _balls(options)
+    ]
+
+
+def bounds(options: Options, robot: Robot, table: float | None = None) -> list[Goal]:
+    """What the arm must not do: pass its stops, touch the table, the balls, or itself."""
+    low, high = robot.chain.low.tolist(), robot.chain.high.tolist()
+    limits = JointLimits(low, high, options.joint_limits)
+    goals = [Goal("joint_limits", limits, safety=options.safety)]
+    if robot.shape is None:
+        return goals
+
+    # Itself comes last: where a ball leaves no room for both, it is the wider margin of the ball
+    # that gives way.
+    if table is not None:
+        below = Table.under(robot, table, TABLE_DISTANCE)
+        goals.append(Goal("table", below, safety=options.safety))
+    for ball in _balls(options):
+        obstacle = Obstacle(Sphere(options.ball_radius), robot.shape.capsules, BALL_DISTANCE)
+        distance = Interconnection(obstacle, inputs=["x_body", f"x_{ball}"])
+        goals.append(Goal(ball, distance, safety=options.safety))
+    if robot.shape.pairs:
+        collision = SelfCollision(robot.shape.capsules, options.self_collision, robot.shape.pairs)
+        goals.append(Goal("self_collision", collision, safety=options.safety))
+    return goals
+
+
+def _balls(options: Options) -> tuple[str, ...]:
+    """Their names: ``("ball_1", "ball_2", …)``."""
+    return tuple(f"ball_{number}" for number in range(1, options.balls + 1))
