@@ -144,9 +144,9 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         """What a policy may know of the robot, as plain data.
 
         Returns:
-            ``urdf``, ``srdf``: files, the second may be None; ``tip``: name of the link; ``joints``:
-            their names; ``low``, ``high``: limits of the joints, rad or m; ``speed``: rad/s or m/s; ``balls``: their
-            number; ``ball_radius``: m; ``time_step``: s.
+            ``urdf``, ``srdf``: files, the second may be None; ``tip``: name of the link;
+            ``joints``: their names; ``low``, ``high``: their limits, rad or m; ``speed``: rad/s or
+            m/s; ``balls``: their number; ``ball_radius``: m; ``time_step``: s.
         """
         scene, srdf = self._simulation.scene, self.robot.srdf
         return {
