@@ -51,7 +51,7 @@ from aicon_torch.parts.landmark import (
 )
 from aicon_torch.parts.moving_obstacle import MovingObstacle
 from aicon_torch.parts.obstacle import Box, Obstacle, Sphere, moving_point
-from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate, wrap_angle
+from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate
 from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import (
     FixedTarget,
@@ -80,6 +80,7 @@ from aicon_torch.parts.velocity_lag import VelocityLag
 from aicon_torch.parts.walls import Walls
 from aicon_torch.parts.wheels import Bicycle, DifferentialDrive, Wheels
 from aicon_torch.parts.workspace import Workspace
+from aicon_torch.vectors import wrap_angle
 
 __all__ = [
     "STEERED_COMPONENTS",

@@ -2,8 +2,31 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+import draccus
 from lerobot.robots import RobotConfig
+
+
+class InnerRobot(draccus.ChoiceRegistry):
+    """Any robot but a shielded one, of which the command line would be told without end."""
+
+    @classmethod
+    def get_known_choices(cls) -> dict[str, Any]:
+        """The robots that LeRobot knows, by the names of their types."""
+        known = RobotConfig.get_known_choices()
+        return {name: kind for name, kind in known.items() if kind is not AiconShieldConfig}
+
+    @classmethod
+    def get_choice_class(cls, name: str) -> Any:
+        """The configuration of a type."""
+        return cls.get_known_choices()[name]
+
+    @classmethod
+    def get_choice_name(cls, subcls: Any) -> str:
+        """The type of a configuration."""
+        name: str = RobotConfig.get_choice_name(subcls)
+        return name
 
 
 @RobotConfig.register_subclass("aicon_shield")
@@ -26,7 +49,7 @@ class AiconShieldConfig(RobotConfig):
         goes_around: Whether it goes around what is in the way, or stays there.
     """
 
-    inner: RobotConfig
+    inner: InnerRobot
     urdf: str
     tip: str | None = None
     srdf: Path | None = None

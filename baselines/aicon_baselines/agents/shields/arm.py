@@ -56,6 +56,7 @@ class Posture(gymnasium.Wrapper[Any, Any, Any, Any]):
     def __init__(self) -> None:
         env = ReachEnv("so101", "axis", "random", speed=SPEED, balls=1, ball_radius=BALL)
         super().__init__(env)
+        self._arm = env
         seen = env.observation_space
         assert isinstance(seen, spaces.Dict)
         self.observation_space = spaces.Dict({**seen.spaces, "target_joints": seen["q"]})
@@ -70,7 +71,7 @@ class Posture(gymnasium.Wrapper[Any, Any, Any, Any]):
                 break
             arguments = {}  # drawn anew from the same generator
 
-        self.unwrapped.move_ball(1, ball)
+        self._arm.move_ball(1, ball)
         return self._seen(observation | {"ball_1": ball}, info)
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
