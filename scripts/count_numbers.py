@@ -46,7 +46,7 @@ CONSTANTS: dict[str, dict[str, tuple[str, ...]]] = {
         "perception": ("TRUSTED_SCORE",),
         "pushed_object": ("SIDE_FORCE", "SIDE_DEVIATION", "TOP_FORCE", "TOP_DEVIATION"),
     },
-    "reach": {"body": ("BALL_DISTANCE", "TABLE_DISTANCE")},
+    "reach": {"body": ("BALL_DISTANCE",)},
 }
 """Constants of each model that nobody has to set, by module: set by hand all the same."""
 

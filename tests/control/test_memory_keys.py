@@ -20,7 +20,8 @@ def rows() -> dict[str, int]:
 
 
 def policies() -> list[Policy]:
-    found: list[Policy] = []
+    """Those of all presets, and one with an option that no preset has."""
+    found: list[Policy] = [make_policy("nav2d", **{"resolution.exploration.escape.onward": True})]
     for task in ("nav2d", "pusht", "arm_push", "reach"):
         options = {"robot": planar_arm()} if task == "reach" else {}
         found.extend(make_policy(task, preset=preset, **options) for preset in presets(task))

@@ -9,7 +9,7 @@ import { Runners, tell, whileSeen } from "./screen.mjs";
 
 const COLUMNS = 44;
 const NEAREST_BELIEF = 0.1; // m; nearer than this the agent does not believe its target
-const WORKING = 1.5; // ms of a frame for the potential
+const WORKING = 1.0; // ms of a frame for the potential
 const SWEEPS = 120; // of the potential that fits
 
 /** The potential that shifts as the target is triangulated and the projections change: the paper's first figure.
