@@ -48,3 +48,23 @@ def test_the_way_of_the_pusher_through_a_step_is_that_of_the_physics() -> None:
         moved = moved + pusht.SERVO.displacement_by_velocity[-1] * velocity
         np.testing.assert_allclose(info["pos_agent"], place + moved, atol=1e-3)
     assert info["collision"]
+
+
+@pytest.mark.slow
+def test_a_ball_in_the_way_of_an_arm_is_touched_by_bare_joints_and_not_behind_a_shield() -> None:
+    pytest.importorskip("mujoco")
+    from aicon_baselines.agents.shields import arm
+    from aicon_torch import Shield
+
+    env, touched = arm.Posture(), []
+    for policy in (arm.Straight(), Shield(arm.Straight(), arm.model())):
+        observation, info = env.reset(seed=1000)
+        assert observation in env.observation_space and not info["is_success"]
+        state, contacts = None, 0
+        for _ in range(150):
+            seen = {key: value[None] for key, value in observation.items()}
+            action, state = policy.predict(seen, state)
+            observation, _, _, _, info = env.step(np.asarray(action)[0])
+            contacts += int(info["collision"])
+        touched.append(contacts > 0)
+    assert touched == [True, False] and info["is_success"]
