@@ -16,7 +16,7 @@ def test_the_filter_is_nearer_than_the_network_where_pictures_are_covered(tmp_pa
     summary = pusht_pixels.make_figure(tmp_path, video="none", progress=False)
     off = json.loads((tmp_path / "pusht_pixels.json").read_text())["median_off_px"]
     assert summary.headline.startswith("arrival")
-    assert off["filter"] < 5 < 3 * off["filter"] < off["network"]
+    assert off["filter"] < 5 and 3 * off["filter"] < off["network"]
     assert (tmp_path / "pusht_pixels.png").stat().st_size < 6e5
 
 
