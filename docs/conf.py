@@ -71,6 +71,7 @@ PAGES = {
     "../baselines/checkpoints/diffusion_pusht_keypoints/README.md": "student.md",
     "../baselines/checkpoints/ppo_nav2d/README.md": "ppo_nav2d.md",
     "../baselines/checkpoints/ppo_pusht/README.md": "ppo_pusht.md",
+    "../baselines/lerobot_robot_aicon/README.md": "lerobot_arms.md",
 }
 
 
