@@ -57,6 +57,7 @@ ONLY_SITE = (
     "ppo_nav2d.md",
     "ppo_pusht.md",
     "student.md",
+    "lerobot_arms.md",
     "api/",
 )
 
