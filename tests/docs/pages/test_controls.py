@@ -96,9 +96,14 @@ def test_every_control_of_the_theory(way: str, pages: Path, browser: Any) -> Non
             hand.press(page.locator(f"#{name}").get_by_role("button", name="again"))
             page.locator(f"#{name} .stage").first.scroll_into_view_if_needed()
             told = page.locator(f'#{name} [data-told="{words}"]')
-            page.wait_for_timeout(500)  # words come a little later
-            begin = number(told)
-            until(lambda told=told, most=begin - 0.3: number(told) < most, f"{name}: nothing moves")
+            seen = [number(told)]  # words come a little later, so the highest is the beginning
+
+            def falls(told: Any = told, seen: list[float] = seen) -> bool:
+                seen.append(number(told))
+                return seen[-1] < max(seen) - 0.3
+
+            until(falls, f"{name}: nothing moves")
+            page.wait_for_timeout(2000)  # far enough down, so that a new start is seen
             low = number(told)
             hand.press(page.locator(f"#{name}").get_by_role("button", name="again"))
             until(lambda told=told, least=low + 0.2: number(told) > least, f"{name}: no new start")
