@@ -69,12 +69,13 @@ def pushing() -> World:
         "PPO": lambda: ppo("deterministic"),
         "student": lambda: student("deterministic"),
     }
-    return World(proposers, _guards(pusht.clamped, pusht.shielded), _pushing, 0.1)
+    return World(proposers, _guards(pusht.clamped, pusht.shielded), _seeded(pusht.make_env), 0.1)
 
 
 def moving() -> World:
     """An arm whose joints go straight, with a ball in the way."""
-    return World({"straight": arm.Straight}, _guards(arm.clamped, arm.shielded), _moving, 0.02, 25)
+    guards = _guards(arm.clamped, arm.shielded)
+    return World({"straight": arm.Straight}, guards, _seeded(arm.make_env), 0.02, 25)
 
 
 WORLDS = {"nav2d": navigation, "pusht": pushing, "arm": moving}
@@ -97,14 +98,14 @@ def _navigation(first: int, count: int) -> tuple[Any, Any]:
     return env, env.reset(**task.reset_arguments(episodes))
 
 
-def _pushing(first: int, count: int) -> tuple[Any, Any]:
-    env = pusht.make_env(count, 1000)
-    return env, env.reset(seed=list(range(first, first + count)))
+def _seeded(make_env: Callable[[int, int], Any]) -> Callable[[int, int], tuple[Any, Any]]:
+    """Episodes of environments that hang on their seeds alone."""
 
+    def start(first: int, count: int) -> tuple[Any, Any]:
+        env = make_env(count, 1000)
+        return env, env.reset(seed=list(range(first, first + count)))
 
-def _moving(first: int, count: int) -> tuple[Any, Any]:
-    env = arm.make_env(count, 1000)
-    return env, env.reset(seed=list(range(first, first + count)))
+    return start
 
 
 def compare(task: str, out: Path, first: int, count: int, horizon: int, only: list[str]) -> None:
@@ -113,16 +114,18 @@ def compare(task: str, out: Path, first: int, count: int, horizon: int, only: li
     chosen = {name: make for name, make in world.proposers.items() if not only or name in only}
     for proposer, make in chosen.items():
         for name, guard in world.guards.items():
+            heard = Heard(make())
+            policy = guard(heard)  # compiled once for all episodes
+
             parts = []
             for begin in range(first, first + count, world.at_once):
                 number = min(world.at_once, first + count - begin)
                 env, start = world.start(begin, number)
-                heard = Heard(make())
-                steps = run_episodes(guard(heard), env, start)
+                steps = run_episodes(policy, env, start)
                 parts.append(measured(task, steps, heard, number, horizon, begin))
                 env.close()
-            row = _together(parts)
-            told = {"policy": proposer, "guard": name, **row}
+
+            told = {"policy": proposer, "guard": name, **_together(parts)}
             print(_in_words(told, world.time_step), flush=True)
             with (out / f"{task}.jsonl").open("a") as file:
                 file.write(json.dumps(told) + "\n")

@@ -83,5 +83,5 @@ class Table:
 
 
 def _lower_end(segments: Tensor) -> Tensor:
-    """Z of the lower end of segments ``(*B, C, 6)``, ``(*B, C)``, m."""
+    """How high the lower end of each segment ``(*B, C, 6)`` is, ``(*B, C)``, m."""
     return torch.minimum(segments[..., 2], segments[..., 5])

@@ -79,10 +79,7 @@ class PointMaze(gymnasium.Env[Any, Any]):
     def step(self, action: Any) -> Any:
         """Push."""
         state, _, arrives, ends, told = self.world.step(np.asarray(action, np.float64))
-        return self._result(state, told["success"], arrives, ends)
-
-    def _result(self, state: Any, success: bool, arrives: bool, ends: bool) -> Any:
-        observation, info = self._seen(state, success)
+        observation, info = self._seen(state, told["success"])
         return observation, 0.0, arrives, ends, info
 
     def render(self) -> Any:

@@ -6,8 +6,9 @@ Here the numbers that play one part in all rows are found, the *lanes* of a loop
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeAlias
 
 from aicon_torch.export.codegen.scalars import CONSTANT, OPERATIONS, PICK, Number, Program
@@ -34,7 +35,7 @@ class Lanes:
     numbers: tuple[Number, ...]
     arguments: tuple[Argument, ...]
 
-    @property
+    @cached_property
     def last(self) -> int:
         """The index of the number that is the last one in the program."""
         return max(number.index for number in self.numbers)
@@ -113,9 +114,10 @@ def _in_small_loops(phases: Sequence[Phase]) -> set[Lanes]:
 def _lanes(program: Program, needed: Collection[int]) -> list[Lanes]:
     """All lanes, those of the largest batches first."""
     found: list[Lanes] = []
-    free = set(needed)
+    free, first_use = set(needed), _first_uses(program, needed)
+
     for rows in _numbers_of_rows(program):
-        lanes = _Search(program, needed, free, rows).lanes()
+        lanes = _Search(program, free, first_use, rows).lanes()
         free.difference_update(number.index for each in lanes for number in each.numbers)
         found += lanes
     return found
@@ -135,18 +137,21 @@ class _Search:
 
     Args:
         program: The program.
-        needed: The indices of the numbers that are computed.
-        free: Those of them that may become lanes.
+        free: The indices of the numbers that may become lanes.
+        first_use: By the index of a number that of the first one which reads it.
         rows: How many rows the batch has.
     """
 
     def __init__(
-        self, program: Program, needed: Collection[int], free: Collection[int], rows: int
+        self,
+        program: Program,
+        free: Collection[int],
+        first_use: Mapping[int, float],
+        rows: int,
     ) -> None:
-        self.program, self.free, self.rows = program, free, rows
+        self.program, self.free, self.first_use, self.rows = program, free, first_use, rows
         self.found: list[Lanes] = []
         self.of: dict[int, tuple[Lanes, int]] = {}  # lanes and row by the index of a number
-        self.first_use = _first_uses(program, needed)
 
     def lanes(self) -> list[Lanes]:
         """All lanes of these rows."""

@@ -14,6 +14,7 @@ from aicon_baselines.agents.shields.clamped import Clamped
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.tasks.side_by_side import SideBySide, side_by_side
 from aicon_envs.reach import ReachEnv
+from aicon_envs.reach.robots import ROBOTS, find_file
 from aicon_envs.reach.simulation import CONTROL_STEP
 from aicon_torch import WorldModel
 from aicon_torch.models.reach import Options, Robot, body_model
@@ -92,8 +93,8 @@ class Posture(gymnasium.Wrapper[Any, Any, Any, Any]):
 @cache
 def robot() -> Robot:
     """The arm, with its shape."""
-    description = ReachEnv("so101", "axis").description()
-    return Robot.from_urdf(description["urdf"], tip=description["tip"])
+    described = ROBOTS["so101"]
+    return Robot.from_urdf(find_file(described.urdf), tip=described.tip)
 
 
 def _tip(joints: NDArray[Any]) -> NDArray[Any]:
