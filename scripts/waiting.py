@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
@@ -39,6 +40,9 @@ print(time.monotonic() - clock, time.process_time() - own + children.ru_utime + 
 UR5 = ("ur_description/urdf/ur5_robot.urdf", "tool0", "ur_description/srdf/ur5.srdf")
 KINOVA = ("kinova_description/robots/kinova.urdf", "j2s6s200_end_effector", None)
 
+Wait = Callable[..., tuple[float, float]]
+"""What measures seconds, of the clock and of the processor."""
+
 AICON = (sys.executable, "-m", "aicon_baselines.cli.main")
 
 
@@ -49,18 +53,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print a table."""
-    waits = {
-        "`aicon --help`": lambda: ended(*AICON, "--help"),
-        "`aicon list`": lambda: ended(*AICON, "list"),
-        "`aicon watch reach`, to its address": lambda: first_line(*AICON, "watch", "reach"),
-        "navigation, compiled": lambda: exported("'nav2d'"),
-        "pushT, compiled": lambda: exported("'pusht'"),
-        "reach by a UR5, compiled": lambda: exported(reaching(*UR5)),
-        "reach by a Kinova, compiled": lambda: exported(reaching(*KINOVA)),
+    waits: dict[str, tuple[Wait, tuple[str, ...]]] = {
+        "`aicon --help`": (ended, (*AICON, "--help")),
+        "`aicon list`": (ended, (*AICON, "list")),
+        "`aicon watch reach`, to its address": (first_line, (*AICON, "watch", "reach")),
+        "navigation, compiled": (exported, ("'nav2d'",)),
+        "pushT, compiled": (exported, ("'pusht'",)),
+        "reach by a UR5, compiled": (exported, (reaching(*UR5),)),
+        "reach by a Kinova, compiled": (exported, (reaching(*KINOVA),)),
     }
     rows = []
-    for name, wait in tqdm(waits.items(), desc="waiting", disable=None):
-        clocks, processors = zip(*(wait() for _ in range(arguments.rounds)), strict=True)
+    for name, (wait, words) in tqdm(waits.items(), desc="waiting", disable=None):
+        clocks, processors = zip(*(wait(*words) for _ in range(arguments.rounds)), strict=True)
         rows.append([name, f"{median(clocks):.1f} ({median(processors):.1f})"])
     print(to_markdown(["s", "clock (processor)"], rows))
 
