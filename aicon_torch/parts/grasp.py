@@ -18,6 +18,9 @@ from aicon_torch.parts.planar import norm
 from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import by_sign, by_worth, straight_through
 
+STEEPNESS = 4.0
+"""How steeply the way leads up from an object's side, no unit."""
+
 
 @dataclass(frozen=True)
 class Grasp:
@@ -29,8 +32,8 @@ class Grasp:
         D = ‖Δ − h e_z‖ + b (o − o_min) + (1 − b) (o_max − o).
 
     So the fingers open on the way and close about the object. While the tip is beside the object by
-    more than the slack of the open fingers, it is aimed above it by as much, up to a clearance:
-    h = min(c, max(0, ‖Δ_xy‖ − r)). Where p_grasp is to be reduced, the fingers open, D = o, and the
+    more than the slack of the open fingers, it is aimed above it, four times as far, up to a
+    clearance: h = min(c, 4 max(0, ‖Δ_xy‖ − r)). So it rises before it comes, and does not push. Where p_grasp is to be reduced, the fingers open, D = o, and the
     tip stays: to let go is the other sign of the same path.
 
     Attributes:
@@ -85,7 +88,8 @@ class Grasp:
     def _detour(self, offset: Tensor) -> Tensor:
         """How far above the object the tip is aimed, h e_z, ``(*B, 3)``, m."""
         beside = norm(offset[..., :2]) - self.size / 2
-        above = beside.clamp(0.0, self.size).detach()  # stops the gradient: where to aim is no goal
+        above = (STEEPNESS * beside).clamp(0.0, self.size)
+        above = above.detach()  # stops the gradient: where to aim is no goal
         return above.unsqueeze(-1) * offset.new_tensor((0.0, 0.0, 1.0))
 
 

@@ -150,9 +150,9 @@ class Options:
     reach: float = 0.05  # from where a grasp draws
     height: float = 0.012  # of a grasp above the block's centre
     step: float = 0.05  # what a motion of the block is taken to be, at most
-    rise: float = 0.04  # of the block, at which the table holds it back no more
-    tolerance: float = 0.01  # of the place
-    free_hand: float = 0.003  # the error of the place that an empty hand outweighs
+    rise: float = 0.055  # of the block, at which the table holds it back no more
+    tolerance: float = 0.012  # of the place
+    free_hand: float = 0.015  # the error of the place that an empty hand outweighs
     noise: float = 0.0005  # of the block's readings
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
