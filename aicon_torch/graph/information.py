@@ -79,15 +79,20 @@ class Information:
 
 
 def information(filtered: Filtered, parameters: Mapping[str, nn.Parameter]) -> Information:
-    """The information of parameters by name in what a log was filtered to."""
+    """The information of parameters by name in what a log was filtered to.
+
+    Raises:
+        GraphError: If there are none.
+    """
+    if not parameters:
+        raise GraphError("information: nothing learns here; ask learner = policy.learn(...).")
     outputs: list[Tensor] = []
     for innovations in filtered.innovations.values():
         outputs += [innovations.residual, innovations.spread]
+
+    columns = _slopes(outputs, list(parameters.values()))
+    slopes = torch.stack([_whitened(filtered, column) for column in columns])
     names = [n for name, value in parameters.items() for n in _components(name, value)]
-    rows = [
-        _whitened(filtered, slopes) for slopes in _slopes(outputs, list(parameters.values()))
-    ]
-    slopes = torch.stack(rows)
     return Information(tuple(names), slopes @ slopes.mT)
 
 
@@ -96,21 +101,16 @@ def _slopes(outputs: list[Tensor], parameters: list[nn.Parameter]) -> Iterator[l
 
     The gradient Jᵀv is linear in v, so that its derivative by v is a column of J.
     """
-    depends = [k for k, output in enumerate(outputs) if output.requires_grad]
-    seeds = [torch.zeros_like(outputs[k], requires_grad=True) for k in depends]
-    pulled = torch.autograd.grad(
-        [outputs[k] for k in depends], parameters, seeds, create_graph=True, allow_unused=True
-    )
+    seeds = [torch.zeros_like(output, requires_grad=True) for output in outputs]
+    total = torch.stack([(v * out).sum() for v, out in zip(seeds, outputs, strict=True)]).sum()
+    pulled = torch.autograd.grad(total, parameters, create_graph=True, allow_unused=True)
     for gradient, parameter in zip(pulled, parameters, strict=True):
         for component in range(parameter.numel()):
-            column: list[Tensor] = [torch.zeros_like(output) for output in outputs]
-            if gradient is not None:
-                found = torch.autograd.grad(
-                    gradient.flatten()[component], seeds, retain_graph=True, allow_unused=True
-                )
-                for k, slope in zip(depends, found, strict=True):
-                    column[k] = column[k] if slope is None else slope
-            yield column
+            if gradient is None:  # what has an effect on actions only
+                yield [torch.zeros_like(output) for output in outputs]
+                continue
+            one = gradient.flatten()[component]
+            yield list(torch.autograd.grad(one, seeds, retain_graph=True, materialize_grads=True))
 
 
 @torch.no_grad()

@@ -313,7 +313,7 @@ class WorldModel(nn.Module):
     def information(
         self, readings: Mapping[str, Tensor], actions: Mapping[str, Tensor]
     ) -> Information:
-        """What a log tells of each number that learns: its Fisher information, before it is trained.
+        """What a log tells of each number that learns, before it is trained: Fisher information.
 
         Args:
             readings: As for :meth:`filter`.
@@ -325,9 +325,7 @@ class WorldModel(nn.Module):
         Example:
             >>> model.learn("p_tar.noise").information({"z_tar": bearings}, {"a": moves}).check()
         """
-        names = {
-            learned.theta: name.replace("/", ".") for name, learned in self.learned.items()
-        }
+        names = {learned.theta: name.replace("/", ".") for name, learned in self.learned.items()}
         parameters = {names.get(value, name): value for name, value in self.named_parameters()}
         return information(self.filter(readings, actions), parameters)
 
