@@ -73,8 +73,8 @@ class Information:
         found = [_told(direction) for direction in self.undetermined(most)]
         if found:
             raise GraphError(
-                f"The log does not determine {'; nor '.join(found)}. Fix one of them in each, or "
-                "log what they have an effect on."
+                f"The log does not determine {'; nor '.join(found)}. Leave one out, or log what "
+                "it has an effect on."
             )
 
 
