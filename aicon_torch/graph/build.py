@@ -24,6 +24,7 @@ class Graph:
         owners: The estimator of each estimate.
         quantities: Sensors, actuators and estimates, with their shapes.
         edges: For each quantity and goal on a path, the quantities that its gradient goes on to.
+        foreseen: Estimates that a look ahead needs: those on a path, and what they or goals read.
         first_readings: Sensors without which an episode cannot begin: those that are not optional,
             and those that a prior reads.
     """
@@ -32,6 +33,7 @@ class Graph:
     owners: dict[str, Estimator]
     quantities: dict[str, Quantity]
     edges: dict[str, tuple[Edge, ...]]
+    foreseen: frozenset[str]
     first_readings: tuple[str, ...]
 
 
@@ -72,6 +74,7 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
         owners={name: estimator for estimator in estimators for name in estimator.outputs},
         quantities=quantities,
         edges=edges,
+        foreseen=_foreseen(declaration, estimators, edges),
         first_readings=tuple(first_readings),
     )
 
@@ -84,6 +87,20 @@ def _check_modes(declaration: Declaration) -> None:
     for actuator in declaration.actuators:
         for function in declaration.functions_of(actuator):
             check_mode(actuator, function)
+
+
+def _foreseen(
+    declaration: Declaration, estimators: tuple[Estimator, ...], edges: dict[str, tuple[Edge, ...]]
+) -> frozenset[str]:
+    """The estimates that a look ahead needs, from the goals back to the first estimator."""
+    read = {name for goal in declaration.goals.values() for name in goal.inputs}
+    foreseen: set[str] = set()
+    for estimator in reversed(estimators):
+        needed = [name for name in estimator.outputs if name in edges or name in read]
+        foreseen.update(needed)
+        if needed:
+            read.update(estimator.inputs)
+    return frozenset(foreseen)
 
 
 def _quantities(

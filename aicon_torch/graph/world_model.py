@@ -355,7 +355,8 @@ class WorldModel(nn.Module):
                 step.
 
         Returns:
-            The values foreseen, and how they depend on each other.
+            The values foreseen, without the estimates that no path and no goal needs, and how
+            they depend on each other.
         """
         foreseen = {**values, **actions}
         if horizon is not None:
@@ -367,9 +368,13 @@ class WorldModel(nn.Module):
                 if name in self.edges:
                     graphs[name] = self._record(name, foreseen)
                     anticipated[name] = hop_from(graphs[name].output)  # one hop ends here
-                else:
+                elif name in self.graph.foreseen:
                     anticipated[name] = self._anticipate(name, foreseen)
-            foreseen.update(anticipated)  # together: its outputs start from the same belief
+
+            # Together: its outputs start from the same belief.
+            for name in estimator.outputs:
+                foreseen.pop(name)
+            foreseen.update(anticipated)
 
         for name in self.goals:
             graphs[name] = self._record(name, foreseen)

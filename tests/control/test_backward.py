@@ -25,7 +25,7 @@ from _inputs import (
     remembered,
     unlimited,
 )
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from torch import Tensor
 
@@ -127,7 +127,6 @@ def test_total_derivative_agrees_with_finite_differences(blueprint: Blueprint) -
     assert_equal_gradients(total, expected, rtol=1e-6)
 
 
-@settings(max_examples=10)
 @given(blueprints())
 def test_a_factor_scales_the_gradient_of_its_goal(blueprint: Blueprint) -> None:
     model = enumerable(blueprint)

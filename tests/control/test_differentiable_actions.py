@@ -8,10 +8,13 @@ from torch import Tensor
 from aicon_torch import Policy, by_gain, by_sign, straight_through
 from aicon_torch.differentiation import is_hop, pull, stop, through_time
 
-SLOW = ("pusht", "arm_push", "reach")
+ONE_NUMBER = LOGS["nav2d"]._replace(numbers=LOGS["nav2d"].numbers[:1])
 LOG = pytest.mark.parametrize(
     "log",
-    [pytest.param(log, id=n, marks=[pytest.mark.slow] * (n in SLOW)) for n, log in LOGS.items()],
+    [
+        pytest.param(ONE_NUMBER, id="nav2d, one number"),
+        *(pytest.param(log, id=n, marks=pytest.mark.slow) for n, log in LOGS.items()),
+    ],
 )
 
 

@@ -3,10 +3,12 @@
 import re
 from pathlib import Path
 
+import numpy as np
 from _inputs.reaching import planar_arm
 
-from aicon_torch import Policy, make_policy, presets
+from aicon_torch import Policy, Shield, make_policy, presets
 from aicon_torch.control.memory import memory_shapes
+from aicon_torch.models.reach import Options, body_model
 
 PAGE = Path(__file__).parents[2] / "docs" / "memory.md"
 
@@ -20,8 +22,9 @@ def rows() -> dict[str, int]:
 
 
 def policies() -> list[Policy]:
-    """Those of all presets, and one with an option that no preset has."""
+    """Those of all presets, one with an option that no preset has, and a shield's."""
     found: list[Policy] = [make_policy("nav2d", **{"resolution.exploration.escape.onward": True})]
+    found.append(Shield(lambda observation: np.zeros(3), body_model(Options(robot=planar_arm()))).policy)
     for task in ("nav2d", "pusht", "arm_push", "reach"):
         options = {"robot": planar_arm()} if task == "reach" else {}
         found.extend(make_policy(task, preset=preset, **options) for preset in presets(task))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 from _inputs import DTYPES, lean
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from torch import Tensor
@@ -38,7 +38,6 @@ def steps(policy: Policy, recorded: Readings) -> Iterator[tuple[NDArray[Any], di
 
 @pytest.mark.parametrize("preset", presets("nav2d"))
 @every_precision
-@settings(max_examples=8)
 @given(recorded=st.lists(st.tuples(EXTREME, EXTREME), min_size=1, max_size=8))
 def test_no_finite_readings_make_a_bad_action(
     preset: str, dtype: torch.dtype, recorded: Readings
@@ -54,7 +53,6 @@ def test_no_finite_readings_make_a_bad_action(
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal"])
 @every_precision
-@settings(max_examples=10)
 @given(recorded=st.lists(PLAUSIBLE, min_size=10, max_size=20))
 def test_no_plausible_readings_make_a_bad_action(
     preset: str, dtype: torch.dtype, recorded: Readings

@@ -3,6 +3,7 @@
 import json
 import shutil
 import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,8 @@ CONDITIONS = {
     "arm_push": "true_pose",
     "reach": "panda_pose_home",
 }
-STEPS = {"nav2d": 1000, "pusht": 1000, "arm_push": 200, "reach": 200}
-"""How many are replayed: those of the arms take long to record."""
+STEPS = 1000
+"""How many are replayed."""
 
 READABLE = 10
 """The readable step, which is slow, is taken at every so many of them."""
@@ -81,7 +82,7 @@ def test_every_step_is_the_readable_one(task: str, tmp_path: Path) -> None:
     state: Any = None
     rows: dict[str, list[Any]] = {"readings": [], "starts": [], "native": []}
     readable: dict[int, Any] = {}
-    episodes = record_episodes(task, CONDITIONS[task], STEPS[task])
+    episodes = record_episodes(task, CONDITIONS[task], STEPS)
     for step, (observation, begins) in enumerate(episodes):
         before = None if begins else state
         _, state = library.predict(observation, before)
@@ -95,11 +96,31 @@ def test_every_step_is_the_readable_one(task: str, tmp_path: Path) -> None:
     for name in ("readings", "starts"):
         np.array(rows[name], dtype=np.float64).tofile(tmp_path / f"{name}.bin")
 
-    assert in_node(REPLAY, str(tmp_path)) == STEPS[task]
-    found = np.fromfile(tmp_path / "memories.bin").reshape(STEPS[task], -1)
+    assert in_node(REPLAY, str(tmp_path)) == STEPS
+    found = np.fromfile(tmp_path / "memories.bin").reshape(STEPS, -1)
     np.testing.assert_array_equal(found, rows["native"])
     for step, expected in readable.items():
         np.testing.assert_allclose(found[step], expected, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
+@pytest.mark.slow
+def test_what_was_recorded_is_replayed_and_timed(tmp_path: Path) -> None:
+    root, folder = MODULE.parents[2], str(tmp_path)
+    record = [sys.executable, str(root / "scripts/record_replay.py"), "nav2d", folder]
+    subprocess.run([*record, "--target", "wasm32-web"], check=True)
+
+    # Each command is the one of the library, or the program fails.
+    replay = ["node", str(MODULE.with_name("replay.mjs")), folder, "1000"]
+    printed = subprocess.run(replay, check=True, capture_output=True, text=True).stdout
+    assert "1000 steps, every command as recorded" in printed and "one step: median" in printed
+
+    # Another command than recorded is an error.
+    commands = np.fromfile(tmp_path / "commands.bin")
+    commands[7] += 1e-15
+    commands.tofile(tmp_path / "commands.bin")
+    failed = subprocess.run(replay, capture_output=True, text=True)
+    assert failed.returncode == 1 and "step 3: another command" in failed.stderr
 
 
 @pytest.fixture(scope="module")

@@ -29,8 +29,8 @@ def moving(*measured: Measurement) -> WorldModel:
     def far(x: Tensor, y: Tensor) -> Tensor:
         return (x - 1.0).square().sum(-1) + (y.square().sum(-1) + 1.0).sqrt()
 
-    def odd(y: Tensor, a: Tensor) -> Tensor:
-        return y.prod(-1) + 0.1 * a.square().sum(-1)
+    def odd(y: Tensor, a: Tensor, P: Tensor) -> Tensor:
+        return y.prod(-1) + 0.1 * a.square().sum(-1) + 0.01 * P.sum((-2, -1))
 
     point = KalmanFilter(
         "x",
@@ -70,6 +70,23 @@ def test_without_readings_what_is_foreseen_is_the_next_update(batch: tuple[int, 
     for name, value in foreseen.items():
         assert not value.requires_grad
         torch.testing.assert_close(value, expected[name])
+
+
+def test_what_no_goal_and_no_path_needs_is_not_foreseen() -> None:
+    point = EKF("x", "P", predict=Affine(x=1.0, a=0.1), noise=1e-3, initial=((0.0,), 1.0))
+    image = Deterministic("y", lambda x: 2 * x)
+    spread = Deterministic("deviation", lambda P: P.diagonal(dim1=-2, dim2=-1).sqrt())
+    model = WorldModel(
+        sensors={"z": Sensor(1, "m")},
+        actuators={"a": Actuator(1, "m/s", 2.0)},
+        estimators=[point, image, spread],
+        goals=[Goal("near", lambda y: y.square().sum(-1))],
+        dt=0.1,
+        dtype=torch.float64,
+    )
+    values = model.update(model.initial({"z": normal(1)}, ()) | {"a": normal(1)})
+    foreseen, _ = model.foresee(values, {"a": normal(1, seed=2)})
+    assert values.keys() - foreseen.keys() == {"P", "deviation"}
 
 
 def test_nothing_is_read() -> None:

@@ -1,6 +1,6 @@
 """Functions of flat tensors, traced and translated to C."""
 
-import warnings
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -8,13 +8,10 @@ from typing import Any
 import torch
 from torch import Tensor
 from torch._decomp import core_aten_decompositions, get_decompositions
-from torch._guards import TracingContext
-from torch._guards import tracing as tracing_in
-from torch._subclasses.fake_tensor import FakeTensorMode
-from torch.fx.experimental.proxy_tensor import make_fx
 
 from aicon_torch.export.codegen.arrays import Writer, as_array
 from aicon_torch.export.codegen.c_source import function, repeated_function
+from aicon_torch.export.codegen.operations import Operations
 from aicon_torch.export.codegen.scalars import Program
 from aicon_torch.export.codegen.translation import translate
 
@@ -49,27 +46,20 @@ def in_c(
         varying: Of a function that is called many times, the inputs that differ from call to call:
             what depends on the others alone becomes a function of its own, to be called once.
     """
-
-    def of_inputs(*values: Tensor) -> tuple[Tensor, ...]:
-        return traced(*values)  # a function, where make_fx would take a method for one of a module
-
     given = [examples[input].clone() for input in inputs]
-    # Shapes are noted in one mode for all; torch would make another one for each operation.
-    shapes = TracingContext(FakeTensorMode(allow_fallback_kernels=True))
-    with warnings.catch_warnings(), tracing_in(shapes):
-        warnings.simplefilter("ignore")  # torch on its own future
-        graph = make_fx(of_inputs, _decompositions())(*given)
-    graph.graph.eliminate_dead_code()
+    operations = Operations(given, _decompositions())
+    with operations:
+        returned = traced(*given)
 
     # Every input element is a number, and so is everything that comes of it.
     program = Program(given[0].dtype)
     numbers = []
     for input, example in zip(inputs, given, strict=True):
         elements = [program.input(input, place) for place in range(example.numel())]
-        numbers.append(as_array(elements, tuple(example.shape)))
+        numbers.append((example, as_array(elements, tuple(example.shape))))
 
     writer = Writer(program)
-    results = translate(graph, writer, numbers)
+    results = translate(operations.needed_for(returned), writer, numbers, returned)
     real = [writer.cast(result, "real") for result in results]
     named = dict(zip(outputs, real, strict=True))
     if varying:
@@ -83,10 +73,31 @@ def _decompositions() -> dict[Any, Callable[..., Any]]:
     found: dict[Any, Callable[..., Any]] = {
         **core_aten_decompositions(),
         **get_decompositions(LAYERS),
+        ATEN.nan_to_num.default: _without_nan,
+        ATEN.lerp.Scalar: _mixed,
     }
     if _keeps_factors_of_transpose():
         found[ATEN._linalg_solve_ex.default] = _solve_with_factors
     return found
+
+
+# What torch takes these two apart into as well, for which it would load its compiler.
+
+
+def _without_nan(values: Tensor, *replacements: float | None) -> Tensor:
+    """``nan_to_num``."""
+    nan, largest, smallest = (*replacements, None, None, None)[:3]
+    limits = torch.finfo(values.dtype)
+    found = torch.where(values.isnan(), 0.0 if nan is None else nan, values)
+    found = torch.where(values == -math.inf, limits.min if smallest is None else smallest, found)
+    return torch.where(values == math.inf, limits.max if largest is None else largest, found)
+
+
+def _mixed(start: Tensor, end: Tensor, weight: float) -> Tensor:
+    """``lerp``, from the nearer end."""
+    if abs(weight) < 0.5:
+        return weight * (end - start) + start
+    return (weight - 1) * (end - start) + end
 
 
 def _keeps_factors_of_transpose() -> bool:

@@ -1,18 +1,17 @@
 """From a traced graph of tensor operations to a program of numbers."""
 
-import operator
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-import torch
 from torch import Tensor
-from torch.fx import GraphModule, Node
+from torch.utils._pytree import tree_map_only
 
 from aicon_torch.errors import GraphError
 from aicon_torch.export.codegen.arrays import Array, Writer, kind_of
 from aicon_torch.export.codegen.creation import CREATION
 from aicon_torch.export.codegen.indexing import INDEXING
 from aicon_torch.export.codegen.networks import NETWORKS
+from aicon_torch.export.codegen.operations import Operation
 from aicon_torch.export.codegen.operators import ELEMENTWISE, Translation
 from aicon_torch.export.codegen.scalars import Kind
 from aicon_torch.export.codegen.selection import SELECTION
@@ -29,13 +28,20 @@ TRANSLATIONS: dict[str, Translation] = {
 """The translation of each operator, by its name in aten without the overload."""
 
 
-def translate(graph: GraphModule, writer: Writer, inputs: Sequence[Array]) -> list[Array]:
-    """Write what a graph does into a program.
+def translate(
+    operations: Iterable[Operation],
+    writer: Writer,
+    inputs: Iterable[tuple[Tensor, Array]],
+    outputs: Sequence[Tensor],
+) -> list[Array]:
+    """Write what operations do into a program.
 
     Args:
-        graph: A flat graph of operations on tensors of known shapes, traced by ``make_fx``.
+        operations: Operations on tensors, in order.
         writer: Writes into the program.
-        inputs: The numbers of each input.
+        inputs: The tensors that the first operations were given, and the numbers of each; any other
+            tensor is a constant.
+        outputs: The tensors that are wanted.
 
     Returns:
         The numbers of each output.
@@ -43,65 +49,55 @@ def translate(graph: GraphModule, writer: Writer, inputs: Sequence[Array]) -> li
     Raises:
         GraphError: If there is no translation of an operation.
     """
-    known: dict[Node, Any] = {}
-    remaining = iter(inputs)
+    known: dict[int, Any] = {id(tensor): numbers for tensor, numbers in inputs}
 
-    for node in graph.graph.nodes:
-        if node.op == "placeholder":
-            known[node] = next(remaining)
-        elif node.op == "get_attr":
-            known[node] = writer.array(getattr(graph, str(node.target)))
-        elif node.op == "call_function":
-            arguments = torch.fx.map_arg((node.args, node.kwargs), lambda n: known[n])
-            known[node] = _apply(node, writer, *_plain(arguments))
-        elif node.op == "output":
-            outputs = torch.fx.map_arg(node.args[0], lambda n: known[n])
-    return [writer.array(output) for output in outputs]
+    def numbers_of(tensor: Tensor) -> Any:
+        if id(tensor) not in known:
+            known[id(tensor)] = writer.array(tensor)
+        return known[id(tensor)]
+
+    for operation in operations:
+        arguments = tree_map_only(Tensor, numbers_of, (operation.args, operation.kwargs))
+        found = _apply(operation, writer, *arguments)
+        if isinstance(operation.result, Tensor):
+            found = (found,)
+        known.update(
+            (id(tensor), numbers)
+            for tensor, numbers in zip(operation.returned, found, strict=False)
+        )
+    return [writer.array(numbers_of(output)) for output in outputs]
 
 
-def _apply(node: Node, writer: Writer, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
+def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
     """What one operation makes of its arguments."""
-    if node.target is operator.getitem:
-        return args[0][args[1]]
-
-    name = _name_of(node)
+    name = _name_of(operation)
     changes_in_place = name not in TRANSLATIONS and name.endswith("_")
     translation = TRANSLATIONS.get(name.removesuffix("_") if changes_in_place else name)
     if translation is None:
-        raise GraphError(f"{_what(node)} cannot be exported: it has no translation to C.")
+        raise GraphError(f"{_what(operation)} cannot be exported: it has no translation to C.")
 
     try:
-        result = translation(writer, _kind(node), *args, **kwargs)
+        result = translation(writer, _kind(operation), *args, **kwargs)
     except NotImplementedError as error:
-        raise GraphError(f"{_what(node)} cannot be exported {error}.") from error
+        raise GraphError(f"{_what(operation)} cannot be exported {error}.") from error
     if changes_in_place:
         args[0][...] = result
         return args[0]
     return result
 
 
-def _name_of(node: Node) -> str:
+def _name_of(operation: Operation) -> str:
     """``add`` of ``aten::add.Tensor``."""
-    schema = getattr(node.target, "_schema", None)
-    return str(node.target) if schema is None else str(schema.name).split("::")[-1]
+    return str(operation.operator._schema.name).split("::")[-1]
 
 
-def _kind(node: Node) -> Kind:
+def _kind(operation: Operation) -> Kind:
     """The kind of the (first) result."""
-    value = node.meta["val"]
-    while not isinstance(value, Tensor):
-        value = value[0]
-    return kind_of(value.dtype)
+    return kind_of(next(operation.returned).dtype)
 
 
-def _what(node: Node) -> str:
+def _what(operation: Operation) -> str:
     """The operation and the size of its result, for an error."""
-    value = node.meta.get("val")
-    shape = f" of shape {tuple(value.shape)}" if isinstance(value, Tensor) else ""
-    return f"The operation {_name_of(node)!r}{shape}"
-
-
-def _plain(arguments: Any) -> Any:
-    """Arguments with Python's own tuples and dictionaries."""
-    args, kwargs = arguments
-    return tuple(args), dict(kwargs)
+    result = operation.result
+    shape = f" of shape {tuple(result.shape)}" if isinstance(result, Tensor) else ""
+    return f"The operation {_name_of(operation)!r}{shape}"
