@@ -34,7 +34,7 @@ Log = tuple[dict[str, "Tensor"], dict[str, "Tensor"]]
 SEEDS = range(1000, 1020)
 """Of the log."""
 
-OFFSET = "x_pose.measurements.0.residual.offset"
+OFFSET = "x_pose.prior.offset"
 FRICTION = "x_pose.predict.friction"
 LAG = "v_joints.time_constant"
 
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Record, ask what can be known, learn it, and compare."""
     condition = arguments.condition
     log = record(condition, arguments.steps)
-    learner = learn(make("arm_push", "aicon", condition), LEARNED[condition], log)
+    learner = learn(shipped(condition), LEARNED[condition], log)
     if not arguments.episodes:
         return
 
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> None:
         task, seed=arguments.seed, episodes=arguments.episodes, conditions=[condition]
     )
     policies: dict[str, Any] = {
-        "aicon": lambda condition: make("arm_push", "aicon", condition).compile(),
+        "aicon": lambda condition: shipped(condition).compile(),
         "learned": lambda condition: learner.compile(),
     }
     with RunFolder.open(arguments.out, config) as folder:
@@ -76,12 +76,17 @@ def run(arguments: argparse.Namespace) -> None:
         print(write_report(task, folder))
 
 
+def shipped(condition: str) -> Any:
+    """The shipped policy, which is told what it is told in a comparison."""
+    return make("arm_push", "aicon", condition)
+
+
 def record(condition: str, steps: int) -> Log:
     """A log of the shipped policy; what an episode reads after its end is missing."""
     import torch
 
     task = dataclasses.replace(load("arm_push"), horizon=steps)
-    policy = make("arm_push", "aicon", condition).compile()
+    policy = shipped(condition).compile()
     seen: list[dict[str, Any]] = []
     done: list[Tensor] = []
 
@@ -105,13 +110,13 @@ def learn(policy: "Policy", what: dict[str, Any], log: Log) -> "Policy":
     learner = policy.learn(*names, start=starts)
     learner.information(*log).check()
 
-    optimizer = torch.optim.LBFGS(
+    optimizer: Any = torch.optim.LBFGS(  # torch leaves it untyped
         learner.parameters(), max_iter=20, max_eval=25, line_search_fn="strong_wolfe"
     )
 
     def surprise() -> Any:
         filtered = learner.filter(*log)
-        loss = -filtered.log_likelihood().sum() / filtered.readings().sum()
+        loss: Any = -filtered.log_likelihood().sum() / filtered.readings().sum()
         optimizer.zero_grad()
         loss.backward()
         print(f"log-likelihood of a reading {-loss.item():.3f}", flush=True)
