@@ -27,7 +27,7 @@ from aicon_torch.estimation import Estimator
 from aicon_torch.export.exported_policy import ExportedPolicy
 from aicon_torch.export.native import NativeSteps
 from aicon_torch.goals import Goal
-from aicon_torch.graph import Filtered, WorldModel
+from aicon_torch.graph import Filtered, Information, WorldModel
 from aicon_torch.inspection.explanation import Explanation, explain
 from aicon_torch.inspection.trace import StepTrace, trace
 from aicon_torch.quantities import Sensor
@@ -201,6 +201,21 @@ class Policy(nn.Module):
         model = self.model
         readings = read(observations, model.sensors, {}, model.like)
         return model.filter(readings, actions, truncate)
+
+    def information(
+        self, observations: Mapping[str, Any], actions: Mapping[str, Tensor]
+    ) -> Information:
+        """What a log tells of each number that learns: see :meth:`WorldModel.information`.
+
+        Args:
+            observations: As for :meth:`filter`.
+            actions: As for :meth:`filter`.
+
+        Raises:
+            ObservationError: As for :meth:`filter`.
+        """
+        readings = read(observations, self.model.sensors, {}, self.model.like)
+        return self.model.information(readings, actions)
 
     def named_parameters(self, *args: Any, **kwargs: Any) -> Iterator[tuple[str, nn.Parameter]]:
         """Those that learn: see :meth:`learn`. No gradient reaches those of a perception."""

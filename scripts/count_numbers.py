@@ -25,7 +25,7 @@ GIVEN = frozenset(
     {
         # The robot, its sensors and the task.
         *("dt", "max_speed", "speed", "robot", "ball_radius"),
-        *("goal_pose", "corners", "axis", "contact.size"),
+        *("goal_pose", "corners", "axis", "contact.size", "pose_offset"),
         # Variances, of readings and of what is not modelled.
         *("bearing_noise", "range_noise", "actuation_noise", "keypoint_noise"),
         *("pose_noise", "drift", "camera.noise"),

@@ -44,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is drawn and learned."""
     parser.add_argument("--pictures", type=int, default=40_000, help="pictures (default: 40000)")
     parser.add_argument("--steps", type=int, default=4_000, help="of 64 pictures (default: 4000)")
+    parser.add_argument("--side", type=int, default=96, help="of a picture, pixels (default: 96)")
     parser.add_argument("--out", type=Path, required=True, help="file of the weights")
 
 
@@ -51,12 +52,14 @@ def run(arguments: argparse.Namespace) -> None:
     """Draw what is missing, train, and say how good it is on pictures that it has not seen."""
     folder = arguments.out.with_suffix(WORK)
     folder.mkdir(parents=True, exist_ok=True)
-    pictures, poses = draw_pictures(folder, arguments.pictures)
+    pictures, poses = draw_pictures(folder, arguments.pictures, arguments.side)
     train(pictures, poses, folder, arguments)
 
 
-def draw_pictures(folder: Path, count: int) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-    """Pictures ``(count, 96, 96, 3)`` and frames of the object ``(count, 3)``, px and rad."""
+def draw_pictures(
+    folder: Path, count: int, side: int
+) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    """Pictures ``(count, side, side, 3)`` and frames of the object ``(count, 3)``, px and rad."""
     from tqdm import tqdm
 
     from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS, Goal
@@ -64,7 +67,7 @@ def draw_pictures(folder: Path, count: int) -> tuple[NDArray[np.uint8], NDArray[
     from aicon_envs.pusht.rendering import draw_observation
     from aicon_envs.pusht.simulation import Simulation
 
-    shape = (count, 96, 96, 3)
+    shape = (count, side, side, 3)
     open_memmap: Any = np.lib.format.open_memmap  # numpy leaves it untyped
     mode: Any = "r+" if (folder / "pictures.npy").exists() else "w+"
     pictures = open_memmap(folder / "pictures.npy", mode, np.uint8, shape)
@@ -89,7 +92,7 @@ def draw_pictures(folder: Path, count: int) -> tuple[NDArray[np.uint8], NDArray[
         simulation = Simulation(tee, tuple(pusher.tolist()), pose)
         for moved in simulation.space.bodies:  # pymunk draws shapes where they were indexed
             simulation.space.reindex_shapes_for_body(moved)
-        pictures[number] = draw_observation(simulation, goal, (96, 96))
+        pictures[number] = draw_observation(simulation, goal, (side, side))
         poses[number] = pose
     return pictures, poses
 

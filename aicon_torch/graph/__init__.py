@@ -3,6 +3,7 @@
 from aicon_torch.graph.build import Graph, build_graph
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.filtering import Filtered, Innovations
+from aicon_torch.graph.information import Information
 from aicon_torch.graph.paths import Edge, Path, PathTable
 from aicon_torch.graph.world_model import LocalGraph, LocalGraphs, WorldModel
 
@@ -11,6 +12,7 @@ __all__ = [
     "Edge",
     "Filtered",
     "Graph",
+    "Information",
     "Innovations",
     "LocalGraph",
     "LocalGraphs",

@@ -16,6 +16,7 @@ from aicon_torch.graph.build import build_graph
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
+from aicon_torch.graph.information import Information, information
 from aicon_torch.graph.paths import Edge, PathTable
 from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
@@ -308,6 +309,25 @@ class WorldModel(nn.Module):
             >>> loss = -model.filter({"z_tar": bearings}, {"a": velocities}).log_likelihood().mean()
         """
         return LogFilter(self.declaration, self.graph, self.like)(readings, actions, truncate)
+
+    def information(
+        self, readings: Mapping[str, Tensor], actions: Mapping[str, Tensor]
+    ) -> Information:
+        """What a log tells of each number that learns, before it is trained: Fisher information.
+
+        Args:
+            readings: As for :meth:`filter`.
+            actions: As for :meth:`filter`.
+
+        Raises:
+            ObservationError: As for :meth:`filter`.
+
+        Example:
+            >>> model.learn("p_tar.noise").information({"z_tar": bearings}, {"a": moves}).check()
+        """
+        names = {learned.theta: name.replace("/", ".") for name, learned in self.learned.items()}
+        parameters = {names.get(value, name): value for name, value in self.named_parameters()}
+        return information(self.filter(readings, actions), parameters)
 
     def record(self, values: Mapping[str, Tensor]) -> LocalGraphs:
         """The local graphs at given values: how each quantity and goal depends on what it reads.

@@ -23,6 +23,7 @@ NEEDED = {
     "shield": ("matplotlib",),
     "network": ("matplotlib",),
     "learning": ("pymunk",),
+    "logs": ("pymunk", "lerobot"),
     "wheels": ("matplotlib",),
     "task": (),
 }

@@ -34,19 +34,26 @@ class ObservedPose:
     Attributes:
         body: The object.
         prior_deviation: Standard deviation of the position at the first reading, m.
+        offset: By how much every reading is off, such as of a camera that was moved, ``(3,)``, m
+            and rad.
     """
 
     body: RigidObject
     prior_deviation: float
+    offset: Tensor
 
     def __call__(self, x_pose: Tensor, z_object: Tensor) -> Tensor:
-        """x_pose − pose(z_object), ``(*B, 3)``, m and rad, the angle in [−π, π)."""
-        return pose_error(x_pose, self.body.pose_of_frame(z_object), rotation_length=1.0)
+        """x_pose − pose(z_object − offset), ``(*B, 3)``, m and rad, the angle in [−π, π)."""
+        return pose_error(x_pose, self._pose(z_object), rotation_length=1.0)
 
     def prior(self, z_object: Tensor) -> tuple[Tensor, Tensor]:
         """Mean ``(*B, 3)`` and covariance ``(3, 3)`` at first: where it is, give or take 1 rad."""
         deviations = z_object.new_tensor((self.prior_deviation, self.prior_deviation, 1.0))
-        return self.body.pose_of_frame(z_object), torch.diag(deviations**2)
+        return self._pose(z_object), torch.diag(deviations**2)
+
+    def _pose(self, z_object: Tensor) -> Tensor:
+        """What a reading ``(*B, 3)`` says once it is put right."""
+        return self.body.pose_of_frame(z_object - self.offset.to(z_object))
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from aicon_torch.parts.validation import (
     check_not_negative,
     check_positive,
     check_steps,
+    numbers,
 )
 from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution
 
@@ -115,6 +116,7 @@ class Options:
         touch: Whether the wrist feels it, if it is seen.
         contact: The contact model, which is pushT's.
         pose_noise: Standard deviation of a pose that is observed, m.
+        pose_offset: By how much it is off every time, (x, y, θ), m and rad.
         drift: Standard deviation of what moves the object in a second besides the model, m.
         stick_friction: Coefficient of friction between stick and object, with which its
             motion is predicted; 0 predicts without.
@@ -151,6 +153,7 @@ class Options:
     camera: CameraOptions = CameraOptions()
     touch: bool = True
     pose_noise: float = 1 / 6000
+    pose_offset: Sequence[float] = (0.0, 0.0, 0.0)
     drift: float = 1 / 40
     stick_friction: float = 0.2
     expected_place: tuple[float, float] = (0.54, 0.0)
@@ -191,6 +194,7 @@ class Options:
         check_choice(self, "pullback", get_args(Pullback))
         check_positive(self, ("dt", "pose_noise", "drift", "height", "lever", "damping"))
         check_not_negative(self, ("height_tolerance", "stick_friction"))
+        numbers("pose_offset", self.pose_offset, 3)
 
         # What takes a sentence of its own.
         if not isinstance(self.robot, PushingRobot):

@@ -62,7 +62,8 @@ def pushed_object(scene: Scene) -> list[Estimator]:
 
 def observed_pose(scene: Scene) -> EKF:
     """x_pose, corrected by a pose that is observed."""
-    observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION)
+    offset = torch.tensor(scene.options.pose_offset, dtype=torch.float64)
+    observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION, offset)
     residual = Interconnection(observed, x_pose=Constant(torch.eye(3)))
     reading = Measurement(residual, pose_variances(scene, scene.options.pose_noise), size=3)
     return _pushed_pose(

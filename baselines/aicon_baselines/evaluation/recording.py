@@ -17,6 +17,7 @@ from aicon_baselines.evaluation.episodes import run_episodes
 from aicon_baselines.extras import naming_extra
 from aicon_torch import Policy, StepTrace
 from aicon_torch.inspection import QuantityTrace
+from aicon_torch.quantities import AGE, PRESENT
 from aicon_torch.resolution import Memory
 
 FloatArray = NDArray[np.float64]
@@ -98,6 +99,21 @@ class Recording:
         if batch[actuator].shape != (len(self.memories), declared.size):
             raise ValueError("memories: expected those of a single robot; take one row of each.")
         return batch
+
+    @cached_property
+    def log(self) -> tuple[Memory, Memory]:
+        """Readings and actions by name, (m, n), as `policy.model.filter` takes them.
+
+        A memory holds what was read last; where nothing new came there is no reading here, but NaN.
+        """
+        model, memory = self.policy.model, self.memory
+        readings: Memory = {}
+        for name, sensor in model.sensors.items():
+            present = memory[name + PRESENT].unsqueeze(-1)
+            readings[name] = torch.where(present, memory[name], torch.nan)
+            if sensor.is_aged:
+                readings[name + AGE] = memory[name + AGE]
+        return readings, {name: memory[name] for name in model.actuators}
 
     @cached_property
     def trace(self) -> StepTrace:

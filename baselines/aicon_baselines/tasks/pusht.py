@@ -23,8 +23,9 @@ from aicon_envs.pusht.clutter import Clutter, Kind
 from aicon_envs.pusht.wrappers import Delay, Dropout, SensorNoise
 
 _UPSTREAM = "upstream"
-_PICTURE = Path(__file__).parents[2] / "checkpoints" / "pusht_picture" / "weights.pt"
+_PICTURE = Path(__file__).parents[2] / "checkpoints" / "pusht_picture"
 _PIXELS = {"obs_type": "pixels_agent_pos"}
+_SMALL = {"observation_width": 48, "observation_height": 48}
 _CLUTTER: tuple[Kind, ...] = ("distractors", "covered", "hidden")
 _SPEED = 800.0  # the usual speed limit of the policy, px/s; the benchmark has none
 _OBJECTS = ("L", "U", "Z", "H", "plus", "quadrilateral")
@@ -48,6 +49,7 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "delay": {"wrappers": [partial(Delay, steps=3)]},
     "keypoint_noise": {"wrappers": [partial(SensorNoise, sigma=2.0)]},
     "pixels": _PIXELS,
+    "pixels_48": {**_PIXELS, **_SMALL},
     **{
         f"pixels_{kind}": {**_PIXELS, "wrappers": [partial(Clutter, kind=kind)]}
         for kind in _CLUTTER
@@ -123,7 +125,8 @@ def _policy_options(condition: str) -> dict[str, Any]:
         options["outline_order"] = tuple(int(index) for index in outline.border)
 
     if "obs_type" in arguments:
-        options |= {"picture": _PICTURE, "push_noise": 0.2}
+        weights = "weights_48.pt" if condition == "pixels_48" else "weights.pt"
+        options |= {"picture": _PICTURE / weights, "push_noise": 0.2}
     if "observe_goal" in arguments:
         options["observe_goal"] = True
     if "velocity_limit" in arguments:

@@ -9,7 +9,9 @@ import pytest
 import torch
 from gymnasium.wrappers import TimeLimit
 
-from aicon_baselines.evaluation.recording import record, to_array, true_intervals
+from aicon_baselines.agents.registry import make
+from aicon_baselines.evaluation.recording import Recording, record, to_array, true_intervals
+from aicon_baselines.tasks import load
 
 
 class Counter(gymnasium.Env[Any, Any]):
@@ -85,3 +87,18 @@ def test_true_intervals(mask: list[int], intervals: list[tuple[int, int]]) -> No
 def test_arrays_are_doubles() -> None:
     array = to_array(torch.ones(2, dtype=torch.float32, requires_grad=True))
     assert array.dtype == np.float64
+
+
+@pytest.mark.parametrize("condition", ["dropout", "delay"])
+def test_who_filters_the_log_of_a_recording_believes_what_the_policy_believed(
+    condition: str,
+) -> None:
+    pytest.importorskip("pymunk")
+    task, policy = load("pusht"), make("pusht", "aicon", condition)
+    env, reset = task.make_env(1, condition, 12), task.reset_arguments([task.episode(1001)])
+    recording = record(Recording, policy, env, reset, 12)
+    assert bool(recording.log[0]["z_keypoints"].isnan().any()) == (condition == "dropout")
+
+    estimates = recording.policy.model.filter(*recording.log).estimates
+    for name, series in estimates.items():
+        torch.testing.assert_close(series, recording.memory[name], rtol=1e-9, atol=1e-12)

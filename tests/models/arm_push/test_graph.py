@@ -1,8 +1,10 @@
 from dataclasses import replace
 
 import pytest
+import torch
+from _inputs.arm import pose_observation
 
-from aicon_torch import make_policy
+from aicon_torch import OptionError, make_policy
 from aicon_torch.models.arm_push import PANDA, CameraOptions, Options, world_model
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.parts.contact import ContactLikelihood, closest_point
@@ -67,6 +69,16 @@ def test_an_object_whose_pose_is_observed_needs_no_camera():
     model = world_model(Options(sensing="pose"))
     assert "x_cam" not in model.owners and "z_ft" not in model.sensors
     assert not any("P_pose" in path for path in paths_of(model))
+
+
+def test_readings_that_are_off_by_what_is_told_are_put_right():
+    off, told = (0.005, -0.003, 0.01), pose_observation()
+    _, plain = make_policy("arm_push", sensing="pose").predict(told)
+    moved = {**told, "object_pose": told["object_pose"] + torch.tensor(off, dtype=torch.float64)}
+    _, righted = make_policy("arm_push", sensing="pose", pose_offset=off).predict(moved)
+    torch.testing.assert_close(righted["x_pose"], plain["x_pose"])
+    with pytest.raises(OptionError, match="pose_offset=.*expected 3 finite numbers"):
+        make_policy("arm_push", sensing="pose", pose_offset=0.005)
 
 
 def test_a_goal_that_is_left_out_leaves_the_others_as_they_are():
