@@ -33,8 +33,9 @@ class Grasp:
 
     So the fingers open on the way and close about the object. While the tip is beside the object by
     more than the slack of the open fingers, it is aimed above it, four times as far, up to a
-    clearance: h = min(c, 4 max(0, ‖Δ_xy‖ − r)). So it rises before it comes, and does not push. Where p_grasp is to be reduced, the fingers open, D = o, and the
-    tip stays: to let go is the other sign of the same path.
+    clearance: h = min(c, 4 max(0, ‖Δ_xy‖ − r)). So it rises before it comes, and does not push.
+    Where p_grasp is to be reduced, the fingers open, D = o, and the tip stays: to let go is the
+    other sign of the same path.
 
     Attributes:
         gripper: The gripper.

@@ -24,7 +24,9 @@ def rows() -> dict[str, int]:
 def policies() -> list[Policy]:
     """Those of all presets, one with an option that no preset has, and a shield's."""
     found: list[Policy] = [make_policy("nav2d", **{"resolution.exploration.escape.onward": True})]
-    found.append(Shield(lambda observation: np.zeros(3), body_model(Options(robot=planar_arm()))).policy)
+    found.append(
+        Shield(lambda observation: np.zeros(3), body_model(Options(robot=planar_arm()))).policy
+    )
     for task in ("nav2d", "pusht", "arm_push", "reach"):
         options = {"robot": planar_arm()} if task == "reach" else {}
         found.extend(make_policy(task, preset=preset, **options) for preset in presets(task))
