@@ -87,7 +87,7 @@ def gradients(memory: Memory, action: Tensor) -> Tensor:
 def resolve(stack: Tensor, memory: Memory) -> tuple[Tensor, Memory]:
     """Each gradient in the nullspaces of the stronger ones, or exploration in their place."""
     size, direction = stack.norm(dim=1), normalize(stack, dim=1, eps=1e-150)
-    left = weighted = direction * torch.softmax(size / size.max() / 0.25, 0)[:, None]
+    left = weighted = direction * torch.softmax(size / size.max() / 0.8, 0)[:, None]
 
     # Order by strength, with hysteresis, and project.
     resolved, ranks = REST, list[int]()
@@ -103,7 +103,7 @@ def resolve(stack: Tensor, memory: Memory) -> tuple[Tensor, Memory]:
     exploring |= memory.exploring and bool(target.norm() >= (target + moved).norm() - 0.1)
 
     # Go on along the wall then, as near to it as makes it count as much as the others.
-    average = torch.lerp(memory.average, memory.action * DT, 1 / 8)
+    average = torch.lerp(memory.average, memory.action * DT, DT / (DT + 0.4))
     along = direction[0].flip(0) * torch.tensor([-1.0, 1.0])
     onward = along * (along @ (average - 1e-6 * weighted.sum(0))).sign()
     if exploring:

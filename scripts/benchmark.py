@@ -273,6 +273,7 @@ def _to_stack(arrival: QuantityTrace) -> GradientStack:
         motion=torch.zeros_like(gradients[..., 0, :]),
         costs=dict.fromkeys(frozenset[str]().union(*arrival.goals), nothing),
         displaced_cost=lambda goal, shift: nothing,
+        dt=0.1,
     )
 
 

@@ -17,8 +17,8 @@ def rules() -> dict[str, Any]:
     return {
         "sum": Sum(),
         "projection": NullspaceProjection(temperature=None, exploration=None),
-        "projection, softmax": NullspaceProjection(temperature=0.8, exploration=None),
-        "softmax sum": NullspaceProjection(temperature=0.8, projector="none", exploration=None),
+        "projection, softmax": NullspaceProjection(exploration=None),
+        "softmax sum": NullspaceProjection(projector="none", exploration=None),
         "steepest path": SteepestPath(),
     }
 

@@ -179,6 +179,7 @@ class BackwardPass:
             motion=quantity.flatten(motion),
             costs=values,
             displaced_cost=displaced_cost,
+            dt=self.model.dt,
             is_last=self._is_last[name],
         )
 

@@ -19,6 +19,7 @@ class GradientStack(NamedTuple):
         costs: Cost of each goal now, ``(*B,)``.
         displaced_cost: Cost of a goal now had the quantity been displaced,
             ``(goal, (*B, d)) -> (*B,)``.
+        dt: Time step, s.
         is_last: Whether gradients meet nowhere else on the way from here to the actuators.
     """
 
@@ -27,6 +28,7 @@ class GradientStack(NamedTuple):
     motion: Tensor
     costs: Mapping[str, Tensor]
     displaced_cost: Callable[[str, Tensor], Tensor]
+    dt: float
     is_last: bool = True
 
     @property

@@ -1,6 +1,5 @@
 """Exploration: motion in the nullspace of a gradient while the two strongest oppose each other."""
 
-import math
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
@@ -51,9 +50,7 @@ class Exploration:
         enter_cosine: θ_enter of the paper.
         exit_cosine: θ_exit of the paper.
         ratio: λ of the paper.
-        average_steps: n, over how many control steps the motion is averaged: each counts 1/(1 + n).
-            A conflict comes and goes from one step to the next, whatever a step lasts. The average
-            has to outlast that; what is older leads back to where the quantity came from.
+        average_time: Time constant of the motion average, s.
         escape: What is done beyond the text.
         opponent: Whether the dominant gradient is compared with the second strongest (the text), or
             with the strongest of those that oppose it, cos < θ_enter (θ_exit while exploring),
@@ -68,7 +65,7 @@ class Exploration:
     enter_cosine: float = -0.6
     exit_cosine: float = -0.4
     ratio: float = 3.0
-    average_steps: float = 7.0
+    average_time: float = 0.4
     escape: TrapEscape = field(default_factory=TrapEscape)
     opponent: Literal["second", "opposing"] = "opposing"
     ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
@@ -83,8 +80,10 @@ class Exploration:
             )
         if not self.ratio >= 1:
             raise OptionError(f"ratio={self.ratio!r}: expected a number >= 1.")
-        if not 0 < self.average_steps < math.inf:
-            raise OptionError(f"average_steps={self.average_steps!r}: expected a positive number.")
+        if not self.average_time > 0:
+            raise OptionError(
+                f"average_time={self.average_time!r}: expected a positive number (s)."
+            )
         if self.opponent not in ("second", "opposing"):
             raise OptionError(f"opponent={self.opponent!r}: expected 'second' or 'opposing'.")
         if self.ratio_of not in ("weights", "magnitudes"):
@@ -92,8 +91,8 @@ class Exploration:
 
     @classmethod
     def as_in_paper(cls) -> "Exploration":
-        """The text and nothing else; for the average, whose time it leaves open, ten steps."""
-        return cls(average_steps=10.0, opponent="second", ratio_of="weights")
+        """The text and nothing else; for the average, whose time it leaves open, 1 s."""
+        return cls(average_time=1.0, opponent="second", ratio_of="weights")
 
     def initial(self, size: int) -> Memory:
         """Not exploring, at rest; what is remembered of a quantity with d components."""
@@ -124,7 +123,8 @@ class Exploration:
             memory.
         """
         # 1. The moving average of the quantity's motion.
-        average = torch.lerp(memory["average"], stack.motion, 1.0 / (1.0 + self.average_steps))
+        rate = stack.dt / (stack.dt + self.average_time)
+        average = torch.lerp(memory["average"], stack.motion, rate)
 
         # 2. Do the two strongest oppose each other (with hysteresis), and is neither much stronger?
         was_exploring = memory["exploring"]
@@ -193,11 +193,11 @@ class Exploration:
         """Whether standing still would have cost more than the dominant slope explains, ``(*B,)``.
 
         That is Σᵢ cᵢ(x − d) − cᵢ(x) > ‖∇₁‖ ‖d‖ with the present costs cᵢ of the goals that meet
-        and d, the motion within the steps of the average. Where one goal leads into another, no
+        and d, the motion within the time of the average. Where one goal leads into another, no
         path costs more than the steepest slope times its length; where many goals are balanced,
         their costs curve.
         """
-        moved = average * self.average_steps
+        moved = average * (self.average_time / stack.dt)
         standing, here = (torch.zeros_like(average[..., 0]) for _ in range(2))
         for goal in sorted(stack.all_goals):
             standing = standing + stack.displaced_cost(goal, -moved)

@@ -28,8 +28,8 @@ class NullspaceProjection(Resolution):
     The defaults are what the library ships; :meth:`as_in_paper` gives the text's.
 
     Attributes:
-        temperature: τ of the softmax over magnitudes (Sect. "Stabilizing the Control Signal", where
-            it is 0.8); None keeps the magnitudes themselves.
+        temperature: τ of the softmax over magnitudes (Sect. "Stabilizing the Control Signal", 0.8);
+            None keeps the magnitudes themselves.
         margin: By how much a gradient must exceed the one that held its rank before, to take it
             (the paper: 10 %).
         projector: ``"orthogonal"`` I − vvᵀ (Eq. 6), ``"qr"`` I − QQᵀ (Eq. 5) or ``"pinv"`` I − J⁺J
@@ -40,16 +40,16 @@ class NullspaceProjection(Resolution):
         relative: Whether the softmax is over magnitudes relative to the largest, so that their unit
             does not matter; without a softmax it has no effect. The text compares them as they are.
         by_row: Whether gradients through the same row of quantities whose rows go back to one
-            quantity are summed before they meet others; else each is a candidate of its own.
+            quantity are summed before they meet others. In the text each is a candidate of its own.
         exploration: What to do about conflicts; None never explores.
     """
 
-    temperature: float | None = 0.25
+    temperature: float | None = 0.8
     margin: float = 0.1
     projector: Literal["orthogonal", "qr", "pinv", "none"] = "orthogonal"
     restore_magnitude: bool = True
     relative: bool = True
-    by_row: bool = False
+    by_row: bool = True
     exploration: Exploration | None = dataclasses.field(default_factory=Exploration)
 
     def __post_init__(self) -> None:
@@ -70,9 +70,7 @@ class NullspaceProjection(Resolution):
     def as_in_paper(cls) -> "NullspaceProjection":
         """The text and nothing else, its exploration included."""
         exploration = Exploration.as_in_paper()
-        return cls(
-            temperature=0.8, restore_magnitude=False, relative=False, exploration=exploration
-        )
+        return cls(restore_magnitude=False, relative=False, by_row=False, exploration=exploration)
 
     @property
     def goals(self) -> tuple[str, ...]:

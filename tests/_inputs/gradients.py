@@ -81,6 +81,7 @@ def gradient_stack(
         motion=at_rest if motion is None else motion,
         costs=dict.fromkeys(names, zero) if costs is None else dict(costs),
         displaced_cost=displaced_cost or (lambda goal, shift: zero),
+        dt=dt,
         is_last=is_last,
     )
 

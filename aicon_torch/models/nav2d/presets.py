@@ -15,7 +15,6 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "aicon": {},
         "paper_literal": {
             "resolution": NullspaceProjection.as_in_paper(),
-            "resolution.exploration.average_steps": 20.0,  # 1 s
             "law": DirectDescent.as_in_paper(gain=10.0),
         },
         "steepest": {

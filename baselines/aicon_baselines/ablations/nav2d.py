@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import EARLIER_RULE, PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     # The escape from traps: what ends exploration, at which level it moves, and along what.
@@ -16,13 +16,12 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "without_exploration": {"resolution.exploration": None},
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
-    "earlier_rule": {**EARLIER_RULE, "resolution.exploration.average_steps": 8.0},
+    "one_rule": ONE_RULE,
     "mechanism_as_in_paper": {
-        "resolution.temperature": 0.8,
         "resolution.relative": False,
         "resolution.exploration.opponent": "second",
         "resolution.exploration.ratio_of": "weights",
-        "resolution.exploration.average_steps": 20.0,
+        "resolution.exploration.average_time": 1.0,
     },
 }
 """Options by name, on top of the preset ``"aicon"``."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import EARLIER_RULE, PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
 from aicon_baselines.named import Later
 
 PIXEL = 0.5 / 512
@@ -20,9 +20,7 @@ _TEXTS_EXPLORATION = {
 # far as the pusher that touches it: x_obj moves by s p(d) with p = exp(-d/l), hence s = l.
 _TEXT = {
     **_TEXTS_EXPLORATION,
-    "resolution.temperature": 0.8,
     "resolution.relative": False,
-    "resolution.by_row": True,
     "contact.step": 1 / 4,
 }
 
@@ -47,19 +45,14 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "sum_with_exploration": PLAIN_SUM,
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
-    "with_grouping": {"resolution.by_row": True},
+    "without_grouping": {"resolution.by_row": False},
     "second_opponent": {"resolution.exploration.opponent": "second"},
     "mechanism_as_in_paper": _TEXT,
-    "earlier_rule": EARLIER_RULE,
-    "earlier_rule_without_foresight": {**EARLIER_RULE, **_ONE_GRADIENT},
+    "one_rule": ONE_RULE,
+    "one_rule_without_foresight": {**ONE_RULE, **_ONE_GRADIENT},
     # The text at quasi-static speed: its mechanism, and what it is measured against.
     "text": {**_TEXT, **_ONE_GRADIENT},
-    "text_sum": {
-        **PLAIN_SUM,
-        **_TEXTS_EXPLORATION,
-        **_ONE_GRADIENT,
-        "resolution.by_row": True,
-    },
+    "text_sum": {**PLAIN_SUM, **_TEXTS_EXPLORATION, **_ONE_GRADIENT},
     "text_steepest": {
         "resolution": Later("aicon_torch.resolution:SteepestPath"),
         **_ONE_GRADIENT,

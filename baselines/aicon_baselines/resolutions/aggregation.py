@@ -28,7 +28,7 @@ class Aggregation(Resolution):
     a rule cannot be compiled: its ``compile()`` warns and runs uncompiled.
 
     Attributes:
-        by_row: As in :class:`~aicon_torch.NullspaceProjection`.
+        by_row: As in :class:`~aicon_torch.NullspaceProjection`, with the same default.
         modules: What the rule needs, of the extra "peers".
 
     Raises:
