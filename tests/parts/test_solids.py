@@ -35,7 +35,8 @@ def surface(solid: Solid) -> Tensor:
 
     if solid.kind == "box":
         local = u.clone()
-        local[torch.arange(count), torch.arange(count) % 3] = torch.sign(u[:, 0])
+        side = torch.where(torch.arange(count) % 2 == 0, 1.0, -1.0).to(local)
+        local[torch.arange(count), torch.arange(count) % 3] = side
         local = local * torch.tensor(solid.size, dtype=torch.float64) / 2
     elif solid.kind == "cylinder":
         length, radius = solid.size
@@ -145,7 +146,7 @@ def test_objects_that_there_are_not_are_far_away() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("cone", (0.1,), (0.0, 0.0, 0.0)), "box, cylinder"),
+        (("cone", (0.1,), (0.0, 0.0, 0.0)), "'box', 'cylinder'"),
         (("sphere", (0.1, 0.2), (0.0, 0.0, 0.0)), "expected 1 numbers above 0 m for a sphere"),
         (("box", (0.1, 0.2, 0.0), (0.0, 0.0, 0.0)), "expected 3 numbers"),
     ],

@@ -4,8 +4,8 @@ An observation has the joints ``q`` ``(*B, n)``, rad or m, ``target_position`` `
 the frame of the base, and, where the orientation matters, ``target_orientation``: the direction of
 the tip's axis ``(*B, 3)``, or a quaternion (w, x, y, z) ``(*B, 4)``. Where there are balls,
 ``ball_1``, ``ball_2``, … are their middles ``(*B, 3)``, m; where there are objects, ``obstacles``
-are their numbers ``(*B, 16 N)``, see :class:`aicon_torch.parts.Solid`. The action is the velocity of
-the joints ``(*B, n)``, rad/s or m/s.
+are their numbers ``(*B, 16 N)``, see :class:`aicon_torch.parts.Solid`. The action is the velocity
+of the joints ``(*B, n)``, rad/s or m/s.
 """
 
 from collections.abc import Callable

@@ -29,5 +29,5 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "potential_field": {**_AS_GOALS, "resolution": Sum()},
     }
 )
-"""Options by preset: ours, ours among obstacles that leave little room, ours without the escape, and
-the baselines, for which joint limits and self-collision are goals like any other."""
+"""Options by preset: ours, ours among obstacles that leave little room, ours without the escape,
+and the baselines, for which joint limits and self-collision are goals like any other."""
