@@ -123,7 +123,6 @@ class Places:
         ends = ~is_free & (is_over | is_other)
 
         restarts = begins | ends | is_other | is_lower
-        lowest = torch.where(ends, torch.inf, now)
         return {
             "escaping": (~is_free | begins) & ~ends,
             "direction": way,
@@ -131,7 +130,7 @@ class Places:
             "stops": stops,
             "clock": torch.where(restarts, 0.0, clock),
             "slow": torch.where(begins, 0.0, slow),
-            "lowest": torch.where(restarts, lowest, memory["lowest"]),
+            "lowest": torch.where(restarts, now, memory["lowest"]),
             "escapes": escapes + begins,
             "before": now,
         }
