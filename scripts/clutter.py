@@ -201,7 +201,6 @@ def run(arguments: argparse.Namespace) -> None:
                 "reach",
                 preset="clutter",
                 robot=robot,
-                orientation="full",
                 speed=SPEED,
                 dt=DT,
                 obstacles=MOST_OBJECTS,
@@ -213,6 +212,7 @@ def run(arguments: argparse.Namespace) -> None:
     rows = [row for row in read(table) if low <= row.index <= high and row.set in arguments.sets]
     for name in arguments.policies:
         report(name, [row for row in rows if row.policy == name])
+    draw(table, rows)
 
 
 def write(table: Path, row: Row) -> None:
@@ -272,8 +272,21 @@ def _print_line(label: str, rows: Sequence[Row], shares: bool = False) -> None:
     print(f"| {label} | {len(rows)} | " + " | ".join(cells) + " |")
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def draw(table: Path, rows: Sequence[Row]) -> None:
+    """The share of problems that are solved over time, by policy, as a picture."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
+    for name in dict.fromkeys(row.policy for row in rows):
+        times = np.sort([row.time for row in rows if row.policy == name])
+        axes.step(times, 100 * np.arange(1, len(times) + 1) / len(times), where="post", label=name)
+    axes.set(xlim=(0, HORIZON), ylim=(0, 100), xlabel="time, s", ylabel="solved, %")
+    axes.legend(loc="lower right", frameon=False)
+    figure.savefig(table.with_suffix(".png"), dpi=150)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is run."""
     parser.add_argument("robot", choices=ROBOTS, help="whose problems")
     parser.add_argument("--policies", nargs="+", choices=POLICIES, default=["aicon"])
     parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
@@ -283,14 +296,14 @@ def _parser() -> argparse.ArgumentParser:
         type=int,
         default=(51, 100),
         metavar=("FIRST", "LAST"),
-        help="of each set: 1 to 50 are for tuning, 51 to 100 for the report",
+        help="of each set: 1 to 50 are for tuning, 51 to 100 for the report (default: 51 100)",
     )
     parser.add_argument("--out", type=Path, default=Path("runs/clutter"))
-    parser.add_argument(
-        "--cache", type=Path, default=Path.home() / ".cache" / "aicon", help="of what is downloaded"
-    )
-    return parser
+    cache = Path.home() / ".cache" / "aicon"
+    parser.add_argument("--cache", type=Path, default=cache, help="of what is downloaded")
 
+
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
-    run(_parser().parse_args())
+    run_command(COMMAND)
