@@ -15,6 +15,7 @@ import torch
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.worlds.motion_bench_maker import (
     MOST_OBJECTS,
@@ -201,6 +202,7 @@ def run(arguments: argparse.Namespace) -> None:
                 "reach",
                 preset="clutter",
                 robot=robot,
+                orientation="full",
                 speed=SPEED,
                 dt=DT,
                 obstacles=MOST_OBJECTS,

@@ -23,7 +23,6 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
             "dampers.escape": PlaceEscape(),
             "self_collision": SquaredHinge(0.0025, 1.0),
             "damping": 0.05,
-            "orientation": "full",
         },
         "without_escape": {"dampers.escape": None},
         "steepest": {**_AS_GOALS, "resolution": SteepestPath()},
