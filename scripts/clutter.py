@@ -83,7 +83,9 @@ class World:
         self.moving = np.array(self.links) > 0
         self.pairs = np.array(robot.shape.pairs)
         self.low, self.high = robot.chain.low.numpy(), robot.chain.high.numpy()
-        self.objects = [(each, *_frame(each)) for each in problem.solids]
+        boxes = [each for each in problem.solids if each.kind == "box"]
+        cylinders = [each for each in problem.solids if each.kind == "cylinder"]
+        self.objects = [(kind, *_frames(kind)) for kind in (boxes, cylinders) if kind]
 
     def gaps(self, q: Array) -> tuple[float, float]:
         """The least distance to an object and to itself at joint angles ``(k, n)``, m."""
@@ -97,28 +99,31 @@ class World:
         of_itself = (apart - self.radii[first] - self.radii[second]).min()
 
         moving, radii = centres[:, self.moving], self.radii[self.moving]
-        of_objects = min(
-            float((_distance(solid, (moving - middle) @ rotation) - radii).min())
-            for solid, middle, rotation in self.objects
-        )
+        of_objects = math.inf
+        for solids, middles, rotations in self.objects:
+            local = (moving[:, None] - middles[:, None]) @ rotations
+            of_objects = min(of_objects, float((_distances(solids, local) - radii).min()))
         return of_objects, float(of_itself)
 
 
-def _frame(solid: Solid) -> tuple[Array, Array]:
-    """Where an object is, and how it is turned."""
-    w, x, y, z = np.array(solid.orientation) / np.linalg.norm(solid.orientation)
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.array(solid.position), np.eye(3) + 2.0 * w * skew + 2.0 * skew @ skew
+def _frames(solids: Sequence[Solid]) -> tuple[Array, Array]:
+    """Where objects are, and how they are turned."""
+    rotations = []
+    for solid in solids:
+        w, x, y, z = np.array(solid.orientation) / np.linalg.norm(solid.orientation)
+        skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        rotations.append(np.eye(3) + 2.0 * w * skew + 2.0 * skew @ skew)
+    return np.array([solid.position for solid in solids]), np.array(rotations)
 
 
-def _distance(solid: Solid, points: Array) -> Array:
-    """The exact signed distance of points in the frame of a box or cylinder, m."""
-    if solid.kind == "box":
-        beyond = np.abs(points) - np.array(solid.size) / 2
+def _distances(solids: Sequence[Solid], points: Array) -> Array:
+    """The exact signed distances of points ``(k, objects, m, 3)`` in the frames of objects, m."""
+    sizes = np.array([solid.size for solid in solids])[:, None]
+    if solids[0].kind == "box":
+        beyond = np.abs(points) - sizes / 2
     else:
-        length, radius = solid.size
-        across = np.hypot(points[..., 0], points[..., 1]) - radius
-        beyond = np.stack((across, np.abs(points[..., 2]) - length / 2), axis=-1)
+        across = np.hypot(points[..., 0], points[..., 1]) - sizes[..., 1]
+        beyond = np.stack((across, np.abs(points[..., 2]) - sizes[..., 0] / 2), axis=-1)
     outside: Array = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
     return outside + np.minimum(beyond.max(-1), 0.0)
 
