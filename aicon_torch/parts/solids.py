@@ -3,12 +3,12 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.differentiation import values_only
+from aicon_torch.differentiation import learns, values_only
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
@@ -195,12 +195,13 @@ class Solids(nn.Module):
     def gap(self, x_joints: Tensor, x_obstacles: Tensor, which: Tensor) -> Tensor:
         """How far a capsule is from that, ``(*B,)``, m, by the number of the gap ``(*B,)``."""
         capsule, number = self.first[which], self.second[which]
-        frame = _at(self.chain.frames(x_joints), self.frames_of[capsule], 2)
         solid = _at(x_obstacles.unflatten(-1, (self.count, NUMBERS)), number, 1)
 
-        start = _moved(frame, self.starts.to(frame)[capsule])
-        end = start if self.are_spheres else _moved(frame, self.ends.to(frame)[capsule])
-        distance = self._of_segment(start, end, solid) - self.radii.to(frame)[capsule]
+        start = self._point(x_joints, self.starts.to(x_joints)[capsule], capsule)
+        end = start
+        if not self.are_spheres:
+            end = self._point(x_joints, self.ends.to(x_joints)[capsule], capsule)
+        distance = self._of_segment(start, end, solid) - self.radii.to(x_joints)[capsule]
         return distance - self.cost.margin
 
     def distances(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
@@ -211,6 +212,16 @@ class Solids(nn.Module):
         end = start if self.are_spheres else _moved(frames, self.ends.to(frames)).unsqueeze(-2)
         of_axes = self._of_segment(start, end, solids)
         return (of_axes - self.radii.to(frames).unsqueeze(-1)).flatten(-2)
+
+    def _point(self, x_joints: Tensor, own: Tensor, capsule: Tensor) -> Tensor:
+        """Where a point of a capsule's link is, ``(*B, 3)``, m, from where it is in its frame."""
+        number = self.frames_of[capsule]
+        if learns() or not x_joints.requires_grad:
+            return _moved(_at(self.chain.frames(x_joints), number, 2), own)
+        joints = torch.arange(x_joints.shape[-1], device=x_joints.device)
+        moves = (joints <= self.frames_of.unsqueeze(-1)).to(x_joints)[capsule]
+        point: Tensor = _PointOfLink.apply(x_joints, self.chain, number, own, moves)
+        return point
 
     def _of_segment(self, start: Tensor, end: Tensor, solid: Tensor) -> Tensor:
         """The signed distance ``(*B,)`` of segments, or of points, to objects ``(*B, 16)``."""
@@ -225,6 +236,27 @@ class Solids(nn.Module):
         nearest = values_only(nearest_on_segment)
         share = nearest(lambda point: distance_of_point(point, solid), start, end)
         return distance_of_point(start + share.detach().unsqueeze(-1) * (end - start), solid)
+
+
+class _PointOfLink(torch.autograd.Function):
+    """A point of a link forward; backward its Jacobian, in place of a product of transforms."""
+
+    @staticmethod
+    def forward(
+        ctx: Any, x_joints: Tensor, chain: Chain, number: Tensor, own: Tensor, moves: Tensor
+    ) -> Tensor:
+        frames = chain.frames(x_joints)
+        point = _moved(_at(frames, number, 2), own)
+        ctx.chain = chain
+        ctx.save_for_backward(frames, point, moves)
+        return point
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None, None, None]:
+        frames, point, moves = ctx.saved_tensors
+        motion = ctx.chain.jacobian_at(frames, point)[..., :3, :]
+        slopes = (motion * gradients[0].unsqueeze(-1)).sum(-2)
+        return slopes * moves, None, None, None, None
 
 
 def _moved(frames: Tensor, points: Tensor) -> Tensor:

@@ -122,6 +122,20 @@ def test_one_gap_is_the_one_of_that_number_among_all(body: str) -> None:
         torch.testing.assert_close(one, gaps[:, number])
 
 
+@pytest.mark.parametrize("body", BODY)
+def test_the_slope_of_one_gap_is_that_of_all(body: str) -> None:
+    solids = Solids(chain(), BODY[body], len(SOLIDS), SquaredHinge(0.01, 1.0))
+    q = torch.tensor([0.3, -0.4], dtype=torch.float64, requires_grad=True)
+    objects = reading_of(list(SOLIDS.values()))
+
+    gaps = solids.gaps(q, objects)
+    for number, gap in enumerate(gaps):
+        one = solids.gap(q, objects, torch.tensor(number))
+        (slope,) = torch.autograd.grad(one, q)
+        (expected,) = torch.autograd.grad(gap, q, retain_graph=True)
+        torch.testing.assert_close(slope, expected)
+
+
 def test_a_capsule_is_as_far_as_the_nearest_of_many_spheres_on_its_axis() -> None:
     start, end = torch.zeros(3), torch.tensor([0.4, 0.0, 0.0])
     on_axis = [(start + share * (end - start)).tolist() for share in torch.linspace(0, 1, 400)]
