@@ -200,7 +200,7 @@ def run(arguments: argparse.Namespace) -> None:
     arguments.out.mkdir(parents=True, exist_ok=True)
     table = arguments.out / f"{arguments.robot}.csv"
     known = {(row.policy, row.set, row.index) for row in read(table)}
-    for name in arguments.policies:
+    for name in arguments.agents:
         missing = [each for each in to_run if (name, each.set, each.index) not in known]
         if missing:
             policy = make_policy(
@@ -217,7 +217,7 @@ def run(arguments: argparse.Namespace) -> None:
                 write(table, episode(policy, name, robot, problem))
 
     rows = [row for row in read(table) if low <= row.index <= high and row.set in arguments.sets]
-    for name in arguments.policies:
+    for name in arguments.agents:
         report(name, [row for row in rows if row.policy == name])
     draw(table, rows)
 
@@ -295,7 +295,7 @@ def draw(table: Path, rows: Sequence[Row]) -> None:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
     parser.add_argument("robot", choices=ROBOTS, help="whose problems")
-    parser.add_argument("--policies", nargs="+", choices=POLICIES, default=["aicon"])
+    parser.add_argument("--agents", nargs="+", choices=POLICIES, default=["aicon"])
     parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
     parser.add_argument(
         "--indices",
