@@ -60,7 +60,7 @@ class Row(NamedTuple):
     robot: str
     policy: str
     set: str
-    index: int
+    number: int
     time: float  # s; NaN where it did not arrive
     clearance: float  # of spheres and objects, m
     self_gap: float  # of the robot to itself, m
@@ -128,8 +128,9 @@ def _distances(solids: Sequence[Solid], points: Array) -> Array:
     else:
         across = np.hypot(points[..., 0], points[..., 1]) - sizes[..., 1]
         beyond = np.stack((across, np.abs(points[..., 2]) - sizes[..., 0] / 2), axis=-1)
-    outside: Array = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
-    return outside + np.minimum(beyond.max(-1), 0.0)
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
+    signed: Array = outside + np.minimum(beyond.max(-1), 0.0)
+    return signed
 
 
 def episode(policy: Policy, name: str, robot: Robot, problem: Problem) -> Row:
@@ -159,8 +160,9 @@ def episode(policy: Policy, name: str, robot: Robot, problem: Problem) -> Row:
         least = [min(pair) for pair in zip(least, (of_objects, of_itself, to_stop), strict=True)]
 
     escapes = 0 if memory is None else int(memory.get("a/escape/escapes", 0))
-    own = (problem.robot, name, problem.set, problem.index)
-    return Row(*own, arrived, *least, missing, angle, escapes)
+    of_objects, of_itself, to_stop = least
+    distances = (of_objects, of_itself, to_stop, missing, angle)
+    return Row(problem.robot, name, problem.set, problem.index, arrived, *distances, escapes)
 
 
 def time_of_a_step(policy: Policy, robot: Robot, problem: Problem) -> float:
@@ -220,7 +222,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     arguments.out.mkdir(parents=True, exist_ok=True)
     table = arguments.out / f"{arguments.robot}.csv"
-    known = {(row.policy, row.set, row.index) for row in read(table)}
+    known = {(row.policy, row.set, row.number) for row in read(table)}
     for name in arguments.agents:
         missing = [each for each in to_run if (name, each.set, each.index) not in known]
         if missing:
@@ -238,7 +240,7 @@ def run(arguments: argparse.Namespace) -> None:
             for problem in tqdm(missing, desc=name, unit="problem", disable=None):
                 write(table, episode(policy, name, robot, problem))
 
-    rows = [row for row in read(table) if low <= row.index <= high and row.set in arguments.sets]
+    rows = [row for row in read(table) if low <= row.number <= high and row.set in arguments.sets]
     for name in arguments.agents:
         report(name, [row for row in rows if row.policy == name])
     draw(table, rows)
@@ -261,9 +263,10 @@ def read(table: Path) -> list[Row]:
     with table.open(newline="") as file:
         rows = []
         for line in csv.DictReader(file):
-            own = (line["robot"], line["policy"], line["set"], int(line["index"]))
-            numbers = [float(line[name]) for name in Row._fields[4:-1]]
-            rows.append(Row(*own, *numbers, int(line["escapes"])))  # type: ignore[arg-type]
+            arrived, objects, itself, stop, missing, angle = map(float, list(line.values())[4:-1])
+            distances = (arrived, objects, itself, stop, missing, angle)
+            own = (line["robot"], line["policy"], line["set"], int(line["number"]))
+            rows.append(Row(*own, *distances, int(line["escapes"])))
     return rows
 
 
@@ -278,11 +281,13 @@ def report(name: str, rows: Sequence[Row]) -> None:
         _print_line(set_name, [row for row in rows if row.set == set_name])
     _print_line("all, %", rows, shares=True)
 
-    touching = [f"{r.set} {r.index} ({-1e3 * r.clearance:.1f} mm)" for r in rows if r.clearance < 0]
+    touching = [
+        f"{r.set} {r.number} ({-1e3 * r.clearance:.1f} mm)" for r in rows if r.clearance < 0
+    ]
     print(f"penetrations: {len(touching)} {', '.join(touching)}")
     print(f"least gap to itself: {1e3 * min(r.self_gap for r in rows):.1f} mm")
     print(f"least distance to a stop: {min(r.stop_gap for r in rows):.3f} rad")
-    failed = [f"{row.set} {row.index}" for row in rows if math.isnan(row.time)]
+    failed = [f"{row.set} {row.number}" for row in rows if math.isnan(row.time)]
     print(f"failed: {', '.join(failed)}")
 
 

@@ -116,9 +116,9 @@ def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:
     cylinder has the distance to its axis instead of x, and no y. What is round is the box or line
     that remains when its radius is taken off, and that radius.
     """
-    centre, rotation, half, kind = torch.split(solid, (3, 9, 3, 1), dim=-1)
+    centre, rotation, half, kind = torch.split(solid, [3, 9, 3, 1], dim=-1)
     offset = point - centre
-    local = (rotation.unflatten(-1, (3, 3)) * offset.unsqueeze(-1)).sum(-2)
+    local = (rotation.reshape(*rotation.shape[:-1], 3, 3) * offset.unsqueeze(-1)).sum(-2)
 
     radius = torch.where(kind > (CYLINDER + ROUND) / 2, half[..., :1], 0.0)
     x, y, z = (local.abs() - (half - radius)).unbind(-1)
@@ -195,7 +195,7 @@ class Solids(nn.Module):
     def gap(self, x_joints: Tensor, x_obstacles: Tensor, which: Tensor) -> Tensor:
         """How far a capsule is from that, ``(*B,)``, m, by the number of the gap ``(*B,)``."""
         capsule, number = self.first[which], self.second[which]
-        solid = _at(x_obstacles.unflatten(-1, (self.count, NUMBERS)), number, 1)
+        solid = _at(self._table(x_obstacles), number, 1)
 
         start = self._point(x_joints, self.starts.to(x_joints)[capsule], capsule)
         end = start
@@ -207,11 +207,15 @@ class Solids(nn.Module):
     def distances(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
         """dᵢⱼ of each capsule and object, ``(*B, C N)``, m; negative where they overlap."""
         frames = self.chain.frames(x_joints)[..., self.frames_of, :, :]
-        solids = x_obstacles.unflatten(-1, (self.count, NUMBERS)).unsqueeze(-3)
+        solids = self._table(x_obstacles).unsqueeze(-3)
         start = _moved(frames, self.starts.to(frames)).unsqueeze(-2)
         end = start if self.are_spheres else _moved(frames, self.ends.to(frames)).unsqueeze(-2)
         of_axes = self._of_segment(start, end, solids)
         return (of_axes - self.radii.to(frames).unsqueeze(-1)).flatten(-2)
+
+    def _table(self, x_obstacles: Tensor) -> Tensor:
+        """The numbers of the objects, ``(*B, N, 16)``."""
+        return x_obstacles.reshape(*x_obstacles.shape[:-1], self.count, NUMBERS)
 
     def _point(self, x_joints: Tensor, own: Tensor, capsule: Tensor) -> Tensor:
         """Where a point of a capsule's link is, ``(*B, 3)``, m, from where it is in its frame."""
@@ -220,7 +224,8 @@ class Solids(nn.Module):
             return _moved(_at(self.chain.frames(x_joints), number, 2), own)
         joints = torch.arange(x_joints.shape[-1], device=x_joints.device)
         moves = (joints <= self.frames_of.unsqueeze(-1)).to(x_joints)[capsule]
-        point: Tensor = _PointOfLink.apply(x_joints, self.chain, number, own, moves)
+        arguments = (x_joints, self.chain, number, own, moves)
+        point: Tensor = _PointOfLink.apply(*arguments)  # type: ignore[no-untyped-call]  # torch's
         return point
 
     def _of_segment(self, start: Tensor, end: Tensor, solid: Tensor) -> Tensor:
@@ -230,9 +235,8 @@ class Solids(nn.Module):
 
         # No derivative of where the nearest point is: there the distance is stationary, or it is
         # an end.
-        start, end = torch.broadcast_tensors(start, end)
-        shape = torch.broadcast_shapes(start.shape[:-1], solid.shape[:-1])
-        start, end = (x.expand(*shape, 3) for x in (start, end))
+        nothing = torch.zeros_like(start) * solid[..., :1]  # of the shape of both
+        start, end = start + nothing, end + nothing
         nearest = values_only(nearest_on_segment)
         share = nearest(lambda point: distance_of_point(point, solid), start, end)
         return distance_of_point(start + share.detach().unsqueeze(-1) * (end - start), solid)

@@ -109,7 +109,7 @@ def problems(
     name: str, folder: Path, joints: tuple[str, ...], sets: Iterable[str], indices: Iterable[int]
 ) -> Iterator[Problem]:
     """The problems of some sets, by their numbers."""
-    import yaml
+    import yaml  # type: ignore[import-untyped]  # it has no types
 
     for set_name in sets:
         for index in indices:
