@@ -27,6 +27,36 @@ class ConstraintEscape:
 
 
 @dataclass(frozen=True)
+class PlaceEscape:
+    """What is done where obstacles bring an actuator to rest: it goes elsewhere and tries anew.
+
+    It goes to a place that a sequence names, mirrored where a component was at its stop when it was
+    held up before: :class:`aicon_torch.safety.places.Places` has the rules.
+
+    Attributes:
+        near: A cost below this, in its unit, is near enough to stay.
+        patience: How long a cost may fail to fall, as the way that an actuator at its limit goes in
+            this time, rad for an arm.
+        remembers: Whether it remembers at which stops its components were held up.
+        whole: So many components, the first and the last ones, go anywhere in their ranges; the
+            others stay in the middle half.
+
+    Raises:
+        OptionError: If one of the first two is not positive.
+    """
+
+    near: float = 0.005
+    patience: float = 0.45
+    remembers: bool = True
+    whole: tuple[int, int] = (1, 3)
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        _check_positive("near", self.near)
+        _check_positive("patience", self.patience)
+
+
+@dataclass(frozen=True)
 class WayAround:
     """What is done where constraints bring to rest an actuator that follows somebody's proposal.
 
@@ -57,7 +87,9 @@ class VelocityDampers:
     """
 
     braking: float = 0.3
-    escape: ConstraintEscape | WayAround | None = field(default_factory=ConstraintEscape)
+    escape: ConstraintEscape | PlaceEscape | WayAround | None = field(
+        default_factory=ConstraintEscape
+    )
 
     def __post_init__(self) -> None:
         """Check the number."""

@@ -7,6 +7,9 @@ from torch import Tensor
 from aicon_torch.errors import GraphError
 from aicon_torch.interconnections import Interconnection, Node, Values
 
+MOST_GAPS = 8
+"""So many gaps of a safety goal bound an action, the smallest, unless its cost says otherwise."""
+
 
 class Goal(Node):
     """A scalar cost g(x) on the quantities that its function names.
@@ -72,6 +75,11 @@ class Goal(Node):
         if own is not None:
             return own(*self._read(values), which)
         return self.gaps(values).gather(-1, which.unsqueeze(-1)).squeeze(-1)
+
+    @property
+    def most_gaps(self) -> int:
+        """So many of its gaps bound an action at most, the smallest."""
+        return int(getattr(self.cost.function, "most_gaps", MOST_GAPS))
 
     @property
     def has_room(self) -> bool:

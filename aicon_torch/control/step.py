@@ -96,7 +96,7 @@ class ControlStep:
     def begin(self, memory: Memory, readings: Named) -> tuple[Named, Named]:
         """The values after the new readings, and where the descent begins."""
         values = self.estimate(memory, readings)
-        values.update(values_only(self.model.costs)(values))
+        values.update(values_only(self.model.followed_costs)(values))
 
         descent = {COUNT: self.model.like.new_ones(())}
         for name, actuator in self.model.actuators.items():

@@ -388,6 +388,10 @@ class WorldModel(nn.Module):
         """
         return {name: goal(values) for name, goal in self.goals.items()}
 
+    def followed_costs(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """The cost of each goal that is no safety goal, ``(*B,)``: see :meth:`costs`."""
+        return {name: goal(values) for name, goal in self.goals.items() if not goal.safety}
+
     def end_to_end_costs(
         self, values: Mapping[str, Tensor], actions: Mapping[str, Tensor]
     ) -> dict[str, Tensor]:

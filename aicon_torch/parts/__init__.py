@@ -72,6 +72,7 @@ from aicon_torch.parts.self_collision import (
     segment_distance,
 )
 from aicon_torch.parts.servo import PositionTarget, PusherMotion, Servo
+from aicon_torch.parts.solids import Solid, Solids, reading_of
 from aicon_torch.parts.table import Table
 from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
@@ -132,6 +133,8 @@ __all__ = [
     "Robot",
     "SelfCollision",
     "Servo",
+    "Solid",
+    "Solids",
     "Sphere",
     "SquaredHinge",
     "Table",
@@ -164,6 +167,7 @@ __all__ = [
     "pose_error",
     "quarter_turn",
     "range_residual",
+    "reading_of",
     "resting_pose",
     "rotate",
     "segment_distance",

@@ -1,6 +1,6 @@
 """Obstacles, still or moving, and how far a robot's capsules are from them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -64,7 +64,7 @@ class Box:
     def distance(self, start: Tensor, end: Tensor) -> Tensor:
         """From a segment to the box, ``(*B,)``: see :class:`Shape`."""
         with torch.no_grad():  # at the nearest point the distance is stationary, or it is an end
-            share = self._nearest(start, end)
+            share = nearest_on_segment(self._of_point, start, end)
         return self._of_point(start + share.unsqueeze(-1) * (end - start))
 
     def _of_point(self, point: Tensor) -> Tensor:
@@ -73,18 +73,25 @@ class Box:
         outside = norm(beyond.clamp(min=0.0))
         return outside + beyond.amax(-1).clamp(max=0.0)
 
-    def _nearest(self, start: Tensor, end: Tensor) -> Tensor:
-        """Where on the segment it is least, ``(*B,)`` in [0, 1], by golden sections."""
-        low = torch.zeros_like(start[..., 0])
-        high = torch.ones_like(low)
-        for _ in range(SECTIONS):
-            width = high - low
-            first, second = high - GOLDEN * width, low + GOLDEN * width
-            at_first = self._of_point(start + first.unsqueeze(-1) * (end - start))
-            at_second = self._of_point(start + second.unsqueeze(-1) * (end - start))
-            is_left = at_first < at_second
-            low, high = torch.where(is_left, low, first), torch.where(is_left, second, high)
-        return (low + high) / 2
+
+def nearest_on_segment(of_point: Callable[[Tensor], Tensor], start: Tensor, end: Tensor) -> Tensor:
+    """Where a convex distance is least on a segment, ``(*B,)`` in [0, 1], by golden sections.
+
+    Args:
+        of_point: The distance ``(*B,)`` of a point ``(*B, 3)``.
+        start: One end of the segment, ``(*B, 3)``, m.
+        end: The other end.
+    """
+    low = torch.zeros_like(start[..., 0])
+    high = torch.ones_like(low)
+    for _ in range(SECTIONS):
+        width = high - low
+        first, second = high - GOLDEN * width, low + GOLDEN * width
+        at_first = of_point(start + first.unsqueeze(-1) * (end - start))
+        at_second = of_point(start + second.unsqueeze(-1) * (end - start))
+        is_left = at_first < at_second
+        low, high = torch.where(is_left, low, first), torch.where(is_left, second, high)
+    return (low + high) / 2
 
 
 class Obstacle(nn.Module):

@@ -109,6 +109,7 @@ class SelfCollision(nn.Module):
         self.register_buffer("first", first, persistent=False)
         self.register_buffer("second", second, persistent=False)
 
+        self.are_spheres = all(capsule.start == capsule.end for capsule in capsules)
         radii = [capsule.radius for capsule in capsules]
         single = torch.tensor(radii, dtype=torch.float64)
         self.register_buffer("radii", single[first] + single[second])
@@ -124,13 +125,19 @@ class SelfCollision(nn.Module):
     def gap(self, x_body: Tensor, pair: Tensor) -> Tensor:
         """How far one pair is from that, ``(*B,)``, m, by its number ``(*B,)``."""
         first, second = _row(x_body, self.first[pair]), _row(x_body, self.second[pair])
-        distance = segment_distance(first, second) - self.radii.to(x_body)[pair]
+        distance = self._of_segments(first, second) - self.radii.to(x_body)[pair]
         return distance - self.cost.margin
 
     def distances(self, x_body: Tensor) -> Tensor:
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
-        return segment_distance(first, second) - self.radii.to(x_body)
+        return self._of_segments(first, second) - self.radii.to(x_body)
+
+    def _of_segments(self, first: Tensor, second: Tensor) -> Tensor:
+        """The distance ``(*B,)`` of segments ``(*B, 6)``, which are points if all are spheres."""
+        if self.are_spheres:
+            return norm(first[..., :3] - second[..., :3])
+        return segment_distance(first, second)
 
 
 def _row(segments: Tensor, number: Tensor) -> Tensor:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
-from aicon_torch.dampers import ConstraintEscape
+from aicon_torch.dampers import ConstraintEscape, PlaceEscape, WayAround
 from aicon_torch.differentiation import hop_from, pull
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
@@ -15,6 +15,7 @@ from aicon_torch.interconnections import copied
 from aicon_torch.quantities import AGE, PRESENT
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafetyBounds, nearest_safe
+from aicon_torch.safety.places import Places, initial_places
 from aicon_torch.safety.stuck import Stalemate, initial_escape
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.safety.way_around import Around, initial_way
@@ -22,11 +23,14 @@ from aicon_torch.safety.way_around import Around, initial_way
 FARTHEST = 1e3
 """A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
 
-MOST_GAPS = 8
-"""Of each goal as many gaps are considered, the smallest."""
+LEAST_SPEED = 1e-6
+"""A gap that the action can change by less than this, in its unit a second, is none of its own."""
 
 SWEEPS = 12
 """Number of sweeps of the solver."""
+
+INITIAL = {ConstraintEscape: initial_escape, PlaceEscape: initial_places, WayAround: initial_way}
+"""What an escape remembers before the first step, by its options."""
 
 
 class ActuatorSafety:
@@ -63,9 +67,11 @@ class ActuatorSafety:
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
 
         escape = declared.dampers.escape
-        self.stalemate: Stalemate | Around | None = None
+        self.stalemate: Stalemate | Places | Around | None = None
         if isinstance(escape, ConstraintEscape):
             self.stalemate = Stalemate(escape, limits, model.dt, self.time)
+        elif isinstance(escape, PlaceEscape):
+            self.stalemate = Places(escape, limits, model.dt)
         elif escape is not None:
             self.stalemate = Around(limits, model.dt, self.time)
 
@@ -145,9 +151,11 @@ class ActuatorSafety:
 
         for goal in self.goals:
             is_box = goal.name in self._boxed
-            slope, bound, _ = self.rows_of(goal, values, most=None if is_box else MOST_GAPS)
+            slope, bound, _ = self.rows_of(goal, values, most=None if is_box else goal.most_gaps)
             is_on = goal_factors[..., names.index(goal.name), None] != 0
-            bound = torch.where(is_on, bound, -FARTHEST / self.model.dt)
+            fastest = (slope.abs() * self.limits.to(slope)).sum(-1)
+            counts = is_on & (is_box | (fastest > LEAST_SPEED))  # what cannot give way is no bound
+            bound = torch.where(counts, bound, -FARTHEST / self.model.dt)
             if is_box:
                 low, high = _narrowed(low, high, slope, bound)
             else:
@@ -262,8 +270,7 @@ def safety_memory(model: WorldModel) -> Memory:
         actuator = model.actuators[name]
         escape = actuator.dampers.escape
         if escape is not None:
-            initial = initial_escape if isinstance(escape, ConstraintEscape) else initial_way
-            for key, value in initial(actuator.size).items():
+            for key, value in INITIAL[type(escape)](actuator.size).items():
                 memory[f"{name}/escape/{key}"] = value
     return memory
 

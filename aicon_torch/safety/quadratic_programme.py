@@ -1,10 +1,15 @@
 """The nearest action that keeps linear bounds: a quadratic programme in fixed sweeps."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor
+
+from aicon_torch.differentiation import learns
+
+MOST_UNROLLED = 16
+"""Of more rows the sweeps are one operation, for which there is a routine in C."""
 
 SLACK = 1e-4
 """By how much a bound may be missed, as a share of the widest range of a component: rounding must
@@ -95,6 +100,21 @@ def _projected(
         effects = (changes * rows.normals).sum(-1)
         change_of, effect_of = changes.unbind(-2), effects.where(effects > 0.0, 1.0).unbind(-1)
 
+    if len(normal_of) > MOST_UNROLLED and not learns():
+        identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
+        inverse = identity if inverse is None else inverse
+        effects = (rows.normals @ inverse * rows.normals).sum(-1)
+        given = (
+            nominal,
+            *rows,
+            effects.where(effects > 0.0, 1.0),
+            within.low,
+            within.high,
+            inverse,
+        )
+        action, force = swept(*given, sweeps).chunk(2, dim=-1)
+        return SafeAction(_clamped(action, within), force)
+
     action, push = nominal, torch.zeros_like(nominal)
     multipliers = [torch.zeros_like(bound) for bound in bound_of]
     for _ in range(sweeps):
@@ -113,6 +133,54 @@ def _projected(
     for normal, multiplier in zip(normal_of, multipliers, strict=True):
         force = force + multiplier.unsqueeze(-1) * normal
     return SafeAction(_clamped(action, within), force)
+
+
+@torch.library.custom_op("aicon::swept", mutates_args=())
+def swept(
+    nominal: Tensor,
+    normals: Tensor,
+    bounds: Tensor,
+    effects: Tensor,
+    low: Tensor,
+    high: Tensor,
+    inverse: Tensor,
+    sweeps: int,
+) -> Tensor:
+    """The sweeps of Hildreth's method in a metric, of any number of rows.
+
+    Args:
+        nominal: w, ``(*B, n)``.
+        normals: n, ``(*B, m, n)``.
+        bounds: b, ``(*B, m)``.
+        effects: nᵀM⁻¹n, ``(*B, m)``.
+        low: The least of each component, ``(*B, n)``.
+        high: The largest.
+        inverse: M⁻¹, ``(*B, n, n)``.
+        sweeps: How many.
+
+    Returns:
+        The action and the force of the bounds, one after the other, ``(*B, 2 n)``.
+    """
+    normal_of, change_of = normals.unbind(-2), (normals @ inverse).unbind(-2)
+    within = SafetyBounds(normals, bounds, low, high)
+    action, push = nominal, torch.zeros_like(nominal)
+    multipliers = list(torch.zeros_like(bounds).unbind(-1))
+    for _ in range(sweeps):
+        for index, normal in enumerate(normal_of):
+            missing = bounds[..., index] - (normal * action).sum(-1)
+            multiplier = (multipliers[index] + missing / effects[..., index]).clamp(min=0.0)
+            more = multiplier - multipliers[index]
+            action = action + more.unsqueeze(-1) * change_of[index]
+            multipliers[index] = multiplier
+        action, push = _into_box(action, push, within, inverse)
+
+    force = push + (torch.stack(multipliers, dim=-1).unsqueeze(-1) * normals).sum(-2)
+    return torch.cat((action, force), dim=-1)
+
+
+@swept.register_fake
+def _(nominal: Tensor, *_: Any) -> Tensor:
+    return nominal.new_empty((*nominal.shape[:-1], 2 * nominal.shape[-1]))
 
 
 def _into_box(

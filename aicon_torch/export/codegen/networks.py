@@ -146,11 +146,13 @@ def is_table(numbers: Array) -> bool:
 
 def product(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
     """``(..., n, k)`` times ``(..., k, m)``: a loop where one of them is a table."""
-    if kind == "real" and is_table(second):  # (AB)ᵀ = BᵀAᵀ
+    if kind != "real" or (is_table(first) and is_table(second)):
+        return product_in_lines(writer, kind, first, second)
+    if is_table(second):  # (AB)ᵀ = BᵀAᵀ
         return product(writer, kind, second.swapaxes(-1, -2), first.swapaxes(-1, -2)).swapaxes(
             -1, -2
         )
-    if kind != "real" or not is_table(first):
+    if not is_table(first):
         return product_in_lines(writer, kind, first, second)
 
     rows, inner = first.shape[-2:]

@@ -18,6 +18,7 @@ from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
+from aicon_torch.parts.solids import NUMBERS, Solids
 from aicon_torch.parts.table import Table
 from aicon_torch.quantities import Actuator, Sensor
 
@@ -36,6 +37,9 @@ BALL_NOISE = 0.002
 BALL_DISTANCE = SquaredHinge(margin=0.03, weight=1.0)
 """How far links stay from balls, m, which is their margin where balls are goals like any other:
 three times as far as from each other, since a ball may move."""
+
+OBSTACLE_DISTANCE = SquaredHinge(margin=0.0025, weight=1.0)
+"""How far links stay from objects, m: where there is clutter, targets have little room."""
 
 TABLE_DISTANCE = SquaredHinge(margin=0.01, weight=1.0)
 """How far links stay from a table, m."""
@@ -65,7 +69,7 @@ def body_model(options: Options, table: float | None = None) -> WorldModel:
         count, "rad/s or m/s", speeds, keeps_direction=True, dampers=options.dampers
     )
     return WorldModel(
-        sensors={"z_joints": Sensor(count, "rad or m", key="q"), **ball_sensors(options)},
+        sensors={"z_joints": Sensor(count, "rad or m", key="q"), **obstacle_sensors(options)},
         actuators={"a": velocity},
         estimators=[joints(count), body(robot), *ball_estimators(options)],
         goals=bounds(options, robot, table),
@@ -126,9 +130,13 @@ def body(robot: Robot) -> Deterministic:
     return Deterministic("x_body", CapsuleSegments(robot.chain, robot.shape.capsules))
 
 
-def ball_sensors(options: Options, **watched: Any) -> dict[str, Sensor]:
-    """Where each ball is seen."""
-    return {f"z_{ball}": Sensor(3, "m", key=ball, **watched) for ball in _balls(options)}
+def obstacle_sensors(options: Options, **watched: Any) -> dict[str, Sensor]:
+    """Where each ball is seen, and the objects."""
+    sensors = {f"z_{ball}": Sensor(3, "m", key=ball, **watched) for ball in _balls(options)}
+    if options.obstacles:
+        size = options.obstacles * NUMBERS
+        sensors["z_obstacles"] = Sensor(size, "m and others", key="obstacles", **watched)
+    return sensors
 
 
 def ball_estimators(options: Options) -> list[Estimator]:
@@ -139,7 +147,7 @@ def ball_estimators(options: Options) -> list[Estimator]:
 
 
 def bounds(options: Options, robot: Robot, table: float | None = None) -> list[Goal]:
-    """What the arm must not do: pass its stops, touch the table, the balls, or itself."""
+    """What the arm must not do: pass its stops, touch the table, balls, objects, or itself."""
     low, high = robot.chain.low.tolist(), robot.chain.high.tolist()
     limits = JointLimits(low, high, options.joint_limits)
     goals = [Goal("joint_limits", limits, safety=options.safety)]
@@ -155,6 +163,10 @@ def bounds(options: Options, robot: Robot, table: float | None = None) -> list[G
         obstacle = Obstacle(Sphere(options.ball_radius), robot.shape.capsules, BALL_DISTANCE)
         distance = Interconnection(obstacle, inputs=["x_body", f"x_{ball}"])
         goals.append(Goal(ball, distance, safety=options.safety))
+    if options.obstacles:
+        solids = Solids(robot.chain, robot.shape.capsules, options.obstacles, OBSTACLE_DISTANCE)
+        distance = Interconnection(solids, inputs=["x_joints", "z_obstacles"])
+        goals.append(Goal("obstacles", distance, safety=options.safety))
     if robot.shape.pairs:
         collision = SelfCollision(robot.shape.capsules, options.self_collision, robot.shape.pairs)
         goals.append(Goal("self_collision", collision, safety=options.safety))

@@ -3,8 +3,9 @@
 An observation has the joints ``q`` ``(*B, n)``, rad or m, ``target_position`` ``(*B, 3)``, m, in
 the frame of the base, and, where the orientation matters, ``target_orientation``: the direction of
 the tip's axis ``(*B, 3)``, or a quaternion (w, x, y, z) ``(*B, 4)``. Where there are balls,
-``ball_1``, ``ball_2``, … are their middles ``(*B, 3)``, m. The action is the velocity of the joints
-``(*B, n)``, rad/s or m/s.
+``ball_1``, ``ball_2``, … are their middles ``(*B, 3)``, m; where there are objects, ``obstacles``
+are their numbers ``(*B, 16 N)``, see :class:`aicon_torch.parts.Solid`. The action is the velocity
+of the joints ``(*B, n)``, rad/s or m/s.
 """
 
 from collections.abc import Callable
@@ -18,10 +19,10 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.models.reach.body import (
     ball_estimators,
-    ball_sensors,
     body,
     bounds,
     joints,
+    obstacle_sensors,
     robot_of,
     speeds_of,
 )
@@ -56,8 +57,10 @@ def world_model(options: Options) -> WorldModel:
             robot has no shape.
     """
     robot = robot_of(options)
-    if options.balls and robot.shape is None:
-        raise OptionError(f"balls={options.balls!r}: expected 0, since the robot has no shape.")
+    for name in ("balls", "obstacles"):
+        if getattr(options, name) and robot.shape is None:
+            number = getattr(options, name)
+            raise OptionError(f"{name}={number!r}: expected 0, since the robot has no shape.")
 
     pose = TipPose(options.orientation, options.lever, options.axis)
     end_effector = EndEffector(robot.chain, pose, damping=options.damping)
@@ -89,7 +92,7 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
         sensors["z_orientation"] = Sensor(3, "a direction", **oriented)
     if options.orientation == "full":
         sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **oriented)
-    return sensors | ball_sensors(options, **watched)
+    return sensors | obstacle_sensors(options, **watched)
 
 
 def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actuator:

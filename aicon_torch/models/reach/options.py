@@ -34,6 +34,8 @@ class Options:
         self_collision: How far links stay from each other, m, or their margin as a goal.
         balls: Number of balls that are seen, still or moving, and not to be touched.
         ball_radius: Their radius, m.
+        obstacles: Number of objects that are seen, of any shape and place, and not to be touched:
+            see :class:`aicon_torch.parts.Solid`.
         dtype: Precision of the estimates.
         dt: Time step, s.
         speed: Largest speed of a joint, rad/s; None for those of the robot.
@@ -56,6 +58,7 @@ class Options:
     self_collision: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.01, 1.0))
     balls: int = 0
     ball_radius: float = 0.08
+    obstacles: int = 0
     dtype: torch.dtype = torch.float64
     dt: float = 0.02
     speed: float | None = None
@@ -72,6 +75,6 @@ class Options:
         """
         check_choice(self, "orientation", ("free", "axis", "full"))
         check_positive(self, ("dt", "lever", "damping", "ball_radius"))
-        check_not_negative(self, ("tolerance", "balls"))
+        check_not_negative(self, ("tolerance", "balls", "obstacles"))
         if self.speed is not None:
             check_positive(self, ("speed",))

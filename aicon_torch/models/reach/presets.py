@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from aicon_torch.dampers import PlaceEscape
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.resolution import SteepestPath, Sum
 
@@ -17,10 +18,16 @@ _AS_GOALS = {
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
+        "clutter": {
+            "dampers.braking": 0.09,
+            "dampers.escape": PlaceEscape(),
+            "self_collision": SquaredHinge(0.0025, 1.0),
+            "damping": 0.05,
+        },
         "without_escape": {"dampers.escape": None},
         "steepest": {**_AS_GOALS, "resolution": SteepestPath()},
         "potential_field": {**_AS_GOALS, "resolution": Sum()},
     }
 )
-"""Options by preset: ours, ours without the escape, and the baselines, for which joint limits and
-self-collision are goals like any other."""
+"""Options by preset: ours, ours among obstacles that leave little room, ours without the escape,
+and the baselines, for which joint limits and self-collision are goals like any other."""

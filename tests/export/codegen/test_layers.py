@@ -52,3 +52,13 @@ def test_a_layer_and_its_derivative_are_translated(name: str, tmp_path: Path) ->
     for seed in range(3):
         x = normal(12, seed=seed)
         torch.testing.assert_close(run(x), value_and_gradient(x), rtol=1e-12, atol=1e-12)
+
+
+def test_a_product_of_two_tables_of_constants_is_one(tmp_path: Path) -> None:
+    first, second = normal(20, 20), normal(20, 20, seed=1)
+
+    def weighted(x: Tensor) -> Tensor:
+        return (first @ second)[: len(x), 0] * x
+
+    x = normal(12)
+    torch.testing.assert_close(translated(weighted, torch.float64, tmp_path)(x), weighted(x))

@@ -1,0 +1,277 @@
+"""Many still or moving objects of any shape and place as one goal, read as a table of numbers."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import torch
+from torch import Tensor, nn
+
+from aicon_torch.differentiation import learns, values_only
+from aicon_torch.errors import OptionError, choices
+from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.obstacle import nearest_on_segment
+from aicon_torch.parts.planar import norm
+from aicon_torch.parts.self_collision import Capsule
+from aicon_torch.parts.tip_pose import rotation_of_quaternion
+
+Kind = Literal["box", "cylinder", "capsule", "sphere"]
+"""What an object is."""
+
+NUMBERS = 16
+"""Numbers of an object: centre 3, rotation 9, half lengths 3, kind 1."""
+
+BOX, CYLINDER, ROUND = 0.0, 1.0, 2.0
+"""The last of them: a sphere is a capsule without length."""
+
+LENGTHS = {"box": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
+"""How many numbers the size of each kind has."""
+
+FAR = 99.0
+"""Where an object is that there is not, m."""
+
+
+@dataclass(frozen=True)
+class Solid:
+    """An object: a box, a cylinder, a capsule or a sphere, turned and placed anywhere.
+
+    Attributes:
+        kind: Which of them.
+        size: m. A box has its lengths along its x, y and z axes, a cylinder its length along z and
+            its radius, a capsule the length of its axis along z and its radius, a sphere its
+            radius.
+        position: Its centre in the frame of the base, m.
+        orientation: A quaternion (w, x, y, z) of any length.
+
+    Raises:
+        OptionError: If there is no such kind, or its size is not what it may be.
+
+    Example:
+        >>> can = Solid("cylinder", (0.12, 0.03), position=(0.5, 0.0, 0.06))
+        >>> shelf = Solid("box", (0.8, 0.3, 0.02), (0.6, 0.0, 0.4), (0.92, 0.0, 0.0, 0.38))
+        >>> action, memory = policy.predict({"q": q, "obstacles": reading_of([can, shelf]), ...})
+    """
+
+    kind: Kind
+    size: tuple[float, ...]
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        """Check the kind and the size."""
+        if self.kind not in LENGTHS:
+            raise OptionError(f"kind={self.kind!r}: expected one of {choices(get_args(Kind))}.")
+        count = LENGTHS[self.kind]
+        is_right = len(self.size) == count and all(0 < x < math.inf for x in self.size)
+        if not is_right:
+            raise OptionError(
+                f"size={self.size!r}: expected {count} numbers above 0 m for a {self.kind}."
+            )
+
+    def numbers(self) -> Tensor:
+        """Centre, rotation by rows, half the lengths of the box about it, and kind, ``(16,)``."""
+        kind = {"box": BOX, "cylinder": CYLINDER}.get(self.kind, ROUND)
+        quaternion = torch.tensor(self.orientation, dtype=torch.float64)
+        rotation = rotation_of_quaternion(quaternion).flatten()
+        position = torch.tensor(self.position, dtype=torch.float64)
+        rest = torch.tensor((*self._half_lengths(), kind), dtype=torch.float64)
+        return torch.cat((position, rotation, rest))
+
+    def _half_lengths(self) -> tuple[float, float, float]:
+        """Half the lengths of the box about it, m."""
+        if self.kind == "box":
+            x, y, z = self.size
+            return x / 2, y / 2, z / 2
+        if self.kind == "sphere":
+            (radius,) = self.size
+            return radius, radius, radius
+        length, radius = self.size
+        return radius, radius, length / 2 + (radius if self.kind == "capsule" else 0.0)
+
+
+def reading_of(solids: Sequence[Solid], count: int | None = None) -> Tensor:
+    """Objects as a sensor reads them, ``(16 count,)``.
+
+    Args:
+        solids: The objects.
+        count: How many a policy reads; those that there are not are far away. All by default.
+
+    Raises:
+        OptionError: If there are more than that.
+    """
+    count = len(solids) if count is None else count
+    if len(solids) > count:
+        raise OptionError(f"solids: got {len(solids)} of them, expected at most {count}.")
+    nothing = Solid("sphere", (1e-3,), (FAR, 0.0, 0.0))
+    filled = [*solids, *[nothing] * (count - len(solids))]
+    return torch.cat([solid.numbers() for solid in filled])
+
+
+def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:
+    """The signed distance ``(*B,)`` of points ``(*B, 3)`` to objects ``(*B, 16)``, m.
+
+    In the frame of the object, with half lengths h and b = |p| − h: ‖max(b, 0)‖ + min(max b, 0). A
+    cylinder has the distance to its axis instead of x, and no y. What is round is the box or line
+    that remains when its radius is taken off, and that radius.
+    """
+    centre, rotation, half, kind = torch.split(solid, [3, 9, 3, 1], dim=-1)
+    offset = point - centre
+    local = (rotation.reshape(*rotation.shape[:-1], 3, 3) * offset.unsqueeze(-1)).sum(-2)
+
+    radius = torch.where(kind > (CYLINDER + ROUND) / 2, half[..., :1], 0.0)
+    x, y, z = (local.abs() - (half - radius)).unbind(-1)
+    width, kind = half[..., 0], kind.squeeze(-1)
+    is_cylinder = (kind > (BOX + CYLINDER) / 2) & (kind < (CYLINDER + ROUND) / 2)
+    x = torch.where(is_cylinder, norm(local[..., :2]) - width, x)
+    y = torch.where(is_cylinder, -width, y)
+
+    beyond = torch.stack((x, y, z), dim=-1)
+    inside = beyond.amax(-1).clamp(max=0.0)
+    return norm(beyond.clamp(min=0.0)) + inside - radius.squeeze(-1)
+
+
+class Solids(nn.Module):
+    """g = w Σ max(0, 1 − dᵢⱼ/d₀)², where dᵢⱼ is the distance of capsule i to object j.
+
+    It reads the joints, so that the slope of one of many gaps takes one link's motion only.
+
+    Args:
+        chain: The robot's joints.
+        capsules: Its shape; those on its base are left out, since they cannot give way.
+        count: Number N of objects.
+        cost: Margin d₀ (m) and weight w.
+
+    Example:
+        >>> solids = Solids(arm.chain, arm.shape.capsules, 21, SquaredHinge(0.0025, 1.0))
+        >>> Goal("obstacles", Interconnection(solids, ["x_joints", "z_obstacles"]), safety=True)
+    """
+
+    most_gaps = 40
+    """So many of all capsules and objects bound an action, the nearest."""
+
+    starts: Tensor
+    ends: Tensor
+    radii: Tensor
+    frames_of: Tensor
+    first: Tensor
+    second: Tensor
+
+    def __init__(
+        self, chain: Chain, capsules: Sequence[Capsule], count: int, cost: SquaredHinge
+    ) -> None:
+        super().__init__()
+        self.chain, self.count, self.cost = chain, count, cost
+        moving = [capsule for capsule in capsules if capsule.link > 0]
+        self.are_spheres = all(capsule.start == capsule.end for capsule in moving)
+
+        for name in ("start", "end"):
+            points = [getattr(capsule, name) for capsule in moving]
+            self.register_buffer(f"{name}s", torch.tensor(points, dtype=torch.float64))
+        radii = [capsule.radius for capsule in moving]
+        self.register_buffer("radii", torch.tensor(radii, dtype=torch.float64))
+
+        # By the number of a gap its capsule and its object; by a capsule its frame.
+        numbers = torch.arange(len(moving) * count)
+        self.register_buffer("first", numbers // count, persistent=False)
+        self.register_buffer("second", numbers % count, persistent=False)
+        frames = torch.tensor([capsule.link - 1 for capsule in moving])
+        self.register_buffer("frames_of", frames, persistent=False)
+
+    def forward(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
+        """The cost ``(*B,)``.
+
+        Args:
+            x_joints: Joint angles, ``(*B, n)``, rad or m.
+            x_obstacles: The objects, ``(*B, 16 N)``, see :class:`Solid`.
+        """
+        return self.cost(self.distances(x_joints, x_obstacles))
+
+    def gaps(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
+        """How far each capsule is from where it costs something, dᵢⱼ − d₀, ``(*B, C N)``, m."""
+        return self.distances(x_joints, x_obstacles) - self.cost.margin
+
+    def gap(self, x_joints: Tensor, x_obstacles: Tensor, which: Tensor) -> Tensor:
+        """How far a capsule is from that, ``(*B,)``, m, by the number of the gap ``(*B,)``."""
+        capsule, number = self.first[which], self.second[which]
+        solid = _at(self._table(x_obstacles), number, 1)
+
+        start = self._point(x_joints, self.starts.to(x_joints)[capsule], capsule)
+        end = start
+        if not self.are_spheres:
+            end = self._point(x_joints, self.ends.to(x_joints)[capsule], capsule)
+        distance = self._of_segment(start, end, solid) - self.radii.to(x_joints)[capsule]
+        return distance - self.cost.margin
+
+    def distances(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
+        """dᵢⱼ of each capsule and object, ``(*B, C N)``, m; negative where they overlap."""
+        frames = self.chain.frames(x_joints)[..., self.frames_of, :, :]
+        solids = self._table(x_obstacles).unsqueeze(-3)
+        start = _moved(frames, self.starts.to(frames)).unsqueeze(-2)
+        end = start if self.are_spheres else _moved(frames, self.ends.to(frames)).unsqueeze(-2)
+        of_axes = self._of_segment(start, end, solids)
+        return (of_axes - self.radii.to(frames).unsqueeze(-1)).flatten(-2)
+
+    def _table(self, x_obstacles: Tensor) -> Tensor:
+        """The numbers of the objects, ``(*B, N, 16)``."""
+        return x_obstacles.reshape(*x_obstacles.shape[:-1], self.count, NUMBERS)
+
+    def _point(self, x_joints: Tensor, own: Tensor, capsule: Tensor) -> Tensor:
+        """Where a point of a capsule's link is, ``(*B, 3)``, m, from where it is in its frame."""
+        number = self.frames_of[capsule]
+        if learns() or not x_joints.requires_grad:
+            return _moved(_at(self.chain.frames(x_joints), number, 2), own)
+        joints = torch.arange(x_joints.shape[-1], device=x_joints.device)
+        moves = (joints <= self.frames_of.unsqueeze(-1)).to(x_joints)[capsule]
+        arguments = (x_joints, self.chain, number, own, moves)
+        point: Tensor = _PointOfLink.apply(*arguments)  # type: ignore[no-untyped-call]  # torch's
+        return point
+
+    def _of_segment(self, start: Tensor, end: Tensor, solid: Tensor) -> Tensor:
+        """The signed distance ``(*B,)`` of segments, or of points, to objects ``(*B, 16)``."""
+        if self.are_spheres:
+            return distance_of_point(start, solid)
+
+        # No derivative of where the nearest point is: there the distance is stationary, or it is
+        # an end.
+        nothing = torch.zeros_like(start) * solid[..., :1]  # of the shape of both
+        start, end = start + nothing, end + nothing
+        nearest = values_only(nearest_on_segment)
+        share = nearest(lambda point: distance_of_point(point, solid), start, end)
+        return distance_of_point(start + share.detach().unsqueeze(-1) * (end - start), solid)
+
+
+class _PointOfLink(torch.autograd.Function):
+    """A point of a link forward; backward its Jacobian, in place of a product of transforms."""
+
+    @staticmethod
+    def forward(
+        ctx: Any, x_joints: Tensor, chain: Chain, number: Tensor, own: Tensor, moves: Tensor
+    ) -> Tensor:
+        frames = chain.frames(x_joints)
+        point = _moved(_at(frames, number, 2), own)
+        ctx.chain = chain
+        ctx.save_for_backward(frames, point, moves)
+        return point
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None, None, None]:
+        frames, point, moves = ctx.saved_tensors
+        motion = ctx.chain.jacobian_at(frames, point)[..., :3, :]
+        slopes = (motion * gradients[0].unsqueeze(-1)).sum(-2)
+        return slopes * moves, None, None, None, None
+
+
+def _moved(frames: Tensor, points: Tensor) -> Tensor:
+    """Points ``(*B, 3)`` of links with the frames ``(*B, 4, 4)``, in the frame of the base."""
+    turned = (frames[..., :3, :3] * points.unsqueeze(-2)).sum(-1)
+    return turned + frames[..., :3, 3]
+
+
+def _at(values: Tensor, number: Tensor, own: int) -> Tensor:
+    """One of K values ``(*B, K, …)`` with ``own`` dimensions each, by its number ``(*B,)``."""
+    ones = (1,) * own
+    index = number.reshape(*number.shape, 1, *ones)
+    shape = (*number.shape, 1, *values.shape[values.dim() - own :])
+    return values.gather(-own - 1, index.expand(shape)).squeeze(-own - 1)

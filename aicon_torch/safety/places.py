@@ -1,0 +1,158 @@
+"""Places: an actuator that obstacles bring to rest goes elsewhere, and tries anew from there."""
+
+import torch
+from torch import Tensor
+
+from aicon_torch.dampers import PlaceEscape
+from aicon_torch.resolution import Memory
+from aicon_torch.safety import SafeAction
+from aicon_torch.safety.stuck import spread
+from aicon_torch.safety.task_cost import FollowedCost
+
+# Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
+# robot needs no new number.
+PROGRESS = 0.03  # by which the cost must fall to count as lower
+STOP = 0.06  # how near to its stop a component is held up there, in its own unit
+MIDDLE = 0.5  # share of a range, about its middle, that the places of most components are in
+ARRIVED = 0.4  # how near to a place is near enough
+LONGEST = 3.75  # w of the longest way to a place
+SLOW = 0.2  # share of the limit below which a motion counts as blocked
+BLOCKED = 0.15  # w of how long it must be that
+JUMP = 2.0  # a cost that grows by more than so many steps at full speed is that of other goals
+OTHER = 0.1  # and by no less than this share
+
+
+def initial_places(size: int) -> Memory:
+    """FREE, and no stop is known: what is remembered, without batch dimensions.
+
+    Args:
+        size: Number n of components of the actuator.
+    """
+    return {
+        "escaping": torch.tensor(False),
+        "direction": torch.zeros(size),
+        "place": torch.zeros(size),
+        "stops": torch.zeros(size),
+        "clock": torch.tensor(0.0),
+        "slow": torch.tensor(0.0),
+        "lowest": torch.tensor(torch.inf),
+        "escapes": torch.tensor(0),
+        "before": torch.tensor(torch.inf),
+    }
+
+
+class Places:
+    """Detects that an actuator is held up, and moves it to another place.
+
+    FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
+    3 % for a while. Then it makes a DETOUR at full speed, in the same bounds, to the next place of
+    a sequence that fills the ranges of the components evenly; it ends near the place, where the
+    motion is blocked, or after some time, and the goals are tried anew.
+
+    *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
+    there was the wrong one, as that of a wrist: from then on its places are on the other side of
+    its middle. Where the goals are other ones, all is forgotten.
+
+    Args:
+        options: How patient it is, and where it goes.
+        limits: Of the actuator, ``(n,)``.
+        dt: The time step, s.
+    """
+
+    def __init__(self, options: PlaceEscape, limits: Tensor, dt: float) -> None:
+        self.options, self.limits = options, limits
+        self.step = dt * float(limits.median())
+        first, last = options.whole
+        share = torch.full_like(limits, MIDDLE)
+        share[:first] = 1.0
+        share[max(len(limits) - last, 0) :] = 1.0
+        self.share = share
+
+    def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
+        """What it tries, ``(*B, n)``: the nominal action, or at full speed what leads to the place.
+
+        Args:
+            nominal: What the goals ask for, ``(*B, n)``.
+            memory: What was remembered.
+        """
+        direction = memory["direction"]
+        excess = self._shares(direction).amax(-1, keepdim=True)
+        fastest = direction / excess.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
+        return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
+
+    def judge(
+        self,
+        cost: FollowedCost,
+        nominal: Tensor,
+        safe: SafeAction,
+        room: tuple[Tensor, Tensor],
+        memory: Memory,
+    ) -> Memory:
+        """Whether to go elsewhere from the next step on, and where to.
+
+        Args:
+            cost: What the goals cost, here and after a step.
+            nominal: What they ask for, ``(*B, n)``.
+            safe: What the constraints made of what was tried.
+            room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
+            memory: What was remembered.
+        """
+        now, clock, is_free = cost.at_rest, memory["clock"] + self.step, ~memory["escaping"]
+        is_other = self._is_other(cost, memory)
+        is_lower = is_free & (now < (1.0 - PROGRESS) * memory["lowest"])
+
+        # From FREE to a DETOUR: where it is held up, and at which stops.
+        is_late = ~is_lower & (clock >= self.options.patience) & (now > self.options.near)
+        begins = is_free & is_late & ~is_other
+        stops = torch.where(is_other.unsqueeze(-1), 0.0, memory["stops"])
+        if self.options.remembers:
+            stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
+        escapes = torch.where(is_other, 0, memory["escapes"])
+
+        # The next place, on the side of the middle that is left of a component with a stop.
+        new = self.share.to(now) * spread(escapes, nominal)
+        new = torch.where(stops != 0, -stops * new.abs(), new)
+        place = torch.where(begins.unsqueeze(-1), new, memory["place"])
+        way = self._way(place, room)
+
+        # Back to FREE: there, blocked, or late.
+        is_slow = self._shares(safe.action).amax(-1) < SLOW
+        slow = torch.where(is_slow & ~is_free, memory["slow"] + self.step, 0.0)
+        is_there = way.abs().amax(-1) < ARRIVED
+        is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
+        ends = ~is_free & (is_over | is_other)
+
+        restarts = begins | ends | is_other | is_lower
+        return {
+            "escaping": (~is_free | begins) & ~ends,
+            "direction": way,
+            "place": place,
+            "stops": stops,
+            "clock": torch.where(restarts, 0.0, clock),
+            "slow": torch.where(begins, 0.0, slow),
+            "lowest": torch.where(restarts, now, memory["lowest"]),
+            "escapes": escapes + begins,
+            "before": now,
+        }
+
+    def _is_other(self, cost: FollowedCost, memory: Memory) -> Tensor:
+        """Whether the goals are other ones, ``(*B,)``: no step can raise a cost by so much."""
+        limits, before = self.limits.to(cost.at_rest), memory["before"]
+        by_motion = JUMP * cost.steepness(limits) * torch.linalg.vector_norm(limits)
+        return cost.at_rest > before + torch.maximum(by_motion, OTHER * before)
+
+    def _way(self, place: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
+        """The way to a place, which is a share of the half range about the middle, ``(*B, n)``."""
+        down, up = (torch.where(side.isfinite(), side, torch.pi) for side in room)
+        return (up - down) / 2.0 + place * (up + down) / 2.0
+
+    def _shares(self, velocity: Tensor) -> Tensor:
+        """A velocity as shares of the limits, ``(*B, n)``."""
+        return velocity.abs() / self.limits.to(velocity)
+
+
+def _stops(room: tuple[Tensor, Tensor], known: Tensor) -> Tensor:
+    """At which stop each component is, −1 low and 1 high, or was last, ``(*B, n)``."""
+    down, up = room
+    at_low = torch.where(down < STOP, -1.0, known)
+    return torch.where(up < STOP, 1.0, at_low)

@@ -1,0 +1,343 @@
+"""An arm in clutter: MotionBenchMaker's problems, by a policy that knows no plan.
+
+Example: python scripts/clutter.py panda --indices 51 100 --out runs/clutter
+"""
+
+import argparse
+import csv
+import math
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.worlds.motion_bench_maker import (
+    MOST_OBJECTS,
+    ROBOTS,
+    SETS,
+    Problem,
+    problems,
+    resources,
+    robot_of,
+)
+from aicon_torch import Policy
+from aicon_torch.dampers import ConstraintEscape, PlaceEscape
+from aicon_torch.models import make_policy
+from aicon_torch.parts import Robot, Solid, TipPose, reading_of
+
+POLICIES: dict[str, dict[str, Any]] = {
+    "aicon": {},
+    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False, whole=(0, 0))},
+    "escape_by_force": {"dampers.escape": ConstraintEscape()},
+    "without_escape": {"dampers.escape": None},
+}
+"""What differs from the preset "clutter"."""
+
+SPEED, DT, HORIZON = 1.5, 0.02, 60.0
+NEAR, STRAIGHT = 0.010, 0.05
+"""Success: m and rad of the tip."""
+
+SIDE_BY_SIDE = 300
+"""Robots whose steps are timed together."""
+
+TIMES = (5, 10, 20, 40, 60)
+PARTS, CLOSE = 4, 0.03
+"""A step is looked at in so many parts where an object is so close, m."""
+
+Array = NDArray[np.float64]
+
+
+class Row(NamedTuple):
+    """What became of a problem; distances are the least of the whole episode."""
+
+    robot: str
+    policy: str
+    set: str
+    number: int
+    time: float  # s; NaN where it did not arrive
+    clearance: float  # of spheres and objects, m
+    self_gap: float  # of the robot to itself, m
+    stop_gap: float  # of a joint to its stop, rad
+    missing: float  # distance at the end, m
+    angle: float  # rad
+    escapes: int
+
+
+class World:
+    """A robot as spheres among objects, its joints moving at the velocities commanded.
+
+    Args:
+        robot: The robot.
+        problem: The problem.
+    """
+
+    def __init__(self, robot: Robot, problem: Problem) -> None:
+        assert robot.shape is not None
+        capsules, self.chain = robot.shape.capsules, robot.chain
+        self.links = [capsule.link for capsule in capsules]
+        self.points = np.array([(*capsule.start, 1.0) for capsule in capsules])
+        self.radii = np.array([capsule.radius for capsule in capsules])
+        self.moving = np.array(self.links) > 0
+        self.pairs = np.array(robot.shape.pairs)
+        self.low, self.high = robot.chain.low.numpy(), robot.chain.high.numpy()
+        boxes = [each for each in problem.solids if each.kind == "box"]
+        cylinders = [each for each in problem.solids if each.kind == "cylinder"]
+        self.objects = [(kind, *_frames(kind)) for kind in (boxes, cylinders) if kind]
+
+    def gaps(self, q: Array) -> tuple[float, float]:
+        """The least distance to an object and to itself at joint angles ``(k, n)``, m."""
+        frames = self.chain.frames(torch.from_numpy(q)).numpy()
+        base = np.broadcast_to(np.eye(4), (len(q), 1, 4, 4))
+        of_links = np.concatenate((base, frames), axis=1)[:, self.links]
+        centres = np.einsum("kmij,mj->kmi", of_links[..., :3, :], self.points)
+
+        first, second = self.pairs.T
+        apart = np.linalg.norm(centres[:, first] - centres[:, second], axis=-1)
+        of_itself = (apart - self.radii[first] - self.radii[second]).min()
+
+        moving, radii = centres[:, self.moving], self.radii[self.moving]
+        of_objects = math.inf
+        for solids, middles, rotations in self.objects:
+            local = (moving[:, None] - middles[:, None]) @ rotations
+            of_objects = min(of_objects, float((_distances(solids, local) - radii).min()))
+        return of_objects, float(of_itself)
+
+
+def _frames(solids: Sequence[Solid]) -> tuple[Array, Array]:
+    """Where objects are, and how they are turned."""
+    rotations = []
+    for solid in solids:
+        w, x, y, z = np.array(solid.orientation) / np.linalg.norm(solid.orientation)
+        skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        rotations.append(np.eye(3) + 2.0 * w * skew + 2.0 * skew @ skew)
+    return np.array([solid.position for solid in solids]), np.array(rotations)
+
+
+def _distances(solids: Sequence[Solid], points: Array) -> Array:
+    """The exact signed distances of points ``(k, objects, m, 3)`` in the frames of objects, m."""
+    sizes = np.array([solid.size for solid in solids])[:, None]
+    if solids[0].kind == "box":
+        beyond = np.abs(points) - sizes / 2
+    else:
+        across = np.hypot(points[..., 0], points[..., 1]) - sizes[..., 1]
+        beyond = np.stack((across, np.abs(points[..., 2]) - sizes[..., 0] / 2), axis=-1)
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
+    signed: Array = outside + np.minimum(beyond.max(-1), 0.0)
+    return signed
+
+
+def episode(policy: Policy, name: str, robot: Robot, problem: Problem) -> Row:
+    """One problem, until the tip is where it is to be."""
+    world, pose = World(robot, problem), TipPose("full", lever=1.0)
+    target = pose.of_frame(robot.chain(torch.from_numpy(problem.goal)))
+    still, q, memory = dict(sees(robot, problem)), problem.start, None
+
+    least = [*world.gaps(q[None]), float(np.minimum(q - world.low, world.high - q).min())]
+    arrived, missing, angle = math.nan, math.inf, math.inf
+    for step in range(round(HORIZON / DT) + 1):
+        x_ee = pose.of_frame(robot.chain(torch.from_numpy(q)))
+        missing, angle = (float(value) for value in pose.distance(x_ee, target))
+        if missing < NEAR and angle < STRAIGHT:
+            arrived = step * DT
+            break
+
+        action, memory = policy.predict({**still, "q": q}, memory)
+        after = q + DT * np.asarray(action, dtype=float)
+        of_objects, of_itself = world.gaps(after[None])
+        if of_objects < CLOSE:
+            shares = np.arange(1, PARTS)[:, None] / PARTS
+            on_the_way, _ = world.gaps(q + shares * (after - q))
+            of_objects = min(of_objects, on_the_way)
+        q = after
+        to_stop = float(np.minimum(q - world.low, world.high - q).min())
+        least = [min(pair) for pair in zip(least, (of_objects, of_itself, to_stop), strict=True)]
+
+    escapes = 0 if memory is None else int(memory.get("a/escape/escapes", 0))
+    of_objects, of_itself, to_stop = least
+    distances = (of_objects, of_itself, to_stop, missing, angle)
+    return Row(problem.robot, name, problem.set, problem.index, arrived, *distances, escapes)
+
+
+def time_of_a_step(policy: Policy, robot: Robot, problem: Problem) -> float:
+    """The processor time of a step in C, µs: the least of ten, each of many robots side by side."""
+    seen = {name: np.repeat(value[None], SIDE_BY_SIDE, 0) for name, value in sees(robot, problem)}
+    _, memory = policy.predict(seen)
+    times = []
+    for _ in range(10):
+        before = time.process_time()
+        _, memory = policy.predict(seen, memory)
+        times.append(time.process_time() - before)
+    return 1e6 * min(times) / SIDE_BY_SIDE
+
+
+def sees(robot: Robot, problem: Problem) -> list[tuple[str, Array]]:
+    """What the policy observes at the start."""
+    tip = robot.chain(torch.from_numpy(problem.goal)).numpy()
+    return [
+        ("q", problem.start),
+        ("target_position", tip[:3, 3]),
+        ("target_orientation", _quaternion(tip[:3, :3])),
+        ("obstacles", reading_of(problem.solids, MOST_OBJECTS).numpy()),
+    ]
+
+
+def _quaternion(rotation: Array) -> Array:
+    """(w, x, y, z) of a rotation: the eigenvector of K (Bar-Itzhack 2000)."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = rotation.flatten()
+    symmetric = np.array(
+        [
+            [xx + yy + zz, zy - yz, xz - zx, yx - xy],
+            [zy - yz, xx - yy - zz, xy + yx, xz + zx],
+            [xz - zx, xy + yx, yy - xx - zz, yz + zy],
+            [yx - xy, xz + zx, yz + zy, zz - xx - yy],
+        ]
+    )
+    vector: Array = np.linalg.eigh(symmetric)[1][:, -1]
+    return vector
+
+
+def is_valid(robot: Robot, problem: Problem) -> bool:
+    """Whether start and goal are free of objects and of the robot itself."""
+    world = World(robot, problem)
+    return min(*world.gaps(problem.start[None]), *world.gaps(problem.goal[None])) > 0.0
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run what is not yet in the table, and report."""
+    torch.set_num_threads(1)
+    folder = resources(arguments.cache)
+    robot = robot_of(arguments.robot, folder)
+    low, high = arguments.indices
+    chosen = problems(
+        arguments.robot, folder, robot.chain.names, arguments.sets, range(low, high + 1)
+    )
+    to_run = [problem for problem in chosen if is_valid(robot, problem)]
+
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    table = arguments.out / f"{arguments.robot}.csv"
+    known = {(row.policy, row.set, row.number) for row in read(table)}
+    for name in arguments.agents:
+        missing = [each for each in to_run if (name, each.set, each.index) not in known]
+        if missing:
+            policy = make_policy(
+                "reach",
+                preset="clutter",
+                robot=robot,
+                orientation="full",
+                speed=SPEED,
+                dt=DT,
+                obstacles=MOST_OBJECTS,
+                **POLICIES[name],
+            ).compile()
+            print(f"{name}: {time_of_a_step(policy, robot, missing[0]):.0f} µs a step")
+            for problem in tqdm(missing, desc=name, unit="problem", disable=None):
+                write(table, episode(policy, name, robot, problem))
+
+    rows = [row for row in read(table) if low <= row.number <= high and row.set in arguments.sets]
+    for name in arguments.agents:
+        report(name, [row for row in rows if row.policy == name])
+    draw(table, rows)
+
+
+def write(table: Path, row: Row) -> None:
+    """Add a row to a table."""
+    is_new = not table.exists()
+    with table.open("a", newline="") as file:
+        writer = csv.writer(file)
+        if is_new:
+            writer.writerow(Row._fields)
+        writer.writerow(row)
+
+
+def read(table: Path) -> list[Row]:
+    """The rows of a table; none where there is no table yet."""
+    if not table.exists():
+        return []
+    with table.open(newline="") as file:
+        rows = []
+        for line in csv.DictReader(file):
+            arrived, objects, itself, stop, missing, angle = map(float, list(line.values())[4:-1])
+            distances = (arrived, objects, itself, stop, missing, angle)
+            own = (line["robot"], line["policy"], line["set"], int(line["number"]))
+            rows.append(Row(*own, *distances, int(line["escapes"])))
+    return rows
+
+
+def report(name: str, rows: Sequence[Row]) -> None:
+    """Successes within some times, in all and in each set, and what was touched."""
+    if not rows:
+        return
+    print(f"\n{name}: {len(rows)} problems")
+    print("| set | of | " + " | ".join(f"{limit} s" for limit in TIMES) + " |")
+    print("|---" * (2 + len(TIMES)) + "|")
+    for set_name in SETS:
+        _print_line(set_name, [row for row in rows if row.set == set_name])
+    _print_line("all, %", rows, shares=True)
+
+    touching = [
+        f"{r.set} {r.number} ({-1e3 * r.clearance:.1f} mm)" for r in rows if r.clearance < 0
+    ]
+    print(f"penetrations: {len(touching)} {', '.join(touching)}")
+    print(f"least gap to itself: {1e3 * min(r.self_gap for r in rows):.1f} mm")
+    print(f"least distance to a stop: {min(r.stop_gap for r in rows):.3f} rad")
+    failed = [f"{row.set} {row.number}" for row in rows if math.isnan(row.time)]
+    print(f"failed: {', '.join(failed)}")
+
+
+def _print_line(label: str, rows: Sequence[Row], shares: bool = False) -> None:
+    """A line of the table, in numbers, or in % with an interval (95 %, Wilson)."""
+    if not rows:
+        return
+    cells = []
+    for limit in TIMES:
+        count = sum(row.time <= limit for row in rows)
+        if shares:
+            low, high = wilson_interval(count, len(rows))
+            cells.append(f"{100 * count / len(rows):.1f} ({100 * low:.1f} to {100 * high:.1f})")
+        else:
+            cells.append(str(count))
+    print(f"| {label} | {len(rows)} | " + " | ".join(cells) + " |")
+
+
+def draw(table: Path, rows: Sequence[Row]) -> None:
+    """The share of problems that are solved over time, by policy, as a picture."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
+    for name in dict.fromkeys(row.policy for row in rows):
+        times = np.sort([row.time for row in rows if row.policy == name])
+        axes.step(times, 100 * np.arange(1, len(times) + 1) / len(times), where="post", label=name)
+    axes.set(xlim=(0, HORIZON), ylim=(0, 100), xlabel="time, s", ylabel="solved, %")
+    axes.legend(loc="lower right", frameon=False)
+    figure.savefig(table.with_suffix(".png"), dpi=150)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is run."""
+    parser.add_argument("robot", choices=ROBOTS, help="whose problems")
+    parser.add_argument("--agents", nargs="+", choices=POLICIES, default=["aicon"])
+    parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
+    parser.add_argument(
+        "--indices",
+        nargs=2,
+        type=int,
+        default=(51, 100),
+        metavar=("FIRST", "LAST"),
+        help="of each set: 1 to 50 are for tuning, 51 to 100 for the report (default: 51 100)",
+    )
+    parser.add_argument("--out", type=Path, default=Path("runs/clutter"))
+    cache = Path.home() / ".cache" / "aicon"
+    parser.add_argument("--cache", type=Path, default=cache, help="of what is downloaded")
+
+
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
+
+if __name__ == "__main__":
+    run_command(COMMAND)

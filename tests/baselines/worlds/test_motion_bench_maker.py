@@ -1,0 +1,42 @@
+"""Problems of others: how their objects are placed, and what is said without a network."""
+
+from pathlib import Path
+
+import pytest
+import torch
+
+from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.worlds import motion_bench_maker
+from aicon_torch.parts.solids import distance_of_point
+
+QUARTER = 0.5**0.5
+TURNED = {
+    "id": "shelf",
+    "pose": {"position": [1.0, 0.0, 0.0], "orientation": [0.0, 0.0, QUARTER, QUARTER]},
+    "primitives": [{"type": "box", "dimensions": [0.6, 0.2, 0.2]}],
+    "primitive_poses": [
+        {"position": [0.5, 0.0, 0.0], "orientation": [0.0, QUARTER, 0.0, QUARTER]},
+    ],
+}
+"""0.6 m along z, after a quarter turn about y, half a metre along y from (1, 0, 0)."""
+
+
+def test_an_object_is_placed_in_a_frame_of_its_own() -> None:
+    numbers = motion_bench_maker._solid(TURNED).numbers()
+    points = torch.tensor([[1.0, 0.5, 0.4], [1.2, 0.5, 0.0], [1.0, 0.7, 0.0]]).double()
+    expected = torch.tensor([0.1, 0.1, 0.1]).double()
+    torch.testing.assert_close(distance_of_point(points, numbers), expected)
+
+
+def test_an_object_without_a_frame_is_placed_in_that_of_the_base() -> None:
+    placed = {key: value for key, value in TURNED.items() if key != "pose"}
+    numbers = motion_bench_maker._solid(placed).numbers()
+    torch.testing.assert_close(numbers[:3], torch.tensor([0.5, 0.0, 0.0]).double())
+
+
+def test_without_a_network_it_says_where_to_put_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(motion_bench_maker, "_index", lambda: "http://127.0.0.1:9/simple")
+    with pytest.raises(ComparisonError, match=r"Where there is no network, put vamp_planner"):
+        motion_bench_maker.resources(tmp_path)

@@ -1,0 +1,90 @@
+"""An arm among objects: it touches none, and comes around what is in the way."""
+
+import functools
+
+import pytest
+import torch
+from _inputs import quick
+from _inputs.reaching import planar_arm, reach
+
+from aicon_torch import Policy, make_policy
+from aicon_torch.dampers import PlaceEscape
+from aicon_torch.errors import OptionError
+from aicon_torch.models.reach import Robot
+from aicon_torch.parts import Capsule, Capsules, Solid, Solids, SquaredHinge, reading_of
+
+POST = Solid("cylinder", (0.4, 0.05), position=(0.6, 0.3, 0.0))
+"""Between the start and the target."""
+
+START = torch.tensor([0.05, 0.05, 0.05], dtype=torch.float64)
+TARGET = torch.tensor([0.2, 0.6, 0.0], dtype=torch.float64)
+
+
+def beaded_arm() -> Robot:
+    """Links of 30 cm in a plane, of five spheres each."""
+    chain = planar_arm(shape=False).chain
+    spheres = []
+    for link in (1, 2, 3):
+        for x in (0.06, 0.12, 0.18, 0.24, 0.3):
+            spheres.append(Capsule(link, (x, 0.0, 0.0), (x, 0.0, 0.0), 0.03))
+    return Robot(chain, Capsules(tuple(spheres), chain.names, ()))
+
+
+@functools.cache
+def policy(escapes: bool = True) -> Policy:
+    escape = PlaceEscape() if escapes else None
+    options = {"robot": beaded_arm(), "obstacles": 2, "dampers.escape": escape}
+    return quick(make_policy("reach", preset="clutter", **options))
+
+
+def gaps(way: torch.Tensor) -> torch.Tensor:
+    """The least distance to the post on the way."""
+    robot = beaded_arm()
+    assert robot.shape is not None
+    solids = Solids(robot.chain, robot.shape.capsules, 1, SquaredHinge(0.01, 1.0))
+    return solids.distances(way, reading_of([POST]).expand(len(way), -1)).amin(-1)
+
+
+def test_an_arm_comes_around_a_post_that_holds_it_up_without_the_escape() -> None:
+    seen = {"target_position": TARGET, "obstacles": reading_of([POST], 2)}
+    ways = {}
+    for escapes in (True, False):
+        ways[escapes], _ = reach(policy(escapes), START, seconds=30, **seen)
+        assert gaps(ways[escapes]).amin() > 0.0
+
+    chain = beaded_arm().chain
+    nearest = {}
+    for escapes, way in ways.items():
+        nearest[escapes] = (chain(way)[:, :3, 3] - TARGET).norm(dim=-1).amin()
+    assert nearest[True] < 0.01
+    assert nearest[False] > 0.1
+
+
+def test_a_batch_of_scenes_is_the_scenes_one_by_one() -> None:
+    target = TARGET.expand(3, -1)
+    scenes = [[POST], [POST, Solid("sphere", (0.1,), (0.0, 0.5, 0.0))], []]
+    objects = torch.stack([reading_of(scene, 2) for scene in scenes])
+    together, _ = reach(
+        policy(), START.expand(3, -1), seconds=1, target_position=target, obstacles=objects
+    )
+    for row, seen in enumerate(objects):
+        alone, _ = reach(policy(), START, seconds=1, target_position=TARGET, obstacles=seen)
+        torch.testing.assert_close(alone, together[:, row])
+
+
+def test_the_compiled_step_is_the_readable_one() -> None:
+    robot = {"robot": beaded_arm(), "obstacles": 2}
+    readable = make_policy("reach", preset="clutter", **robot)
+    compiled, q = policy(), START
+    state = other = None
+    for _ in range(20):
+        seen = {"q": q, "target_position": TARGET, "obstacles": reading_of([POST], 2)}
+        action, state = readable.predict(seen, state)
+        same, other = compiled.predict(seen, other)
+        torch.testing.assert_close(same, action, rtol=0.0, atol=1e-9)
+        q = q + 0.02 * action
+
+
+def test_objects_are_kept_from_a_shape() -> None:
+    with pytest.raises(OptionError, match="obstacles=1: expected 0, since the robot has no shape"):
+        make_policy("reach", robot=planar_arm(shape=False), obstacles=1)
