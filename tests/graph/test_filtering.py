@@ -9,14 +9,15 @@ from aicon_torch import EKF, Actuator, Affine, Goal, Measurement, Policy, Sensor
 from aicon_torch.errors import ObservationError
 
 LOG = pytest.mark.parametrize("log", LOGS.values(), ids=LOGS)
+MANY = ("arm_push", "pusht")
 SOME_LOGS_AT_FIRST = pytest.mark.parametrize(
     "log",
     [
-        pytest.param(log, id=name, marks=[pytest.mark.slow] * (name == "arm_push"))
+        pytest.param(log, id=name, marks=[pytest.mark.slow] * (name in MANY))
         for name, log in LOGS.items()
     ],
 )
-"""The arm has the most numbers, each with two more filters for its differences."""
+"""Two have many numbers, each with two more filters for its differences."""
 
 
 @LOG

@@ -88,7 +88,7 @@ def test_a_shorter_log_tells_less() -> None:
     many.check(most=0.3)
 
 
-@pytest.mark.parametrize("log", ["nav2d", "pusht"])
+@pytest.mark.parametrize("log", ["nav2d", pytest.param("pusht", marks=pytest.mark.slow)])
 def test_it_is_that_of_finite_differences_and_adds_up_over_episodes(log: str) -> None:
     policy, observations = LOGS[log].make(), stacked(LOGS[log].observations())
     actions, learner = random_actions(policy), policy.learn(*LOGS[log].numbers)
