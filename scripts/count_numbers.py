@@ -19,7 +19,7 @@ from aicon_baselines.evaluation.tables import to_markdown
 from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
-from aicon_torch.safety import bounds, stuck
+from aicon_torch.safety import bounds, stuck, task_cost
 
 GIVEN = frozenset(
     {
@@ -112,7 +112,7 @@ def numbers_of(task: str) -> Numbers:
 def safety_constants() -> dict[str, int]:
     """The constants by which gaps are kept, and by which an actuator that is stuck comes free."""
     constants: dict[str, int] = {}
-    for module in (bounds, stuck):
+    for module in (bounds, stuck, task_cost):
         for name, value in vars(module).items():
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
             if name.isupper() and is_number and name not in NO_LIMIT:

@@ -9,7 +9,6 @@ episode. Times are those of the processor; with and without the network take tur
 
 import argparse
 import os
-import resource
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -113,16 +112,12 @@ def with_network() -> Any:
 
 def compile_here(policy: Any, observation: dict[str, Any]) -> tuple[Any, float]:
     """The compiled policy, and the processor seconds, the compiler's among them, that took."""
+    from aicon_baselines.evaluation.timing import processor_seconds
+
     before = processor_seconds()
     compiled = policy.compile()
     compiled.predict(observation)
     return compiled, processor_seconds() - before
-
-
-def processor_seconds() -> float:
-    """Of this process, and of those that it has started."""
-    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(each.ru_utime + each.ru_stime for each in used)
 
 
 def largest_difference(policy: Any, other: Any, observations: list[dict[str, Any]]) -> float:

@@ -5,13 +5,10 @@ Example: python scripts/waiting.py --rounds 3
 The clock's seconds, and in brackets the processor's, those of compilers included: the medians of
 the rounds. Of a policy it is what lies between `make_policy` and a library of machine code, which
 is what its first compiled step waits for.
-
-Another version is measured by the same program: PYTHONPATH names its folders.
 """
 
 import argparse
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -24,16 +21,17 @@ from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_baselines.evaluation.tables import to_markdown
+from aicon_baselines.evaluation.timing import processor_seconds
 from aicon_envs.reach.robots import find_file
 
 EXPORT = """
-import sys, time, resource
+import sys, time
+from aicon_baselines.evaluation.timing import processor_seconds
 from aicon_torch import make_policy
 policy = make_policy({arguments})
-own, clock = time.process_time(), time.monotonic()
+own, clock = processor_seconds(), time.monotonic()
 policy.export(sys.argv[1])
-children = resource.getrusage(resource.RUSAGE_CHILDREN)
-print(time.monotonic() - clock, time.process_time() - own + children.ru_utime + children.ru_stime)
+print(time.monotonic() - clock, processor_seconds() - own)
 """
 """A program that exports a policy, and prints how long that took."""
 
@@ -71,15 +69,15 @@ def run(arguments: argparse.Namespace) -> None:
 
 def ended(*command: str) -> tuple[float, float]:
     """Seconds until a command ends."""
-    own, clock = processor_of_children(), time.monotonic()
+    own, clock = processor_seconds(), time.monotonic()
     with tempfile.TemporaryDirectory() as cache:
         subprocess.run(command, check=True, capture_output=True, env=without_cache(cache))
-    return time.monotonic() - clock, processor_of_children() - own
+    return time.monotonic() - clock, processor_seconds() - own
 
 
 def first_line(*command: str) -> tuple[float, float]:
     """Seconds until a command says its first line; it is stopped then."""
-    own, clock = processor_of_children(), time.monotonic()
+    own, clock = processor_seconds(), time.monotonic()
     with (
         tempfile.TemporaryDirectory() as cache,
         subprocess.Popen(
@@ -93,7 +91,7 @@ def first_line(*command: str) -> tuple[float, float]:
         process.stdout.readline()
         taken = time.monotonic() - clock
         process.kill()
-    return taken, processor_of_children() - own
+    return taken, processor_seconds() - own
 
 
 def exported(arguments: str) -> tuple[float, float]:
@@ -116,12 +114,6 @@ def reaching(urdf: str, tip: str, srdf: str | None) -> str:
 def without_cache(folder: str) -> dict[str, str]:
     """The environment, with an empty cache."""
     return {**os.environ, "XDG_CACHE_HOME": folder, "OMP_NUM_THREADS": "1"}
-
-
-def processor_of_children() -> float:
-    """Seconds of the processor that processes took that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 COMMAND = Command(__doc__, add_arguments, run)

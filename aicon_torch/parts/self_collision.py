@@ -12,6 +12,7 @@ from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.planar import norm
+from aicon_torch.vectors import select
 
 Point = tuple[float, float, float]
 
@@ -124,7 +125,9 @@ class SelfCollision(nn.Module):
 
     def gap(self, x_body: Tensor, pair: Tensor) -> Tensor:
         """How far one pair is from that, ``(*B,)``, m, by its number ``(*B,)``."""
-        first, second = _row(x_body, self.first[pair]), _row(x_body, self.second[pair])
+        first, second = (
+            select(x_body, own[pair].unsqueeze(-1)) for own in (self.first, self.second)
+        )
         distance = self._of_segments(first, second) - self.radii.to(x_body)[pair]
         return distance - self.cost.margin
 
@@ -138,12 +141,6 @@ class SelfCollision(nn.Module):
         if self.are_spheres:
             return norm(first[..., :3] - second[..., :3])
         return segment_distance(first, second)
-
-
-def _row(segments: Tensor, number: Tensor) -> Tensor:
-    """One of C segments ``(*B, C, 6)`` by its number ``(*B,)``."""
-    index = number[..., None, None].expand(*number.shape, 1, segments.shape[-1])
-    return segments.gather(-2, index).squeeze(-2)
 
 
 def _check_sizes(capsules: Sequence[Capsule]) -> None:

@@ -16,6 +16,7 @@ from aicon_torch.parts.obstacle import nearest_on_segment
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.self_collision import Capsule
 from aicon_torch.parts.tip_pose import rotation_of_quaternion
+from aicon_torch.vectors import select
 
 Kind = Literal["box", "cylinder", "capsule", "sphere"]
 """What an object is."""
@@ -195,7 +196,7 @@ class Solids(nn.Module):
     def gap(self, x_joints: Tensor, x_obstacles: Tensor, which: Tensor) -> Tensor:
         """How far a capsule is from that, ``(*B,)``, m, by the number of the gap ``(*B,)``."""
         capsule, number = self.first[which], self.second[which]
-        solid = _at(self._table(x_obstacles), number, 1)
+        solid = select(self._table(x_obstacles), number.unsqueeze(-1))
 
         start = self._point(x_joints, self.starts.to(x_joints)[capsule], capsule)
         end = start
@@ -221,7 +222,7 @@ class Solids(nn.Module):
         """Where a point of a capsule's link is, ``(*B, 3)``, m, from where it is in its frame."""
         number = self.frames_of[capsule]
         if learns() or not x_joints.requires_grad:
-            return _moved(_at(self.chain.frames(x_joints), number, 2), own)
+            return _moved(_frame_of(self.chain.frames(x_joints), number), own)
         joints = torch.arange(x_joints.shape[-1], device=x_joints.device)
         moves = (joints <= self.frames_of.unsqueeze(-1)).to(x_joints)[capsule]
         arguments = (x_joints, self.chain, number, own, moves)
@@ -250,7 +251,7 @@ class _PointOfLink(torch.autograd.Function):
         ctx: Any, x_joints: Tensor, chain: Chain, number: Tensor, own: Tensor, moves: Tensor
     ) -> Tensor:
         frames = chain.frames(x_joints)
-        point = _moved(_at(frames, number, 2), own)
+        point = _moved(_frame_of(frames, number), own)
         ctx.chain = chain
         ctx.save_for_backward(frames, point, moves)
         return point
@@ -269,9 +270,7 @@ def _moved(frames: Tensor, points: Tensor) -> Tensor:
     return turned + frames[..., :3, 3]
 
 
-def _at(values: Tensor, number: Tensor, own: int) -> Tensor:
-    """One of K values ``(*B, K, …)`` with ``own`` dimensions each, by its number ``(*B,)``."""
-    ones = (1,) * own
-    index = number.reshape(*number.shape, 1, *ones)
-    shape = (*number.shape, 1, *values.shape[values.dim() - own :])
-    return values.gather(-own - 1, index.expand(shape)).squeeze(-own - 1)
+def _frame_of(frames: Tensor, number: Tensor) -> Tensor:
+    """One of K frames ``(*B, K, 4, 4)`` by its number ``(*B,)``."""
+    chosen = select(frames.flatten(-2), number.unsqueeze(-1))
+    return chosen.reshape(*chosen.shape[:-1], 4, 4)

@@ -6,8 +6,8 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.stuck import spread
-from aicon_torch.safety.task_cost import FollowedCost
+from aicon_torch.safety.stuck import escaping_or, spread, time_of
+from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
 # robot needs no new number.
@@ -18,8 +18,7 @@ ARRIVED = 0.4  # how near to a place is near enough
 LONGEST = 3.75  # w of the longest way to a place
 SLOW = 0.2  # share of the limit below which a motion counts as blocked
 BLOCKED = 0.15  # w of how long it must be that
-JUMP = 2.0  # a cost that grows by more than so many steps at full speed is that of other goals
-OTHER = 0.1  # and by no less than this share
+OTHER = 0.1  # by which a cost must jump, at least, to be that of other goals
 
 
 def initial_places(size: int) -> Memory:
@@ -75,10 +74,7 @@ class Places:
             nominal: What the goals ask for, ``(*B, n)``.
             memory: What was remembered.
         """
-        direction = memory["direction"]
-        excess = self._shares(direction).amax(-1, keepdim=True)
-        fastest = direction / excess.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
-        return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
+        return escaping_or(nominal, self.limits, memory)
 
     def judge(
         self,
@@ -98,7 +94,7 @@ class Places:
             memory: What was remembered.
         """
         now, clock, is_free = cost.at_rest, memory["clock"] + self.step, ~memory["escaping"]
-        is_other = self._is_other(cost, memory)
+        is_other = is_of_other_goals(cost, memory["before"], self.limits, OTHER)
         is_lower = is_free & (now < (1.0 - PROGRESS) * memory["lowest"])
 
         # From FREE to a DETOUR: where it is held up, and at which stops.
@@ -116,7 +112,7 @@ class Places:
         way = self._way(place, room)
 
         # Back to FREE: there, blocked, or late.
-        is_slow = self._shares(safe.action).amax(-1) < SLOW
+        is_slow = time_of(safe.action, self.limits) < SLOW
         slow = torch.where(is_slow & ~is_free, memory["slow"] + self.step, 0.0)
         is_there = way.abs().amax(-1) < ARRIVED
         is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
@@ -135,20 +131,10 @@ class Places:
             "before": now,
         }
 
-    def _is_other(self, cost: FollowedCost, memory: Memory) -> Tensor:
-        """Whether the goals are other ones, ``(*B,)``: no step can raise a cost by so much."""
-        limits, before = self.limits.to(cost.at_rest), memory["before"]
-        by_motion = JUMP * cost.steepness(limits) * torch.linalg.vector_norm(limits)
-        return cost.at_rest > before + torch.maximum(by_motion, OTHER * before)
-
     def _way(self, place: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
         """The way to a place, which is a share of the half range about the middle, ``(*B, n)``."""
         down, up = (torch.where(side.isfinite(), side, torch.pi) for side in room)
         return (up - down) / 2.0 + place * (up + down) / 2.0
-
-    def _shares(self, velocity: Tensor) -> Tensor:
-        """A velocity as shares of the limits, ``(*B, n)``."""
-        return velocity.abs() / self.limits.to(velocity)
 
 
 def _stops(room: tuple[Tensor, Tensor], known: Tensor) -> Tensor:

@@ -92,28 +92,46 @@ def _projected(
     earlier sweep changed too much is taken back. The least change for a row n is along M⁻¹n, and
     brings n·a forward by nᵀM⁻¹n.
     """
+    if rows.bounds.shape[-1] > MOST_UNROLLED and not learns():
+        identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
+        metric = identity if inverse is None else inverse
+        given = (nominal, *rows, _effects_of(rows, metric), within.low, within.high, metric)
+        action, force = swept(*given, sweeps).chunk(2, dim=-1)
+    else:
+        effects = None if inverse is None else _effects_of(rows, inverse)
+        action, force = _sweep(nominal, rows, effects, within, sweeps, inverse)
+    return SafeAction(_clamped(action, within), force)
+
+
+def _effects_of(rows: _Rows, inverse: Tensor) -> Tensor:
+    """By how much a change along M⁻¹n brings n·a forward, nᵀM⁻¹n, ``(*B, m)``; 1 for a row of 0."""
+    effects = (rows.normals @ inverse * rows.normals).sum(-1)
+    return effects.where(effects > 0.0, 1.0)
+
+
+def _sweep(
+    nominal: Tensor,
+    rows: _Rows,
+    effects: Tensor | None,
+    within: SafetyBounds,
+    sweeps: int,
+    inverse: Tensor | None,
+) -> tuple[Tensor, Tensor]:
+    """The action and the force of the bounds after some sweeps, ``(*B, n)`` both.
+
+    Args:
+        nominal: w.
+        rows: The rows.
+        effects: nᵀM⁻¹n, ``(*B, m)``; None for M = I.
+        within: The bounds, with the box.
+        sweeps: How many.
+        inverse: M⁻¹; None for M = I.
+    """
     normal_of, bound_of = rows.normals.unbind(-2), rows.bounds.unbind(-1)
     change_of: Sequence[Tensor] = normal_of
     effect_of: Sequence[float | Tensor] = (1.0,) * len(normal_of)
-    if inverse is not None:
-        changes = rows.normals @ inverse
-        effects = (changes * rows.normals).sum(-1)
-        change_of, effect_of = changes.unbind(-2), effects.where(effects > 0.0, 1.0).unbind(-1)
-
-    if len(normal_of) > MOST_UNROLLED and not learns():
-        identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
-        inverse = identity if inverse is None else inverse
-        effects = (rows.normals @ inverse * rows.normals).sum(-1)
-        given = (
-            nominal,
-            *rows,
-            effects.where(effects > 0.0, 1.0),
-            within.low,
-            within.high,
-            inverse,
-        )
-        action, force = swept(*given, sweeps).chunk(2, dim=-1)
-        return SafeAction(_clamped(action, within), force)
+    if inverse is not None and effects is not None:
+        change_of, effect_of = (rows.normals @ inverse).unbind(-2), effects.unbind(-1)
 
     action, push = nominal, torch.zeros_like(nominal)
     multipliers = [torch.zeros_like(bound) for bound in bound_of]
@@ -132,7 +150,7 @@ def _projected(
     force = push
     for normal, multiplier in zip(normal_of, multipliers, strict=True):
         force = force + multiplier.unsqueeze(-1) * normal
-    return SafeAction(_clamped(action, within), force)
+    return action, force
 
 
 @torch.library.custom_op("aicon::swept", mutates_args=())
@@ -161,21 +179,9 @@ def swept(
     Returns:
         The action and the force of the bounds, one after the other, ``(*B, 2 n)``.
     """
-    normal_of, change_of = normals.unbind(-2), (normals @ inverse).unbind(-2)
     within = SafetyBounds(normals, bounds, low, high)
-    action, push = nominal, torch.zeros_like(nominal)
-    multipliers = list(torch.zeros_like(bounds).unbind(-1))
-    for _ in range(sweeps):
-        for index, normal in enumerate(normal_of):
-            missing = bounds[..., index] - (normal * action).sum(-1)
-            multiplier = (multipliers[index] + missing / effects[..., index]).clamp(min=0.0)
-            more = multiplier - multipliers[index]
-            action = action + more.unsqueeze(-1) * change_of[index]
-            multipliers[index] = multiplier
-        action, push = _into_box(action, push, within, inverse)
-
-    force = push + (torch.stack(multipliers, dim=-1).unsqueeze(-1) * normals).sum(-2)
-    return torch.cat((action, force), dim=-1)
+    rows = _Rows(normals, bounds)
+    return torch.cat(_sweep(nominal, rows, effects, within, sweeps, inverse), dim=-1)
 
 
 @swept.register_fake

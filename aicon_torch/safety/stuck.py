@@ -6,13 +6,12 @@ from torch import Tensor
 from aicon_torch.dampers import ConstraintEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.task_cost import FollowedCost
+from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 from aicon_torch.vectors import unit
 
 # Shares of the cost, and times in the dampers' time constant: a faster robot needs no new number.
 PROGRESS = 0.1  # by which the cost must fall, or rise, to count as changed
 PATIENCE = 2.0  # for how long it may fail to fall
-JUMP = 2.0  # a cost that grows by more than so many steps at full speed is that of other goals
 OPPOSITION = 0.1  # share of the nominal action that the constraints must take away to oppose it
 
 # Of a push along the force.
@@ -94,10 +93,7 @@ class Stalemate:
             nominal: What the goals ask for, ``(*B, n)``.
             memory: What was remembered.
         """
-        direction = memory["direction"]
-        excess = self._time_of(direction).unsqueeze(-1)
-        fastest = direction / excess.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
-        return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
+        return escaping_or(nominal, self.limits, memory)
 
     def judge(
         self,
@@ -121,7 +117,7 @@ class Stalemate:
         is_free = ~memory["escaping"]
 
         # What counts since the goals are these: the best cost, and escapes that led to no better.
-        is_other = self._is_other(cost, memory)
+        is_other = is_of_other_goals(cost, memory["before"], self.limits, PROGRESS)
         is_best = is_other | (is_free & _falls(now, memory["best"]))
         tries = torch.where(is_best, 0, memory["tries"])
         escapes = torch.where(is_other, 0, memory["escapes"])
@@ -136,7 +132,7 @@ class Stalemate:
         way_out = torch.where(leads_out.unsqueeze(-1), force, detour)
 
         # Back to FREE.
-        is_blocked = self._time_of(safe.action) < BLOCKED
+        is_blocked = time_of(safe.action, self.limits) < BLOCKED
         is_past = self._is_past_the_crest(cost, safe.action, clock, highest, is_blocked, memory)
         is_there = self._is_there(clock, is_blocked, memory)
         is_over = torch.where(memory["by_force"], is_past, is_there)
@@ -156,12 +152,6 @@ class Stalemate:
             "escapes": escapes + begins,
             "before": now,
         }
-
-    def _is_other(self, cost: FollowedCost, memory: Memory) -> Tensor:
-        """Whether the goals are other ones, ``(*B,)``: no step can raise a cost by so much."""
-        limits, before = self.limits.to(cost.at_rest), memory["before"]
-        by_motion = JUMP * cost.steepness(limits) * torch.linalg.vector_norm(limits)
-        return cost.at_rest > before + torch.maximum(by_motion, PROGRESS * before)
 
     def _is_held_up(
         self, now: Tensor, clock: Tensor, highest: Tensor, is_opposed: Tensor, memory: Memory
@@ -189,7 +179,7 @@ class Stalemate:
 
     def _is_there(self, clock: Tensor, is_blocked: Tensor, memory: Memory) -> Tensor:
         """Whether a detour is over, ``(*B,)``: at its place, or where the motion is blocked."""
-        is_at_its_place = clock >= self._time_of(memory["direction"]) / self.time
+        is_at_its_place = clock >= time_of(memory["direction"], self.limits) / self.time
         return is_at_its_place | ((clock >= SHORTEST) & is_blocked)
 
     def _way_to_a_place(self, number: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
@@ -204,9 +194,18 @@ class Stalemate:
         middle, half = (up - down) / 2.0, (up + down) / 2.0
         return middle + MIDDLE * half * spread(number, middle)
 
-    def _time_of(self, way: Tensor) -> Tensor:
-        """How long a way ``(*B, n)`` takes at full speed, ``(*B,)``, s; of a velocity its share."""
-        return (way.abs() / self.limits.to(way)).amax(-1)
+
+def escaping_or(nominal: Tensor, limits: Tensor, memory: Memory) -> Tensor:
+    """The nominal action ``(*B, n)``, or, where it escapes, its direction at full speed."""
+    direction = memory["direction"]
+    excess = time_of(direction, limits).unsqueeze(-1)
+    fastest = direction / excess.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
+    return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
+
+
+def time_of(way: Tensor, limits: Tensor) -> Tensor:
+    """How long a way ``(*B, n)`` takes at full speed, ``(*B,)``, s; of a velocity its share."""
+    return (way.abs() / limits.to(way)).amax(-1)
 
 
 def _falls(now: Tensor, before: Tensor) -> Tensor:

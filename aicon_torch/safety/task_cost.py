@@ -8,6 +8,9 @@ from torch import Tensor
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import copied
 
+JUMP = 2.0
+"""A cost that grows by more than so many steps at full speed is that of other goals."""
+
 
 class FollowedCost:
     """G(a) = Σ wᵢ gᵢ one step ahead, over the goals that are no safety goals, with their factors.
@@ -64,3 +67,17 @@ class FollowedCost:
         slopes = change / steps.reshape(-1, *own_dimensions)
         steepness: Tensor = torch.linalg.vector_norm(slopes, dim=0)
         return steepness
+
+
+def is_of_other_goals(cost: FollowedCost, before: Tensor, limits: Tensor, least: float) -> Tensor:
+    """Whether the goals are other ones, ``(*B,)``: no step can raise a cost by so much.
+
+    Args:
+        cost: What they cost now.
+        before: What was the cost one step ago, ``(*B,)``.
+        limits: Of the actuator, ``(n,)``.
+        least: By no less than this share.
+    """
+    limits = limits.to(cost.at_rest)
+    by_motion = JUMP * cost.steepness(limits) * torch.linalg.vector_norm(limits)
+    return cost.at_rest > before + torch.maximum(by_motion, least * before)
