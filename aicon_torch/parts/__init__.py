@@ -35,7 +35,7 @@ from aicon_torch.parts.contact import (
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
-from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried
+from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried, from_above
 from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
@@ -159,6 +159,7 @@ __all__ = [
     "direction_residual",
     "expected_distance",
     "first_belief",
+    "from_above",
     "fixed_closest_point",
     "inward_normal",
     "is_interior",

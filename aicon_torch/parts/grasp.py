@@ -22,6 +22,22 @@ STEEPNESS = 4.0
 """How steeply the way leads up from an object's side, no unit."""
 
 
+def from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
+    """How far above a place one aims that comes to it from above, h e_z, ``(*B, 3)``, m.
+
+    h = min(c, 4 max(0, ‖Δ_xy‖ − r)): it rises while it is beside the place, and sinks as it comes.
+
+    Args:
+        offset: Δ, from the place, ``(*B, 3)``, m.
+        slack: r, how far aside one may sink, m.
+        clearance: c, the height at which nothing stands in the way, m.
+    """
+    beside = norm(offset[..., :2]) - slack
+    above = (STEEPNESS * beside).clamp(0.0, clearance)
+    above = above.detach()  # stops the gradient: where to aim is no goal
+    return above.unsqueeze(-1) * offset.new_tensor((0.0, 0.0, 1.0))
+
+
 @dataclass(frozen=True)
 class Grasp:
     """p_grasp: how likely it is that a gripper comes to hold an object, from above.
@@ -88,10 +104,7 @@ class Grasp:
 
     def _detour(self, offset: Tensor) -> Tensor:
         """How far above the object the tip is aimed, h e_z, ``(*B, 3)``, m."""
-        beside = norm(offset[..., :2]) - self.size / 2
-        above = (STEEPNESS * beside).clamp(0.0, self.size)
-        above = above.detach()  # stops the gradient: where to aim is no goal
-        return above.unsqueeze(-1) * offset.new_tensor((0.0, 0.0, 1.0))
+        return from_above(offset, self.size / 2, self.size)
 
 
 class Held(Estimator):

@@ -48,6 +48,7 @@ from aicon_torch.parts import (
     approached,
     carried,
     first_belief,
+    from_above,
     norm,
 )
 from aicon_torch.resolution import Resolution, SteepestPath
@@ -173,7 +174,9 @@ def build(options: Options) -> Policy:
     carrying = Carrying(options.step, rest=SIZE / 2, rise=options.rise)
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        return (norm(x_obj - z_goal) - options.tolerance).clamp(min=0.0).square() / 2
+        beside = x_obj - z_goal
+        way = norm(beside - from_above(beside, options.tolerance, options.rise))
+        return (way - options.tolerance).clamp(min=0.0).square() / 2
 
     def free_hand(p_grasp: Tensor) -> Tensor:
         return options.free_hand**2 / 2 * p_grasp[..., 0]
