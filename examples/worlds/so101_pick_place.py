@@ -58,6 +58,9 @@ from aicon_torch.resolution import Resolution, SteepestPath
 STEP = 0.025  # m, of an action of 1 in a step of 0.1 s
 SIZE = 0.04  # m, the block
 WIDEST = 0.12  # m, the open jaw
+TIP_NOISE = 1e-4  # m, of its reading
+LAG = 0.01  # m, by which a motion differs from what it was told
+DRIFT = 0.001  # m, of what nothing moves, in a step
 READINGS = {"z_tip": 3, "z_block": 3, "z_goal": 3}
 
 
@@ -184,9 +187,13 @@ def build(options: Options) -> Policy:
     def apart(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
         return z_tip - z_block, options.noise**2 * torch.eye(3).to(z_tip)
 
-    def position(name: str, predict: Any, reading: Any, prior: Any, noise: float) -> EKF:
-        correct = [Measurement(reading, noise**2, size=3)]
-        drift = (0.003**2,) * 3
+    def carried_on(p_held: Tensor) -> Tensor:
+        return (DRIFT**2 + (p_held * LAG) ** 2).expand(*p_held.shape[:-1], 3)
+
+    def come_nearer(p_held: Tensor) -> Tensor:
+        return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], 3)
+
+    def position(name: str, predict: Any, drift: Any, reading: Any, prior: Any, **read: Any) -> EKF:
         return EKF(
             name,
             f"P{name[1:]}",
@@ -194,7 +201,7 @@ def build(options: Options) -> Policy:
             noise=drift,
             initial=prior,
             size=3,
-            correct=correct,
+            correct=[Measurement(reading, size=3, **read)],
         )
 
     def first(reading: str) -> Any:
@@ -202,7 +209,7 @@ def build(options: Options) -> Policy:
 
     seen_tip = Affine(x_tip=1.0, z_tip=-1.0)
     seen_block = Affine(x_object=1.0, z_block=-1.0)
-    seen_apart = Affine(x_rel=1.0, z_tip=-1.0, z_block=1.0)
+    seen_apart = Affine(x_rel=1.0, x_tip=-1.0, x_object=1.0)
     model = WorldModel(
         sensors={name: Sensor(size, "m") for name, size in READINGS.items()},
         actuators={
@@ -212,24 +219,34 @@ def build(options: Options) -> Policy:
             "jaw": gripper.actuator(),
         },
         estimators=[
+            grasp.held(),  # in the circle held, object, apart it comes last: what is read first
             gripper,
-            position("x_tip", Affine(x_tip=1.0, tip="dt"), seen_tip, first("z_tip"), 1e-4),
+            position(
+                "x_tip",
+                Affine(x_tip=1.0, tip="dt"),
+                LAG**2,
+                seen_tip,
+                first("z_tip"),
+                noise=TIP_NOISE**2,
+            ),
             position(
                 "x_object",
                 Interconnection(carried, ["x_object", "p_held", "tip", "dt"]),
+                carried_on,
                 seen_block,
                 first("z_block"),
-                options.noise,
+                noise=options.noise**2,
             ),
             position(
                 "x_rel",
                 Interconnection(approached, ["x_rel", "p_held", "tip", "dt"]),
+                come_nearer,
                 seen_apart,
                 apart,
-                options.noise,
+                noise=TIP_NOISE**2,
+                uncertain={"x_tip": "P_tip", "x_object": "P_object"},
             ),
             Deterministic("p_grasp", grasp.likelihood),
-            grasp.held(),
             Deterministic("p_free", carrying.free),
             Deterministic("x_obj", carrying),
         ],
