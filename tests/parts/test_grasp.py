@@ -3,7 +3,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts import Carrying, Grasp, Gripper, approached, carried
+from aicon_torch.parts import Carrying, Grasp, Gripper, approached, carried, from_above
 
 GRIPPER = Gripper(narrowest=0.02, widest=0.12, speed=0.3)
 GRASP = Grasp(GRIPPER, size=0.04, height=0.01, reach=0.05)
@@ -31,6 +31,20 @@ def test_beside_the_object_the_tip_is_drawn_above_it_first() -> None:
     beside, _ = slopes(leaf(0.1, 0.0, 0.01), leaf(0.12))
     above, _ = slopes(leaf(0.0, 0.0, 0.1), leaf(0.12))
     assert beside[0, 2] < 0 < above[0, 2]
+
+
+def test_one_comes_from_above_and_sinks_as_one_comes() -> None:
+    heights = [from_above(leaf(x, 0.0, 0.0), 0.01, 0.05)[0, 2].item() for x in (0.0, 0.015, 0.1)]
+    assert heights == pytest.approx([0.0, 0.02, 0.05])
+
+
+def test_fingers_turn_to_the_side_of_the_object_and_it_turns_with_them() -> None:
+    motion, _ = slopes(leaf(0.0, 0.0, 0.01, 0.008), leaf(0.06))
+    assert motion[0, 3] > 0 and not motion[0, :3].any()
+
+    held = CARRYING(leaf(0, 0, 0.06, 0), tip := leaf(0, 0, 0.06, 0), *map(leaf, (1.0, 1.0, 1.0)))
+    turned = torch.autograd.grad(held[0, 3], tip)[0]
+    torch.testing.assert_close(turned, leaf(0, 0, 0, 1).detach())
 
 
 def test_letting_go_opens_the_fingers_and_leaves_the_tip_where_it_is() -> None:
