@@ -132,6 +132,7 @@ def learned_in(parts: Mapping[str, Any]) -> dict[str, Learned]:
 
 def _numbers(name: str, part: Any) -> Iterator[tuple[str, Number]]:
     """The numbers of one part, and of those that it is made of."""
+    # A method stands for its object, and a plain interconnection for its function.
     if ismethod(part):
         part = part.__self__
     if isinstance(part, Interconnection):
@@ -141,6 +142,7 @@ def _numbers(name: str, part: Any) -> Iterator[tuple[str, Number]]:
     if isinstance(part, type):
         return
 
+    # A number counts by itself, and anything else by the numbers in it.
     for field, value in _fields(part):
         if isinstance(value, Tensor) and not value.is_floating_point():
             continue

@@ -126,6 +126,7 @@ def check_memory(
     Raises:
         ObservationError: If not.
     """
+    # What is remembered, by its names ...
     if not isinstance(memory, Mapping):
         raise ObservationError(
             f"state: expected the memory that the last step returned, got {type(memory)}."
@@ -137,6 +138,7 @@ def check_memory(
             f"{choices(unknown)} besides."
         )
 
+    # ... and, for each name, a tensor as large as the observation's batch.
     for key, shape in shapes.items():
         value = memory[key]
         if not isinstance(value, Tensor):

@@ -79,15 +79,19 @@ class EKF(Estimator):
             )
         self.derivative: Derivative = derivative
 
+        # The belief: how it moves, how it begins, and how uncertain it grows.
         self.predict = Interconnection.of(predict)
         self._must_read_mean(f"predict of {mean!r}", self.predict)
         self.size = self._set_prior(initial, size)
         self.noise = Covariance(noise, self.size)
+
+        # What corrects it.
         self._measurements = tuple(correct)
         self.measurements = nn.ModuleList(correct)  # registers them
         for measurement in correct:
             self._must_read_mean(f"A measurement of {mean!r}", measurement.residual)
 
+        # All that these read, each named once.
         inputs = [mean, covariance, *self.predict.inputs, *self.noise.inputs, *self.prior_inputs]
         for measurement in correct:
             inputs.extend(measurement.inputs)
@@ -167,6 +171,7 @@ class EKF(Estimator):
 
     def _set_prior(self, initial: ConstantPrior | PriorFunction, size: int | None) -> int:
         """Keep the prior, and return the number of components."""
+        # A function reads the prior off the first readings ...
         if callable(initial):
             if size is None:
                 raise GraphError(
@@ -177,6 +182,7 @@ class EKF(Estimator):
             self.prior_inputs = relation.inputs
             return size
 
+        # ... and numbers are kept with the module, to move between devices with it.
         mean, variances = initial
         covariance = Covariance(variances, len(mean), named="variances of initial")
         self.prior, self.prior_inputs = None, ()

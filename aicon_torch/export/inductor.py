@@ -130,6 +130,7 @@ def _traced(
     function: Callable[..., tuple[Tensor, ...]], examples: Sequence[Tensor]
 ) -> tuple[GraphModule, list[int]]:
     """The graph of a function of tensors, and which of these it uses."""
+    # Small products are written out, so that they are fused with what surrounds them.
     decompositions = {
         torch.ops.aten.mm.default: _written_out,
         torch.ops.aten.bmm.default: _written_out,
@@ -137,6 +138,7 @@ def _traced(
     graph = make_fx(function, decompositions)(*examples)
     graph.graph.eliminate_dead_code()
 
+    # Inputs that nothing reads are not asked for.
     used: list[int] = []
     inputs = [node for node in graph.graph.nodes if node.op == "placeholder"]
     for index, node in enumerate(inputs):

@@ -161,12 +161,15 @@ def _open(content: bytes, name: str) -> ctypes.CDLL:
             f"policy here, or its source to a .c file and compile it here. {error}."
         ) from error
 
+    # It opened, but that does not make it a policy, ...
     missing = [symbol for symbol in _SYMBOLS if not hasattr(library, symbol)]
     if missing:
         raise OptionError(
             f"{name} is a library, but not one that a policy was exported to: it has no "
             f"{choices(missing)}."
         )
+
+    # ... nor that it is this one.
     if _metadata(library) not in content:
         raise OptionError(f"{name}: the system has loaded another library in its place.")
     return library

@@ -100,6 +100,7 @@ def check_rows(estimators: Sequence[Estimator], quantities: Mapping[str, Quantit
         if not estimator.each:
             continue
 
+        # What it reads: rows where `each` names it, and else a vector that all rows share.
         output = estimator.outputs[0]
         shapes = {name: quantities[name].shape for name in estimator.inputs if name != "dt"}
         count = shapes[estimator.each[0]][0]
@@ -115,6 +116,7 @@ def check_rows(estimators: Sequence[Estimator], quantities: Mapping[str, Quantit
                     f"{output!r} reads {name!r} of shape {shape}; expected {expected}."
                 )
 
+        # What it gives: as many rows.
         own = quantities[output].shape
         if len(own) != 2 or own[0] != count:
             raise GraphError(
@@ -185,6 +187,7 @@ def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values
             f"{_shapes(node, values)} with the batch in front: {error!r}{advice}"
         ) from error
 
+    # It ran; what it returned must be tensors.
     named = result if isinstance(result, dict) else {names_of(node)[0]: result}
     for name, value in named.items():
         if not isinstance(value, Tensor):

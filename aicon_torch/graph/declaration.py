@@ -56,11 +56,13 @@ class Declaration:
         Raises:
             GraphError: If a name is unknown, taken or given twice, or something is no function.
         """
+        # What may be read by name, and dt.
         check_names(sensors, actuators, estimators, goals)
         check_clock(clock, sensors)
         estimates = [name for estimator in estimators for name in estimator.outputs]
         known = [*sensors, *actuators, *estimates, "dt"]
 
+        # Functions of an actuator read what their parameters name, as estimators do.
         constraints: dict[str, tuple[Interconnection, ...]] = {}
         commands: dict[str, Interconnection] = {}
         metrics: dict[str, Interconnection] = {}

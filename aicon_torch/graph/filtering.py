@@ -147,6 +147,7 @@ class LogFilter(NamedTuple):
         self, readings: Named, actions: Named
     ) -> tuple[list[dict[str, Tensor]], list[dict[str, Tensor]], tuple[int, ...]]:
         """Readings and actions of each step, and the batch."""
+        # 1. The names, ...
         sensors, actuators = self.declaration.sensors, self.declaration.actuators
         ages = [name + AGE for name, sensor in sensors.items() if sensor.is_aged]
         _check_names("readings", readings, (*sensors, *ages))
@@ -156,6 +157,7 @@ class LogFilter(NamedTuple):
             if name not in readings and name not in actions:
                 raise ObservationError(f"filter: {name!r} is missing, (*batch, steps, size).")
 
+        # 2. the readings and their ages, ...
         leading = tuple(torch.as_tensor(next(iter(readings.values()))).shape[:-1])
         seen: dict[str, Tensor] = {}
         for name, sensor in sensors.items():
@@ -164,6 +166,7 @@ class LogFilter(NamedTuple):
             age = readings.get(name, sensors[name.removesuffix(AGE)].age)
             seen[name] = torch.as_tensor(age).to(self.like).expand(leading)
 
+        # 3. and what was executed, ...
         executed: dict[str, Tensor] = {}
         for name, actuator in actuators.items():
             executed[name] = self._of_shape(name, actions[name], (*leading, actuator.size))
@@ -172,6 +175,7 @@ class LogFilter(NamedTuple):
             if actuator.key is not None:  # what was executed is told already
                 seen[name] = torch.full_like(executed[name], torch.nan)
 
+        # 4. taken apart by step.
         batch, steps = leading[:-1], leading[-1]
         axis = len(batch)
         by_step = [{n: v.select(axis, t) for n, v in seen.items()} for t in range(steps)]
@@ -240,11 +244,13 @@ def check_effect(
         numbers = torch.rand((PROBE_STEPS, size), generator=generator, dtype=torch.float64)
         return (0.1 + numbers).to(like)
 
+    # 1. Filter a short log of numbers drawn at random, ...
     sizes = {name: sensor.size for name, sensor in declaration.sensors.items()}
     readings = {name: random(size) for name, size in sizes.items()}
     actions = {name: random(actuator.size) for name, actuator in declaration.actuators.items()}
     filtered = LogFilter(declaration, graph, like)(readings, actions, None)
 
+    # 2. look one step ahead from its end, ...
     with through_time():
         last = {name: series[-1] for name, series in filtered.estimates.items()}
         last |= {name: series[-1] for name, series in (readings | actions).items()}
@@ -253,6 +259,7 @@ def check_effect(
         costs = [goal(last) for goal in declaration.goals.values()]
         limited = [f(last) for name in actions for f in declaration.functions_of(name)]
 
+    # 3. and see whether any of it can be differentiated by each parameter.
     found = [*filtered.estimates.values(), *ahead, *costs, *limited]
     for innovations in filtered.innovations.values():
         found += [innovations.residual, innovations.spread]

@@ -23,6 +23,7 @@ def in_order(estimators: Sequence[Estimator]) -> list[Estimator]:
         if estimator in ordered:
             return
 
+        # Depth first: all that it reads comes before it.
         for name in estimator.inputs:
             owner = owners.get(name, estimator)
             if owner is not estimator:

@@ -26,6 +26,7 @@ def probe(
     Raises:
         GraphError: If a function cannot be evaluated, or returns a shape that does not fit.
     """
+    # Zeros as readings, all of them there and new.
     readings: dict[str, Tensor] = {}
     for name, sensor in declaration.sensors.items():
         readings[name] = like.new_zeros(*BATCH, sensor.size)
@@ -33,6 +34,8 @@ def probe(
         readings[name + PRESENT] = like.new_ones(BATCH, dtype=torch.bool)
 
     values = initial_values(declaration, estimators, readings, BATCH, like)
+
+    # One step: every estimator on what those before it gave.
     for estimator in estimators:
         updated = attempt(estimator, estimator.update, values)
         for name, value in updated.items():
@@ -41,6 +44,7 @@ def probe(
                 raise GraphError(f"{name!r} is of {value.dtype}. {other_precision(like.dtype)}")
         values.update(updated)
 
+    # What the last values are for.
     _check_goals(declaration, values)
     _check_actuators(declaration, values)
     return values

@@ -123,6 +123,7 @@ def _where_gradients_met(
     opponent, cosine = _opponent(gradients, magnitudes, dominant, memory)
     nowhere = torch.zeros_like(dominant, dtype=torch.bool)
 
+    # Weights and ranks follow from the gradients; whether it explores is remembered.
     return QuantityTrace(
         name=name,
         paths=tuple((*path.names, name) for path in paths),

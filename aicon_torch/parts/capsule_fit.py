@@ -120,6 +120,7 @@ def around_surfaces(surfaces: Sequence[NDArray[Any]], count: int) -> list[Segmen
     segments = [around_points(pieces[0].reshape(-1, 3))]
     heights = [hulls.height(segments[0])]  # 0 where nothing is to be gained any more
 
+    # The capsule that stands out most is cut in two, as long as there may be more of them.
     while len(pieces) < count and max(heights) > STANDS_OUT:
         index = int(np.argmax(heights))
         halves = _best_cut(pieces[index], hulls)
@@ -129,6 +130,8 @@ def around_surfaces(surfaces: Sequence[NDArray[Any]], count: int) -> list[Segmen
 
         fits = [around_points(half.reshape(-1, 3)) for half in halves]
         of_fits = [hulls.height(fit) for fit in fits]
+
+        # A cut has to be worth a capsule more.
         if max(of_fits) > WORTH_A_SPLIT * heights[index]:
             heights[index] = 0.0
             continue
@@ -195,6 +198,7 @@ def _best_cut(triangles: NDArray[Any], hulls: _Hulls) -> list[NDArray[Any]]:
         along = triangles.mean(axis=1) @ axis
         of_sample = sample.mean(axis=1) @ axis
 
+        # Across each axis at several heights; a sample tells which is best.
         for share in CUTS:
             height = of_sample.min() + share * np.ptp(of_sample)
             lower = of_sample < height

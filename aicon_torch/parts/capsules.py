@@ -87,6 +87,7 @@ class Capsules:
         path = tree.path(tip, base)
         disabled = set() if srdf is None else _disabled_pairs(srdf)
 
+        # Capsules for each link, in the frame of the chain's link that it goes with.
         places = _places(tree, path)
         capsules: list[Capsule] = []
         links: list[str] = []
@@ -96,6 +97,7 @@ class Capsules:
                 capsules.append(_placed(segment, number, transform))
                 links.append(link)
 
+        # Pairs of them that may come near each other, as far as the joints' ranges let them.
         chain = Chain.from_path(path)
         candidates = _candidates(capsules, links, disabled)
         if len(candidates) > MOST_PAIRS:
@@ -120,6 +122,7 @@ def _places(
     tree: LinkTree, path: Sequence[JointDescription]
 ) -> Mapping[str, tuple[int, NDArray[Any]]]:
     """For each link the number of the chain's link that it goes with, and its place there."""
+    # The links of the chain: the base, and what each joint moves.
     numbers: dict[str, int] = {}
     frames = {0: path[0].parent}
     for joint in path:
@@ -127,6 +130,7 @@ def _places(
             numbers[joint.child] = len(frames)
             frames[len(frames)] = joint.child
 
+    # Another link goes with the nearest of them above it, at rest.
     places: dict[str, tuple[int, NDArray[Any]]] = {}
     for link in tree.links:
         above = link

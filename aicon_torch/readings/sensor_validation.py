@@ -121,18 +121,22 @@ class SensorValidation(NamedTuple):
             elapsed: How long the last step took, ``(*B,)``, s.
         """
         name, sensor = self.name, self.sensor
+
+        # 1. Is there a new reading, and does it fit what came before?
         came = self._arrival(readings, memory, elapsed)
         gate = _Gate(came.is_newer, came.is_older, {})
         if sensor.rate_limit is not None:
             gate = self._gated(came, memory, elapsed)
         is_believed, known = gate.is_believed, gate.remembered
 
+        # 2. Does it stand still though the robot moves, and for how long has it told nothing?
         if sensor.driven_by is not None:
             known[name + FROZEN] = (came.was_frozen | came.is_frozen) & ~is_believed
         if sensor.max_gap is not None:
             silence = (memory[name + SILENCE] + elapsed).clamp(max=NEVER)
             known[name + SILENCE] = torch.where(is_believed | gate.is_plausible, 0.0, silence)
 
+        # 3. A reading that is not believed is replaced by the last one that was.
         age = torch.where(is_believed, came.age, came.waited).clamp(max=NEVER)
         return known | {
             name: torch.where(is_believed.unsqueeze(-1), came.reading, memory[name]),

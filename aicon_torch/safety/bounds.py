@@ -149,6 +149,8 @@ class ActuatorSafety:
         low = -high
         slopes, bounds = [at_rest.unsqueeze(-2)[..., :0, :]], [at_rest[..., :0]]
 
+        # A goal's rows; one that is off, or that the action cannot serve, gets a bound that never
+        # holds anything up.
         for goal in self.goals:
             is_box = goal.name in self._boxed
             slope, bound, _ = self.rows_of(goal, values, most=None if is_box else goal.most_gaps)
@@ -156,6 +158,8 @@ class ActuatorSafety:
             fastest = (slope.abs() * self.limits.to(slope)).sum(-1)
             counts = is_on & (is_box | (fastest > LEAST_SPEED))  # what cannot give way is no bound
             bound = torch.where(counts, bound, -FARTHEST / self.model.dt)
+
+            # Joint stops and the like narrow the box of the limits; all else are rows.
             if is_box:
                 low, high = _narrowed(low, high, slope, bound)
             else:

@@ -6,7 +6,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.stuck import escaping_or, spread, time_of
+from aicon_torch.safety.stuck import Escape, spread, time_of
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
@@ -40,7 +40,7 @@ def initial_places(size: int) -> Memory:
     }
 
 
-class Places:
+class Places(Escape):
     """Detects that an actuator is held up, and moves it to another place.
 
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
@@ -59,22 +59,14 @@ class Places:
     """
 
     def __init__(self, options: PlaceEscape, limits: Tensor, dt: float) -> None:
-        self.options, self.limits = options, limits
+        super().__init__(limits)
+        self.options = options
         self.step = dt * float(limits.median())
         first, last = options.whole
         share = torch.full_like(limits, MIDDLE)
         share[:first] = 1.0
         share[max(len(limits) - last, 0) :] = 1.0
         self.share = share
-
-    def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
-        """What it tries, ``(*B, n)``: the nominal action, or at full speed what leads to the place.
-
-        Args:
-            nominal: What the goals ask for, ``(*B, n)``.
-            memory: What was remembered.
-        """
-        return escaping_or(nominal, self.limits, memory)
 
     def judge(
         self,

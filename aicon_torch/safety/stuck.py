@@ -46,7 +46,30 @@ def initial_escape(size: int) -> Memory:
     }
 
 
-class Stalemate:
+class Escape:
+    """What the ways out have in common: while escaping, the actuator goes in one direction.
+
+    Args:
+        limits: Of the actuator, ``(n,)``.
+    """
+
+    def __init__(self, limits: Tensor) -> None:
+        self.limits = limits
+
+    def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
+        """What it tries, ``(*B, n)``: the nominal action, or at full speed what leads out.
+
+        Args:
+            nominal: What the goals ask for, ``(*B, n)``.
+            memory: What was remembered.
+        """
+        direction = memory["direction"]
+        excess = time_of(direction, self.limits).unsqueeze(-1)
+        fastest = direction / excess.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
+        return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
+
+
+class Stalemate(Escape):
     """Detects that an actuator is held up, and moves it to where its goals are tried anew.
 
     Three states and what leads from one to another:
@@ -83,17 +106,9 @@ class Stalemate:
     """
 
     def __init__(self, options: ConstraintEscape, limits: Tensor, dt: float, time: float) -> None:
-        self.options, self.limits, self.time = options, limits, time
+        super().__init__(limits)
+        self.options, self.time = options, time
         self.step = dt / time
-
-    def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
-        """What it tries, ``(*B, n)``: the nominal action, or at full speed what leads out.
-
-        Args:
-            nominal: What the goals ask for, ``(*B, n)``.
-            memory: What was remembered.
-        """
-        return escaping_or(nominal, self.limits, memory)
 
     def judge(
         self,
@@ -193,14 +208,6 @@ class Stalemate:
         down, up = (torch.where(side.isfinite(), side, farthest.to(side) / MIDDLE) for side in room)
         middle, half = (up - down) / 2.0, (up + down) / 2.0
         return middle + MIDDLE * half * spread(number, middle)
-
-
-def escaping_or(nominal: Tensor, limits: Tensor, memory: Memory) -> Tensor:
-    """The nominal action ``(*B, n)``, or, where it escapes, its direction at full speed."""
-    direction = memory["direction"]
-    excess = time_of(direction, limits).unsqueeze(-1)
-    fastest = direction / excess.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
-    return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
 
 
 def time_of(way: Tensor, limits: Tensor) -> Tensor:

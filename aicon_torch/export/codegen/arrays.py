@@ -76,6 +76,8 @@ class Writer:
         if count < LOOPED or (kind != "real" and operation not in COMPARISONS):
             return None
 
+        # For each argument what the loop reads: one number for all, an array, or a table of
+        # constants.
         arguments: list[Number] = []
         places: list[str] = []
         for index, array in enumerate(arrays):
@@ -94,6 +96,8 @@ class Writer:
                 places.append(f"{self.program.table([n.value for n in numbers])}[i]")
             else:
                 return None
+
+        # Without an array there is nothing to loop over.
         if "{}[i]" not in places:
             return None
         return as_array(self.program.loop(operation, arguments, places, kind, count), shape)
@@ -102,11 +106,13 @@ class Writer:
         self, operation: str, kind: Kind, values: Array, dims: Sequence[int], keeps: bool
     ) -> Array:
         """An operation of two arguments along dimensions, from the first element to the last."""
+        # The dimensions to reduce go last, as one.
         dims = [dim % values.ndim for dim in dims] if values.ndim else []
         last = np.moveaxis(values, dims, range(-len(dims), 0)) if dims else values[..., None]
         kept = last.shape[: last.ndim - max(len(dims), 1)]
         rows = last.reshape(*kept, -1)
 
+        # Many numbers are reduced by a loop of C, ...
         if operation in REDUCED and rows.size >= LOOPED and kind == "real":
             source = whole_array(list(rows.reshape(-1)))
             if source is not None and source.kind == "real":
@@ -117,6 +123,7 @@ class Writer:
                 reduced = as_array(items, kept)
                 return np.expand_dims(reduced, tuple(dims)) if keeps else reduced
 
+        # ... and few are written out one by one.
         result = self.cast(rows[..., 0], kind)
         for place in range(1, rows.shape[-1]):
             result = self.map(operation, kind, result, rows[..., place])

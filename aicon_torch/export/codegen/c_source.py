@@ -88,6 +88,7 @@ def repeated_function(
         outputs: The numbers of each output, which are written as real ones.
         varying: The names of inputs that differ from call to call.
     """
+    # What depends on nothing that varies is computed once, and kept in a struct.
     split = split_by(program, outputs, varying)
     once = Statements(program, split.once, split.kept)
     each_time = Statements(program, split.each_time, roots_of(outputs))

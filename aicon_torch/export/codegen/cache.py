@@ -81,6 +81,7 @@ def _kept(path: Path, source: str) -> bytes | None:
         _LOGGER.info("%s is compiled again: %s", path, error)
         return None
 
+    # The seal says from which source it was compiled.
     if seal is None or seal.source != identity(source):
         _LOGGER.info("%s is compiled again: it was not compiled from this source.", path)
         return None

@@ -79,9 +79,13 @@ def _ordered(program: Program, needed: Collection[int], lanes: Sequence[Lanes]) 
         if number.index not in needed or number.operation == CONSTANT:
             continue
         own = lanes_of.get(number.index)
+
+        # A number of its own comes as soon as its arguments are known.
         if own is None:
             phase_of[number.index] = max(map(known_from, number.arguments), default=0)
             phases[phase_of[number.index]].alone.append(number)
+
+        # A loop computes all of its lanes at once, so it waits for the arguments of every one.
         elif number.index == own.last:
             phase = 0
             for argument in own.arguments:

@@ -146,6 +146,7 @@ def is_table(numbers: Array) -> bool:
 
 def product(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
     """``(..., n, k)`` times ``(..., k, m)``: a loop where one of them is a table."""
+    # The table goes on the left; without one, the product is written out.
     if kind != "real" or (is_table(first) and is_table(second)):
         return product_in_lines(writer, kind, first, second)
     if is_table(second):  # (AB)ᵀ = BᵀAᵀ
@@ -155,6 +156,7 @@ def product(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
     if not is_table(first):
         return product_in_lines(writer, kind, first, second)
 
+    # One call for each column of each product: the table times a vector.
     rows, inner = first.shape[-2:]
     leading = np.broadcast_shapes(first.shape[:-2], second.shape[:-2])
     first = np.broadcast_to(first, (*leading, *first.shape[-2:]))

@@ -233,17 +233,20 @@ class Program:
     @staticmethod
     def _simplified(operation: str, arguments: tuple[Number, ...]) -> Number | None:
         """What an operation comes to that leaves one of its arguments as it is."""
+        # A choice whose condition is known, or that makes no difference.
         if operation == "where":
             condition, chosen, other = arguments
             if condition.operation == CONSTANT:
                 return chosen if condition.value else other
             return chosen if chosen is other else None
 
+        # One argument decides, as false does in an `and`.
         if operation in DECISIVE:
             for known, other in (arguments, arguments[::-1]):
                 if known.operation == CONSTANT:
                     return known if known.value == DECISIVE[operation] else other
 
+        # One argument changes nothing, as 0 does in a sum.
         if operation in NEUTRAL:
             left, right = arguments
             neutral_left, neutral_right = NEUTRAL[operation]

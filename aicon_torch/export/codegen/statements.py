@@ -87,6 +87,9 @@ class Statements:
         here = set(looped)
         for lanes in looped:
             arguments: list[str] = []
+
+            # Where each argument is: a number outside, one of this loop, or an array of an earlier
+            # one; what was computed one by one is gathered into an array before.
             for argument in lanes.arguments:
                 if isinstance(argument, Number):
                     arguments.append(self.text(argument))
@@ -101,6 +104,7 @@ class Statements:
                         before.append(self._list(gathered[numbers], numbers))
                     arguments.append(f"{gathered[numbers]}[row]")
 
+            # All rows compute as the first does; what is read outside of the loop is kept.
             number = lanes.numbers[0]
             inside += self._statement(number, arguments)
             if any(each.index in self._read for each in lanes.numbers):
@@ -112,6 +116,8 @@ class Statements:
     def _statement(self, number: Number, arguments: Sequence[str]) -> list[str]:
         """What computes a number, or calls a routine."""
         name, value = f"v{number.index}", ""
+
+        # What takes several lines.
         if number.operation in ROUTINES:
             return _call(number, name, arguments)
         if number.operation == LOOP:
@@ -119,6 +125,7 @@ class Statements:
         if number.operation == LIST:
             return [self._list(name, number.arguments)]
 
+        # What is one expression.
         if number.operation == INPUT:
             value = f"{number.value[0]}[{number.value[1]}]"
         elif number.operation == ITEM:

@@ -56,6 +56,7 @@ def translate(
             known[id(tensor)] = writer.array(tensor)
         return known[id(tensor)]
 
+    # Tensors are told apart by identity: the operations were recorded while all of them lived.
     for operation in operations:
         arguments = tree_map_only(Tensor, numbers_of, (operation.args, operation.kwargs))
         found = _apply(operation, writer, *arguments)

@@ -97,6 +97,7 @@ def joints(options: Options) -> EKF:
         "correct": [Measurement(agreement, JOINT_NOISE**2, size=len(middle))],
     }
 
+    # Encoders that are late correct where the joints were when they were read.
     if not options.delay:
         return KalmanFilter("x_joints", "P_joints", **belief)
     moved = {velocity: len(middle), "dt": 1}

@@ -87,6 +87,8 @@ def world_model(options: Options) -> WorldModel:
 
 def _sensors(options: Options) -> dict[str, Sensor]:
     """Encoders and target, and either the pose of the object or the camera and the wrist."""
+    # What the watchdog asks: how old a reading may be, how long there may be none, and how fast one
+    # may change.
     latency = options.delay * options.dt
     watched: dict[str, Any] = {"age": latency, "age_key": "age"}
     prompt: dict[str, Any] = {}
@@ -97,17 +99,22 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         watched |= {"max_age": latency + gap, "max_gap": gap}
         moving = {"rate_limit": JUMP * float(options.robot.chain.speed.max()), "driven_by": "a"}
     moving |= watched
+
+    # Always: the time, the encoders and the target.
     sensors = {
         "z_elapsed": clock(options.dt),
         "z_joints": Sensor(len(options.robot.chain.names), "rad", key="q", range=TURNS, **moving),
         "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS, **prompt),
     }
+
+    # The object's pose, told ...
     if options.sensing == "pose":
         sensors["z_object"] = Sensor(
             3, "m, m, rad", key="object_pose", optional=True, range=TURNS, **watched
         )
         return sensors
 
+    # ... or seen by the camera in the hand, and felt at the wrist.
     sensors["z_ft"] = Sensor(6, "N, Nm", key="ft", range=(-1e3, 1e3))
     seen: dict[str, Any] = {"optional": True, "range": SEEN}
     if options.camera.delay:
@@ -157,6 +164,7 @@ def _goals(scene: Scene) -> list[Goal]:
     options, robot = scene.options, scene.options.robot
     goals = [Goal("push", _push(scene)), Goal("height", KeepHeight(options.height_tolerance))]
 
+    # What an arm has to keep besides.
     if options.upright_tolerance is not None:
         goals.append(Goal("upright", StayUpright(options.lever, options.upright_tolerance)))
     if options.workspace is not None:

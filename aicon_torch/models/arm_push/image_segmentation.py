@@ -113,10 +113,12 @@ class TopFaceSegmentation:
         points = []
 
         for right, down in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            # Neighbours within the picture, ...
             next_column, next_row = columns + right, rows + down
             inside = (next_column >= 0) & (next_column < image_width)
             inside &= (next_row >= 0) & (next_row < image_height)
 
+            # ... that are of something else, and not of what hides the face.
             neighbours = next_row[inside], next_column[inside]
             edge = ~face[neighbours] & ~blocked[neighbours]
             u = columns[inside][edge] + 0.5 * right

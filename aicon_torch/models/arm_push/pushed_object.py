@@ -86,18 +86,22 @@ def seen_pose(scene: Scene) -> EKF:
         height=2 * options.height,
     )
 
+    # The camera shows its keypoints, or no more than its middle.
     seen = Interconnection(SeenKeypoints(scene.body), x_pose=Constant(torch.eye(3)))
     middle = Interconnection(seen_middle, x_pose=Constant(torch.eye(3)[:2]))
     shown = [
         Measurement(seen, visibility, size=3),
         Measurement(middle, MIDDLE_DEVIATION**2, size=2),
     ]
+
+    # The wrist tells on which side the tip touches it.
     felt: list[Measurement] = []
     if options.touch:
         radius = options.robot.stick_radius
         touched = TouchedSide(scene.body, radius, SIDE_DEVIATION, SIDE_FORCE)
         felt.append(Measurement(touched, touched.variance, size=1))
 
+    # Before it is seen it is where one expects it, give or take much.
     mean = (*options.expected_place, 0.0)
     variances = [deviation**2 for deviation in UNSEEN_DEVIATION]
     late: dict[str, Any] = {"delay": options.camera.delay, "sensor": (KEYPOINTS, BLOB)}

@@ -83,6 +83,8 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         "period": 2 * math.pi,
         **_watched(options),
     }
+
+    # A reading that changes faster than this is no reading: motion past something near, and noise.
     jumps = JUMP_DEVIATIONS / options.dt
     turning = options.max_speed / PASSING_DISTANCE + jumps * options.bearing_noise
     fastest = options.max_speed + jumps * options.range_noise

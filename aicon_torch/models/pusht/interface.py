@@ -38,6 +38,8 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     found = {
         "z_pusher": Sensor(2, "m", key="agent_pos", **_moving(options), **seen),
     }
+
+    # The object: its keypoints, or what a network makes of a picture.
     if options.picture is None:
         found["z_keypoints"] = Sensor(size, "m", key="environment_state", **rigid, **seen)
     else:

@@ -87,6 +87,7 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
         "z_position": Sensor(3, "m", key="target_position", **watched),
     }
 
+    # An orientation comes as an axis, or as a whole rotation.
     oriented: dict[str, Any] = {"key": "target_orientation", **watched}
     if options.orientation == "axis":
         sensors["z_orientation"] = Sensor(3, "a direction", **oriented)

@@ -31,12 +31,15 @@ def size_of_scene(path: Path) -> SceneSize:
         RecursionError: If nodes are nested too deeply.
     """
     root = ElementTree.parse(path).getroot()
+
+    # What others refer to by name.
     named: Elements = {}
     for element in root.iter():
         if _tag(element) in ("node", "geometry"):
             named[f"#{element.get('id')}"] = element
     sizes: dict[ElementTree.Element, SceneSize] = {}
 
+    # The size of an element with all below it, each counted once for every reference.
     def size(element: ElementTree.Element) -> SceneSize:
         if element not in sizes:
             sizes[element] = SceneSize(math.inf, math.inf)  # should it meet itself below

@@ -60,6 +60,7 @@ def _try(name: str, text: bytes, *file: str) -> None:
     command = [sys.executable, "-P", str(trial.__file__), *limits, *file]
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}  # each thread reserves memory
 
+    # A process of its own: what takes too much memory or time ends without ours.
     status, reason = None, ""
     with tempfile.TemporaryDirectory() as folder:  # MuJoCo logs where it is started
         try:
@@ -75,6 +76,7 @@ def _try(name: str, text: bytes, *file: str) -> None:
         except subprocess.TimeoutExpired:
             pass  # it took too long
 
+    # MuJoCo's own words, where it had any.
     if reason:
         raise OptionError(f"MuJoCo does not accept {name}: {reason.strip()[:1000]}")
     if status != 0:

@@ -55,6 +55,7 @@ def run(arguments: argparse.Namespace) -> None:
         horizon=arguments.horizon,
     )
 
+    # What is in the folder already is not run again.
     with RunFolder.open(arguments.out, config) as folder:
         compare(task, policies, folder, arguments.jobs, arguments.backend, arguments.scheduler)
         table = write_report(task, folder)

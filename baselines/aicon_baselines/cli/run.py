@@ -50,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the episode; print its outcome and the policy's last decision."""
+    # 1. The episode ...
     conditions = [arguments.condition] if arguments.condition else None
     config = configure(
         load(arguments.task),
@@ -60,6 +61,7 @@ def run(arguments: argparse.Namespace) -> None:
     )
     task, condition = config.apply(load(arguments.task)), config.conditions[0]
 
+    # 2. ... the policy ...
     import torch
 
     torch.set_num_threads(1)
@@ -68,6 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
     build = compiled_as_asked(builds, arguments.compile)[name]
     policy: Any = build(condition)
 
+    # 3. ... and the loop, with a picture now and then.
     memory: Any = None
     steps = 0
     episodes = [task.episode(arguments.seed)]
@@ -84,6 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
         seeds = [arguments.seed]
         outcome = rollout(policy, task, condition, episodes, seeds, on_step=on_step, **seeing)
 
+    # 4. What came of it.
     print(describe_outcome(task, outcome))
     if hasattr(policy, "explain"):  # a planner has nothing to tell
         print(f"\nits last step:\n{policy.explain(memory, 0)}")

@@ -52,11 +52,14 @@ def draw_diagnosis(
     figure.supxlabel(text, x=0.012, ha="left", fontsize=9.5, color="0.15", linespacing=1.35)
     grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.5))
 
+    # Left: where it was.
     world = figure.add_subplot(grid[:, 0])
     Paper(world).draw(around)
     if flipped:
         world.invert_yaxis()
     _draw_places(world, history, found, places)
+
+    # Right: costs, conflicts and actions over the same time.
     timelines = [figure.add_subplot(grid[row, 1]) for row in range(3)]
     _draw_costs(timelines[0], history)
     _draw_cosines(timelines[1], history)

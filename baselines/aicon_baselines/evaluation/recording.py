@@ -176,6 +176,7 @@ def record(
     pictures = [look(start[0])] if look is not None else []
     memories, infos = [], []
 
+    # Keep what the policy remembers and what the environment tells, every so many steps.
     steps = islice(run_episodes(policy, env, start), horizon)
     for number, step in enumerate(track(steps, "episode", progress), 1):
         if (number - 1) % stride == 0:
@@ -184,6 +185,7 @@ def record(
         if look is not None and (number % every == 0 or step.ended.all()):
             pictures.append(look(step.next_observation))
 
+    # What there is after the last step, and only the one episode of a batch.
     infos.append(step.info)
     if beyond:
         memories.append(policy.predict(step.next_observation, step.memory)[1])

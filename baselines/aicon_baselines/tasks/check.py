@@ -49,6 +49,7 @@ def _check_declaration(task: Task) -> None:
     def refuse(wrong: str) -> None:
         raise ComparisonError(f"task {task.name!r}: {wrong}")
 
+    # Numbers that count something.
     numbers = {
         "time_step": task.time_step,
         "horizon": task.horizon,
@@ -60,14 +61,17 @@ def _check_declaration(task: Task) -> None:
         if not number > 0:
             refuse(f"{name} must be more than 0, not {number}")
 
+    # Names of conditions, ...
     for name, chosen in {"faults": task.faults, "noiseless": task.noiseless}.items():
         for unknown in sorted(set(chosen) - set(task.conditions)):
             conditions = ", ".join(task.conditions)
             refuse(f"{name} names {unknown!r}, which is none of its conditions: {conditions}")
 
+    # ... times that are shown, ...
     if any(steps > task.horizon for steps in task.milestones):
         refuse(f"milestones {task.milestones} must be within the horizon, {task.horizon} steps")
 
+    # ... and names of presets.
     there = presets(model_of(task)) if task.model else ()
     for name in task.presets if task.model else ():
         if name not in there:
@@ -147,6 +151,7 @@ class _Check:
                 "end each environment with `StandStillAfterEnd`, and put them into a `SideBySide`",
             ) from error
 
+        # It ends, and stays where it is.
         if not np.all(terminated | truncated):
             found = f"episodes go on after the horizon of {_STEPS} steps"
             right = "`make_env` has to end them there, as gymnasium's TimeLimit does"

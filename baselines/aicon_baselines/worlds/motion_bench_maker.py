@@ -113,6 +113,7 @@ def problems(
 
     for set_name in sets:
         for index in indices:
+            # A problem is two files: the scene, and where the arm starts and shall be.
             files = folder / name / "problems" / f"{set_name}_{name}"
             scene, request = (
                 yaml.load((files / f"{kind}{index:04}.yaml").read_text(), yaml.CSafeLoader)

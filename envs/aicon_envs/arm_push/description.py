@@ -37,12 +37,14 @@ def describe(model: mujoco.MjModel, arm: Robot, width: int, height: int) -> dict
         it the upright stick gets, m; ``collisions``: None, or ``urdf``, ``srdf`` (files, the second
         may be None) and ``tip`` of the arm where ``capsules`` are those of the tool only.
     """
+    # Transforms from each moved body to the next, and what is at the last of them.
     count = model.nu
     bodies = [0, *model.jnt_bodyid[:count].tolist(), model.body("tool").id]
     frames = [_transform(model, *pair) for pair in pairwise(bodies)]
     camera = _camera_transform(model, "hand")
     low, high = model.jnt_range[:count].T
 
+    # The body: capsules that are known for this arm, or else the shapes of its description.
     joints = [model.joint(number).name for number in range(count)]
     capsules = robot_capsules(arm, joints)
     srdf = None if arm.srdf is None else str(find_file(arm.srdf))

@@ -61,6 +61,7 @@ def equip_robot(spec: mujoco.MjSpec, arm: Robot, description: Description) -> No
     if arm.gains is not None and len(arm.gains) != count:
         raise ValueError(f"gains must be one pair for each of {count} joints, got {arm.gains}")
 
+    # The arm's own joints, ...
     _prepare_arm(spec)
     for index, (name, speed) in enumerate(zip(description.joints, description.speeds, strict=True)):
         joint = spec.joint(name)
@@ -68,6 +69,7 @@ def equip_robot(spec: mujoco.MjSpec, arm: Robot, description: Description) -> No
         gains = _default_gains(joint) if arm.gains is None else arm.gains[index]
         _add_servo(spec, joint, speed, gains)
 
+    # ... and what is at its flange.
     tool = _add_tool(spec, arm.tip)
     _add_camera(tool)
     _add_wrist_sensor(spec)

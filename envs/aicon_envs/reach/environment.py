@@ -119,6 +119,8 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
             ValueError: If a value is not valid; the message names it and says what is.
         """
         super().__init__(render_mode, render_width, render_height)
+
+        # Arguments, ...
         check_choice("target", target, get_args(Target))
         check_choice("start", start, get_args(Start))
         balls = check_integer("balls", balls, 0)
@@ -130,6 +132,7 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         self._position_tolerance = check_number("position_tolerance", position_tolerance, True)
         self._angle_tolerance = check_number("angle_tolerance", angle_tolerance, True)
 
+        # ... the simulated robot, ...
         scene = build_scene(self.robot, balls, ball_radius)
         self._simulation = Simulation(scene)
         self._speed = np.where(scene.turns, np.minimum(scene.speed, speed), scene.speed)
@@ -137,6 +140,7 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         self.observation_space = observation_space(len(scene.joints), target, balls)
         self.action_space = action_space(self._speed)
 
+        # ... and how its episodes begin.
         home = find_home(self.robot, scene.low, scene.high)
         self._draw = EpisodeDrawer(self._simulation, home, start, balls, ball_radius, ball_speed)
 

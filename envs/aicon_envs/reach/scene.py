@@ -241,6 +241,7 @@ def _add_surroundings(spec: mujoco.MjSpec, span: _Span) -> None:
         height=64 * 6,
     )
 
+    # So far away that the whole robot is seen.
     center, size = (span.low + span.high) / 2.0, np.linalg.norm(span.high - span.low)
     away, right = np.array([0.55, -0.7, 0.25]), np.array([0.7, 0.55, 0.0])
     up = np.cross(right, -away)

@@ -49,6 +49,7 @@ def read_description(robot: Robot) -> Description:
     root = parse_description(file)
     check_numbers(root, file)
 
+    # Only the joints on the way to the tip move.
     moving = _joints_to(root, robot.tip, file)
     for joint in moving:
         check_moving(joint, file)
@@ -58,6 +59,7 @@ def read_description(robot: Robot) -> Description:
         elif joint.get("type") == "continuous":
             _drop_ends(joint)
 
+    # What MuJoCo would refuse, or not find.
     assets = _take_meshes(root, file)
     for link in root.findall("link"):
         _drop_impossible_inertia(link)

@@ -36,6 +36,7 @@ def locate(source: str) -> Path:
             "train a policy: python scripts/train_diffusion.py --data DEMONSTRATIONS --out FOLDER"
         )
 
+    # A branch may be moved to anything: only a commit says what is downloaded.
     repository, commit = named["repository"], named["commit"]
     if commit is None:
         raise ComparisonError(

@@ -13,6 +13,7 @@ from aicon_baselines.agents.nav2d.walls import (
     WallFollowing,
     cross,
     dot,
+    restarted,
     sense,
     smaller_turn,
 )
@@ -119,14 +120,7 @@ class Bug2(WallFollowing):
         length = np.linalg.norm(mean, axis=-1, keepdims=True)
         memory = state._replace(to_target=mean / np.maximum(length, 1e-9))
 
-        # Rows that begin take what is fresh.
-        if episode_start is None:
-            return memory
-        rows = []
-        for new, old in zip(fresh, memory, strict=True):
-            starts = episode_start if new.ndim == 1 else episode_start[:, np.newaxis]
-            rows.append(np.where(starts, new, old))
-        return Memory(*rows)
+        return restarted(fresh, memory, episode_start)
 
     def _may_leave(self, around: Surroundings, memory: Memory, offset: FloatArray) -> BoolArray:
         """Whether the line is crossed, nearer to a target that is still ahead."""

@@ -13,6 +13,7 @@ from aicon_baselines.agents.nav2d.walls import (
     WallFollowing,
     cross,
     dot,
+    restarted,
     sense,
     smaller_turn,
     tangent,
@@ -92,14 +93,7 @@ def _recall(around: Surroundings, state: Memory | None, episode_start: BoolArray
     """The memory, anew where an episode begins: no wall was met yet."""
     count = len(around.clearance)
     fresh = Memory(np.zeros(count, np.bool_), np.ones(count), np.zeros(count))
-    if state is None or episode_start is None:
-        return fresh if state is None else state
-
-    return Memory(
-        is_following=state.is_following & ~episode_start,
-        side=np.where(episode_start, fresh.side, state.side),
-        turned=np.where(episode_start, fresh.turned, state.turned),
-    )
+    return fresh if state is None else restarted(fresh, state, episode_start)
 
 
 def _angle(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from aicon_torch.errors import OptionError
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+Remembered = TypeVar("Remembered", bound=tuple[Any, ...])
+"""What an agent remembers: a named tuple of arrays, a row for each of B agents."""
 
 
 class Surroundings(NamedTuple):
@@ -82,6 +85,18 @@ class WallFollowing:
 
         direction = along * tangent(around, side) + toward * around.to_obstacle
         return self.speed * direction
+
+
+def restarted(fresh: Remembered, memory: Remembered, episode_start: BoolArray | None) -> Remembered:
+    """The memory, anew in rows (B,) that begin an episode."""
+    if episode_start is None:
+        return memory
+
+    rows = []
+    for new, old in zip(fresh, memory, strict=True):
+        starts = episode_start if new.ndim == 1 else episode_start[:, np.newaxis]
+        rows.append(np.where(starts, new, old))
+    return type(fresh)(*rows)
 
 
 def sense(observation: Mapping[str, NDArray[Any]]) -> Surroundings:

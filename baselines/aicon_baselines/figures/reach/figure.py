@@ -134,6 +134,7 @@ def draw_picture(recordings: Mapping[str, Recording], path: Path) -> None:
     cells = figure.add_gridspec(count, len(widths), width_ratios=widths, bottom=0.08, **area)
 
     for row, (robot, recording) in enumerate(recordings.items()):
+        # Moments of the episode, ...
         for column, share in enumerate(MOMENTS):
             time = share * recording.steps * recording.time_step
             axes = figure.add_subplot(cells[row, column])
@@ -145,6 +146,7 @@ def draw_picture(recordings: Mapping[str, Recording], path: Path) -> None:
             name = f"{robot}, {time:.1f} s" if share == 0.0 else f"{time:.1f} s"
             axes.set_title(name, loc="left", fontsize=10, pad=4)
 
+        # ... and its curves.
         axes = figure.add_subplot(cells[row, -1])
         ReachRollout(recording).draw_curves(axes)
         if row == 0:
