@@ -1,6 +1,5 @@
 """Exploration: motion in the nullspace of a gradient while the two strongest oppose each other."""
 
-import math
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
@@ -52,7 +51,6 @@ class Exploration:
         exit_cosine: θ_exit of the paper.
         ratio: λ of the paper.
         average_time: Time constant of the motion average, s.
-        average_steps: The same in control steps, in place of a time; None for ``average_time``.
         escape: What is done beyond the text.
         opponent: Whether the dominant gradient is compared with the second strongest (the text), or
             with the strongest of those that oppose it, cos < θ_enter (θ_exit while exploring),
@@ -68,7 +66,6 @@ class Exploration:
     exit_cosine: float = -0.4
     ratio: float = 3.0
     average_time: float = 0.4
-    average_steps: float | None = None
     escape: TrapEscape = field(default_factory=TrapEscape)
     opponent: Literal["second", "opposing"] = "opposing"
     ratio_of: Literal["weights", "magnitudes"] = "magnitudes"
@@ -87,11 +84,6 @@ class Exploration:
             raise OptionError(
                 f"average_time={self.average_time!r}: expected a positive number (s)."
             )
-        if self.average_steps is not None and not 0 < self.average_steps < math.inf:
-            raise OptionError(
-                f"average_steps={self.average_steps!r}: expected a positive number, or None for "
-                "average_time."
-            )
         if self.opponent not in ("second", "opposing"):
             raise OptionError(f"opponent={self.opponent!r}: expected 'second' or 'opposing'.")
         if self.ratio_of not in ("weights", "magnitudes"):
@@ -101,10 +93,6 @@ class Exploration:
     def as_in_paper(cls) -> "Exploration":
         """The text and nothing else; for the average, whose time it leaves open, 1 s."""
         return cls(average_time=1.0, opponent="second", ratio_of="weights")
-
-    def time(self, dt: float) -> float:
-        """Time constant of the motion average, s, with steps of dt."""
-        return self.average_time if self.average_steps is None else self.average_steps * dt
 
     def initial(self, size: int) -> Memory:
         """Not exploring, at rest; what is remembered of a quantity with d components."""
@@ -135,7 +123,7 @@ class Exploration:
             memory.
         """
         # 1. The moving average of the quantity's motion.
-        rate = stack.dt / (stack.dt + self.time(stack.dt))
+        rate = stack.dt / (stack.dt + self.average_time)
         average = torch.lerp(memory["average"], stack.motion, rate)
 
         # 2. Do the two strongest oppose each other (with hysteresis), and is neither much stronger?
@@ -209,7 +197,7 @@ class Exploration:
         path costs more than the steepest slope times its length; where many goals are balanced,
         their costs curve.
         """
-        moved = average * (self.time(stack.dt) / stack.dt)
+        moved = average * (self.average_time / stack.dt)
         standing, here = (torch.zeros_like(average[..., 0]) for _ in range(2))
         for goal in sorted(stack.all_goals):
             standing = standing + stack.displaced_cost(goal, -moved)

@@ -180,7 +180,6 @@ def test_an_escape_that_names_no_goal_of_the_model_is_an_error(field: str) -> No
         ({"exit_cosine": math.nan}, "exit_cosine"),
         ({"ratio": 0.9}, "ratio"),
         ({"average_time": 0.0}, "average_time"),
-        ({"average_steps": 0.0}, "average_steps=0.0"),
         ({"opponent": "third"}, "opponent='third'.*'second' or 'opposing'"),
         ({"ratio_of": "costs"}, "ratio_of='costs'.*'weights' or 'magnitudes'"),
     ],

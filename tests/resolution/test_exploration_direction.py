@@ -66,15 +66,6 @@ def test_the_average_is_an_exponential_moving_one(time: float, dt: float) -> Non
         torch.testing.assert_close(memory["average"], expected)
 
 
-@pytest.mark.parametrize("dt", [0.05, 0.5])
-def test_the_average_may_be_over_steps(dt: float) -> None:
-    """m ← m + (motion − m) / (1 + n), whatever a step lasts."""
-    rule, gradients = literal(average_steps=14.0), pair(0.5)
-    motion = torch.tensor([0.3, -0.1], dtype=torch.float64)
-    _, memory = resolve(rule, gradients, fresh(rule, gradients), motion=motion, dt=dt)
-    torch.testing.assert_close(memory["average"], motion / 15.0)
-
-
 # --- without an average
 
 

@@ -1,7 +1,7 @@
 """Options of the arm's policy."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import torch
@@ -21,7 +21,7 @@ from aicon_torch.parts.validation import (
     check_steps,
     numbers,
 )
-from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution
+from aicon_torch.resolution import NullspaceProjection, Resolution
 
 Sensing = Literal["camera", "pose"]
 """Whether the object is seen by the camera in the hand, or its true pose is observed."""
@@ -44,9 +44,6 @@ REACTION = 0.1
 LAW = Foresight(horizon=REACTION, smoothing=0.0, dither=0.5, dither_steps=5)
 """What the action brings is foreseen until the joints have followed it. Their lag smooths it, and a
 dither must last half of that time to be felt."""
-
-RESOLUTION = NullspaceProjection(exploration=Exploration(average_time=0.8))
-"""In widths of the object the tip moves at half the speed of pushT's pusher, or less."""
 
 CONTACT = ContactOptions(size=0.2, inset=1.0)
 """The contact model, as in pushT; only the T is larger, 0.2 m wide, and its sides are aimed at away
@@ -141,7 +138,7 @@ class Options:
         watchdog: Whether the arm stops on readings that are too old or frozen.
     """
 
-    resolution: Resolution = RESOLUTION
+    resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = LAW
     dtype: torch.dtype = torch.float64
     dt: float = 0.01

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import PLAIN_SUM, WEIGHTED_SUM
 from aicon_baselines.named import Later
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
@@ -12,7 +12,6 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "without_exploration": {"resolution.exploration": None},
     "weighted_sum": WEIGHTED_SUM,
     "sum_with_exploration": PLAIN_SUM,
-    "one_rule": ONE_RULE,
     # What keeps the tip from pushing too far, and the object within reach.
     "without_foresight": {"law": Later("aicon_torch.control:DirectDescent")},
     "foresight_of_a_step": {"law": Later("aicon_torch.control:Foresight", {"dither": 0.0})},

@@ -11,12 +11,3 @@ PLAIN_SUM: Mapping[str, Any] = MappingProxyType(
     {"resolution.projector": "none", "resolution.temperature": None}
 )
 """Gradients are added up as they are; exploration stays."""
-
-ONE_RULE: Mapping[str, Any] = MappingProxyType(
-    {
-        "resolution.temperature": 0.25,
-        "resolution.by_row": False,
-        "resolution.exploration.average_time": 0.7,
-    }
-)
-"""Sharper weights, so that each path may stand for itself, as in the text; and a longer average."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import PLAIN_SUM, WEIGHTED_SUM
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     # The escape from traps: what ends exploration, at which level it moves, and along what.
@@ -16,7 +16,6 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "without_exploration": {"resolution.exploration": None},
     "without_softmax": {"resolution.temperature": None},
     "without_hysteresis": {"resolution.margin": 0.0},
-    "one_rule": ONE_RULE,
     "mechanism_as_in_paper": {
         "resolution.relative": False,
         "resolution.exploration.opponent": "second",

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import ONE_RULE, PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import PLAIN_SUM, WEIGHTED_SUM
 from aicon_baselines.named import Later
 
 PIXEL = 0.5 / 512
@@ -12,6 +12,7 @@ PIXEL = 0.5 / 512
 _ONE_LIKELIHOOD = {"contact.aim": 0.0, "contact.facing": False}
 
 _ONE_GRADIENT = {"law": Later("aicon_torch.control:DirectDescent")}
+_ONE_GRADIENT_FORESEEN = {"law.iterations": 1, "law.step": 1.0}
 _TEXTS_EXPLORATION = {
     "resolution.exploration": Later("aicon_torch.resolution:Exploration.as_in_paper")
 }
@@ -48,9 +49,10 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "without_grouping": {"resolution.by_row": False},
     "second_opponent": {"resolution.exploration.opponent": "second"},
     "mechanism_as_in_paper": _TEXT,
-    "one_rule": ONE_RULE,
-    "one_rule_without_foresight": {**ONE_RULE, **_ONE_GRADIENT},
-    # The text at quasi-static speed: its mechanism, and what it is measured against.
+    # One gradient a step, at the speed of the text: as shipped, where the model foresees that the
+    # step begins; the text's mechanism, where the robot is; and what both are measured against.
+    "one_gradient": _ONE_GRADIENT_FORESEEN,
+    "sum_one_gradient": {**PLAIN_SUM, **_ONE_GRADIENT_FORESEEN},
     "text": {**_TEXT, **_ONE_GRADIENT},
     "text_sum": {**PLAIN_SUM, **_TEXTS_EXPLORATION, **_ONE_GRADIENT},
     "text_steepest": {
