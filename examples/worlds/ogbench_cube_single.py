@@ -9,7 +9,6 @@ own. In this folder:
 The graph is that of picking.py; the fingers turn here, too.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -20,7 +19,7 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
 from picking import PRESETS, SIZE, Hand, Options, build_policy
 
-from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 
@@ -133,28 +132,36 @@ class Oracle:
         deterministic: bool = True,
     ) -> Any:
         """The next actions of the oracle."""
+        # One oracle serves all rows, as it remembers nothing but where to go in the end.
         oracle = ogbench("ogbench.manipspace.oracles.markov.cube_markov").CubeMarkovOracle
         mover = oracle(env=None)
         mover._final_pos, mover._final_yaw = np.array([0.425, 0.0, 0.3]), 0.0
         mover._step, mover._max_step = 0, 10**6
+
         rows = []
         for row in range(len(observation["z_tip"])):
             seen = {name: observation[name][row] for name in READINGS}
-            told = {
-                "proprio/effector_pos": seen["z_tip"][:3],
-                "proprio/effector_yaw": seen["z_tip"][3:] / EDGE,
-                "proprio/gripper_opening": seen["z_jaw"],
-                "proprio/gripper_contact": seen["z_contact"],
-                "privileged/target_block": 0,
-                "privileged/block_0_pos": seen["z_block"][:3],
-                "privileged/block_0_yaw": seen["z_block"][3:] / EDGE,
-                "privileged/target_block_pos": seen["z_goal"],
-                "privileged/target_block_yaw": np.zeros(1),
-            }
-            rows.append(mover.select_action(None, told))
+            rows.append(mover.select_action(None, _as_told(seen)))
         actions = np.stack(rows)
+
+        # It tells by how much to close; the world is sent an opening.
         jaw = 1.0 - (observation["z_jaw"] + actions[:, 4:]).clip(0.0, 1.0)
         return {"tip": actions[:, :4].astype(np.float32), "jaw": jaw.astype(np.float32)}, state
+
+
+def _as_told(seen: dict[str, Any]) -> dict[str, Any]:
+    """What is seen of one world, in the world's own words, as the oracle reads it."""
+    return {
+        "proprio/effector_pos": seen["z_tip"][:3],
+        "proprio/effector_yaw": seen["z_tip"][3:] / EDGE,
+        "proprio/gripper_opening": seen["z_jaw"],
+        "proprio/gripper_contact": seen["z_contact"],
+        "privileged/target_block": 0,
+        "privileged/block_0_pos": seen["z_block"][:3],
+        "privileged/block_0_yaw": seen["z_block"][3:] / EDGE,
+        "privileged/target_block_pos": seen["z_goal"],
+        "privileged/target_block_yaw": np.zeros(1),
+    }
 
 
 # --- the task
@@ -168,16 +175,6 @@ def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
     return side_by_side(lambda: Cube(task, **options), count, horizon)
 
 
-def reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
-    """The seed places the cube and the arm."""
-    return {"seed": [episode.seed for episode in episodes]}
-
-
-def policy_options(condition: str) -> dict[str, Any]:
-    """Nothing: all are told the same."""
-    return {}
-
-
 TASK = Task(
     name="ogbench_cube_single",
     time_step=0.05,
@@ -186,8 +183,6 @@ TASK = Task(
     maps=("table",),
     conditions=CONDITIONS,
     make_env=make_env,
-    reset_arguments=reset_arguments,
-    policy_options=policy_options,
     noiseless=CONDITIONS,
     time_unit="steps",
     model=__name__,

@@ -10,7 +10,6 @@ The graph is that of picking.py.
 """
 
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -21,7 +20,7 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
 from picking import PRESETS, Hand, Options, build_policy
 
-from aicon_baselines.evaluation.task import Episode, Task
+from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 
@@ -160,11 +159,6 @@ def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
     return side_by_side(lambda: PickPlace(condition, **options), count, horizon)
 
 
-def reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
-    """The seed places block and goal."""
-    return {"seed": [episode.seed for episode in episodes]}
-
-
 def policy_options(condition: str) -> dict[str, Any]:
     """How good the block's readings are."""
     return {"noise": 0.005} if condition == "noise" else {}
@@ -178,7 +172,6 @@ TASK = Task(
     maps=("table",),
     conditions=CONDITIONS,
     make_env=make_env,
-    reset_arguments=reset_arguments,
     policy_options=policy_options,
     noiseless=CONDITIONS,
     time_unit="steps",

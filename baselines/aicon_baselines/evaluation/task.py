@@ -29,6 +29,16 @@ class Episode:
         return int(sequence.generate_state(1)[0])
 
 
+def by_seed(episodes: Sequence[Episode]) -> dict[str, Any]:
+    """Each episode begins as its seed says."""
+    return {"seed": [episode.seed for episode in episodes]}
+
+
+def told_nothing(condition: str) -> dict[str, Any]:
+    """No options: a policy is told the same in every condition."""
+    return {}
+
+
 @dataclass(frozen=True)
 class Measure:
     """What else an environment of a task says of an episode.
@@ -90,8 +100,10 @@ class Task:
             `StandStillAfterEnd` and `SideBySide` make one of single environments) and report
             `position` (B, 2), `distance` (B,), both in `length_unit`, `is_success` (B,),
             `collision` (B,) and what `measures` names in `info`.
-        reset_arguments: The arguments of the environment's `reset` that select these episodes.
-        policy_options: What a policy is told about a condition: options of its model.
+        reset_arguments: The arguments of the environment's `reset` that select these episodes; by
+            default their seeds.
+        policy_options: What a policy is told about a condition: options of its model; by default
+            nothing.
         faults: Those of them that may happen at once: ``"late+bias"`` is a condition as well.
         noiseless: Conditions without noise, where the repeats of an episode would be copies of it.
         length_unit: Unit of the lengths in the rows.
@@ -118,8 +130,8 @@ class Task:
     maps: tuple[str, ...]
     conditions: tuple[str, ...]
     make_env: Callable[..., VectorEnv[Any, Any, Any]]
-    reset_arguments: Callable[[Sequence[Episode]], dict[str, Any]]
-    policy_options: Callable[[str], dict[str, Any]]
+    reset_arguments: Callable[[Sequence[Episode]], dict[str, Any]] = by_seed
+    policy_options: Callable[[str], dict[str, Any]] = told_nothing
     faults: tuple[str, ...] = ()
     noiseless: tuple[str, ...] = ()
     length_unit: Literal["m", "px"] = "m"

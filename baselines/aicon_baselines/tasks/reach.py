@@ -5,13 +5,12 @@ A condition names the robot, what counts, where the joints start and what else i
 """
 
 import math
-from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
 from gymnasium.vector import VectorEnv
 
-from aicon_baselines.evaluation.task import Episode, Look, Measure, Task
+from aicon_baselines.evaluation.task import Look, Measure, Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_envs.reach import ReachEnv
 
@@ -53,10 +52,6 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
     return side_by_side(make_one, count, horizon)
 
 
-def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
-    return {"seed": [episode.seed for episode in episodes]}
-
-
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its robot, what counts, how fast it may be, and of balls if there are any."""
     arguments = _ARGUMENTS[condition]
@@ -87,7 +82,6 @@ TASK = Task(
         "so101_axis_{home,random}",
     ),
     make_env=_make_env,
-    reset_arguments=_reset_arguments,
     policy_options=_policy_options,
     noiseless=tuple(_ARGUMENTS),
     milestones=(250, 500),
