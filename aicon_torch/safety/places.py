@@ -6,7 +6,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.stuck import Escape, spread, time_of
+from aicon_torch.safety.stuck import WayOut, spread, time_of
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
@@ -40,7 +40,7 @@ def initial_places(size: int) -> Memory:
     }
 
 
-class Places(Escape):
+class Places(WayOut):
     """Detects that an actuator is held up, and moves it to another place.
 
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by

@@ -46,8 +46,8 @@ def initial_escape(size: int) -> Memory:
     }
 
 
-class Escape:
-    """What the ways out have in common: while escaping, the actuator goes in one direction.
+class WayOut:
+    """A way out of where an actuator is held up: while it escapes, it goes in one direction.
 
     Args:
         limits: Of the actuator, ``(n,)``.
@@ -69,7 +69,7 @@ class Escape:
         return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
 
 
-class Stalemate(Escape):
+class Stalemate(WayOut):
     """Detects that an actuator is held up, and moves it to where its goals are tried anew.
 
     Three states and what leads from one to another:
