@@ -38,8 +38,11 @@ def episode(name: str, condition: str, seed: int) -> tuple[Any, Any, Any]:
 def main() -> None:
     """One episode in each world; to the right is where the block is to go."""
     _, axes = plt.subplots(1, 3, figsize=(12, 3.4), sharey=True, layout="constrained")
+
     for axis, (title, chosen) in zip(axes, WORLDS.items(), strict=True):
         tips, blocks, goal = episode(*chosen)
+
+        # Along the straight way from where the block lay to its place.
         way = (goal - blocks[0])[:2]
         along = way / np.linalg.norm(way)
         for places, color, label in ((tips, "tab:blue", "tip"), (blocks, "tab:orange", "block")):
@@ -47,8 +50,10 @@ def main() -> None:
             axis.plot(100 * x, 100 * z, ".-", color=color, label=label)
         axis.plot(100 * np.linalg.norm(way), 100 * goal[2], "*", color="tab:red", markersize=14)
         axis.plot(0, 100 * blocks[0][2], "s", color="black", markersize=8)
+
         axis.set_title(f"{title}: {len(tips)} steps", fontsize=10)
         axis.set_xlabel("toward the place (cm)")
+
     axes[0].set_ylabel("height (cm)")
     axes[0].legend(frameon=False)
     plt.savefig(IMAGE, dpi=90)
