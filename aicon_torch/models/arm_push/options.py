@@ -41,7 +41,7 @@ T_CORNERS: tuple[tuple[float, float], ...] = (
 REACTION = 0.1
 """Time constant with which the joints' velocities follow their commands, s."""
 
-LAW = Foresight(horizon=REACTION, smoothing=0.0, dither=0.5, dither_steps=5)
+LAW = Foresight(horizon=1.2 * REACTION, smoothing=0.0, dither=0.5, dither_steps=5)
 """What the action brings is foreseen until the joints have followed it. Their lag smooths it, and a
 dither must last half of that time to be felt."""
 

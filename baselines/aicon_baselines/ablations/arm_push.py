@@ -3,7 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import (
+    ONE_GRADIENT,
+    PLAIN_SUM,
+    TEXT_SUM,
+    WEIGHTED_SUM,
+    WITHOUT_FORESIGHT,
+)
 from aicon_baselines.named import Later
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
@@ -12,8 +18,17 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "without_exploration": {"resolution.exploration": None},
     "weighted_sum": WEIGHTED_SUM,
     "sum_with_exploration": PLAIN_SUM,
+    # The text's rule by one gradient a step, where the robot is, and a sum in its place. The text's
+    # softmax compares gradients as they are: an object goes as far as the stick that touches it.
+    "text": {
+        "resolution": Later("aicon_torch.resolution:NullspaceProjection.as_in_paper"),
+        **WITHOUT_FORESIGHT,
+        "contact.step": 1 / 4,
+    },
+    "text_sum": TEXT_SUM,
     # What keeps the tip from pushing too far, and the object within reach.
-    "without_foresight": {"law": Later("aicon_torch.control:DirectDescent")},
+    "one_gradient": ONE_GRADIENT,
+    "without_foresight": WITHOUT_FORESIGHT,
     "foresight_of_a_step": {"law": Later("aicon_torch.control:Foresight", {"dither": 0.0})},
     "without_friction": {"stick_friction": 0.0},
     "without_inset": {"contact.inset": 0.0},

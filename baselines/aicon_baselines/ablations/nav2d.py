@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import ONE_GRADIENT, PLAIN_SUM, WEIGHTED_SUM
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
+    "one_gradient": ONE_GRADIENT,
     # The escape from traps: what ends exploration, at which level it moves, and along what.
     "without_progress_exit": {"resolution.exploration.escape.progress": None},
     "without_level_hold": {"resolution.exploration.escape.hold": None},

@@ -3,7 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import PLAIN_SUM, WEIGHTED_SUM
+from aicon_baselines.ablations.mechanism import (
+    ONE_GRADIENT,
+    PLAIN_SUM,
+    TEXT_SUM,
+    TEXTS_EXPLORATION,
+    WEIGHTED_SUM,
+    WITHOUT_FORESIGHT,
+)
 from aicon_baselines.named import Later
 
 PIXEL = 0.5 / 512
@@ -11,16 +18,10 @@ PIXEL = 0.5 / 512
 
 _ONE_LIKELIHOOD = {"contact.aim": 0.0, "contact.facing": False}
 
-_ONE_GRADIENT = {"law": Later("aicon_torch.control:DirectDescent")}
-_ONE_GRADIENT_FORESEEN = {"law.iterations": 1, "law.step": 1.0}
-_TEXTS_EXPLORATION = {
-    "resolution.exploration": Later("aicon_torch.resolution:Exploration.as_in_paper")
-}
-
 # The text's softmax compares gradients as they are, so that their scale counts. An object goes as
 # far as the pusher that touches it: x_obj moves by s p(d) with p = exp(-d/l), hence s = l.
 _TEXT = {
-    **_TEXTS_EXPLORATION,
+    **TEXTS_EXPLORATION,
     "resolution.relative": False,
     "contact.step": 1 / 4,
 }
@@ -51,17 +52,17 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "mechanism_as_in_paper": _TEXT,
     # One gradient a step, at the speed of the text: as shipped, where the model foresees that the
     # step begins; the text's mechanism, where the robot is; and what both are measured against.
-    "one_gradient": _ONE_GRADIENT_FORESEEN,
-    "sum_one_gradient": {**PLAIN_SUM, **_ONE_GRADIENT_FORESEEN},
-    "text": {**_TEXT, **_ONE_GRADIENT},
-    "text_sum": {**PLAIN_SUM, **_TEXTS_EXPLORATION, **_ONE_GRADIENT},
+    "one_gradient": ONE_GRADIENT,
+    "sum_one_gradient": {**PLAIN_SUM, **ONE_GRADIENT},
+    "text": {**_TEXT, **WITHOUT_FORESIGHT},
+    "text_sum": TEXT_SUM,
     "text_steepest": {
         "resolution": Later("aicon_torch.resolution:SteepestPath"),
-        **_ONE_GRADIENT,
+        **WITHOUT_FORESIGHT,
     },
     # From the gradient to the command.
     "without_smoothing": {"law.smoothing": 0.0},
-    "without_foresight": _ONE_GRADIENT,
+    "without_foresight": WITHOUT_FORESIGHT,
     "without_dither": {"law.dither": 0.0},
     "without_lag_compensation": {"compensate_lag": False},
 }
