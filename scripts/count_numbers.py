@@ -35,13 +35,14 @@ GIVEN = frozenset(
 )
 """Options that describe what there is, and decide nothing about the behaviour."""
 
-PRIVILEGED = frozenset({"expected_place", "height", "law.horizon", "stick_friction"})
-"""Options that hold the simulation's own numbers: where the object starts, half its thickness, the
-servos' time constant, the friction at the stick."""
+PRIVILEGED = frozenset({"expected_place", "height", "options.REACTION", "stick_friction"})
+"""Options and constants that hold the simulation's own numbers: where the object starts, half its
+thickness, the servos' time constant, the friction at the stick."""
 
 CONSTANTS: dict[str, dict[str, tuple[str, ...]]] = {
     "nav2d": {"graph": ("COLLISION_LENGTH", "TARGET_DISTANCE", "TARGET_DISTANCE_DEVIATION")},
     "arm_push": {
+        "options": ("REACTION",),
         "limits": ("TIP_SPEED", "JOINT_SPEED", "SETTLING_TIME"),
         "perception": ("TRUSTED_SCORE",),
         "pushed_object": ("SIDE_FORCE", "SIDE_DEVIATION", "TOP_FORCE", "TOP_DEVIATION"),
@@ -102,8 +103,10 @@ def numbers_of(task: str) -> Numbers:
     for module, names in CONSTANTS.get(task, {}).items():
         constants = vars(import_module(f"{MODELS[task]}.{module}"))
         for constant in names:
-            parts = leaves(f"{module}.{constant}", constants[constant])
-            numbers.by_hand.update({name: how_many(value) for name, value in parts})
+            name = f"{module}.{constant}"
+            kind = numbers.privileged if name in PRIVILEGED else numbers.by_hand
+            parts = leaves(name, constants[constant])
+            kind.update({part: how_many(value) for part, value in parts})
     if any(name.startswith("dampers") for name in options):
         numbers.by_hand.update(safety_constants())
     return numbers
