@@ -95,11 +95,10 @@ class Writer:
             numbers = list(np.broadcast_to(array, shape).reshape(-1))
             if numbers[0].kind == "int":
                 return None
-            found = self._in_one_array(numbers)
             if all(number is numbers[0] for number in numbers):
                 arguments.append(numbers[0])
                 places.append("{}")
-            elif found is not None:
+            elif (found := self._in_one_array(numbers)) is not None:
                 reads_array = True
                 arguments.append(found[0])
                 places.append(found[1])
@@ -182,8 +181,9 @@ class Writer:
                 return None
             places.append(found[1])
 
-        text = f"{{}}[{self.program.table(places)}[i]]"
-        if places == list(range(first, first + len(places))):
+        if places != list(range(first, first + len(places))):
+            text = f"{{}}[{self.program.table(places)}[i]]"
+        else:
             text = f"{{}}[i + {first}]" if first else "{}[i]"
         return self.program.array(array), text
 

@@ -119,7 +119,7 @@ def repeated_function(
 def _member(number: Number) -> str:
     """The declaration of where a number, or an array, is kept."""
     size = f"[{number.value[-1]}]" if is_array(number) else ""
-    return f"{_type(number)} v{number.index}{size};"
+    return f"{TYPES[number.kind]} v{number.index}{size};"
 
 
 def _keep(number: Number, body: Statements) -> str:
@@ -133,12 +133,7 @@ def _keep(number: Number, body: Statements) -> str:
 def _recall(number: Number) -> str:
     """What reads it again."""
     pointer = "*" if is_array(number) else ""
-    return f"  const {_type(number)} {pointer}v{number.index} = kept->v{number.index};"
-
-
-def _type(number: Number) -> str:
-    """The type of a number, or of each of an array."""
-    return TYPES[number.kind]
+    return f"  const {TYPES[number.kind]} {pointer}v{number.index} = kept->v{number.index};"
 
 
 def _tables(program: Program) -> list[str]:
@@ -163,11 +158,11 @@ def _parameters(inputs: Iterable[str], outputs: Iterable[str], *between: str) ->
 def _assignments(writes: Iterable[Write], body: Statements) -> list[str]:
     """What writes the outputs."""
     lines: list[str] = []
-    for output, place, number, first, count in writes:
+    for output, place, number, first, length in writes:
         text = body.text(number)
         if first is None:
             lines.append(f"  {output}[{place}] = {text};")
         else:
-            size = f"{count} * sizeof(real)"
+            size = f"{length} * sizeof(real)"
             lines.append(f"  memcpy({output} + {place}, {text} + {first}, {size});")
     return lines
