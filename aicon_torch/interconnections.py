@@ -99,7 +99,8 @@ class Interconnection(Node):
         """Evaluate the relation on the values that it reads."""
         inputs = [values[name] for name in self.inputs]
         if self._takes_one_batch:
-            return _in_one_batch(self.function, inputs)
+            batched: Tensor = _in_one_batch(self.function, inputs)
+            return batched
         value: Tensor = self.function(*inputs)
         return value
 
@@ -306,7 +307,7 @@ def copied(values: Values, *count: int) -> dict[str, Tensor]:
     return copies
 
 
-def _in_one_batch(function: Callable[..., Tensor], inputs: Sequence[Tensor]) -> Tensor:
+def _in_one_batch(function: Callable[..., Any], inputs: Sequence[Tensor]) -> Any:
     """What a function returns that takes one batch dimension; it reads a vector at least.
 
     Vectors ``(*B, n)`` are given to it as ``(N, n)``, and matrices ``(*B, n, m)`` as ``(N, n, m)``;
@@ -325,6 +326,8 @@ def _in_one_batch(function: Callable[..., Tensor], inputs: Sequence[Tensor]) -> 
         flat.append(value)
 
     output = function(*flat)
+    if isinstance(output, tuple):  # a prior's mean and covariance
+        return tuple(torch.reshape(each, (*batch, *each.shape[1:])) for each in output)
     return torch.reshape(output, (*batch, *output.shape[1:]))
 
 

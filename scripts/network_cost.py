@@ -2,9 +2,10 @@
 
 Example: python scripts/network_cost.py --rounds 30
 
-The network, which is not trained, reads the keypoints and moves the residual of the object's pose
-by a little. Readable, compiled and exported steps are compared from the same memories in an
-episode. Times are those of the processor; with and without the network take turns.
+A network that is not trained reads the keypoints and moves the residual of the object's pose by a
+little; another one, which is, sees the pose in pictures of 48 × 48 pixels. Readable, compiled and
+exported steps are compared from the same memories in an episode. Times are those of the processor;
+the policies take turns.
 """
 
 import argparse
@@ -18,6 +19,9 @@ from aicon_baselines.cli.command_line import Command, add_option, run_command
 STEPS = 50
 """Of the episode in which steps are compared."""
 
+SIDE = 48
+"""Of a picture, pixels."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how long to measure."""
@@ -26,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print a line for pushT without the network, and one with it."""
+    """Print a line for pushT without a network, and one with each."""
     import torch
 
     from aicon_baselines.cli.bench import observations_of_one
@@ -35,9 +39,18 @@ def run(arguments: argparse.Namespace) -> None:
     from aicon_torch import make_policy
 
     torch.set_num_threads(1)
-    observations = observations_of_one("pusht", "deterministic", STEPS)
+    corners = observations_of_one("pusht", "deterministic", STEPS)
+    pictures = [
+        {**seen, "pixels": seen["pixels"].reshape(-1).astype(float)}
+        for seen in observations_of_one("pusht", "pixels_48", STEPS)
+    ]
+    cases: dict[str, Any] = {
+        "without": (lambda: make_policy("pusht"), corners),
+        "with": (with_network, corners),
+        "of pictures": (with_picture, pictures),
+    }
     lines, programs = [], {}
-    for name, build in {"without": lambda: make_policy("pusht"), "with": with_network}.items():
+    for name, (build, observations) in cases.items():
         with tempfile.TemporaryDirectory() as cache:  # nothing is compiled there yet
             os.environ["XDG_CACHE_HOME"] = cache
             compiled, seconds = compile_here(build(), observations[0])
@@ -59,7 +72,7 @@ def with_network() -> Any:
     import torch
     from torch import Tensor, nn
 
-    from aicon_torch import EKF, Interconnection, Measurement, Policy, WorldModel, make_policy
+    from aicon_torch import Interconnection, Measurement, make_policy
     from aicon_torch.interconnections import Constant
 
     torch.manual_seed(0)
@@ -82,27 +95,76 @@ def with_network() -> Any:
             moved: Tensor = self.residual(x_pose, z_keypoints) + 1e-4 * self.network(z_keypoints)
             return moved
 
-    policy = make_policy("pusht")
-    model, estimators = policy.model, list(policy.model.declaration.estimators)
-    place = next(place for place, each in enumerate(estimators) if "x_pose" in each.outputs)
-    pose: Any = estimators[place]
+    policy: Any = make_policy("pusht")
+    pose = _pose(policy)
     moved = Moved(pose.measurements[0].residual.function)
     residual = Interconnection(moved, x_pose=Constant(torch.eye(3)))
     noise = pose.measurements[0].noise.constant.diagonal().tolist()
-    estimators[place] = EKF(
+    process = pose.noise.constant.diagonal().tolist()
+    print(f"{sum(weight.numel() for weight in moved.network.parameters())} weights")
+    return _changed(policy, pose, process, pose.prior, Measurement(residual, noise, size=3))
+
+
+def with_picture() -> Any:
+    """PushT's policy with pictures as readings, and the network that sees them in its graph."""
+    import torch
+    from torch import Tensor, nn
+
+    from aicon_baselines.tasks import load
+    from aicon_torch import Interconnection, Measurement, Sensor, make_policy
+    from aicon_torch.interconnections import Constant
+    from aicon_torch.models.pusht.picture import first_sight, seen_off, seen_variances
+
+    class Seen(nn.Module):
+        """What is made of the pose that a network sees in a picture."""
+
+        def __init__(self, make: Any) -> None:
+            super().__init__()
+            self.make, self.network = make, network
+
+        def forward(self, z_picture: Tensor, *others: Tensor) -> Any:
+            pictures = z_picture.reshape(-1, SIDE, SIDE, 3).movedim(-1, -3)
+            return self.make(*others, self.network(pictures / 255).pose)
+
+    policy: Any = make_policy("pusht", **load("pusht").policy_options("pixels_48"))
+    network, pose = policy.perception.network, _pose(policy)
+    residual = Interconnection(
+        Seen(seen_off), inputs=["z_picture", "x_pose"], x_pose=Constant(torch.eye(3))
+    )
+    noise = Interconnection(Seen(seen_variances), inputs=["z_picture"])
+    first = Interconnection(Seen(first_sight), inputs=["z_picture"])
+    picture = Sensor(SIDE * SIDE * 3, "grey levels", key="pixels", optional=True)
+    measurement = Measurement(residual, noise, size=3)
+    return _changed(policy, pose, pose.noise.relation, first, measurement, z_picture=picture)
+
+
+def _pose(policy: Any) -> Any:
+    """The estimator of the object's pose."""
+    return next(each for each in policy.model.declaration.estimators if "x_pose" in each.outputs)
+
+
+def _changed(
+    policy: Any, pose: Any, noise: Any, initial: Any, measurement: Any, **sensors: Any
+) -> Any:
+    """A policy whose object is estimated otherwise, and seen by other sensors if any are given."""
+    import torch
+
+    from aicon_torch import EKF, Policy, WorldModel
+
+    model = policy.model
+    estimator = EKF(
         "x_pose",
         "P_pose",
         predict=pose.predict,
-        noise=pose.noise.constant.diagonal().tolist(),
-        initial=pose.prior,
+        noise=noise,
+        initial=initial,
         size=3,
-        correct=[Measurement(residual, noise, size=3)],
+        correct=[measurement],
     )
-    print(f"{sum(weight.numel() for weight in moved.network.parameters())} weights")
     changed = WorldModel(
-        sensors=model.sensors,
+        sensors={"z_pusher": model.sensors["z_pusher"], **sensors} if sensors else model.sensors,
         actuators=model.actuators,
-        estimators=estimators,
+        estimators=[estimator if e is pose else e for e in model.declaration.estimators],
         goals=list(model.goals.values()),
         dt=model.dt,
         dtype=torch.float64,

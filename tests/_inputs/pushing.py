@@ -96,6 +96,20 @@ def wandering(
     return readings
 
 
+def touching(steps: int, batch: int, seed: int = 0) -> list[dict[str, Tensor]]:
+    """Readings, in px, of a pusher that is so close to the T that it pushes it every other step."""
+    body, pose = body_of(), poses(batch, seed)
+    pusher = outside(body, pose, 8 * PIXEL, seed + 5)
+    spread = torch.tensor([PIXEL, PIXEL, 0.01], dtype=torch.float64)
+
+    readings = []
+    for step in range(steps):
+        place = pusher + 0.5 * PIXEL * normal(batch, 2, seed=seed + 10 + step)
+        seen = pose + spread * normal(batch, 3, seed=seed + 50 + step)
+        readings.append(in_pixels(body, seen, place))
+    return readings
+
+
 def without(reading: dict[str, Tensor], *keys: str) -> dict[str, Tensor]:
     """A reading that lacks some of its keys."""
     return {name: value for name, value in reading.items() if name not in keys}

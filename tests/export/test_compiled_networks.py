@@ -9,7 +9,16 @@ from _asserts import assert_same_steps
 from _inputs import MOVE, normal, tracked_point, tracking_model
 from torch import Tensor, nn
 
-from aicon_torch import Actuator, DirectDescent, Goal, Interconnection, Measurement, Policy, Sum
+from aicon_torch import (
+    Actuator,
+    DirectDescent,
+    Goal,
+    Interconnection,
+    Measurement,
+    Policy,
+    Sensor,
+    Sum,
+)
 from aicon_torch.export import inductor
 from aicon_torch.export.codegen import has_compiler
 
@@ -130,6 +139,37 @@ def test_convolutions_are_loops_in_c(caplog: pytest.LogCaptureFixture, tmp_path:
     assert len(source.splitlines()) < 20_000  # not a line for each of 27,000 weights and more
 
     readings = [{"z": 2.0 + normal(2, seed=seed)} for seed in range(4)]
+    assert_same_steps(policy, policy.compile(), readings)
+    assert warnings_in(caplog) == []
+
+
+class SeenInPicture(nn.Module):
+    """A residual that is read off a picture, whose colours come last."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        convolution = nn.Conv2d(3, 6, 3, stride=2, padding=1)
+        self.layers = nn.Sequential(convolution, nn.ReLU(), nn.Flatten(), nn.Linear(486, 2))
+
+    def forward(self, p: Tensor, z: Tensor) -> Tensor:
+        pictures = z.unflatten(-1, (17, 17, 3)).movedim(-1, -3)
+        share = pictures.flatten(-2).softmax(-1).amax(-1)
+        return p - self.layers(pictures / 255) + share[..., :2]
+
+
+def test_a_picture_that_may_be_missing_is_loops_in_c(
+    caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    torch.manual_seed(0)
+    size = 17 * 17 * 3
+    point = tracked_point(correct=[Measurement(with_unit_slope(SeenInPicture()), 0.1, size=2)])
+    sensors = {"z": Sensor(size, "grey levels", optional=True, range=(-1e3, 1e3))}
+    policy = Policy(tracking_model(MOVE, point, sensors=sensors), Sum(), DirectDescent(gain=1.0))
+    policy.export(tmp_path / "policy.c")
+    assert len((tmp_path / "policy.c").read_text().splitlines()) < 4 * size
+
+    readings = [{"z": 9.0 * normal(size, seed=seed)} for seed in range(5)]
+    readings[2]["z"][size - 1] = torch.nan
     assert_same_steps(policy, policy.compile(), readings)
     assert warnings_in(caplog) == []
 

@@ -74,6 +74,28 @@ def test_layers_that_take_one_batch_dimension_fit(name: str) -> None:
     assert_rows_stand_alone(policy, readings, rows=[0, 1])
 
 
+def test_a_network_tells_where_an_estimate_begins() -> None:
+    """It takes one batch dimension, and tells a mean and a covariance."""
+
+    class First(nn.Module):
+        def __init__(self) -> None:
+            super().__init__()
+            self.layers = nn.Sequential(*CONVOLUTIONS)
+
+        def forward(self, z: Tensor) -> tuple[Tensor, Tensor]:
+            mean = self.layers(z)
+            return mean, torch.diag_embed(mean.exp())
+
+    measurement = Measurement(Seen(*CONVOLUTIONS).eval(), noise=0.1, size=2)
+    point = tracked_point(initial=First().eval(), size=2, correct=[measurement])
+    sensors = {"z": Sensor(BEAMS, "m")}
+    actuators = {"a": Actuator(2, "m/s", limit=1.0)}
+    model = tracking_model(MOVE, point, sensors=sensors, actuators=actuators)
+    policy = Policy(model, Sum(), DirectDescent(gain=1.0))
+    readings = [{"z": normal(3, 2, BEAMS, seed=seed)} for seed in range(3)]
+    assert_rows_stand_alone(policy, readings, rows=[0, 1])
+
+
 def test_a_network_that_reads_a_matrix_beside_a_vector_fits() -> None:
     """A covariance keeps its two dimensions."""
 

@@ -8,16 +8,22 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number, Program, whole_array
+from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number, Program, array_and_place
 
 Array = NDArray[Any]
 """The numbers of a tensor, in its shape."""
 
 LOOPED = 256
-"""Numbers from which on an operation on the results of a routine is a loop."""
+"""Numbers from which on an operation on those of one array is a loop."""
+
+OFTEN = 16
+"""How often numbers that are in no array are read in a loop, if they are."""
 
 REDUCED = ("add", "maximum")
 """Operations along all of an array that are a loop as well."""
+
+COUNTED = ("or", "and")
+"""Operations on truth values along all of an array that come to how many are true."""
 
 COMPARISONS = ("eq", "ne", "lt", "le", "gt", "ge")
 
@@ -53,6 +59,10 @@ class Writer:
 
     def cast(self, values: Array, kind: Kind) -> Array:
         """The values as another kind."""
+        if values.size and values.flat[0].kind != kind:
+            looped = self._looped(f"to_{kind}", kind, [values])
+            if looped is not None:
+                return looped
         return self._each(lambda value: self.program.cast(value, kind), values)
 
     def map(self, operation: str, kind: Kind, *values: Any) -> Array:
@@ -73,32 +83,36 @@ class Writer:
         """The operation as a loop over arrays of many numbers; None where they are not."""
         shape = np.broadcast_shapes(*[array.shape for array in arrays])
         count = int(np.prod(shape))
-        if count < LOOPED or (kind != "real" and operation not in COMPARISONS):
+        if count < LOOPED or kind == "int":
             return None
 
-        # For each argument what the loop reads: one number for all, an array, or a table of
-        # constants.
+        # For each argument what the loop reads: one number for all, an array, a table of constants,
+        # or a few numbers again and again.
+        reads_array = False
         arguments: list[Number] = []
         places: list[str] = []
-        for index, array in enumerate(arrays):
+        for array in arrays:
             numbers = list(np.broadcast_to(array, shape).reshape(-1))
-            is_condition = operation == "where" and index == 0
-            if numbers[0].kind != ("bool" if is_condition else "real"):
+            if numbers[0].kind == "int":
                 return None
-            source = whole_array(numbers)
             if all(number is numbers[0] for number in numbers):
                 arguments.append(numbers[0])
                 places.append("{}")
-            elif source is not None:
-                arguments.append(source)
-                places.append("{}[i]")
+            elif (found := self._in_one_array(numbers)) is not None:
+                reads_array = True
+                arguments.append(found[0])
+                places.append(found[1])
             elif all(number.operation == CONSTANT for number in numbers):
                 places.append(f"{self.program.table([n.value for n in numbers])}[i]")
             else:
-                return None
+                few = {number: place for place, number in enumerate(dict.fromkeys(numbers))}
+                if len(few) * OFTEN > count:
+                    return None
+                arguments.append(self.program.list(list(few)))
+                places.append(f"{{}}[{self.program.table([few[n] for n in numbers])}[i]]")
 
         # Without an array there is nothing to loop over.
-        if "{}[i]" not in places:
+        if not reads_array:
             return None
         return as_array(self.program.loop(operation, arguments, places, kind, count), shape)
 
@@ -113,21 +127,65 @@ class Writer:
         rows = last.reshape(*kept, -1)
 
         # Many numbers are reduced by a loop of C, ...
-        if operation in REDUCED and rows.size >= LOOPED and kind == "real":
-            source = whole_array(list(rows.reshape(-1)))
-            if source is not None and source.kind == "real":
-                count = rows.size // rows.shape[-1]
-                sizes = (rows.shape[-1], count, count)
-                call = self.program.call(f"{operation}_rows", [source], sizes)
-                items = [self.program.item(call, place) for place in range(count)]
-                reduced = as_array(items, kept)
-                return np.expand_dims(reduced, tuple(dims)) if keeps else reduced
+        reduced = self._reduced(operation, kind, rows) if rows.size >= LOOPED else None
+        if reduced is not None:
+            return np.expand_dims(reduced, tuple(dims)) if keeps else reduced
 
         # ... and few are written out one by one.
         result = self.cast(rows[..., 0], kind)
         for place in range(1, rows.shape[-1]):
             result = self.map(operation, kind, result, rows[..., place])
         return np.expand_dims(result, tuple(dims)) if keeps else result
+
+    def _reduced(self, operation: str, kind: Kind, rows: Array) -> Array | None:
+        """Each row reduced by a loop; None where there is no array of the rows, or no such loop."""
+        # Whether any are true, or all of them, is how many are.
+        if operation in COUNTED and self._in_one_array(list(rows.reshape(-1))) is not None:
+            ones = self.cast(self.cast(rows, "bool"), "real")
+            true = self.reduce("add", "real", ones, [-1], False)
+            enough = 1.0 if operation == "or" else float(rows.shape[-1])
+            return self.map("ge", "bool", true, enough)
+        if operation not in REDUCED or kind != "real":
+            return None
+
+        source = self.whole(list(rows.reshape(-1)))
+        if source is None:
+            return None
+        count = rows.size // rows.shape[-1]
+        sizes = (rows.shape[-1], count, count)
+        call = self.program.call(f"{operation}_rows", [source], sizes)
+        items = [self.program.item(call, place) for place in range(count)]
+        return as_array(items, rows.shape[:-1])
+
+    def whole(self, numbers: Sequence[Number]) -> Number | None:
+        """An array that begins with some real numbers; None where they are not in one."""
+        found = self._in_one_array(numbers)
+        if found is None or numbers[0].kind != "real":
+            return None
+        array, place = found
+        if place == "{}[i]":
+            return array
+        copy = self.program.loop("to_real", [array], [place], "real", len(numbers))
+        return copy[0].arguments[0]
+
+    def _in_one_array(self, numbers: Sequence[Number]) -> tuple[Number, str] | None:
+        """The array that some numbers are in, and what of it is the one at place i, in C."""
+        start = array_and_place(numbers[0])
+        if start is None:
+            return None
+        array, first = start
+        places: list[int] = []
+        for number in numbers:
+            found = array_and_place(number)
+            if found is None or found[0] != array:
+                return None
+            places.append(found[1])
+
+        if places != list(range(first, first + len(places))):
+            text = f"{{}}[{self.program.table(places)}[i]]"
+        else:
+            text = f"{{}}[i + {first}]" if first else "{}[i]"
+        return self.program.array(array), text
 
     def pick(self, candidates: Sequence[Number], index: Number) -> Number:
         """The candidate at an index, which may be known when the program runs only."""

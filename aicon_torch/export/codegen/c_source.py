@@ -6,8 +6,8 @@ import torch
 
 from aicon_torch.export.codegen.arrays import Array
 from aicon_torch.export.codegen.functions import FUNCTIONS
-from aicon_torch.export.codegen.scalars import LIST, Number, Program
-from aicon_torch.export.codegen.splitting import numbers_behind, roots_of, split_by
+from aicon_torch.export.codegen.scalars import Number, Program
+from aicon_torch.export.codegen.splitting import numbers_behind, split_by
 from aicon_torch.export.codegen.statements import (
     ROUTINES,
     TYPES,
@@ -15,6 +15,7 @@ from aicon_torch.export.codegen.statements import (
     is_array,
     suffix_of,
 )
+from aicon_torch.export.codegen.writes import Write, writes_of
 
 
 def prelude(dtype: torch.dtype) -> str:
@@ -55,14 +56,15 @@ def function(
         inputs: The names of its inputs.
         outputs: The numbers of each output, which are written as real ones.
     """
-    results = roots_of(outputs)
+    writes = writes_of(program, outputs)
+    results = [write.number for write in writes]
     body = Statements(program, numbers_behind(program, results), results)
     return "\n".join(
         [
             *_tables(program),
             f"static void {name}({_parameters(inputs, outputs)}) {{",
             *body.lines(),
-            *_assignments(outputs, body),
+            *_assignments(writes, body),
             "}\n",
         ]
     )
@@ -89,9 +91,11 @@ def repeated_function(
         varying: The names of inputs that differ from call to call.
     """
     # What depends on nothing that varies is computed once, and kept in a struct.
-    split = split_by(program, outputs, varying)
+    writes = writes_of(program, outputs)
+    results = [write.number for write in writes]
+    split = split_by(program, results, varying)
     once = Statements(program, split.once, split.kept)
-    each_time = Statements(program, split.each_time, roots_of(outputs))
+    each_time = Statements(program, split.each_time, results)
 
     fixed = [input for input in inputs if input not in varying]
     kept = f"struct {name}_kept *restrict kept"
@@ -106,7 +110,7 @@ def repeated_function(
             f"static void {name}({_parameters(inputs, outputs, f'const {kept}')}) {{",
             *map(_recall, split.kept),
             *each_time.lines(),
-            *_assignments(outputs, each_time),
+            *_assignments(writes, each_time),
             "}\n",
         ]
     )
@@ -115,7 +119,7 @@ def repeated_function(
 def _member(number: Number) -> str:
     """The declaration of where a number, or an array, is kept."""
     size = f"[{number.value[-1]}]" if is_array(number) else ""
-    return f"{_type(number)} v{number.index}{size};"
+    return f"{TYPES[number.kind]} v{number.index}{size};"
 
 
 def _keep(number: Number, body: Statements) -> str:
@@ -129,22 +133,18 @@ def _keep(number: Number, body: Statements) -> str:
 def _recall(number: Number) -> str:
     """What reads it again."""
     pointer = "*" if is_array(number) else ""
-    return f"  const {_type(number)} {pointer}v{number.index} = kept->v{number.index};"
-
-
-def _type(number: Number) -> str:
-    """The type of a number, or of each of an array: what routines and loops give is real."""
-    gives_real = is_array(number) and number.operation != LIST
-    return "real" if gives_real else TYPES[number.kind]
+    return f"  const {TYPES[number.kind]} {pointer}v{number.index} = kept->v{number.index};"
 
 
 def _tables(program: Program) -> list[str]:
     """The tables of constants, each once in a file."""
     lines: list[str] = []
     for name, values in program.tables.items():
-        numbers = ", ".join(repr(value) + suffix_of(program) for value in values)
+        is_real = isinstance(values[0], float)
+        type, suffix = ("real", suffix_of(program)) if is_real else ("int", "")
+        numbers = ", ".join(repr(value) + suffix for value in values)
         lines += [f"#ifndef {name.upper()}", f"#define {name.upper()}"]
-        lines += [f"static const real {name}[] = {{{numbers}}};", "#endif"]
+        lines += [f"static const {type} {name}[] = {{{numbers}}};", "#endif"]
     return lines
 
 
@@ -155,10 +155,14 @@ def _parameters(inputs: Iterable[str], outputs: Iterable[str], *between: str) ->
     return ", ".join([*given, *between, *found])
 
 
-def _assignments(outputs: Mapping[str, Array], body: Statements) -> list[str]:
+def _assignments(writes: Iterable[Write], body: Statements) -> list[str]:
     """What writes the outputs."""
-    lines = []
-    for output, numbers in outputs.items():
-        for place, number in enumerate(numbers.reshape(-1)):
-            lines.append(f"  {output}[{place}] = {body.text(number)};")
+    lines: list[str] = []
+    for output, place, number, first, length in writes:
+        text = body.text(number)
+        if first is None:
+            lines.append(f"  {output}[{place}] = {text};")
+        else:
+            size = f"{length} * sizeof(real)"
+            lines.append(f"  memcpy({output} + {place}, {text} + {first}, {size});")
     return lines

@@ -12,7 +12,7 @@ import numpy as np
 
 from aicon_torch.export.codegen.arrays import Array, Writer, as_array
 from aicon_torch.export.codegen.operators import Translation, product_in_lines
-from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number, whole_array
+from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number
 
 LEAST = 256
 """Numbers of a matrix from which on it is a table; smaller ones are written out, and faster."""
@@ -55,21 +55,26 @@ static void maximum_rows(int k, int m, const real *x, real *y) {
 /* Images (oc, oh, ow) of images (c, h, w) by kernels (oc, c / groups, kh, kw), then oc biases. */
 static void convolve({_WINDOW},
                      const real *weights, const real *x, real *y) {{
-  for (int o = 0; o < oc; ++o)
-    for (int i = 0; i < oh; ++i)
-      for (int j = 0; j < ow; ++j) {{
-        int first = o / (oc / groups) * (c / groups);
-        real sum = weights[oc * (c / groups) * kh * kw + o];
-        for (int p = 0; p < c / groups; ++p)
-          for (int u = 0; u < kh; ++u)
-            for (int v = 0; v < kw; ++v) {{
-              int row = i * sh - ph + u * dh, column = j * sw - pw + v * dw;
-              if (row >= 0 && row < h && column >= 0 && column < w)
-                sum += weights[((o * (c / groups) + p) * kh + u) * kw + v]
-                       * x[((first + p) * h + row) * w + column];
-            }}
-        y[(o * oh + i) * ow + j] = sum;
-      }}
+  for (int o = 0; o < oc; ++o) {{
+    int first = o / (oc / groups) * (c / groups);
+    real *out = y + o * oh * ow;
+    for (int n = 0; n < oh * ow; ++n) out[n] = weights[oc * (c / groups) * kh * kw + o];
+    for (int p = 0; p < c / groups; ++p)
+      for (int u = 0; u < kh; ++u)
+        for (int v = 0; v < kw; ++v) {{
+          real weight = weights[((o * (c / groups) + p) * kh + u) * kw + v];
+          int shift = v * dw - pw;
+          int left = shift < 0 ? (sw - 1 - shift) / sw : 0;
+          int right = shift < w ? (w - 1 - shift) / sw + 1 : 0;
+          if (right > ow) right = ow;
+          for (int i = 0; i < oh; ++i) {{
+            int row = i * sh - ph + u * dh;
+            if (row < 0 || row >= h) continue;
+            const real *in = x + ((first + p) * h + row) * w;
+            for (int j = left; j < right; ++j) out[i * ow + j] += weight * in[j * sw + shift];
+          }}
+        }}
+  }}
 }}
 """,
     "convolve_back": f"""\
@@ -319,7 +324,7 @@ def _called(
     """What a routine makes of an array."""
     count = int(np.prod(shape))
     given: list[Number] = list(numbers.reshape(-1))
-    source = whole_array(given)
+    source = writer.whole(given)
     call = writer.program.call(routine, given if source is None else [source], (*sizes, count))
     items = [writer.program.item(call, place) for place in range(count)]
     return as_array(items, tuple(shape))

@@ -28,7 +28,8 @@ class Number:
         operation: What it is: a name in :data:`OPERATIONS`, of a routine, or one of the above.
         arguments: What it is computed from.
         kind: Real, int or bool.
-        value: Of a constant its value, of an input its name and place, of an item its place.
+        value: Of a constant its value, of an input its name and place, of an item its place; the
+            place of a whole input is None.
     """
 
     index: int
@@ -136,7 +137,7 @@ class Program:
         self.dtype = dtype
         self.numbers: list[Number] = []
         self.arrays: list[NDArray[Any]] = []  # of numbers, as they were computed together
-        self.tables: dict[str, list[float]] = {}  # constants of routines
+        self.tables: dict[str, Sequence[float]] = {}  # constants of routines, and places in arrays
         self._places: dict[tuple[Any, ...], Number] = {}
         self._round = np.float32 if dtype == torch.float32 else np.float64
 
@@ -150,6 +151,12 @@ class Program:
     def input(self, name: str, place: int) -> Number:
         """An element of an input, which is real."""
         return self._number(INPUT, (), "real", (name, place))
+
+    def array(self, source: Number | str) -> Number:
+        """What gives an array; of the name of an input, all of it."""
+        if isinstance(source, Number):
+            return source
+        return self._number(INPUT, (), "real", (source, None))
 
     def apply(self, operation: str, arguments: tuple[Number, ...], kind: Kind) -> Number:
         """The result of an elementary operation."""
@@ -165,11 +172,13 @@ class Program:
         return self._number(routine, tuple(arguments), "real", sizes)
 
     def table(self, constants: Sequence[float]) -> str:
-        """The name of an array of constants."""
-        values = [float(value) for value in constants]
-        digest = hashlib.sha256(np.asarray(values).tobytes()).hexdigest()
-        name = f"table_{digest[:16]}"
-        self.tables[name] = values
+        """The name of an array of constants, all of them real or all of them integers."""
+        values = np.asarray(constants)
+        if values.dtype.kind != "f":  # integers, and truth values
+            values = values.astype(np.int64)
+        digest = hashlib.sha256(values.tobytes()).hexdigest()
+        name = f"table_{values.dtype.kind}_{digest[:16]}"
+        self.tables[name] = values.tolist()
         return name
 
     def item(self, call: Number, place: int) -> Number:
@@ -199,9 +208,12 @@ class Program:
 
     def pick(self, index: Number, candidates: Sequence[Number]) -> Number:
         """The candidate at an index; the first one where there is none."""
-        kind = candidates[0].kind
-        array = self._number(LIST, tuple(candidates), kind, (len(candidates),))
-        return self._number(PICK, (index, array), kind)
+        array = self.list(candidates)
+        return self._number(PICK, (index, array), array.kind)
+
+    def list(self, numbers: Sequence[Number]) -> Number:
+        """An array of some numbers of one kind."""
+        return self._number(LIST, tuple(numbers), numbers[0].kind, (len(numbers),))
 
     def cast(self, number: Number, kind: Kind) -> Number:
         """The number as another kind."""
@@ -257,19 +269,14 @@ class Program:
         return None
 
 
-def whole_array(numbers: Sequence[Number]) -> Number | None:
-    """The routine or loop whose results these are, all of them in their order; None for others."""
-    first = numbers[0]
-    if first.operation != ITEM:
-        return None
-    (source,) = first.arguments
-    if source.value[-1] != len(numbers):
-        return None
-    are_its = all(
-        number.operation == ITEM and number.arguments[0] is source and number.value == place
-        for place, number in enumerate(numbers)
-    )
-    return source if are_its else None
+def array_and_place(number: Number) -> tuple[Number | str, int] | None:
+    """The array that a number is in, a routine, a loop or the name of an input, and where there."""
+    if number.operation == ITEM:
+        return number.arguments[0], number.value
+    if number.operation == INPUT:
+        name, place = number.value
+        return name, place
+    return None
 
 
 def _is(number: Number, value: float | None) -> bool:

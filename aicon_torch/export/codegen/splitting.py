@@ -4,10 +4,9 @@ A step takes K gradients, each with the same memory and values. What depends on 
 computed once a step, and handed on.
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
-from aicon_torch.export.codegen.arrays import Array
 from aicon_torch.export.codegen.scalars import CONSTANT, INPUT, Number, Program
 
 
@@ -26,19 +25,19 @@ class Split:
     kept: list[Number]
 
 
-def split_by(program: Program, outputs: Mapping[str, Array], varying: Collection[str]) -> Split:
+def split_by(program: Program, results: Sequence[Number], varying: Collection[str]) -> Split:
     """Split a program by what depends on some of its inputs.
 
     Args:
         program: The program.
-        outputs: The numbers of each output.
+        results: What is written into the outputs.
         varying: The names of inputs that differ from call to call.
     """
-    needed = numbers_behind(program, roots_of(outputs))
+    needed = numbers_behind(program, results)
     varies = _varying_numbers(program, varying)
 
     # What is read each time, by what varies or as an output; an input is there anyway.
-    read = {number.index for number in roots_of(outputs)}
+    read = {number.index for number in results}
     for number in program.numbers:
         if number.index in needed and varies[number.index]:
             read.update(argument.index for argument in number.arguments)
@@ -62,11 +61,6 @@ def numbers_behind(program: Program, roots: Iterable[Number]) -> set[int]:
         if number.index in needed:
             needed.update(argument.index for argument in number.arguments)
     return needed
-
-
-def roots_of(outputs: Mapping[str, Array]) -> list[Number]:
-    """Every number that is an output."""
-    return [number for numbers in outputs.values() for number in numbers.reshape(-1)]
 
 
 def _varying_numbers(program: Program, varying: Collection[str]) -> list[bool]:

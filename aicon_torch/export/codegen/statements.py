@@ -64,6 +64,8 @@ class Statements:
         """A number as an argument, outside of loops."""
         if number.operation == CONSTANT:
             return _literal(number, suffix_of(self.program))
+        if number.operation == INPUT and is_array(number):
+            return str(number.value[0])
         return self._array_of.get(number.index, f"v{number.index}")
 
     def _read_outside_of_loops(self, results: Iterable[Number]) -> Iterator[Number]:
@@ -117,7 +119,9 @@ class Statements:
         """What computes a number, or calls a routine."""
         name, value = f"v{number.index}", ""
 
-        # What takes several lines.
+        # What is there, and what takes several lines.
+        if number.operation == INPUT and is_array(number):
+            return []
         if number.operation in ROUTINES:
             return _call(number, name, arguments)
         if number.operation == LOOP:
@@ -153,13 +157,15 @@ class Statements:
         at_place = [place.format(next(given)) if "{}" in place else place for place in places]
         text = OPERATIONS[operation].text.format(*at_place, f=suffix_of(self.program))
         return [
-            f"  real {name}[{count}];",
+            f"  {TYPES[number.kind]} {name}[{count}];",
             f"  for (int i = 0; i < {count}; ++i) {name}[i] = {text};",
         ]
 
 
 def is_array(number: Number) -> bool:
-    """Whether it is many numbers: a list, or all that a routine or a loop gives."""
+    """Whether it is many numbers: a list, an input, or all that a routine or a loop gives."""
+    if number.operation == INPUT:
+        return number.value[1] is None
     return number.operation in (LIST, LOOP) or number.operation in ROUTINES
 
 

@@ -45,6 +45,8 @@ class Options:
         compensate_lag: Whether the position target takes the controller's lag into account.
         picture: File of a trained :class:`aicon_torch.models.pusht.picture.PoseNetwork`, which sees
             the object in ``pixels``; None reads its keypoints instead.
+        picture_noise: Standard deviation of where it is seen there, m, always the same; None takes
+            what the network tells of each picture.
         push_noise: Standard deviation of what a push does besides the model, as a share of what it
             does; 0 leaves the process noise as large where nothing is pushed.
         keypoint_noise: Standard deviation of each coordinate of a keypoint, m.
@@ -73,6 +75,7 @@ class Options:
     command: Literal["position", "velocity"] = "position"
     compensate_lag: bool = True
     picture: str | Path | None = None
+    picture_noise: float | None = None
     push_noise: float = 0.0
     keypoint_noise: float = 0.1 * PIXEL
     keypoint_offset: float = 0.0
@@ -94,6 +97,8 @@ class Options:
         check_choice(self, "command", ("position", "velocity"))
         numbers("goal_pose", self.goal_pose, 3)
         check_steps(self, "delay")
+        if self.picture_noise is not None:
+            check_positive(self, ("picture_noise",))
         if self.picture is not None and (self.keypoint_offset or self.delay):
             raise OptionError(
                 "picture: what is seen in pictures is prompt and has no keypoints; expected "

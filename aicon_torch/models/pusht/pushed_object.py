@@ -107,9 +107,16 @@ def _residual(options: Options, registration: KeypointRegistration) -> Callable[
 
 
 def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
-    """The pose as a network sees it in a picture, with the variances that it tells."""
+    """The pose as a network sees it in a picture, with the variances that it tells or with others.
+
+    The first estimate has the covariance that it tells in either case.
+    """
     motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
-    noise: Noise = seen_variances if options.estimation else UNFILTERED_NOISE**2
+    noise: Noise = seen_variances
+    if options.picture_noise is not None:
+        noise = _variances(options.picture_noise, dynamics.body)
+    if not options.estimation:
+        noise = UNFILTERED_NOISE**2
     return EKF(
         "x_pose",
         "P_pose",
@@ -126,8 +133,13 @@ def _process_noise(options: Options, dynamics: ContactDynamics) -> Noise:
     if options.push_noise:
         pushed = PoseMotion(dynamics, PUSHER_RADIUS)
         return PushNoise(pushed, PROCESS_NOISE, options.push_noise)
-    process = PROCESS_NOISE**2
-    return process, process, process / dynamics.body.radius_of_gyration**2
+    return _variances(PROCESS_NOISE, dynamics.body)
+
+
+def _variances(deviation: float, body: RigidObject) -> tuple[float, float, float]:
+    """Of a pose, whose corners are all about as unsure, m² and rad²."""
+    variance = deviation**2
+    return variance, variance, variance / body.radius_of_gyration**2
 
 
 def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:

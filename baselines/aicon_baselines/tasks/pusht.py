@@ -54,6 +54,10 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
         f"pixels_{kind}": {**_PIXELS, "wrappers": [partial(Clutter, kind=kind)]}
         for kind in _CLUTTER
     },
+    **{
+        f"pixels_48_{kind}": {**_PIXELS, **_SMALL, "wrappers": [partial(Clutter, kind=kind)]}
+        for kind in _CLUTTER
+    },
     "goal_jumps": {"goal_jumps": 2, "observe_goal": True},
     _UPSTREAM: {},
     **{fault: {} for fault in FAULTS},
@@ -83,6 +87,7 @@ _NOISY = (
     "dropout",
     "keypoint_noise",
     *(f"pixels_{kind}" for kind in _CLUTTER),
+    *(f"pixels_48_{kind}" for kind in _CLUTTER),
 )
 
 
@@ -125,7 +130,7 @@ def _policy_options(condition: str) -> dict[str, Any]:
         options["outline_order"] = tuple(int(index) for index in outline.border)
 
     if "obs_type" in arguments:
-        weights = "weights_48.pt" if condition == "pixels_48" else "weights.pt"
+        weights = "weights_48.pt" if "observation_width" in arguments else "weights.pt"
         options |= {"picture": _PICTURE / weights, "push_noise": 0.2}
     if "observe_goal" in arguments:
         options["observe_goal"] = True

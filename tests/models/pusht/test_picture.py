@@ -43,7 +43,8 @@ def test_a_picture_leads_to_an_action(policy: Policy, side: int) -> None:
     assert memory["z_seen"].shape == (2, 6)
 
 
-def test_what_is_seen_clearly_counts_more(policy: Policy) -> None:
+def moved_by(policy: Policy) -> list[float]:
+    """By how much a pose follows one that is seen 1 cm beside it, clearly and not, m."""
     policy.perception = None
     _, memory = policy.predict(seen(1e-4))
     shifted = seen(1e-4)
@@ -53,7 +54,19 @@ def test_what_is_seen_clearly_counts_more(policy: Policy) -> None:
         shifted["seen"][:, 3:] = torch.full((3,), variance).log()
         _, after = policy.predict(shifted, memory)
         moved.append(float(after["x_pose"][0, 0] - memory["x_pose"][0, 0]))
-    assert 0.009 < moved[0] <= 0.01 and 0 < moved[1] < 0.001
+    return moved
+
+
+def test_what_is_seen_clearly_counts_more(policy: Policy) -> None:
+    clearly, hardly = moved_by(policy)
+    assert 0.009 < clearly <= 0.01 and 0 < hardly < 0.001
+
+
+def test_with_a_noise_that_is_given_all_pictures_count_the_same(weights: Path) -> None:
+    clearly, hardly = moved_by(make_policy("pusht", picture=weights, picture_noise=0.01))
+    assert clearly == hardly == pytest.approx(0.01 / 3, rel=0.02)  # the third of three alike
+    with pytest.raises(OptionError, match="picture_noise"):
+        make_policy("pusht", picture=weights, picture_noise=0.0)
 
 
 def test_without_estimation_what_is_seen_is_taken_as_it_comes(weights: Path) -> None:
