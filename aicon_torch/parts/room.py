@@ -43,20 +43,22 @@ class Room:
             place: g, ``(*B, 3)``, m.
             *others: The centre of each other object, x, y and z first, ``(*B, n)``, m.
         """
-        vacant, carried = torch.ones_like(place[..., 0]), place[..., 2] < self.rest + self.size / 2
-        carries = carried.to(place)
+        on_table = (place[..., 2] < self.rest + self.size / 2).to(place)
         below = place - self.size * upward(place)
+        vacant, carried = torch.ones_like(on_table), on_table
 
         for other in others:
-            # 1. What is there, or above, takes the place; what is wholly in it can still be moved.
-            beside = norm(other[..., :2] - place[..., :2])
-            away = straight_through(1 - self._near(beside), (beside / self.size - 1).clamp(max=1.0))
-            lower = other[..., 2] < place[..., 2] - self.size / 2
-            vacant = vacant * torch.where(lower, 1.0, away)
+            # 1. What is below carries.
+            carries = (1 - on_table) * self._near(norm(other[..., :3] - below))
+            carried = torch.maximum(carried, carries)
 
-            # 2. What is below carries.
-            carries = torch.maximum(carries, self._near(norm(other[..., :3] - below)))
-        return (vacant * carries).unsqueeze(-1)
+            # 2. What is there, or above, and does not carry, takes the place. What is wholly in it
+            # can still be moved.
+            beside = norm(other[..., :2] - place[..., :2])
+            takes = straight_through(self._near(beside), (2 - beside / self.size).clamp(min=0.0))
+            is_lower = other[..., 2] < place[..., 2] - self.size / 2
+            vacant = vacant * (1 - torch.where(is_lower, 0.0, takes) * (1 - carries))
+        return (vacant * carried).unsqueeze(-1)
 
     def _near(self, gap: Tensor) -> Tensor:
         """n(d), ``(*B,)``."""

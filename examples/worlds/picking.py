@@ -128,7 +128,7 @@ def build_policy(hand: Hand, options: Options) -> Policy:
     for name in names:
         others = [other for other in names if other != name]
         sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
-        blocks += block(name, size, grasp, options)
+        blocks += block(name, others, size, grasp, options)
         goals += wishes(name, others, options)
         if others:
             read = [f"z_goal{name}", *(f"x_obj{other}" for other in others)]
@@ -186,13 +186,16 @@ def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
     ]
 
 
-def block(name: str, size: int, grasp: Grasp, options: Options) -> list[Estimator]:
+def block(
+    name: str, others: list[str], size: int, grasp: Grasp, options: Options
+) -> list[Estimator]:
     """What is known of a block, and what may move it.
 
     Uncertain is where it is while it is held, and where the tip is from it while it is not.
 
     Args:
         name: What its quantities' names end with.
+        others: What those of the other blocks end with.
         size: How many components its place has.
         grasp: How it comes to be held.
         options: What is set by hand.
@@ -235,12 +238,19 @@ def block(name: str, size: int, grasp: Grasp, options: Options) -> list[Estimato
         uncertain={"x_tip": "P_tip", x_object: covariance_name(x_object)},
     )
 
-    # 3. What may move it.
+    # 3. What may move it: a hand that holds another comes to hold no more.
+    def likelihood(x_rel: Tensor, x_opening: Tensor, *held: Tensor) -> Tensor:
+        grasped = grasp.likelihood(x_rel, x_opening)
+        for p_held in held:
+            grasped = grasped * (1 - p_held)
+        return grasped
+
+    grasped_by = [x_rel, "x_opening", *(f"p_held{other}" for other in others)]
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
     return [
         where,
         apart,
-        Deterministic(p_grasp, Interconnection(grasp.likelihood, [x_rel, "x_opening"])),
+        Deterministic(p_grasp, Interconnection(likelihood, grasped_by)),
         Deterministic(p_free, Interconnection(carrying.free, [x_object])),
         Deterministic(f"x_obj{name}", Interconnection(carrying, moved_by)),
     ]
