@@ -17,9 +17,9 @@ class Room:
 
     With how near another object is that is a gap d away, n(d) = clip(2 − d/s, 0, 1), a place is
     vacant by Π (1 − n(d_xy)) over those that are no lower than it, as one comes from above. It
-    carries by 1 where the table does, and elsewhere by the largest n(‖x − (g − s e_z)‖): something
-    has to lie below it. Nothing says which object goes first: a place that is taken, or carried by
-    nothing yet, makes its goal worth less, and worth clearing.
+    carries by 1 where the table does, and elsewhere by the largest n(‖x − (g − s e_z)‖) of those
+    that belong below it; these take no place from it. Nothing says which object goes first: a place
+    that is taken, or carried by nothing yet, makes its goal worth less, and worth clearing.
 
     Attributes:
         size: s, width and height of an object, m.
@@ -41,23 +41,25 @@ class Room:
 
         Args:
             place: g, ``(*B, 3)``, m.
-            *others: The centre of each other object, x, y and z first, ``(*B, n)``, m.
+            *others: Of each other object in turn its centre x, ``(*B, n)``, m, with x, y and z
+                first, and the place where it belongs, ``(*B, 3)``, m.
         """
-        on_table = (place[..., 2] < self.rest + self.size / 2).to(place)
+        on_table = place[..., 2] < self.rest + self.size / 2
+        vacant, carried = torch.ones_like(place[..., 0]), on_table.to(place)
         below = place - self.size * upward(place)
-        vacant, carried = torch.ones_like(on_table), on_table
 
-        for other in others:
-            # 1. What is below carries.
-            carries = (1 - on_table) * self._near(norm(other[..., :3] - below))
-            carried = torch.maximum(carried, carries)
+        for other, other_place in zip(others[::2], others[1::2], strict=True):
+            # 1. What belongs below, and is there, carries.
+            in_column = norm((other_place - place)[..., :2]) < self.size
+            belongs_below = in_column & (other_place[..., 2] < place[..., 2])
+            carries = self._near(norm(other[..., :3] - below))
+            carried = torch.maximum(carried, torch.where(belongs_below, carries, 0.0))
 
-            # 2. What is there, or above, and does not carry, takes the place. What is wholly in it
-            # can still be moved.
+            # 2. What is there, or above, takes the place. What is wholly in it can still be moved.
             beside = norm(other[..., :2] - place[..., :2])
             takes = straight_through(self._near(beside), (2 - beside / self.size).clamp(min=0.0))
             is_lower = other[..., 2] < place[..., 2] - self.size / 2
-            vacant = vacant * (1 - torch.where(is_lower, 0.0, takes) * (1 - carries))
+            vacant = vacant * (1 - torch.where(is_lower | belongs_below, 0.0, takes))
         return (vacant * carried).unsqueeze(-1)
 
     def _near(self, gap: Tensor) -> Tensor:

@@ -131,7 +131,9 @@ def build_policy(hand: Hand, options: Options) -> Policy:
         blocks += block(name, others, size, grasp, options)
         goals += wishes(name, others, options)
         if others:
-            read = [f"z_goal{name}", *(f"x_obj{other}" for other in others)]
+            read = [f"z_goal{name}"]
+            for other in others:
+                read += [f"x_obj{other}", f"z_goal{other}"]
             among = Interconnection(Room(SIZE, rest=SIZE / 2), read)
             rooms.append(Deterministic(f"p_room{name}", among))
 
