@@ -65,6 +65,7 @@ from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.recent import Recent
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.robot import Robot
+from aicon_torch.parts.room import Room, worth_of_room
 from aicon_torch.parts.self_collision import (
     Capsule,
     CapsuleSegments,
@@ -131,6 +132,7 @@ __all__ = [
     "RigidObject",
     "RigidShape",
     "Robot",
+    "Room",
     "SelfCollision",
     "Servo",
     "Solid",
@@ -179,5 +181,6 @@ __all__ = [
     "to_world",
     "unit_gradient_jacobian",
     "unit_gradient_residual",
+    "worth_of_room",
     "wrap_angle",
 ]

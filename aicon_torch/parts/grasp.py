@@ -102,9 +102,9 @@ class Grasp:
         likely = torch.exp(-(share**6))
         return likely.detach().unsqueeze(-1)  # stops the gradient: it weighs, and is no goal
 
-    def held(self) -> "Held":
-        """The estimator of p_held."""
-        return Held(self)
+    def held(self, name: str = "") -> "Held":
+        """The estimator of p_held, of one object of several by what its names end with."""
+        return Held(self, name)
 
     def _offset(self, x_rel: Tensor) -> Tensor:
         """Δ, like x_rel, m."""
@@ -122,32 +122,32 @@ class Held(Estimator):
 
     Args:
         grasp: The grasp.
+        name: What the names p_held and x_rel end with, where there are several objects.
     """
-
-    outputs = ("p_held",)
-    inputs = ("p_held", "x_rel", "x_opening")
 
     nothing: Tensor
 
-    def __init__(self, grasp: Grasp) -> None:
+    def __init__(self, grasp: Grasp, name: str = "") -> None:
         super().__init__()
-        self.grasp = grasp
+        self.grasp, self.apart = grasp, f"x_rel{name}"
+        self.outputs = (f"p_held{name}",)
+        self.inputs = (*self.outputs, self.apart, "x_opening")
         self.register_buffer("nothing", torch.zeros(1))
 
     def initial(self, values: Values) -> dict[str, Tensor]:
         """Nothing is held."""
-        return {"p_held": self.nothing}
+        return {self.outputs[0]: self.nothing}
 
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """How likely it is held, ``(*B, 1)``."""
         too_open = values["x_opening"] - self.grasp.gripper.narrowest
         closed = torch.exp(-((4 * too_open / self.grasp.size) ** 2))
-        return {"p_held": self.grasp.between(values["x_rel"]) * closed}
+        return {self.outputs[0]: self.grasp.between(values[self.apart]) * closed}
 
     def forward(self, values: Values, output: str) -> Tensor:
         """As it is now."""
-        return values["p_held"].detach()  # stops the gradient: p_grasp has it
+        return values[output].detach()  # stops the gradient: p_grasp has it
 
 
 def carried(x_object: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:

@@ -13,7 +13,7 @@ import numpy as np
 WORLDS = {
     "SO-101": ("so101_pick_place", "none", 400601),
     "SO-101, put back in mid-carry": ("so101_pick_place", "knocked", 400601),
-    "UR5e, OGBench": ("ogbench_cube_single", "task1", 400001),
+    "UR5e, OGBench": ("ogbench_cubes", "task1", 400001),
 }
 IMAGE = Path(__file__).parents[1] / "images" / "picking.png"
 
@@ -21,7 +21,8 @@ IMAGE = Path(__file__).parents[1] / "images" / "picking.png"
 def episode(name: str, condition: str, seed: int) -> tuple[Any, Any, Any]:
     """Where tip and block were, ``(T, 3)``, m, and the place."""
     world = import_module(name)
-    env = world.make_env(1, condition, horizon=100)
+    make_env = world.SINGLE.make_env if name == "ogbench_cubes" else world.make_env
+    env = make_env(1, condition, horizon=100)
     policy = world.build(world.Options()).compile()
     (observation, _), memory, ended = env.reset(seed=[seed]), None, False
     tips, blocks = [], []

@@ -17,6 +17,7 @@ from aicon_torch import (
     Actuator,
     Affine,
     Deterministic,
+    Estimator,
     Foresight,
     Goal,
     Interconnection,
@@ -27,16 +28,19 @@ from aicon_torch import (
     WorldModel,
 )
 from aicon_torch.control import ActionLaw
+from aicon_torch.estimation import covariance_name
 from aicon_torch.parts import (
     Carrying,
     Grasp,
     Gripper,
     ReadingPrior,
+    Room,
     approached,
     carried,
     first_belief,
     from_above,
     norm,
+    worth_of_room,
 )
 from aicon_torch.resolution import Resolution, SteepestPath
 
@@ -78,6 +82,7 @@ class Options:
     tolerance: float = 0.012  # of the place
     free_hand: float = 0.015  # the error of the place that an empty hand outweighs
     noise: float = 0.0005  # of the block's readings
+    blocks: int = 1  # how many there are
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
 
@@ -91,7 +96,7 @@ PRESETS: dict[str, dict[str, Any]] = {
 
 
 def build_policy(hand: Hand, options: Options) -> Policy:
-    """The policy of a hand, which reads z_tip and z_block, and z_goal.
+    """The policy of a hand, which reads z_tip, and z_block and z_goal of each block.
 
     Args:
         hand: The hand; its tip and a block have as many components as it has steps.
@@ -100,19 +105,108 @@ def build_policy(hand: Hand, options: Options) -> Policy:
     size = len(hand.steps)
     gripper = Gripper(narrowest=SIZE / 2, widest=hand.widest, speed=hand.speed, first=hand.first)
     grasp = Grasp(gripper, SIZE, hand.height, options.reach)
-    carrying = Carrying(options.step, rest=SIZE / 2, rise=options.rise)
+    names = block_names(options.blocks)
 
-    # 1. What is wanted: the block at its place, and a hand that holds nothing.
+    tip = position(
+        "x_tip",
+        Affine(x_tip=1.0, tip="dt"),
+        LAG**2,
+        Affine(x_tip=1.0, z_tip=-1.0),
+        read_first("z_tip", size),
+        size=size,
+        noise=TIP_NOISE**2,
+    )
+
+    def command(tip: Tensor) -> Tensor:
+        return tip * hand.time_step / tip.new_tensor(hand.steps)
+
+    speeds = tuple(step / hand.time_step for step in hand.steps)
+    sensors = {"z_tip": Sensor(size, "m")}
+    blocks: list[Estimator] = []
+    rooms: list[Estimator] = []
+    goals: list[Goal] = []
+    for name in names:
+        others = [other for other in names if other != name]
+        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
+        blocks += block(name, others, size, grasp, options)
+        goals += wishes(name, others, options)
+        if others:
+            read = [f"z_goal{name}"]
+            for other in others:
+                read += [f"x_obj{other}", f"z_goal{other}"]
+            among = Interconnection(Room(SIZE, rest=SIZE / 2), read)
+            rooms.append(Deterministic(f"p_room{name}", among))
+
+    # What is first of a circle runs last: held reads the newest x_rel.
+    held = [grasp.held(name) for name in names]
+    model = WorldModel(
+        sensors=sensors,
+        actuators={
+            "tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0)),
+            "jaw": gripper.actuator(),
+        },
+        estimators=[*held, gripper, tip, *blocks, *rooms],
+        goals=goals,
+        dt=hand.time_step,
+        dtype=torch.float64,
+    )
+    return Policy(model, options.resolution, options.law)
+
+
+def block_names(count: int) -> list[str]:
+    """What the names of each block's quantities end with; of a single one, with nothing."""
+    return [""] if count == 1 else [f"_{number}" for number in range(count)]
+
+
+def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
+    """What is wanted of a block: at its place, and in no hand.
+
+    Args:
+        name: What its quantities' names end with.
+        others: What those of the other blocks end with.
+        options: What is set by hand.
+    """
+
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
         beside = x_obj[..., :3] - z_goal
         way = norm(beside - from_above(beside, options.tolerance, options.rise))
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
+    def place_among_others(x_obj: Tensor, z_goal: Tensor, p_room: Tensor) -> Tensor:
+        return worth_of_room(place(x_obj, z_goal), p_room)
+
     def free_hand(p_grasp: Tensor) -> Tensor:
         return options.free_hand**2 / 2 * p_grasp[..., 0]
 
-    # 2. What is uncertain: where the block is while it is held, and where the tip is from it while
-    # it is not.
+    read = [f"x_obj{name}", f"z_goal{name}"]
+    placed = Interconnection(place, read)
+    if others:
+        placed = Interconnection(place_among_others, [*read, f"p_room{name}"])
+    return [
+        Goal(f"place{name}", placed),
+        Goal(f"free hand{name}", Interconnection(free_hand, [f"p_grasp{name}"])),
+    ]
+
+
+def block(
+    name: str, others: list[str], size: int, grasp: Grasp, options: Options
+) -> list[Estimator]:
+    """What is known of a block, and what may move it.
+
+    Uncertain is where it is while it is held, and where the tip is from it while it is not.
+
+    Args:
+        name: What its quantities' names end with.
+        others: What those of the other blocks end with.
+        size: How many components its place has.
+        grasp: How it comes to be held.
+        options: What is set by hand.
+    """
+    x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
+    p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
+    carrying = Carrying(options.step, rest=SIZE / 2, rise=options.rise)
+
+    # 1. How each drifts, and what is known at first.
     def object_drift(p_held: Tensor) -> Tensor:
         return (DRIFT**2 + (p_held * LAG) ** 2).expand(*p_held.shape[:-1], size)
 
@@ -125,78 +219,63 @@ def build_policy(hand: Hand, options: Options) -> Policy:
     def seen_apart(x_rel: Tensor, x_tip: Tensor, x_object: Tensor) -> Tensor:
         return alike(x_rel - x_tip + x_object)
 
-    def position(
-        name: str, predict: Any, drift: Any, residual: Any, first: Any, **read: Any
-    ) -> EKF:
-        return EKF(
-            name,
-            f"P{name[1:]}",
-            predict=predict,
-            noise=drift,
-            initial=first,
-            size=size,
-            correct=[Measurement(residual, size=size, **read)],
-        )
-
-    def read_first(reading: str) -> Any:
-        return first_belief(ReadingPrior((1e-6,) * size), reading)
-
-    tip = position(
-        "x_tip",
-        Affine(x_tip=1.0, tip="dt"),
-        LAG**2,
-        Affine(x_tip=1.0, z_tip=-1.0),
-        read_first("z_tip"),
-        noise=TIP_NOISE**2,
-    )
-    block = position(
-        "x_object",
-        Interconnection(carried, ["x_object", "p_held", "tip", "dt"]),
-        object_drift,
-        Affine(x_object=1.0, z_block=-1.0),
-        read_first("z_block"),
+    # 2. Where it is, and where the tip is from it.
+    where = position(
+        x_object,
+        Interconnection(carried, [x_object, p_held, "tip", "dt"]),
+        Interconnection(object_drift, [p_held]),
+        Affine(**{x_object: 1.0, z_block: -1.0}),
+        read_first(z_block, size),
+        size=size,
         noise=options.noise**2,
     )
     apart = position(
-        "x_rel",
-        Interconnection(approached, ["x_rel", "p_held", "tip", "dt"]),
-        apart_drift,
-        seen_apart,
-        first_apart,
+        x_rel,
+        Interconnection(approached, [x_rel, p_held, "tip", "dt"]),
+        Interconnection(apart_drift, [p_held]),
+        Interconnection(seen_apart, [x_rel, "x_tip", x_object]),
+        Interconnection(first_apart, ["z_tip", z_block]),
+        size=size,
         noise=TIP_NOISE**2,
-        uncertain={"x_tip": "P_tip", "x_object": "P_object"},
+        uncertain={"x_tip": "P_tip", x_object: covariance_name(x_object)},
     )
 
-    # 3. The graph.
-    def command(tip: Tensor) -> Tensor:
-        return tip * hand.time_step / tip.new_tensor(hand.steps)
+    # 3. What may move it: a hand that holds another comes to hold no more.
+    def likelihood(x_rel: Tensor, x_opening: Tensor, *held: Tensor) -> Tensor:
+        grasped = grasp.likelihood(x_rel, x_opening)
+        for p_held in held:
+            grasped = grasped * (1 - p_held)
+        return grasped
 
-    speeds = tuple(step / hand.time_step for step in hand.steps)
-    model = WorldModel(
-        sensors={
-            "z_tip": Sensor(size, "m"),
-            "z_block": Sensor(size, "m"),
-            "z_goal": Sensor(3, "m"),
-        },
-        actuators={
-            "tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0)),
-            "jaw": gripper.actuator(),
-        },
-        estimators=[
-            grasp.held(),  # what is first of a circle runs last: held reads the newest x_rel
-            gripper,
-            tip,
-            block,
-            apart,
-            Deterministic("p_grasp", grasp.likelihood),
-            Deterministic("p_free", carrying.free),
-            Deterministic("x_obj", carrying),
-        ],
-        goals=[Goal("place", place), Goal("free hand", free_hand)],
-        dt=hand.time_step,
-        dtype=torch.float64,
+    grasped_by = [x_rel, "x_opening", *(f"p_held{other}" for other in others)]
+    moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
+    return [
+        where,
+        apart,
+        Deterministic(p_grasp, Interconnection(likelihood, grasped_by)),
+        Deterministic(p_free, Interconnection(carrying.free, [x_object])),
+        Deterministic(f"x_obj{name}", Interconnection(carrying, moved_by)),
+    ]
+
+
+def position(
+    name: str, predict: Any, drift: Any, residual: Any, first: Any, *, size: int, **read: Any
+) -> EKF:
+    """The filter of a position, which is read once a step."""
+    return EKF(
+        name,
+        covariance_name(name),
+        predict=predict,
+        noise=drift,
+        initial=first,
+        size=size,
+        correct=[Measurement(residual, size=size, **read)],
     )
-    return Policy(model, options.resolution, options.law)
+
+
+def read_first(reading: str, size: int) -> Any:
+    """The first belief is the first reading."""
+    return first_belief(ReadingPrior((1e-6,) * size), reading)
 
 
 def alike(offset: Tensor) -> Tensor:

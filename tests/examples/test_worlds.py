@@ -35,11 +35,11 @@ def test_a_ur5e_places_a_cube_and_is_quicker_than_the_oracle(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("ogbench_cube_single")
+    world = import_module("ogbench_cubes")
     steps: list[int] = []
 
     for policy in (world.build(world.Options()).compile(), world.Oracle()):
-        env = world.make_env(2, "task1", horizon=100)
+        env = world.SINGLE.make_env(2, "task1", horizon=100)
         (observation, _), memory = env.reset(seed=[1000, 1001]), None
         for step in range(1, 101):
             action, memory = policy.predict(observation, memory)
@@ -50,6 +50,25 @@ def test_a_ur5e_places_a_cube_and_is_quicker_than_the_oracle(
         env.close()
     ours, oracle = steps
     assert ours < oracle
+
+
+@pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
+@pytest.mark.filterwarnings("ignore")  # of one package about another
+def test_of_two_cubes_the_one_moves_that_is_not_at_its_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world = import_module("ogbench_cubes")
+
+    policy = world.build(world.Options(blocks=2)).compile()
+    env = world.DOUBLE.make_env(2, "task1", horizon=100)
+    (observation, _), memory, succeeded = env.reset(seed=[1000, 1001]), None, [False, False]
+    for _ in range(100):
+        action, memory = policy.predict(observation, memory)
+        observation, *_, info = env.step(action)
+        succeeded = info["is_success"].tolist()
+    env.close()
+    assert succeeded == [True, True]
 
 
 @pytest.mark.slow

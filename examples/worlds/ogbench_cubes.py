@@ -1,12 +1,13 @@
-"""A UR5e picks a cube up and places it: OGBench's cube-single, in one file, without phases.
+"""A UR5e picks cubes up and places them: OGBench's one, two and three, in one file, without phases.
 
 The world is that of OGBench (MIT), which wants MuJoCo < 4, so give it a virtual environment of its
 own. In this folder:
 
     pip install 'aicon-torch[compare]' ogbench==1.2.2 'mujoco<4'
-    aicon compare --task ogbench_cube_single:TASK --policies aicon oracle --conditions task1 task2
+    aicon compare --task ogbench_cubes:SINGLE --policies aicon oracle --conditions task1 task2
+    aicon compare --task ogbench_cubes:DOUBLE --policies aicon oracle --conditions task4 task5
 
-The graph is that of picking.py; the fingers turn here, too.
+The graph is that of picking.py; the fingers turn here, too. Each cube has a grasp of its own.
 """
 
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
-from picking import PRESETS, SIZE, Hand, Options, build_policy
+from picking import PRESETS, SIZE, Hand, Options, block_names, build_policy
 
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -25,9 +26,9 @@ from aicon_torch import Policy
 
 # --- the world
 
-READINGS = {"z_tip": 4, "z_block": 4, "z_goal": 3, "z_contact": 1, "z_jaw": 1}
+NAMES = ("single", "double", "triple")
 EDGE = SIZE / 2  # m, from a cube's axis to its side: what a turn is told at
-PLACE, CENTRE = slice(19, 22), (0.425, 0.0, 0.0)  # the goal's cube, in decimetres from a centre
+GOAL, CUBE, CENTRE = 19, 9, (0.425, 0.0, 0.0)  # where goals begin, how long one is; decimetres
 
 
 def ogbench(name: str) -> Any:
@@ -38,31 +39,45 @@ def ogbench(name: str) -> Any:
         raise DependencyNotInstalled(f"{error}: pip install ogbench") from error
 
 
-class Cube(gymnasium.Env[Any, Any]):
+def readings(count: int) -> dict[str, int]:
+    """What is read of a world with so many cubes, and how many numbers each is."""
+    sizes = {"z_tip": 4, "z_contact": 1, "z_jaw": 1}
+    for name in block_names(count):
+        sizes |= {f"z_block{name}": 4, f"z_goal{name}": 3}
+    return sizes
+
+
+class Cubes(gymnasium.Env[Any, Any]):
     """The world, whose yaws do not jump and are told as ways at the edge of a cube.
 
     Args:
-        task: 1 to 5: where the cube is and where it belongs.
+        count: How many cubes there are, 1 to 3.
+        task: 1 to 5: where the cubes are and where they belong.
         render_mode: None, or "rgb_array".
     """
 
-    observation_space = Dict(
-        {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in READINGS.items()}
-    )
     action_space = Dict({"tip": Box(-1.0, 1.0, (4,)), "jaw": Box(0.0, 1.0, (1,))})
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}
 
-    def __init__(self, task: int, render_mode: str | None = None) -> None:
+    def __init__(self, count: int, task: int, render_mode: str | None = None) -> None:
         ogbench("ogbench.manipspace")
-        made = gymnasium.make("cube-single-v0", disable_env_checker=True)
+        made = gymnasium.make(f"cube-{NAMES[count - 1]}-v0", disable_env_checker=True)
         self.world, self.task, self.render_mode = made.unwrapped, task, render_mode
+        self.count, self.names = count, block_names(count)
+        self.observation_space = Dict(
+            {
+                name: Box(-np.inf, np.inf, (size,), np.float64)
+                for name, size in readings(count).items()
+            }
+        )
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
-        """Place the cube, and the arm."""
+        """Place the cubes, and the arm."""
         super().reset(seed=seed)
         _, told = self.world.reset(seed=seed, options={"task_id": self.task})
-        self.yaws = np.zeros(2)
-        self.goal = told["goal"][PLACE] / 10 + CENTRE
+        self.yaws = np.zeros(1 + self.count)
+        goals = told["goal"][GOAL:].reshape(self.count, CUBE)
+        self.goals = goals[:, :3] / 10 + CENTRE
         return self._seen(told, False)
 
     def step(self, action: Any) -> Any:
@@ -84,18 +99,22 @@ class Cube(gymnasium.Env[Any, Any]):
 
     def _seen(self, told: Any, success: bool) -> Any:
         self.told = told
-        tip, block = told["proprio/effector_pos"], told["privileged/block_0_pos"]
-        yaws = np.array([told["proprio/effector_yaw"][0], told["privileged/block_0_yaw"][0]])
-        self.yaws = np.unwrap(np.stack([self.yaws, yaws]), axis=0)[1]
+        tip = told["proprio/effector_pos"]
+        blocks = [told[f"privileged/block_{cube}_pos"] for cube in range(self.count)]
+        yaws = [told[f"privileged/block_{cube}_yaw"][0] for cube in range(self.count)]
+        turned = np.array([told["proprio/effector_yaw"][0], *yaws])
+        self.yaws = np.unwrap(np.stack([self.yaws, turned]), axis=0)[1]
 
         observation = {
             "z_tip": np.append(tip, EDGE * self.yaws[0]),
-            "z_block": np.append(block, EDGE * self.yaws[1]),
-            "z_goal": self.goal,
             "z_contact": told["proprio/gripper_contact"],
             "z_jaw": told["proprio/gripper_opening"],
         }
-        distance = float(np.linalg.norm(block - self.goal))
+        for cube, name in enumerate(self.names):
+            observation[f"z_block{name}"] = np.append(blocks[cube], EDGE * self.yaws[1 + cube])
+            observation[f"z_goal{name}"] = self.goals[cube]
+
+        distance = float(np.linalg.norm(blocks - self.goals, axis=-1).max())
         info = {"position": tip[:2], "distance": distance, "is_success": bool(success)}
         return observation, info | {"collision": False}
 
@@ -122,7 +141,10 @@ def build(options: Options) -> Policy:
 
 @dataclass
 class Oracle:
-    """The world's own oracle, memoryless, one a row of the batch."""
+    """The world's own oracle, memoryless, one a row of the batch.
+
+    It moves the one cube that it is told to: the one of the lowest goal that is not met yet.
+    """
 
     def predict(
         self,
@@ -140,7 +162,7 @@ class Oracle:
 
         rows = []
         for row in range(len(observation["z_tip"])):
-            seen = {name: observation[name][row] for name in READINGS}
+            seen = {name: reading[row] for name, reading in observation.items()}
             rows.append(mover.select_action(None, _as_told(seen)))
         actions = np.stack(rows)
 
@@ -151,41 +173,50 @@ class Oracle:
 
 def _as_told(seen: dict[str, Any]) -> dict[str, Any]:
     """What is seen of one world, in the world's own words, as the oracle reads it."""
+    blocks = np.stack([seen[name] for name in sorted(seen) if name.startswith("z_block")])
+    goals = np.stack([seen[name] for name in sorted(seen) if name.startswith("z_goal")])
+
+    # Which cube: of those that are further off than the oracle's own tolerance, the lowest goal.
+    is_met = np.linalg.norm(blocks[:, :3] - goals, axis=-1) <= 0.02
+    cube = int(np.argmin(goals[:, 2] + is_met))
     return {
         "proprio/effector_pos": seen["z_tip"][:3],
         "proprio/effector_yaw": seen["z_tip"][3:] / EDGE,
         "proprio/gripper_opening": seen["z_jaw"],
         "proprio/gripper_contact": seen["z_contact"],
         "privileged/target_block": 0,
-        "privileged/block_0_pos": seen["z_block"][:3],
-        "privileged/block_0_yaw": seen["z_block"][3:] / EDGE,
-        "privileged/target_block_pos": seen["z_goal"],
+        "privileged/block_0_pos": blocks[cube, :3],
+        "privileged/block_0_yaw": blocks[cube, 3:] / EDGE,
+        "privileged/target_block_pos": goals[cube],
         "privileged/target_block_yaw": np.zeros(1),
     }
 
 
-# --- the task
+# --- the tasks
 
 CONDITIONS = tuple(f"task{number}" for number in range(1, 6))
 
 
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    task = CONDITIONS.index(condition) + 1
-    return side_by_side(lambda: Cube(task, **options), count, horizon)
+def _task(count: int, horizon: int) -> Task:
+    def make_env(episodes: int, condition: str, horizon: int, **options: Any) -> Any:
+        task = CONDITIONS.index(condition) + 1
+        return side_by_side(lambda: Cubes(count, task, **options), episodes, horizon)
+
+    return Task(
+        name=f"ogbench_cube_{NAMES[count - 1]}",
+        time_step=0.05,
+        horizon=horizon,
+        chunk_size=10,
+        maps=("table",),
+        conditions=CONDITIONS,
+        make_env=make_env,
+        policy_options=lambda condition: {"blocks": count} if count > 1 else {},
+        noiseless=CONDITIONS,
+        time_unit="steps",
+        model=__name__,
+        presets=tuple(PRESETS),
+        agents={"oracle": f"{__name__}:Oracle"},
+    )
 
 
-TASK = Task(
-    name="ogbench_cube_single",
-    time_step=0.05,
-    horizon=200,
-    chunk_size=10,
-    maps=("table",),
-    conditions=CONDITIONS,
-    make_env=make_env,
-    noiseless=CONDITIONS,
-    time_unit="steps",
-    model=__name__,
-    presets=tuple(PRESETS),
-    agents={"oracle": f"{__name__}:Oracle"},
-)
+SINGLE, DOUBLE, TRIPLE = _task(1, 200), _task(2, 500), _task(3, 1000)

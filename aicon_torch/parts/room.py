@@ -1,0 +1,82 @@
+"""Room at a place: how likely something can be put there, among others that may be moved."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from aicon_torch.parts.grasp import upward
+from aicon_torch.parts.planar import norm
+from aicon_torch.parts.validation import check_positive
+from aicon_torch.shaping import straight_through
+
+
+@dataclass(frozen=True)
+class Room:
+    """p_room: how likely a place takes an object, because it is vacant and carries it.
+
+    With how near another object is that is a gap d away, n(d) = clip(2 − d/s, 0, 1), a place is
+    vacant by Π (1 − n(d_xy)) over those that are no lower than it, as one comes from above. It
+    carries by 1 where the table does, and elsewhere by the largest n(‖x − (g − s e_z)‖) of those
+    that belong below it; these take no place from it. Nothing says which object goes first: a place
+    that is taken, or carried by nothing yet, makes its goal worth less, and worth clearing.
+
+    Attributes:
+        size: s, width and height of an object, m.
+        rest: Height of its centre on the table, m.
+
+    Raises:
+        OptionError: If a length is not positive.
+    """
+
+    size: float
+    rest: float
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_positive(self, ("size", "rest"))
+
+    def __call__(self, place: Tensor, *others: Tensor) -> Tensor:
+        """p_room, ``(*B, 1)``.
+
+        Args:
+            place: g, ``(*B, 3)``, m.
+            *others: Of each other object in turn its centre x, ``(*B, n)``, m, with x, y and z
+                first, and the place where it belongs, ``(*B, 3)``, m.
+        """
+        on_table = place[..., 2] < self.rest + self.size / 2
+        vacant, carried = torch.ones_like(place[..., 0]), on_table.to(place)
+        below = place - self.size * upward(place)
+
+        for other, other_place in zip(others[::2], others[1::2], strict=True):
+            # 1. What belongs below, and is there, carries.
+            in_column = norm((other_place - place)[..., :2]) < self.size
+            belongs_below = in_column & (other_place[..., 2] < place[..., 2])
+            carries = self._near(norm(other[..., :3] - below))
+            carried = torch.maximum(carried, torch.where(belongs_below, carries, 0.0))
+
+            # 2. What is there, or above, takes the place. What is wholly in it can still be moved.
+            beside = norm(other[..., :2] - place[..., :2])
+            takes = straight_through(self._near(beside), (2 - beside / self.size).clamp(min=0.0))
+            is_lower = other[..., 2] < place[..., 2] - self.size / 2
+            vacant = vacant * (1 - torch.where(is_lower | belongs_below, 0.0, takes))
+        return (vacant * carried).unsqueeze(-1)
+
+    def _near(self, gap: Tensor) -> Tensor:
+        """n(d), ``(*B,)``."""
+        return (2 - gap / self.size).clamp(0.0, 1.0)
+
+
+def worth_of_room(cost: Tensor, p_room: Tensor) -> Tensor:
+    """A cost ``(*B,)`` that only a place with room can lower: p c + (1 − p) c, each part once.
+
+    Its value is c. The gradient of what lowers it counts by p, and that of p by c: where there is
+    no room, what is worth something is to make some.
+
+    Args:
+        cost: c, ``(*B,)``.
+        p_room: p, ``(*B, 1)``.
+    """
+    p = p_room[..., 0]
+    # Stops of each product the factor whose gradient the other one has.
+    return p.detach() * cost + (1 - p) * cost.detach()

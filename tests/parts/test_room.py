@@ -1,0 +1,46 @@
+import pytest
+import torch
+from torch import Tensor
+
+from aicon_torch.errors import OptionError
+from aicon_torch.parts import Room, worth_of_room
+
+ROOM = Room(size=0.04, rest=0.02)
+
+
+def leaf(*values: float) -> Tensor:
+    return torch.tensor([values], dtype=torch.float64, requires_grad=True)
+
+
+LOW, HIGH, ELSEWHERE = leaf(0.0, 0.0, 0.02), leaf(0.0, 0.0, 0.06), leaf(0.3, 0.0, 0.02)
+
+
+@pytest.mark.parametrize(("gap", "expected"), [(0.01, 0.0), (0.06, 0.5), (0.1, 1.0)])
+def test_a_place_is_taken_by_what_stands_there(gap: float, expected: float) -> None:
+    room = ROOM(LOW, leaf(gap, 0.0, 0.02), ELSEWHERE)
+    assert room.item() == pytest.approx(expected)
+
+
+def test_what_takes_a_place_is_worth_moving_away_even_from_its_middle() -> None:
+    other = leaf(0.01, 0.0, 0.02)
+    (slope,) = torch.autograd.grad(
+        worth_of_room(leaf(1.0)[:, 0], ROOM(LOW, other, ELSEWHERE)), other
+    )
+    assert slope[0, 0] < 0  # the cost falls as it goes on outward
+
+
+def test_above_the_table_a_place_carries_once_what_belongs_below_is_there() -> None:
+    rooms = [ROOM(HIGH, leaf(x, 0.0, 0.02), LOW).item() for x in (0.0, 0.3)]
+    assert rooms == pytest.approx([1.0, 0.0])
+
+
+def test_a_cost_keeps_its_value_and_counts_by_its_room() -> None:
+    cost, room = torch.tensor([3.0], requires_grad=True), torch.tensor([[0.25]], requires_grad=True)
+    value = worth_of_room(cost, room)
+    by_cost, by_room = torch.autograd.grad(value, (cost, room))
+    assert (value.item(), by_cost.item(), by_room.item()) == (3.0, 0.25, -3.0)
+
+
+def test_a_length_that_is_not_positive_is_refused() -> None:
+    with pytest.raises(OptionError, match="size"):
+        Room(size=0.0, rest=0.02)
