@@ -78,6 +78,7 @@ class VelocityDampers:
         braking: The way on which an actuator at its limit comes to rest, in the unit of its action
             times s: rad for an arm.
         escape: How a stalemate is left; None stays there.
+        sweeps: Of the solver, at most: among many gaps it needs more of them.
 
     Raises:
         OptionError: If a number is not positive.
@@ -91,9 +92,12 @@ class VelocityDampers:
         default_factory=ConstraintEscape
     )
 
+    sweeps: int = 12
+
     def __post_init__(self) -> None:
-        """Check the number."""
+        """Check the numbers."""
         _check_positive("braking", self.braking)
+        _check_positive("sweeps", self.sweeps)
 
 
 def _check_positive(name: str, value: float) -> None:

@@ -22,6 +22,7 @@ from aicon_baselines.worlds.motion_bench_maker import (
     MOST_OBJECTS,
     ROBOTS,
     SETS,
+    SPEED,
     Problem,
     problems,
     resources,
@@ -40,7 +41,7 @@ POLICIES: dict[str, dict[str, Any]] = {
 }
 """What differs from the preset "clutter"."""
 
-SPEED, DT, HORIZON = 1.5, 0.02, 60.0
+DT, HORIZON = 0.02, 60.0
 NEAR, STRAIGHT = 0.010, 0.05
 """Success: m and rad of the tip."""
 

@@ -38,9 +38,12 @@ class Arrive(nn.Module):
             ``(*B, n)``, rad/s.
         """
         jacobian = self.end_effector.jacobian(x_joints)
-        velocity = (jacobian @ a.unsqueeze(-1)).squeeze(-1)
+        velocity, error = (jacobian @ a.unsqueeze(-1)).squeeze(-1), x_ee - x_target
+        weights = self.end_effector.weights(x_ee, x_target)
+        if weights is not None:
+            velocity, error = weights * velocity, weights * error
 
-        approach = -((x_ee - x_target) * velocity).sum(-1, keepdim=True)
+        approach = -(error * velocity).sum(-1, keepdim=True)
         square = (velocity * velocity).sum(-1, keepdim=True)
         nearest = approach / square.clamp(min=torch.finfo(a.dtype).tiny ** 0.5)
 

@@ -109,9 +109,13 @@ class EndEffector(nn.Module):
         pose: From the tool to x_ee, such as :class:`aicon_torch.parts.tip_pose.TipPose`.
         pullback: Which of them.
         damping: λ of the damped pseudo-inverse, m/rad.
+        turns_within: r: at a distance d from its target a turn of the tip counts w = 1/(1 + (d/r)²)
+            times as much, so that it waits until the place is near: J and h are those of the
+            lengths (p, w·turns). None where turns count alike everywhere; else it also reads the
+            target, ``Interconnection(end_effector, ["x_joints", "x_target"])``.
 
     Raises:
-        OptionError: If there is no such pullback.
+        OptionError: If there is no such pullback, or the distance is not positive.
 
     Example:
         >>> end_effector = EndEffector(chain, ToolPose(length=0.3, lever=0.2))
@@ -119,17 +123,24 @@ class EndEffector(nn.Module):
     """
 
     def __init__(
-        self, chain: Chain, pose: TipLengths, pullback: Pullback = "natural", damping: float = 0.02
+        self,
+        chain: Chain,
+        pose: TipLengths,
+        pullback: Pullback = "natural",
+        damping: float = 0.02,
+        turns_within: float | None = None,
     ) -> None:
         super().__init__()
         if pullback not in get_args(Pullback):
             valid = choices(get_args(Pullback))
             raise OptionError(f"pullback={pullback!r}: expected one of {valid}.")
+        if turns_within is not None and not turns_within > 0:
+            raise OptionError(f"turns_within={turns_within!r}: expected a distance > 0 (m).")
         self.chain, self.pose = chain, pose
-        self.pullback, self.damping = pullback, damping
+        self.pullback, self.damping, self.turns_within = pullback, damping, turns_within
 
-    def forward(self, x_joints: Tensor) -> Tensor:
-        """x_ee ``(*B, k)``, m, at the joint angles ``(*B, n)``, rad."""
+    def forward(self, x_joints: Tensor, x_target: Tensor | None = None) -> Tensor:
+        """x_ee ``(*B, k)``, m, at the joint angles ``(*B, n)``, rad, on its way to a target."""
         if self.pullback == "transpose" or not x_joints.requires_grad:
             return self.at(self.chain.frames(x_joints))
 
@@ -138,8 +149,17 @@ class EndEffector(nn.Module):
         if learns():
             at_joints = self.at(self.chain.frames(x_joints))
             pull_back = partial(_NaturalHop.apply, at_joints)
-        x_ee: Tensor = pull_back(x_joints, self)
+        x_ee: Tensor = pull_back(x_joints, x_target, self)
         return x_ee
+
+    def weights(self, x_ee: Tensor, x_target: Tensor | None) -> Tensor | None:
+        """How much each length counts on the way to a target, ``(*B, k)``; None for all alike."""
+        if self.turns_within is None or x_target is None:
+            return None
+        offset = (x_ee - x_target)[..., :3] / self.turns_within
+        of_turns = 1.0 / (1.0 + (offset * offset).sum(-1, keepdim=True))
+        turns = x_ee[..., 3:]
+        return torch.cat((torch.ones_like(offset), of_turns.expand_as(turns)), dim=-1)
 
     def jacobian(self, x_joints: Tensor) -> Tensor:
         """J = ∂x_ee/∂q, ``(*B, k, n)``, m/rad, at the joint angles ``(*B, n)``."""
@@ -209,32 +229,51 @@ class _NaturalPullback(torch.autograd.Function):
     """x_ee forward, the natural gradient backward."""
 
     @staticmethod
-    def forward(ctx: Any, x_joints: Tensor, end_effector: EndEffector) -> Tensor:
+    def forward(
+        ctx: Any, x_joints: Tensor, x_target: Tensor | None, end_effector: EndEffector
+    ) -> Tensor:
         frames = end_effector.chain.frames(x_joints)
-        ctx.end_effector = end_effector
+        ctx.end_effector, ctx.x_target = end_effector, x_target
         ctx.save_for_backward(frames)
         return end_effector.at(frames)
 
     @staticmethod
-    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None]:
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None]:
         (frames,) = ctx.saved_tensors
-        jacobian = ctx.end_effector.jacobian_at(frames)
-        return ctx.end_effector.natural_gradient(jacobian, gradients[0]), None
+        return _joint_gradient(ctx.end_effector, frames, ctx.x_target, gradients[0]), None, None
 
 
 class _NaturalHop(torch.autograd.Function):
     """x_ee forward; backward the natural gradient in a hop, which is itself differentiable."""
 
     @staticmethod
-    def forward(ctx: Any, x_ee: Tensor, x_joints: Tensor, end_effector: EndEffector) -> Tensor:
-        ctx.end_effector = end_effector
+    def forward(
+        ctx: Any,
+        x_ee: Tensor,
+        x_joints: Tensor,
+        x_target: Tensor | None,
+        end_effector: EndEffector,
+    ) -> Tensor:
+        ctx.end_effector, ctx.x_target = end_effector, x_target
         ctx.save_for_backward(x_joints)
         return x_ee.view_as(x_ee)
 
     @staticmethod
-    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor | None, Tensor | None, None]:
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor | None, Tensor | None, None, None]:
         if not is_hop():
-            return gradients[0], None, None
+            return gradients[0], None, None, None
         (x_joints,) = ctx.saved_tensors
-        jacobian = ctx.end_effector.jacobian(x_joints)
-        return None, ctx.end_effector.natural_gradient(jacobian, gradients[0]), None
+        frames = ctx.end_effector.chain.frames(x_joints)
+        joint_gradient = _joint_gradient(ctx.end_effector, frames, ctx.x_target, gradients[0])
+        return None, joint_gradient, None, None
+
+
+def _joint_gradient(
+    end_effector: EndEffector, frames: Tensor, x_target: Tensor | None, gradient: Tensor
+) -> Tensor:
+    """The natural gradient ``(*B, n)`` of a gradient of x_ee, as its lengths count there."""
+    jacobian = end_effector.jacobian_at(frames)
+    weights = end_effector.weights(end_effector.at(frames), x_target)
+    if weights is not None:
+        jacobian, gradient = weights.unsqueeze(-1) * jacobian, weights * gradient
+    return end_effector.natural_gradient(jacobian, gradient)

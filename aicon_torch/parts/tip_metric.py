@@ -13,7 +13,7 @@ class TipMetric(nn.Module):
     does, as far as the bounds let it: what a joint at its stop cannot do, the others do. J and the
     damping λ are those of the end effector, so that a nominal action J⁺h minimises ‖Ja − h‖² +
     λ²‖a‖², and the nearest action within the bounds does so, too: it solves the damped least
-    squares with the bounds in it.
+    squares with the bounds in it. Where its turns wait (`turns_within`), M reads the target, too.
 
     Args:
         end_effector: Of the arm.
@@ -27,8 +27,12 @@ class TipMetric(nn.Module):
         super().__init__()
         self.end_effector = end_effector
 
-    def forward(self, x_joints: Tensor) -> Tensor:
+    def forward(self, x_joints: Tensor, x_target: Tensor | None = None) -> Tensor:
         """M at the joint angles ``(*B, n)``, rad; ``(*B, n, n)``, (m/rad)²."""
-        jacobian = self.end_effector.jacobian(x_joints)
+        frames = self.end_effector.chain.frames(x_joints)
+        jacobian = self.end_effector.jacobian_at(frames)
+        weights = self.end_effector.weights(self.end_effector.at(frames), x_target)
+        if weights is not None:
+            jacobian = weights.unsqueeze(-1) * jacobian
         identity = torch.eye(x_joints.shape[-1], dtype=jacobian.dtype, device=jacobian.device)
         return jacobian.mT @ jacobian + self.end_effector.damping**2 * identity

@@ -26,9 +26,6 @@ FARTHEST = 1e3
 LEAST_SPEED = 1e-6
 """A gap that the action can change by less than this, in its unit a second, is none of its own."""
 
-SWEEPS = 12
-"""Number of sweeps of the solver."""
-
 INITIAL = {ConstraintEscape: initial_escape, PlaceEscape: initial_places, WayAround: initial_way}
 """What an escape remembers before the first step, by its options."""
 
@@ -62,6 +59,7 @@ class ActuatorSafety:
         self.model, self.actuator, self.goals = model, actuator, goals
         self.limits = limits
         self.time = declared.dampers.braking / float(limits.median())
+        self.sweeps = declared.dampers.sweeps
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
         self._boxed = [goal.name for goal in goals if self._is_box(goal)]
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
@@ -96,7 +94,7 @@ class ActuatorSafety:
         within = self.bounds(values, goal_factors)
         inverse = self._inverse_metric(values)
         if self.stalemate is None:
-            return nearest_safe(nominal, within, SWEEPS, inverse).action, {}
+            return nearest_safe(nominal, within, self.sweeps, inverse).action, {}
 
         # While escaping, the direction of the escape stands for the nominal action, and serves no
         # goal: all components count alike.
@@ -108,7 +106,7 @@ class ActuatorSafety:
             inverse = torch.where(escaping, identity, inverse)
         aim = self.stalemate.aim(nominal, own)
         aim = self.model.constrain(self.actuator, {**values, self.actuator: aim})
-        safe = nearest_safe(aim, within, SWEEPS, inverse)
+        safe = nearest_safe(aim, within, self.sweeps, inverse)
         action = self.model.actuators[self.actuator].clip(safe.action)  # its norm, if limited
 
         if isinstance(self.stalemate, Around):

@@ -17,6 +17,7 @@ from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import Interconnection
 from aicon_torch.models.reach.body import (
     ball_estimators,
     body,
@@ -63,7 +64,9 @@ def world_model(options: Options) -> WorldModel:
             raise OptionError(f"{name}={number!r}: expected 0, since the robot has no shape.")
 
     pose = TipPose(options.orientation, options.lever, options.axis)
-    end_effector = EndEffector(robot.chain, pose, damping=options.damping)
+    end_effector = EndEffector(
+        robot.chain, pose, damping=options.damping, turns_within=options.turns_within
+    )
     return WorldModel(
         sensors=_sensors(options, robot),
         actuators={"a": _actuator(options, robot, end_effector)},
@@ -108,7 +111,7 @@ def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actu
         keeps_direction=True,
         constraints=[arrive],
         dampers=options.dampers,
-        metric=TipMetric(end_effector),
+        metric=Interconnection(TipMetric(end_effector), _of_tip(options)),
     )
 
 
@@ -119,11 +122,16 @@ def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> li
     estimators: list[Estimator] = [
         Deterministic("x_target", _target(pose)),
         joints(len(robot.chain.names)),
-        Deterministic("x_ee", end_effector),
+        Deterministic("x_ee", Interconnection(end_effector, _of_tip(options))),
     ]
     if robot.shape is not None:
         estimators.append(body(robot))
     return estimators + ball_estimators(options)
+
+
+def _of_tip(options: Options) -> list[str]:
+    """What the motion of the tip is computed from: of its target where its turns wait."""
+    return ["x_joints"] if options.turns_within is None else ["x_joints", "x_target"]
 
 
 def _target(pose: TipPose) -> Callable[..., Tensor]:

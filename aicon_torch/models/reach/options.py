@@ -41,6 +41,8 @@ class Options:
         speed: Largest speed of a joint, rad/s; None for those of the robot.
         lever: A rotation by one rad counts as much as a motion of the tip by this, m.
         damping: Of the pseudo-inverse of the Jacobian, m/rad.
+        turns_within: Turns of the tip wait until its target is about so near, m: see
+            :class:`aicon_torch.parts.EndEffector`. None where they do not.
         tolerance: Within which a target asks for nothing, m.
         watchdog: Whether the arm stops on readings of its joints that are too old or frozen.
     """
@@ -64,6 +66,7 @@ class Options:
     speed: float | None = None
     lever: float = 0.2
     damping: float = 0.15
+    turns_within: float | None = None
     tolerance: float = 0.001
     watchdog: bool = True
 

@@ -19,10 +19,12 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "aicon": {},
         "clutter": {
-            "dampers.braking": 0.09,
+            "dampers.braking": 0.15,
+            "dampers.sweeps": 40,
             "dampers.escape": PlaceEscape(),
             "self_collision": SquaredHinge(0.0025, 1.0),
             "damping": 0.05,
+            "turns_within": 0.2,
         },
         "without_escape": {"dampers.escape": None},
         "steepest": {**_AS_GOALS, "resolution": SteepestPath()},

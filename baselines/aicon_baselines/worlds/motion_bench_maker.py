@@ -34,6 +34,9 @@ SETS = (
 MOST_OBJECTS = 21
 """No problem has more objects."""
 
+SPEED = 1.5
+"""Of every joint, rad/s: these URDFs limit the Panda to 2.4 and more, and the UR5 to 0.5."""
+
 Array = NDArray[np.float64]
 
 
@@ -96,13 +99,15 @@ def resources(cache: Path) -> Path:
 
 
 def robot_of(name: str, folder: Path) -> Robot:
-    """The robot with its spheres."""
+    """The robot with its spheres, whose joints are as fast as the benchmark lets them be."""
     own, described = folder / name, ROBOTS[name]
     srdf = (own / f"{name}.srdf").read_text()
     for first, second in described.always_touching:
         disabled = f'<disable_collisions link1="{first}" link2="{second}" reason="Always"/>'
         srdf = srdf.replace("</robot>", f"{disabled}</robot>")
-    return Robot.from_urdf(own / f"{name}_spherized.urdf", tip=described.tip, srdf=srdf)
+    robot = Robot.from_urdf(own / f"{name}_spherized.urdf", tip=described.tip, srdf=srdf)
+    robot.chain.speed.fill_(SPEED)
+    return robot
 
 
 def problems(
