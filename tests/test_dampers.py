@@ -7,6 +7,8 @@ from aicon_torch.errors import OptionError
 def test_a_damper_without_a_way_is_refused() -> None:
     with pytest.raises(OptionError, match="braking=0: expected a number > 0"):
         VelocityDampers(braking=0)
+    with pytest.raises(OptionError, match="sweeps=0: expected a number > 0"):
+        VelocityDampers(sweeps=0)
 
 
 def test_an_escape_from_everywhere_is_refused() -> None:
