@@ -8,6 +8,7 @@ OUT ?= runs
 
 INSTALLED := $(VENV)/.installed
 UV := .venv-uv/bin/uv
+export UV_SYSTEM_CERTS := 1
 PLUGINS := baselines/lerobot_policy_aicon baselines/lerobot_robot_aicon
 LISTED := -r constraints.txt -e . $(PLUGINS:%=-e %)
 # Ours, the paper's text, the sum with exploration, the steepest path, and the sum.
