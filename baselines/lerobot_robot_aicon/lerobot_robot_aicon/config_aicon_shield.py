@@ -1,11 +1,12 @@
 """The options of a shielded robot."""
 
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import draccus
 from lerobot.robots import RobotConfig
+
+from lerobot_robot_aicon.arm_options import ShieldOptions
 
 
 class InnerRobot(draccus.ChoiceRegistry):
@@ -31,32 +32,11 @@ class InnerRobot(draccus.ChoiceRegistry):
 
 @RobotConfig.register_subclass("aicon_shield")
 @dataclass(kw_only=True)
-class AiconShieldConfig(RobotConfig):
+class AiconShieldConfig(ShieldOptions, RobotConfig):
     """A robot of LeRobot, and what it must not do.
 
     Attributes:
         inner: The robot, as its own type is configured: `--robot.inner.type=so101_follower`.
-        urdf: Its description, a file next to its meshes, or a name of `aicon_envs.reach.ROBOTS`,
-            such as so101.
-        tip: The link of the description that reaches; of a robot with a name it is known.
-        srdf: Says which links of the description need not be compared.
-        table: Height of a table in the frame of the base, m; None for no table.
-        motors: Of each joint of the description the motor that turns it, where names differ.
-        offsets: What a motor shows where the description has its joint at 0, degrees.
-        speed: Largest speed of a joint, rad/s.
-        fps: Actions a second.
-        lead: How far what is commanded may run ahead of a joint, degrees.
-        goes_around: Whether it goes around what is in the way, or stays there.
     """
 
     inner: InnerRobot
-    urdf: str
-    tip: str | None = None
-    srdf: Path | None = None
-    table: float | None = None
-    motors: dict[str, str] = field(default_factory=dict)
-    offsets: dict[str, float] = field(default_factory=dict)
-    speed: float = 1.5
-    fps: int = 30
-    lead: float = 10.0
-    goes_around: bool = True

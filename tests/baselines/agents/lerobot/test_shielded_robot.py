@@ -5,26 +5,20 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 pytest.importorskip("lerobot")
 pytest.importorskip("mujoco")
 pytest.importorskip("lerobot_robot_aicon")
 
-import torch
+from _so101 import JOINTS, AboveTable, described, joints, to_action
 from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
-from aicon_envs.reach import ReachEnv
-from aicon_torch.parts import CapsuleSegments, Robot, SquaredHinge, Table
 from lerobot_robot_aicon import AiconShield, AiconShieldConfig, AiconSimulatedConfig
 
 pytestmark = pytest.mark.slow
-
-JOINTS = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll")
 
 
 @pytest.fixture(scope="module")
@@ -36,29 +30,17 @@ def shielded() -> Iterator[AiconShield]:
     robot.disconnect()
 
 
-def to_action(degrees: Any) -> dict[str, float]:
-    return {f"{joint}.pos": float(x) for joint, x in zip(JOINTS, degrees, strict=True)}
-
-
-def joints(observation: dict[str, Any]) -> NDArray[Any]:
-    return np.radians([observation[f"{joint}.pos"] for joint in JOINTS])
-
-
 def test_wherever_it_is_sent_it_touches_neither_itself_nor_the_table(shielded: AiconShield) -> None:
-    described = ReachEnv("so101", "axis").description()
-    arm = Robot.from_urdf(described["urdf"], tip=described["tip"])
-    assert arm.shape is not None
-    table = Table.under(arm, 0.0, SquaredHinge(0.01, 1.0))
-    segments = CapsuleSegments(arm.chain, arm.shape.capsules)
-
+    above_table = AboveTable()
+    low, high = described()["low"], described()["high"]
     generator, sent_into_it = np.random.default_rng(1), 0
     for _ in range(15):
-        posture = generator.uniform(described["low"], described["high"])
-        sent_into_it += int(table.distances(segments(torch.tensor(posture))).min() < 0)
+        posture = generator.uniform(low, high)
+        sent_into_it += int(above_table(posture) < 0)
         for _ in range(40):
             observation = shielded.get_observation()
             shielded.send_action(to_action(np.degrees(posture)))
-            assert table.distances(segments(torch.tensor(joints(observation)))).min() > 0
+            assert above_table(joints(observation)) > 0
             assert not shielded.inner.info["self_contact"]
             assert not shielded.inner.info["limit_violation"]
     assert sent_into_it > 1
