@@ -6,10 +6,10 @@ Example: python scripts/shield.py nav2d --episodes 100 --seed 300000 --out runs/
 import argparse
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import torch
@@ -18,28 +18,16 @@ from numpy.typing import NDArray
 from aicon_baselines.agents.registry import diffusion_policy, saved_agent
 from aicon_baselines.agents.shields import arm, nav2d, pusht
 from aicon_baselines.agents.shields.clamped import shortened
+from aicon_baselines.agents.shields.world import World, guards, seeded
 from aicon_baselines.agents.shipped import shipped_folder
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.evaluation.episodes import Step, run_episodes
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.predictor import Predictor
+from aicon_baselines.named import find
 from aicon_baselines.tasks import load
 from aicon_envs.nav2d import Physics, make_map
 from aicon_torch import load_exported
-
-STILL = {"nav2d": (600, 0.5), "pusht": (50, 20.0), "arm": (100, 0.1)}
-"""An episode that does not end is stuck where it stays for so many steps within so far, m, px or
-rad."""
-
-
-class World(NamedTuple):
-    """What is compared in a task: who proposes, what guards, in which episodes, for how long."""
-
-    proposers: Mapping[str, Callable[[], Predictor]]
-    guards: Mapping[str, Callable[[Any], Predictor]]
-    start: Callable[[int, int], tuple[Any, Any]]
-    time_step: float
-    at_once: int = 1000  # episodes side by side; an arm in MuJoCo takes 0.1 GB
 
 
 class Heard:
@@ -58,7 +46,15 @@ def navigation() -> World:
     """Who goes straight, and PPO, among walls."""
     ppo = saved_agent("nav2d", shipped_folder("sb3", "nav2d"))[1]
     proposers = {"straight": nav2d.Straight, "PPO": lambda: ppo("range")}
-    return World(proposers, _guards(nav2d.clamped, nav2d.shielded), _navigation, 0.05)
+    return World(
+        proposers,
+        guards(nav2d.clamped, nav2d.shielded),
+        _navigation,
+        time_step=0.05,
+        still=(600, 0.5),
+        longest=Physics().max_speed,
+        ends_at_touch=True,
+    )
 
 
 def pushing() -> World:
@@ -69,26 +65,30 @@ def pushing() -> World:
         "PPO": lambda: ppo("deterministic"),
         "student": lambda: student("deterministic"),
     }
-    return World(proposers, _guards(pusht.clamped, pusht.shielded), _seeded(pusht.make_env), 0.1)
+    start = seeded(lambda count: pusht.make_env(count, 1000))
+    guarded = guards(pusht.clamped, pusht.shielded)
+    return World(proposers, guarded, start, time_step=0.1, still=(50, 20.0))
 
 
 def moving() -> World:
     """An arm whose joints go straight, with a ball in the way."""
-    guards = _guards(arm.clamped, arm.shielded)
-    return World({"straight": arm.Straight}, guards, _seeded(arm.make_env), 0.02, 25)
+    start = seeded(lambda count: arm.make_env(count, 1000))
+    guarded = guards(arm.clamped, arm.shielded)
+    return World(
+        {"straight": arm.Straight}, guarded, start, time_step=0.02, still=(100, 0.1), at_once=25
+    )
 
 
 WORLDS = {"nav2d": navigation, "pusht": pushing, "arm": moving}
 """The tasks, by name; each loads its own policies."""
 
 
-def _guards(clamp: Any, shielded: Any) -> dict[str, Callable[[Any], Predictor]]:
-    return {
-        "nothing": lambda policy: policy,
-        "clamp": clamp,
-        "bounds alone": lambda policy: shielded(policy, goes_around=False),
-        "shield": shielded,
-    }
+def _world(name: str) -> World:
+    """A world of ours by its name, or MODULE:WORLD of somebody else."""
+    if name in WORLDS:
+        return WORLDS[name]()
+    world: World = find(name)()
+    return world
 
 
 def _navigation(first: int, count: int) -> tuple[Any, Any]:
@@ -98,19 +98,9 @@ def _navigation(first: int, count: int) -> tuple[Any, Any]:
     return env, env.reset(**task.reset_arguments(episodes))
 
 
-def _seeded(make_env: Callable[[int, int], Any]) -> Callable[[int, int], tuple[Any, Any]]:
-    """Episodes of environments that hang on their seeds alone."""
-
-    def start(first: int, count: int) -> tuple[Any, Any]:
-        env = make_env(count, 1000)
-        return env, env.reset(seed=list(range(first, first + count)))
-
-    return start
-
-
 def compare(task: str, out: Path, first: int, count: int, horizon: int, only: list[str]) -> None:
     """Run every policy with every guard, and print a row of the table each."""
-    world = WORLDS[task]()
+    world = _world(task)
     chosen = {name: make for name, make in world.proposers.items() if not only or name in only}
     for proposer, make in chosen.items():
         for name, guard in world.guards.items():
@@ -122,26 +112,27 @@ def compare(task: str, out: Path, first: int, count: int, horizon: int, only: li
                 number = min(world.at_once, first + count - begin)
                 env, start = world.start(begin, number)
                 steps = run_episodes(policy, env, start)
-                parts.append(measured(task, steps, heard, number, horizon, begin))
+                parts.append(measured(world, steps, heard, number, horizon, begin))
                 env.close()
 
             told = {"policy": proposer, "guard": name, **_together(parts)}
             print(_in_words(told, world.time_step), flush=True)
-            with (out / f"{task}.jsonl").open("a") as file:
+            with (out / f"{task.replace(':', '.')}.jsonl").open("a") as file:
                 file.write(json.dumps(told) + "\n")
 
 
 def measured(
-    task: str, steps: Iterator[Step], heard: Heard, count: int, horizon: int, first: int
+    world: World, steps: Iterator[Step], heard: Heard, count: int, horizon: int, first: int
 ) -> dict[str, Any]:
     """What became of the episodes, each of which ends at a success."""
-    longest = Physics().max_speed if task == "nav2d" else np.inf
     success, touched = np.zeros(count, bool), np.zeros(count, bool)
     duration, change, total = np.zeros(count), 0.0, 0
     places: list[NDArray[Any]] = []
     for number, step in enumerate(steps):
         on = step.running
-        difference = shortened(step.action, longest) - shortened(heard.proposal, longest)
+        difference = shortened(step.action, world.longest) - shortened(
+            heard.proposal, world.longest
+        )
         change += float(np.linalg.norm(difference, axis=-1)[on].sum())
         total += int(on.sum())
         touched |= on & np.asarray(step.info["collision"], bool)
@@ -151,10 +142,10 @@ def measured(
         if number + 1 >= horizon:
             break
 
-    still, near = STILL[task]
+    still, near = world.still
     way = np.stack(places)[-still:]
     spread = np.ptp(way, axis=0).max(-1)
-    failed = ~success & ~(touched if task == "nav2d" else np.zeros(count, bool))
+    failed = ~success & ~(touched if world.ends_at_touch else np.zeros(count, bool))
     good = success & ~touched
     return {
         "episodes": count,
@@ -250,7 +241,9 @@ def draw(out: Path, seed: int, horizon: int) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
-    parser.add_argument("what", choices=(*WORLDS, "random", "time", "draw"))
+    parser.add_argument(
+        "what", help=f"{', '.join(WORLDS)}, a world of others, MODULE:WORLD, random, time or draw"
+    )
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--seed", type=int, default=300_000, help="first seed (default: 300000)")
     parser.add_argument("--horizon", type=int, default=1000, help="steps (default: 1000)")
