@@ -240,14 +240,14 @@ def block(
         uncertain={"x_tip": "P_tip", x_object: covariance_name(x_object)},
     )
 
-    # 3. What may move it: a hand that holds another comes to hold no more.
-    def likelihood(x_rel: Tensor, x_opening: Tensor, *held: Tensor) -> Tensor:
+    # 3. What may move it: a hand that has another between its fingers comes to hold no more.
+    def likelihood(x_rel: Tensor, x_opening: Tensor, *apart: Tensor) -> Tensor:
         grasped = grasp.likelihood(x_rel, x_opening)
-        for p_held in held:
-            grasped = grasped * (1 - p_held)
+        for x_rel_other in apart:
+            grasped = grasped * (1 - grasp.between(x_rel_other))
         return grasped
 
-    grasped_by = [x_rel, "x_opening", *(f"p_held{other}" for other in others)]
+    grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
     return [
         where,
