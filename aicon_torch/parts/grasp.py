@@ -38,6 +38,17 @@ def from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
     return above.unsqueeze(-1) * upward(offset)
 
 
+def way_from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
+    """How far it is to a place to which one comes from above, ‖Δ − h e_z‖, ``(*B,)``, m.
+
+    Args:
+        offset: As for :func:`from_above`.
+        slack: Likewise.
+        clearance: Likewise.
+    """
+    return norm(offset - from_above(offset, slack, clearance))
+
+
 def upward(offset: Tensor) -> Tensor:
     """e_z ``(n,)`` of what has components x, y, z and perhaps more, ``(*B, n)``."""
     return offset.new_tensor([float(axis == 2) for axis in range(offset.shape[-1])])
@@ -91,7 +102,8 @@ class Grasp:
         between = self.between(x_rel).squeeze(-1)
         too_open, too_narrow = opening - self.gripper.narrowest, self.gripper.widest - opening
 
-        way = norm(offset - self._detour(offset)) + between * too_open + (1 - between) * too_narrow
+        approach = way_from_above(offset, self.size / 2, self.size)
+        way = approach + between * too_open + (1 - between) * too_narrow
         opens = (way - opening).detach() + opening  # stops the tip: it does not leave what it holds
         grasped, released = (likelihood_across(gap, self.reach) for gap in (way, opens))
         return by_sign(released, grasped).unsqueeze(-1)
@@ -109,10 +121,6 @@ class Grasp:
     def _offset(self, x_rel: Tensor) -> Tensor:
         """Δ, like x_rel, m."""
         return x_rel - self.height * upward(x_rel)
-
-    def _detour(self, offset: Tensor) -> Tensor:
-        """How far above the object the tip is aimed, h e_z, like the offset, m."""
-        return from_above(offset, self.size / 2, self.size)
 
 
 class Held(Estimator):

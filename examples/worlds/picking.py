@@ -38,8 +38,7 @@ from aicon_torch.parts import (
     approached,
     carried,
     first_belief,
-    from_above,
-    norm,
+    way_from_above,
     worth_of_room,
 )
 from aicon_torch.resolution import Resolution, SteepestPath
@@ -134,7 +133,8 @@ def build_policy(hand: Hand, options: Options) -> Policy:
             read = [f"z_goal{name}"]
             for other in others:
                 read += [f"x_obj{other}", f"z_goal{other}"]
-            among = Interconnection(Room(SIZE, rest=SIZE / 2), read)
+            room = Room(SIZE, rest=SIZE / 2, slack=options.tolerance, clearance=options.rise)
+            among = Interconnection(room, read)
             rooms.append(Deterministic(f"p_room{name}", among))
 
     # What is first of a circle runs last: held reads the newest x_rel.
@@ -168,8 +168,7 @@ def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
     """
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        beside = x_obj[..., :3] - z_goal
-        way = norm(beside - from_above(beside, options.tolerance, options.rise))
+        way = way_from_above(x_obj[..., :3] - z_goal, options.tolerance, options.rise)
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
     def place_among_others(x_obj: Tensor, z_goal: Tensor, p_room: Tensor) -> Tensor:
