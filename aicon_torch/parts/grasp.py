@@ -67,10 +67,9 @@ class Grasp:
     more than the slack of the open fingers, it is aimed above it, four times as far, up to a
     clearance: h = min(c, 4 max(0, ‖Δ_xy‖ − r)). So it rises before it comes, and does not push.
     To let go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open,
-    and as far as they have not yet, the tip stays in the middle: with their range R = o_max − o_min,
+    and as far as they have not, the tip stays in the middle: with their range R = o_max − o_min,
 
         D = o − b (o_max − o)/R ‖Δ‖.
-
 
     Fingers that turn have a fourth component: how far they are turned from the object's side, as
     the way rψ of a point at its edge.
@@ -107,8 +106,8 @@ class Grasp:
 
         approach = way_from_above(offset, self.size / 2, self.size)
         way = approach + between * too_open + (1 - between) * too_narrow
-        middle = between * (too_narrow / self.gripper.range).detach() * norm(offset)  # a weight
-        let_go = straight_through(way, opening - middle)
+        shut = (too_narrow / self.gripper.range).detach()  # stops the gradient: it weighs
+        let_go = straight_through(way, opening - between * shut * norm(offset))
 
         grasped, released = (likelihood_across(gap, self.reach) for gap in (way, let_go))
         return by_sign(released, grasped).unsqueeze(-1)
