@@ -50,10 +50,12 @@ def test_fingers_turn_to_the_side_of_the_object_and_it_turns_with_them() -> None
     torch.testing.assert_close(turned, leaf(0, 0, 0, 1).detach())
 
 
-def test_letting_go_opens_the_fingers_and_leaves_the_tip_where_it_is() -> None:
-    motion, opening = slopes(leaf(0.002, 0.0, 0.012), leaf(0.02), sign=1.0)
+def test_letting_go_opens_the_fingers_and_stays_in_the_middle_until_they_are_open() -> None:
+    motion, opening = slopes(leaf(0.002, 0.0, 0.01), leaf(0.02), sign=1.0)
+    assert opening < 0 < motion[0, 0] and not motion[0, 1:].any()
+
+    motion, _ = slopes(leaf(0.002, 0.0, 0.01), leaf(GRIPPER.widest), sign=1.0)
     assert not motion.any()
-    assert opening < 0
 
 
 def test_the_likelihood_is_largest_where_the_object_is_held() -> None:
