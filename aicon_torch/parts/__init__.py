@@ -35,7 +35,7 @@ from aicon_torch.parts.contact import (
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
-from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried, from_above
+from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried, way_from_above
 from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
@@ -162,7 +162,6 @@ __all__ = [
     "expected_distance",
     "first_belief",
     "fixed_closest_point",
-    "from_above",
     "inward_normal",
     "is_interior",
     "moving_point",
@@ -181,6 +180,7 @@ __all__ = [
     "to_world",
     "unit_gradient_jacobian",
     "unit_gradient_residual",
+    "way_from_above",
     "worth_of_room",
     "wrap_angle",
 ]

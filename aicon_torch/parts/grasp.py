@@ -38,6 +38,17 @@ def from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
     return above.unsqueeze(-1) * upward(offset)
 
 
+def way_from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
+    """How far it is to a place to which one comes from above, ‖Δ − h e_z‖, ``(*B,)``, m.
+
+    Args:
+        offset: As for :func:`from_above`.
+        slack: Likewise.
+        clearance: Likewise.
+    """
+    return norm(offset - from_above(offset, slack, clearance))
+
+
 def upward(offset: Tensor) -> Tensor:
     """e_z ``(n,)`` of what has components x, y, z and perhaps more, ``(*B, n)``."""
     return offset.new_tensor([float(axis == 2) for axis in range(offset.shape[-1])])
@@ -55,8 +66,10 @@ class Grasp:
     So the fingers open on the way and close about the object. While the tip is beside the object by
     more than the slack of the open fingers, it is aimed above it, four times as far, up to a
     clearance: h = min(c, 4 max(0, ‖Δ_xy‖ − r)). So it rises before it comes, and does not push.
-    Where p_grasp is to be reduced, the fingers open, D = o, and the tip stays: to let go is the
-    other sign of the same path.
+    To let go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open,
+    and as far as they have not, the tip stays in the middle: with their range R = o_max − o_min,
+
+        D = o − b (o_max − o)/R ‖Δ‖.
 
     Fingers that turn have a fourth component: how far they are turned from the object's side, as
     the way rψ of a point at its edge.
@@ -91,9 +104,12 @@ class Grasp:
         between = self.between(x_rel).squeeze(-1)
         too_open, too_narrow = opening - self.gripper.narrowest, self.gripper.widest - opening
 
-        way = norm(offset - self._detour(offset)) + between * too_open + (1 - between) * too_narrow
-        opens = (way - opening).detach() + opening  # stops the tip: it does not leave what it holds
-        grasped, released = (likelihood_across(gap, self.reach) for gap in (way, opens))
+        approach = way_from_above(offset, self.size / 2, self.size)
+        way = approach + between * too_open + (1 - between) * too_narrow
+        shut = (too_narrow / self.gripper.range).detach()  # stops the gradient: it weighs
+        let_go = straight_through(way, opening - between * shut * norm(offset))
+
+        grasped, released = (likelihood_across(gap, self.reach) for gap in (way, let_go))
         return by_sign(released, grasped).unsqueeze(-1)
 
     def between(self, x_rel: Tensor) -> Tensor:
@@ -109,10 +125,6 @@ class Grasp:
     def _offset(self, x_rel: Tensor) -> Tensor:
         """Δ, like x_rel, m."""
         return x_rel - self.height * upward(x_rel)
-
-    def _detour(self, offset: Tensor) -> Tensor:
-        """How far above the object the tip is aimed, h e_z, like the offset, m."""
-        return from_above(offset, self.size / 2, self.size)
 
 
 class Held(Estimator):

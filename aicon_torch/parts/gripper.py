@@ -57,6 +57,11 @@ class Gripper(Estimator):
         self.inputs = ("x_opening", actuator, "dt")
         self.register_buffer("start", torch.tensor([first]))
 
+    @property
+    def range(self) -> float:
+        """From the narrowest opening to the widest, m."""
+        return self.widest - self.narrowest
+
     def actuator(self) -> Actuator:
         """The rate of opening, m/s, which is sent as the opening to go to, 0 closed to 1 widest."""
 

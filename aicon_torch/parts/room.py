@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from aicon_torch.parts.grasp import upward
+from aicon_torch.parts.grasp import upward, way_from_above
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import straight_through
@@ -17,13 +17,16 @@ class Room:
 
     With how near another object is that is a gap d away, n(d) = clip(2 − d/s, 0, 1), a place is
     vacant by Π (1 − n(d_xy)) over those that are no lower than it, as one comes from above. It
-    carries by 1 where the table does, and elsewhere by the largest n(‖x − (g − s e_z)‖) of those
-    that belong below it; these take no place from it. Nothing says which object goes first: a place
-    that is taken, or carried by nothing yet, makes its goal worth less, and worth clearing.
+    carries by 1 where the table does, and elsewhere by the largest n(d) of those that belong below
+    it, with the way d from above (:func:`way_from_above`) to g − s e_z; these take no place from
+    it. Nothing says which object goes first: a place that is taken, or carried by nothing yet,
+    makes its goal worth less, and worth clearing.
 
     Attributes:
         size: s, width and height of an object, m.
         rest: Height of its centre on the table, m.
+        slack: How far aside of its place an object may sink, m.
+        clearance: The height at which nothing stands in its way, m.
 
     Raises:
         OptionError: If a length is not positive.
@@ -31,10 +34,12 @@ class Room:
 
     size: float
     rest: float
+    slack: float
+    clearance: float
 
     def __post_init__(self) -> None:
         """Check the lengths."""
-        check_positive(self, ("size", "rest"))
+        check_positive(self, ("size", "rest", "clearance"))
 
     def __call__(self, place: Tensor, *others: Tensor) -> Tensor:
         """p_room, ``(*B, 1)``.
@@ -52,7 +57,8 @@ class Room:
             # 1. What belongs below, and is there, carries.
             in_column = norm((other_place - place)[..., :2]) < self.size
             belongs_below = in_column & (other_place[..., 2] < place[..., 2])
-            carries = self._near(norm(other[..., :3] - below))
+            way = way_from_above(other[..., :3] - below, self.slack, self.clearance)
+            carries = self._near(way)
             carried = torch.maximum(carried, torch.where(belongs_below, carries, 0.0))
 
             # 2. What is there, or above, takes the place. What is wholly in it can still be moved.

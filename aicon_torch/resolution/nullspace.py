@@ -23,7 +23,7 @@ class NullspaceProjection(Resolution):
     others lose their component along it, the strongest of what remains is taken next, and so on
     while degrees of freedom remain. The sum of what was taken changes no cost against the will of a
     stronger gradient *where it was resolved*. When the two strongest oppose each other, exploration
-    replaces the sum.
+    replaces the sum, unless the quantity has one component, and so no nullspace to explore.
 
     The defaults are what the library ships; :meth:`as_in_paper` gives the text's.
 
@@ -80,8 +80,9 @@ class NullspaceProjection(Resolution):
     def initial(self, count: int, size: int) -> Memory:
         """No gradient holds a rank yet (−1)."""
         memory = {"rank": torch.full((self._ranks(count, size),), -1)}
-        if self.exploration is not None:
-            memory |= self.exploration.initial(size)
+        exploration = self._exploration_among(size)
+        if exploration is not None:
+            memory |= exploration.initial(size)
         return memory
 
     def __call__(self, stack: GradientStack, memory: Memory) -> tuple[Tensor, Memory]:
@@ -105,9 +106,10 @@ class NullspaceProjection(Resolution):
             resolved = resolved * (dominant_magnitude / dominant_weight.clamp(min=smallest))
 
         # 4. Where the two strongest oppose each other, explore instead.
-        if self.exploration is not None:
+        exploration = self._exploration_among(stack.gradients.shape[-1])
+        if exploration is not None:
             ranked = RankedGradients(magnitudes, directions, weights, weighted, dominant)
-            exploring, direction, explored = self.exploration(stack, ranked, memory)
+            exploring, direction, explored = exploration(stack, ranked, memory)
             if restores:
                 direction = direction * dominant_magnitude
             resolved = torch.where(exploring.unsqueeze(-1), -direction, resolved)
@@ -168,6 +170,10 @@ class NullspaceProjection(Resolution):
                 magnitudes = torch.linalg.vector_norm(gradients, dim=-1)
 
         return torch.stack(selected, dim=-2), torch.cat(selected_index, dim=-1)
+
+    def _exploration_among(self, size: int) -> Exploration | None:
+        """What explores a quantity of so many components; one alone has no nullspace."""
+        return self.exploration if size > 1 else None
 
     def _ranks(self, count: int, size: int) -> int:
         """The degrees of freedom to be had, min(n, d); without projection n."""

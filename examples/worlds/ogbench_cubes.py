@@ -206,7 +206,7 @@ def _task(count: int, horizon: int) -> Task:
         name=f"ogbench_cube_{NAMES[count - 1]}",
         time_step=0.05,
         horizon=horizon,
-        chunk_size=10,
+        chunk_size=50,
         maps=("table",),
         conditions=CONDITIONS,
         make_env=make_env,

@@ -38,8 +38,7 @@ from aicon_torch.parts import (
     approached,
     carried,
     first_belief,
-    from_above,
-    norm,
+    way_from_above,
     worth_of_room,
 )
 from aicon_torch.resolution import Resolution, SteepestPath
@@ -134,7 +133,8 @@ def build_policy(hand: Hand, options: Options) -> Policy:
             read = [f"z_goal{name}"]
             for other in others:
                 read += [f"x_obj{other}", f"z_goal{other}"]
-            among = Interconnection(Room(SIZE, rest=SIZE / 2), read)
+            room = Room(SIZE, rest=SIZE / 2, slack=options.tolerance, clearance=options.rise)
+            among = Interconnection(room, read)
             rooms.append(Deterministic(f"p_room{name}", among))
 
     # What is first of a circle runs last: held reads the newest x_rel.
@@ -168,8 +168,7 @@ def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
     """
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        beside = x_obj[..., :3] - z_goal
-        way = norm(beside - from_above(beside, options.tolerance, options.rise))
+        way = way_from_above(x_obj[..., :3] - z_goal, options.tolerance, options.rise)
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
     def place_among_others(x_obj: Tensor, z_goal: Tensor, p_room: Tensor) -> Tensor:
@@ -240,14 +239,14 @@ def block(
         uncertain={"x_tip": "P_tip", x_object: covariance_name(x_object)},
     )
 
-    # 3. What may move it: a hand that holds another comes to hold no more.
-    def likelihood(x_rel: Tensor, x_opening: Tensor, *held: Tensor) -> Tensor:
+    # 3. What may move it: a hand that has another between its fingers comes to hold no more.
+    def likelihood(x_rel: Tensor, x_opening: Tensor, *apart: Tensor) -> Tensor:
         grasped = grasp.likelihood(x_rel, x_opening)
-        for p_held in held:
-            grasped = grasped * (1 - p_held)
+        for x_rel_other in apart:
+            grasped = grasped * (1 - grasp.between(x_rel_other))
         return grasped
 
-    grasped_by = [x_rel, "x_opening", *(f"p_held{other}" for other in others)]
+    grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
     return [
         where,

@@ -1,9 +1,11 @@
+import math
+
 import pytest
 import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts import Carrying, Grasp, Gripper, approached, carried, from_above
+from aicon_torch.parts import Carrying, Grasp, Gripper, approached, carried, way_from_above
 
 GRIPPER = Gripper(narrowest=0.02, widest=0.12, speed=0.3)
 GRASP = Grasp(GRIPPER, size=0.04, height=0.01, reach=0.05)
@@ -34,8 +36,9 @@ def test_beside_the_object_the_tip_is_drawn_above_it_first() -> None:
 
 
 def test_one_comes_from_above_and_sinks_as_one_comes() -> None:
-    heights = [from_above(leaf(x, 0.0, 0.0), 0.01, 0.05)[0, 2].item() for x in (0.0, 0.015, 0.1)]
-    assert heights == pytest.approx([0.0, 0.02, 0.05])
+    for beside, height in ((0.0, 0.0), (0.015, 0.02), (0.1, 0.05)):
+        way = way_from_above(leaf(beside, 0.0, 0.0), 0.01, 0.05)
+        assert way.item() == pytest.approx(math.hypot(beside, height), abs=1e-6)
 
 
 def test_fingers_turn_to_the_side_of_the_object_and_it_turns_with_them() -> None:
@@ -47,10 +50,12 @@ def test_fingers_turn_to_the_side_of_the_object_and_it_turns_with_them() -> None
     torch.testing.assert_close(turned, leaf(0, 0, 0, 1).detach())
 
 
-def test_letting_go_opens_the_fingers_and_leaves_the_tip_where_it_is() -> None:
-    motion, opening = slopes(leaf(0.002, 0.0, 0.012), leaf(0.02), sign=1.0)
+def test_letting_go_opens_the_fingers_and_stays_in_the_middle_until_they_are_open() -> None:
+    motion, opening = slopes(leaf(0.002, 0.0, 0.01), leaf(0.02), sign=1.0)
+    assert opening < 0 < motion[0, 0] and not motion[0, 1:].any()
+
+    motion, _ = slopes(leaf(0.002, 0.0, 0.01), leaf(GRIPPER.widest), sign=1.0)
     assert not motion.any()
-    assert opening < 0
 
 
 def test_the_likelihood_is_largest_where_the_object_is_held() -> None:

@@ -5,7 +5,7 @@ from torch import Tensor
 from aicon_torch.errors import OptionError
 from aicon_torch.parts import Room, worth_of_room
 
-ROOM = Room(size=0.04, rest=0.02)
+ROOM = Room(size=0.04, rest=0.02, slack=0.01, clearance=0.05)
 
 
 def leaf(*values: float) -> Tensor:
@@ -34,6 +34,12 @@ def test_above_the_table_a_place_carries_once_what_belongs_below_is_there() -> N
     assert rooms == pytest.approx([1.0, 0.0])
 
 
+def test_what_carries_comes_from_above_as_well() -> None:
+    other = leaf(0.05, 0.0, 0.02)
+    (slope,) = torch.autograd.grad(ROOM(HIGH, other, LOW), other)
+    assert slope[0, 0] < 0 < slope[0, 2]  # inward, and up
+
+
 def test_a_cost_keeps_its_value_and_counts_by_its_room() -> None:
     cost, room = torch.tensor([3.0], requires_grad=True), torch.tensor([[0.25]], requires_grad=True)
     value = worth_of_room(cost, room)
@@ -43,4 +49,4 @@ def test_a_cost_keeps_its_value_and_counts_by_its_room() -> None:
 
 def test_a_length_that_is_not_positive_is_refused() -> None:
     with pytest.raises(OptionError, match="size"):
-        Room(size=0.0, rest=0.02)
+        Room(size=0.0, rest=0.02, slack=0.01, clearance=0.05)
