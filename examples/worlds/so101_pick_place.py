@@ -20,7 +20,7 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
 from picking import PRESETS, Hand, Options, build_policy
 
-from aicon_baselines.evaluation.task import Task
+from aicon_baselines.evaluation.task import Look, Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 
@@ -67,12 +67,13 @@ class PickPlace(gymnasium.Env[Any, Any]):
             name, random_block_position=True, action_scale=STEP, disable_env_checker=True
         )
         self.world, self.disturbance, self.render_mode = made.unwrapped, disturbance, render_mode
+        self.model, self.data = self.world.model, self.world.data
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         """Place block and goal."""
         super().reset(seed=seed)
         state, _ = self.world.reset(seed=seed)
-        self.first_place = self.world.data.joint("block").qpos.copy()
+        self.first_place = self.data.joint("block").qpos.copy()
         self.steps, self.is_knocked, self.loss = 0, False, self.np_random.integers(5, 25)
         return self._seen(state["environment_state"], False)
 
@@ -82,7 +83,7 @@ class PickPlace(gymnasium.Env[Any, Any]):
         sent = np.concatenate([action["tip"], action["jaw"]])
         state, _, ends, _, told = self.world.step(sent.astype(np.float32))
         if self.disturbance == "knocked" and not self.is_knocked and self._is_carried():
-            block = self.world.data.joint("block")
+            block = self.data.joint("block")
             block.qpos[:], block.qvel[:], self.is_knocked = self.first_place, 0.0, True
         observation, info = self._seen(state["environment_state"], told["succeed"])
         return observation, 0.0, ends, False, info
@@ -96,7 +97,7 @@ class PickPlace(gymnasium.Env[Any, Any]):
         self.world.close()
 
     def _is_carried(self) -> bool:
-        return bool(self.world.data.joint("block").qpos[2] > self.first_place[2] + 0.035)
+        return bool(self.data.joint("block").qpos[2] > self.first_place[2] + 0.035)
 
     def _seen(self, state: Any, success: bool) -> Any:
         tip, (block, goal) = self.world.ik_point_pos, np.split(np.float64(state), 2)
@@ -178,4 +179,5 @@ TASK = Task(
     model=__name__,
     presets=tuple(PRESETS),
     agents={"script": f"{__name__}:Script"},
+    look=Look(scene="picking_scene:PickingScene"),
 )
