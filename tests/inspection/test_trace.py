@@ -96,6 +96,19 @@ def test_gradients_ranks_and_conflicts_are_those_of_the_memory() -> None:
             assert int(there.dominant[row]) == held[0]
 
 
+def test_a_leading_path_goes_from_a_goal_to_the_actuator_over_what_dominates_each_meeting() -> None:
+    policy = navigation()
+    complete = {tuple(str(path).split(" → ")) for path in policy.model.paths()}
+
+    for memory in rollout(policy, drifting(20, (3,))):
+        trace = policy.trace(memory)
+        there = trace.quantities["x_rob"]
+        for row in range(3):
+            led = trace.leading_path("a", (row,))
+            assert led in complete
+            assert led[:-1] == there.paths[int(there.dominant[row])]
+
+
 def test_the_cosine_is_that_of_the_dominant_gradient_and_its_opponent() -> None:
     policy = navigation_in_text()
     explored = 0

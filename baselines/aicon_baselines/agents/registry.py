@@ -18,7 +18,7 @@ from aicon_baselines.evaluation.predictor import Factory, Predictor
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.extras import pip_command
 from aicon_baselines.named import find, made
-from aicon_baselines.tasks.registry import load
+from aicon_baselines.tasks.registry import lesson_of, load
 
 PLANNERS = ("mppi", "mppi_small")
 """The planners of pushT, presets of `aicon_baselines.agents.mppi`."""
@@ -261,18 +261,15 @@ def diffusion_policy(
     It is loaded once here, so that what does not fit is an error before anything runs.
 
     Args:
-        task: Name of the task, "pusht".
+        task: Name of the task; one with a lesson.
         source: Folder of the policy, or OWNER/REPOSITORY@COMMIT of the Hugging Face hub.
         sampler: "DDPM" or "DDIM"; by default the policy's.
         inference_steps: Number of denoising steps; by default the policy's.
     """
-    if task != "pusht":
-        raise ComparisonError(
-            f"diffusion policies push: compare them with --task pusht, not {task}"
-        )
+    lesson_of(task)
     from aicon_baselines.agents.diffusion.hub import locate
 
-    build = SavedPolicy(partial(_load_diffusion, locate(source), sampler, inference_steps))
+    build = SavedPolicy(partial(_load_diffusion, locate(source), sampler, inference_steps, task))
     return build.load().name, build
 
 
@@ -292,10 +289,12 @@ def _load_agent(*arguments: Any) -> Any:
     return import_sb3().Agent(*arguments)
 
 
-def _load_diffusion(*arguments: Any) -> Any:
+def _load_diffusion(
+    folder: Path, sampler: str | None, inference_steps: int | None, task: str
+) -> Any:
     from aicon_baselines.agents.diffusion.agent import Agent
 
-    return Agent(*arguments)
+    return Agent(folder, sampler, inference_steps, task=task)
 
 
 def import_mppi() -> ModuleType:

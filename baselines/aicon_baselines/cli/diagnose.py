@@ -5,7 +5,8 @@ Example: aicon diagnose runs/first --seed 3
 RUN is a folder that aicon compare wrote. The episode is run again, alone and compiled, with the
 policy, condition and horizon of the run, and its trace is looked at: did the robot stand still, go
 in circles, or run out of time? Which gradients stood against each other, which goal never rested,
-which actuator was at its limit, which readings contradicted the estimates?
+which actuator was at its limit, which readings contradicted the estimates? Last comes what led,
+turn by turn: the path from a goal to each actuator, and what stood against what.
 
 What it says was seen; that it is the cause, an experiment shows: aicon watch is one to begin with.
 """
@@ -34,6 +35,7 @@ def run(arguments: argparse.Namespace) -> None:
     from aicon_baselines.diagnosis import diagnose
     from aicon_baselines.diagnosis.picture import draw_diagnosis
     from aicon_baselines.diagnosis.rerun import rerun
+    from aicon_baselines.diagnosis.turns import find_turns
 
     again = rerun(arguments.run, arguments.seed, arguments.policy, arguments.condition)
     found = diagnose(again.history)
@@ -55,7 +57,10 @@ def run(arguments: argparse.Namespace) -> None:
             "In the comparison it was otherwise. There the episode was one of a batch: in the last "
             "bits it differs, and that decided."
         )
-    print(f"\n{found}\n\nsaved: {path}")
+    print(f"\n{found}\n\nWhat led, turn by turn:")
+    for turn in find_turns(again.history):
+        print(turn)
+    print(f"\nsaved: {path}")
 
 
 COMMAND = Command(__doc__, add_arguments, run)

@@ -61,6 +61,7 @@ class ActuatorCurve:
         smallest: Share of the limit by which the last inner step of its descent changed it; None
             where the action law does not iterate.
         constraints: Names of what limits it further.
+        leads: The path from a goal whose gradient it followed, such as "reach → p_tar → a", (n,).
     """
 
     share: FloatArray
@@ -68,6 +69,7 @@ class ActuatorCurve:
     escaping: BoolArray
     smallest: float | None = None
     constraints: tuple[str, ...] = ()
+    leads: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -177,6 +179,7 @@ def _actuator_curves(policy: Policy, trace: StepTrace) -> dict[str, ActuatorCurv
         quantity = trace.quantities.get(name)
         share = _share_of_limit(actuator, to_array(trace.values[name]))
         nothing = np.zeros(len(share))
+        leads = [trace.leading_path(name, (step,)) for step in range(len(share))]
 
         curves[name] = ActuatorCurve(
             share=share,
@@ -184,6 +187,7 @@ def _actuator_curves(policy: Policy, trace: StepTrace) -> dict[str, ActuatorCurv
             escaping=nothing.astype(bool) if quantity is None else _flags(quantity.exploring),
             smallest=smallest,
             constraints=tuple(_name_of(one) for one in actuator.constraints),
+            leads=tuple(" → ".join(path) for path in leads),
         )
     return curves
 

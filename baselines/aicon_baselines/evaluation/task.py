@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 from gymnasium.vector import VectorEnv
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,38 @@ class Look:
 
 
 @dataclass(frozen=True)
+class Lesson:
+    """What a student of a task sees and does, by the names that LeRobot has for it.
+
+    Attributes:
+        words: What it is to do.
+        seen: For each feature the readings that are joined in it.
+        done: For each part of the action how many numbers it is; an action of one part is plain.
+    """
+
+    words: str
+    seen: Mapping[str, tuple[str, ...]]
+    done: Mapping[str, int]
+
+    def feature(self, name: str, observation: Mapping[str, NDArray[Any]]) -> NDArray[Any]:
+        """A feature (B, ...) of a batch of observations."""
+        return np.concatenate([observation[reading] for reading in self.seen[name]], axis=-1)
+
+    def joined(self, action: Any) -> NDArray[np.float32]:
+        """The parts of a batch of actions as one array (B, n)."""
+        if len(self.done) > 1:
+            action = np.concatenate([action[part] for part in self.done], axis=-1)
+        return np.asarray(action, np.float32)
+
+    def parted(self, actions: NDArray[np.float32]) -> Any:
+        """The action that is one array (B, n), as the environment takes it."""
+        if len(self.done) == 1:
+            return actions
+        ends = np.cumsum(list(self.done.values()))[:-1]
+        return dict(zip(self.done, np.split(actions, ends, axis=-1), strict=True))
+
+
+@dataclass(frozen=True)
 class Task:
     """An evaluation task: all that the commands know of it.
 
@@ -121,6 +154,8 @@ class Task:
             options and which needs none of them.
         timed_condition: The condition that `aicon bench` times; by default the usual one.
         look: How it is shown.
+        lesson: What a student sees and does that learns it from demonstrations; None where there is
+            none.
     """
 
     name: str
@@ -146,6 +181,7 @@ class Task:
     agents: Mapping[str, str] = field(default_factory=dict)
     timed_condition: str = ""
     look: Look = Look()
+    lesson: Lesson | None = None
 
     @property
     def time_scale(self) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 
 from aicon_baselines.ablations.pusht import ABLATIONS, PIXEL
-from aicon_baselines.evaluation.task import Episode, Look, Task
+from aicon_baselines.evaluation.task import Episode, Lesson, Look, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_baselines.tasks.upstream import UpstreamPushT
@@ -162,5 +162,14 @@ TASK = Task(
         scene="aicon_baselines.view.pusht:PushScene",
         surroundings="aicon_baselines.worlds.surroundings:around_pushing",
         options={"observe_goal": True},
+    ),
+    lesson=Lesson(
+        words="Push the T onto its target.",
+        seen={
+            "observation.state": ("agent_pos",),
+            "observation.environment_state": ("environment_state",),
+            "observation.image": ("pixels",),
+        },
+        done={"target": 2},
     ),
 )

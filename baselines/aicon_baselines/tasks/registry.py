@@ -7,7 +7,7 @@ from importlib.metadata import entry_points
 from gymnasium.error import DependencyNotInstalled
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.evaluation.task import Task
+from aicon_baselines.evaluation.task import Lesson, Task
 from aicon_baselines.extras import missing_extra
 from aicon_baselines.named import find
 
@@ -54,6 +54,18 @@ def load(name: str) -> Task:
     if not isinstance(task, Task):
         raise ComparisonError(f"{source!r} is a {type(task).__name__}; expected a Task")
     return task if task.name == name else replace(task, name=name)
+
+
+def lesson_of(name: str) -> Lesson:
+    """What a student of a task sees and does.
+
+    Raises:
+        ComparisonError: If there is no such task, or nothing to learn in it.
+    """
+    lesson = load(name).lesson
+    if lesson is None:
+        raise ComparisonError(f"the task {name!r} has no lesson that says what a student learns")
+    return lesson
 
 
 def check_name(name: str) -> None:

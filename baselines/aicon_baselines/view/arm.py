@@ -1,12 +1,9 @@
 """What the worlds of arms have in common: the body as the policy knows it."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from aicon_baselines.palette import BODY
 from aicon_baselines.view.marks import FloatArray
-from aicon_baselines.view.scene import Handle
 from aicon_baselines.view.space import MuJoCoScene
 from aicon_torch.parts.self_collision import CapsuleSegments
 
@@ -30,29 +27,6 @@ class ArmScene(MuJoCoScene):
         """The distance and the angle to the target."""
         left = self.remaining()
         return f"{1e3 * left['distance']:.0f} mm and {np.degrees(left['angle']):.0f}° to the target"
-
-    def check_going_on(self) -> None:
-        """Refuse to move anything after the end.
-
-        Raises:
-            ValueError: If the episode has ended.
-        """
-        if self.episode.ended:
-            raise ValueError("the episode has ended: reset it first")
-
-    def handle(
-        self,
-        where: Callable[[], FloatArray],
-        move: Callable[[FloatArray], None],
-        axes: tuple[bool, bool, bool],
-    ) -> Handle:
-        """What a hand drags as long as the episode goes on."""
-
-        def move_if_going_on(position: FloatArray) -> None:
-            self.check_going_on()
-            move(position)
-
-        return Handle(where, move_if_going_on, axes)
 
     def _radii(self) -> tuple[float, ...]:
         """The radii of the capsules, m."""

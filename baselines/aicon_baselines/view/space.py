@@ -1,5 +1,6 @@
 """A world in MuJoCo, seen in space, and how gradients are drawn in it."""
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import mujoco
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike
 from aicon_baselines.view.bodies import MuJoCoBodies
 from aicon_baselines.view.episode import LiveEpisode
 from aicon_baselines.view.marks import FloatArray
-from aicon_baselines.view.scene import GradientArrow, Scene
+from aicon_baselines.view.scene import GradientArrow, Handle, Scene
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.shapes import Shapes
 
@@ -80,11 +81,16 @@ class MuJoCoScene(Scene):
         assert self._bodies is not None
         self._bodies.draw()
         self.draw_beliefs()
-        if self._tip >= 0:
-            self.draw_arrows(self.data.site_xpos[self._tip])
+        tail = self.tail()
+        if tail is not None:
+            self.draw_arrows(tail)
 
     def draw_beliefs(self) -> None:
         """Draw what the policy believes; nothing, unless a world says how."""
+
+    def tail(self) -> FloatArray | None:
+        """Where gradients are drawn, (3,); nowhere where the scene has no such site."""
+        return None if self._tip < 0 else self.data.site_xpos[self._tip]
 
     def way(self, quantity: str, vector: FloatArray) -> FloatArray:
         """The direction (3,) in which a vector at a quantity moves the tip."""
@@ -124,6 +130,29 @@ class MuJoCoScene(Scene):
         variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
         axes: FloatArray = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
         return axes
+
+    def check_going_on(self) -> None:
+        """Refuse to move anything after the end.
+
+        Raises:
+            ValueError: If the episode has ended.
+        """
+        if self.episode.ended:
+            raise ValueError("the episode has ended: reset it first")
+
+    def handle(
+        self,
+        where: Callable[[], FloatArray],
+        move: Callable[[FloatArray], None],
+        axes: tuple[bool, bool, bool],
+    ) -> Handle:
+        """What a hand drags as long as the episode goes on."""
+
+        def move_if_going_on(position: FloatArray) -> None:
+            self.check_going_on()
+            move(position)
+
+        return Handle(where, move_if_going_on, axes)
 
     @property
     def _tip(self) -> int:

@@ -34,6 +34,8 @@ def test_the_command_says_what_is_seen_and_draws_it(
     printed = capsys.readouterr().out
     assert f"no success after {HORIZON} steps" in printed
     assert "reach" in printed
+    turns = printed.partition("What led, turn by turn:")[2]
+    assert turns.startswith("\n0.0 to ") and "reach → p_tar → x_rob → a" in turns
     assert (folder / "diagnosis_1025.png").stat().st_size > 10_000
 
 

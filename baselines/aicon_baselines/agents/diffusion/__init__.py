@@ -1,9 +1,10 @@
-"""Diffusion policies of LeRobot: trained on demonstrations by AICON, and compared on pushT.
+"""Diffusion policies of LeRobot: trained on demonstrations by AICON, and compared.
 
 | file | content |
 |---|---|
 | `configs.py` | what is recorded, and what is trained |
-| `demonstrations.py` | successful episodes of AICON, some with starts near the goal |
+| `demonstrations.py` | successful episodes of AICON, in pushT some with starts near the goal |
+| `corrector.py` | a student that acts first, and AICON, which goes on from where that led |
 | `collection.py` | recording demonstrations, and going on with it |
 | `dataset.py` | demonstrations as a dataset of LeRobot, and such a dataset in memory |
 | `learner.py` | LeRobot's description of the network, and the gradient step |

@@ -1,6 +1,7 @@
 """A saved diffusion policy of LeRobot in our comparison."""
 
 import hashlib
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_baselines.agents.diffusion.checkpoint import WEIGHTS, load
+from aicon_baselines.agents.diffusion.checkpoint import CONFIG, WEIGHTS, load
 from aicon_baselines.agents.diffusion.hub import locate
 from aicon_baselines.agents.diffusion.lerobot_names import (
     ACTION,
@@ -19,19 +20,21 @@ from aicon_baselines.agents.diffusion.lerobot_names import (
     import_lerobot,
 )
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.tasks.registry import lesson_of
 
 Observation = dict[str, NDArray[Any]]
 Memory = dict[str, Tensor]
 
 _READINGS = {STATE: "agent_pos", KEYPOINTS: "environment_state", PIXELS: "pixels"}
+"""What LeRobot calls features in the observations of an environment."""
 
 
 class Agent:
-    """A saved diffusion policy on pushT.
+    """A saved diffusion policy in a task that has a lesson.
 
     It observes the last `n_obs_steps` observations, samples `horizon` actions and executes
-    `n_action_steps` of them before it looks again. It is told nothing of the goal: what it pushes
-    to is where its demonstrations ended.
+    `n_action_steps` of them before it looks again. In pushT it is told nothing of the goal: what it
+    pushes to is where its demonstrations ended.
 
     Rows of a batch are separate robots, each with its own history, queue of actions and random
     numbers. These are drawn from a seed, the first observation of the episode and the number of
@@ -43,7 +46,7 @@ class Agent:
     | key | shape | content |
     |---|---|---|
     | `observation.*` | (B, o, ...) | normalised observations, the newest last |
-    | `action` | (B, a, 2) | the actions sampled last, px |
+    | `action` | (B, a, n) | the actions sampled last |
     | `executed` | (B,) | how many of them were executed |
     | `samples` | (B,) | how often the episode has sampled |
     | `episode_seed` | (B,) | seed of the episode |
@@ -53,9 +56,10 @@ class Agent:
         sampler: "DDPM" or "DDIM"; by default the checkpoint's.
         inference_steps: Number of denoising steps; by default the checkpoint's.
         seed: Seed of the sampler.
+        task: Name of the task.
 
     Raises:
-        ComparisonError: Where the policy cannot be found, loaded, or used on pushT.
+        ComparisonError: Where the policy cannot be found, loaded, or used in the task.
     """
 
     def __init__(
@@ -64,18 +68,20 @@ class Agent:
         sampler: str | None = None,
         inference_steps: int | None = None,
         seed: int = 0,
+        task: str = "pusht",
     ) -> None:
-        self._seed = seed
+        self._seed, self._lesson = seed, lesson_of(task)
         self._folder = locate(str(source))
 
         self._checkpoint = load(self._folder, sampler, inference_steps)
         self._config: Any = self._checkpoint.policy.config
+        self._check_features()
         self._to_tensors = import_lerobot("envs.utils").preprocess_observation
 
     @property
     def name(self) -> str:
         """Observation, sampler and the beginning of a hash, so that no two policies share it."""
-        observed = "pixels" if PIXELS in self._config.input_features else "keypoints"
+        observed = "pixels" if PIXELS in self._config.input_features else "state"
         sampler = self._config.noise_scheduler_type.lower()
         steps = self._checkpoint.policy.diffusion.num_inference_steps
         digest = hashlib.sha256((self._folder / WEIGHTS).read_bytes()).hexdigest()
@@ -103,8 +109,8 @@ class Agent:
         state: Any = None,
         episode_start: NDArray[np.bool_] | None = None,
         deterministic: bool = True,
-    ) -> tuple[NDArray[np.float32], Any]:
-        """Choose the next actions (B, 2), px; see `aicon_baselines.evaluation.Predictor`.
+    ) -> tuple[Any, Any]:
+        """Choose the next actions (B, n); see `aicon_baselines.evaluation.Predictor`.
 
         Args:
             observation: One array (B, ...) per reading.
@@ -140,13 +146,26 @@ class Agent:
         # 4. Execute the next one.
         action = memory[ACTION][torch.arange(count), memory["executed"]]
         memory["executed"] = memory["executed"] + 1
-        return action.numpy(), memory
+        return self._lesson.parted(action.numpy()), memory
+
+    def _check_features(self) -> None:
+        """Reject a policy that sees or does something else than the task offers."""
+        inputs = {name: feature.shape for name, feature in self._config.input_features.items()}
+        outputs = {name: feature.shape for name, feature in self._config.output_features.items()}
+        parts = self._lesson.done
+
+        if not set(inputs) <= set(self._lesson.seen) or outputs != {ACTION: (self._size,)}:
+            raise ComparisonError(
+                f"{self._folder / CONFIG} takes {inputs} and gives {outputs}; the task offers "
+                f"{', '.join(self._lesson.seen)}, and takes {parts}"
+            )
 
     def _select(self, observation: Observation) -> Observation:
         """Take the readings that the policy knows; others, such as the goal, it does not see."""
         readings = {}
         for feature_name, feature in self._config.input_features.items():
-            name = _READINGS[feature_name]
+            names = self._lesson.seen[feature_name]
+            told = " and ".join(names)
 
             # A policy takes pictures with channels first, an environment gives them last.
             expected = tuple(feature.shape)
@@ -154,22 +173,30 @@ class Agent:
                 channels, height, width = feature.shape
                 expected = (height, width, channels)
 
-            if name not in observation or observation[name].shape[1:] != expected:
-                offered = {key: value.shape[1:] for key, value in observation.items()}
+            offered = {key: value.shape[1:] for key, value in observation.items()}
+            sizes = [prod(offered.get(name, ())) for name in names]
+            if not set(names) <= set(offered) or sum(sizes) != prod(expected):
                 raise ComparisonError(
-                    f"the policy in {self._folder} observes {name} {expected}, and this condition "
+                    f"the policy in {self._folder} observes {told} {expected}, and this condition "
                     f"offers {offered}: choose conditions with the readings that it was trained "
                     "with"
                 )
-            if np.isnan(observation[name]).any():
+
+            # A copy has no negative strides, which torch does not take.
+            seen = self._lesson.feature(feature_name, observation)
+            if np.isnan(seen).any():
                 raise ComparisonError(
-                    f"{name} has missing values, which a diffusion policy cannot do without: "
+                    f"{told} has missing values, which a diffusion policy cannot do without: "
                     "choose other conditions"
                 )
-
-            readings[name] = np.ascontiguousarray(observation[name])  # no negative strides in torch
+            readings[_READINGS[feature_name]] = seen
 
         return readings
+
+    @property
+    def _size(self) -> int:
+        """How many numbers an action is, n."""
+        return sum(self._lesson.done.values())
 
     def _empty_memory(self, count: int) -> Memory:
         """Return the memory of B robots that have seen nothing."""
@@ -177,7 +204,7 @@ class Agent:
         for name, feature in self._config.input_features.items():
             memory[name] = torch.zeros(count, self._config.n_obs_steps, *feature.shape)
 
-        memory[ACTION] = torch.zeros(count, self._config.n_action_steps, 2)
+        memory[ACTION] = torch.zeros(count, self._config.n_action_steps, self._size)
         for name in ("executed", "samples", "episode_seed"):
             memory[name] = torch.zeros(count, dtype=torch.int64)
         return memory
@@ -227,7 +254,7 @@ class Agent:
         memory["executed"] = memory["executed"].index_fill(0, rows, 0)
 
     def _sample(self, memory: Memory, rows: Tensor, generators: list[torch.Generator]) -> Tensor:
-        """Sample the next actions of these rows, (R, a, 2), px, each with its random numbers."""
+        """Sample the next actions of these rows, (R, a, n), each with its random numbers."""
         config, network = self._config, self._checkpoint.policy.diffusion
 
         # 1. What has been observed.
@@ -237,7 +264,9 @@ class Agent:
         condition = network._prepare_global_conditioning(histories)
 
         # 2. Noise becomes actions, step by step.
-        noise = torch.stack([torch.randn(config.horizon, 2, generator=g) for g in generators])
+        noise = torch.stack(
+            [torch.randn(config.horizon, self._size, generator=g) for g in generators]
+        )
         actions = network.conditional_sample(
             len(rows), global_cond=condition, generator=generators, noise=noise
         )

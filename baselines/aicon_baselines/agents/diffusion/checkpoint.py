@@ -13,13 +13,7 @@ from aicon_baselines.agents.diffusion.checkpoint_formats import (
     read_shapes,
     split_statistics,
 )
-from aicon_baselines.agents.diffusion.lerobot_names import (
-    ACTION,
-    KEYPOINTS,
-    PIXELS,
-    STATE,
-    import_lerobot,
-)
+from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import read_json
 
@@ -60,7 +54,7 @@ def load(
             trained with.
 
     Raises:
-        ComparisonError: Where something is missing or does not fit pushT; it names the file.
+        ComparisonError: Where something is missing; it names the file.
     """
     import_lerobot("policies.factory")  # without LeRobot, nothing else needs to be looked at
 
@@ -71,7 +65,6 @@ def load(
 
     # 2. Describe the policy.
     config = build_config(folder / CONFIG, content, statistics)
-    _check_features(folder, config)
     _set_sampler(config, sampler, inference_steps)
 
     # 3. Build it.
@@ -151,24 +144,6 @@ def _read_config(folder: Path) -> dict[str, Any]:
             f"{path} describes a policy of type {policy_type!r}, not 'diffusion'; {_TRAIN_ONE}"
         )
     return content
-
-
-def _check_features(folder: Path, config: Any) -> None:
-    """Reject a policy that sees or does something else than pushT offers."""
-    inputs = {name: feature.shape for name, feature in config.input_features.items()}
-    outputs = {name: feature.shape for name, feature in config.output_features.items()}
-
-    sees_pusher = inputs.get(STATE) == (2,)
-    sees_object = len(inputs) > 1 and inputs.get(KEYPOINTS, (16,)) == (16,)
-    sees_nothing_else = set(inputs) <= {STATE, KEYPOINTS, PIXELS}
-    moves_pusher = outputs == {ACTION: (2,)}
-
-    if not (sees_pusher and sees_object and sees_nothing_else and moves_pusher):
-        raise ComparisonError(
-            f"{folder / CONFIG} takes {inputs} and gives {outputs}; pushT offers {STATE} (2,), "
-            f"{KEYPOINTS} (16,) and {PIXELS} (3, height, width), and takes {ACTION} (2,); "
-            f"{_TRAIN_ONE}"
-        )
 
 
 def _set_sampler(config: Any, sampler: str | None, inference_steps: int | None) -> None:

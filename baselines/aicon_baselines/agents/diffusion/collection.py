@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from aicon_baselines.agents.diffusion.configs import CHUNK_SIZE, RecordingConfig
+from aicon_baselines.agents.diffusion.configs import CHUNK_SIZE, AnyRecording
 from aicon_baselines.agents.diffusion.dataset import write_dataset
 from aicon_baselines.agents.diffusion.demonstrations import Demonstration, record_chunk
 from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
@@ -22,7 +22,7 @@ RECORDING = "recording.json"
 
 
 def collect(
-    config: RecordingConfig,
+    config: AnyRecording,
     folder: Path,
     on_recorded: Callable[[int], None] | None = None,
 ) -> None:
@@ -69,7 +69,7 @@ def collect(
 
 
 def _record_missing_chunks(
-    config: RecordingConfig, chunks: Path, on_recorded: Callable[[int], None] | None
+    config: AnyRecording, chunks: Path, on_recorded: Callable[[int], None] | None
 ) -> list[Path]:
     """Record until there are enough successes; return the files that hold them."""
     files: list[Path] = []
@@ -83,7 +83,7 @@ def _record_missing_chunks(
         if tried > 10 * config.episodes:
             raise ComparisonError(
                 f"{recorded} of {tried} demonstrations were successful: "
-                "lower the noise or raise the horizon"
+                "take a condition without noise, or a longer horizon"
             )
 
         # What a stopped run has recorded is there already.
@@ -136,7 +136,7 @@ def _select_episode(arrays: Any, i: int) -> Demonstration:
     return episode
 
 
-def _check_same_recording(config: RecordingConfig, folder: Path) -> None:
+def _check_same_recording(config: AnyRecording, folder: Path) -> None:
     file = folder / RECORDING
     saved = read_json(file) if file.exists() else {}
     wanted = json.loads(json.dumps(asdict(config)))  # as out of a file: lists, no tuples

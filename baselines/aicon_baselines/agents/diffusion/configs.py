@@ -1,6 +1,8 @@
 """What demonstrations to record, and what a diffusion policy is trained with."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 from aicon_baselines.evaluation.errors import ComparisonError
 
@@ -15,7 +17,7 @@ _REPORTED_SEEDS = (range(1000), range(20_000, 21_000))  # no demonstration may u
 
 @dataclass(frozen=True)
 class RecordingConfig:
-    """What demonstrations to record; lengths are those of the environment, px.
+    """What demonstrations of pushT to record; lengths are those of the environment, px.
 
     Attributes:
         episodes: Number of successful episodes.
@@ -37,6 +39,8 @@ class RecordingConfig:
         ComparisonError: Where this cannot be recorded.
     """
 
+    task: ClassVar[str] = "pusht"
+
     episodes: int = 200
     seed: int = 100_000
     noises: tuple[float, ...] = (0.0, 2.0)
@@ -47,11 +51,7 @@ class RecordingConfig:
     horizon: int = 300
 
     def __post_init__(self) -> None:
-        for name in ("episodes", "horizon"):
-            count = getattr(self, name)
-            if count < 1:
-                raise ComparisonError(f"{name} must be 1 or more, not {count}")
-
+        _check_counts(self, ("episodes", "horizon"))
         self._check_seeds()
 
         if not self.noises or min(self.noises) < 0.0:
@@ -80,6 +80,41 @@ class RecordingConfig:
                     "seed must leave out 0 to 999 and 20000 to 20999, which results are reported "
                     f"on, not {self.seed}: take 100000"
                 )
+
+
+@dataclass(frozen=True)
+class TaskRecordingConfig:
+    """What demonstrations to record in any task that has a lesson.
+
+    With a student they are corrections: it acts first, and from some step on AICON takes over,
+    which has not seen what was before. What AICON does from there is the demonstration.
+
+    Attributes:
+        task: Name of the task.
+        condition: One of its conditions.
+        episodes: Number of successful episodes.
+        seed: First seed.
+        student: Folder of the student's policy; empty for none.
+        longest: Steps that the student acts at most; how many it is in an episode, its seed says.
+
+    Raises:
+        ComparisonError: Where this cannot be recorded.
+    """
+
+    task: str
+    condition: str
+    episodes: int = 200
+    seed: int = 100_000
+    student: str = ""
+    longest: int = 40
+
+    def __post_init__(self) -> None:
+        _check_counts(self, ("episodes", "longest"))
+        if self.seed < 0:
+            raise ComparisonError(f"seed must be 0 or more, not {self.seed}")
+
+
+AnyRecording = RecordingConfig | TaskRecordingConfig
 
 
 @dataclass(frozen=True)
@@ -117,11 +152,7 @@ class TrainingConfig:
     seed: int = 100_000
 
     def __post_init__(self) -> None:
-        for name in ("steps", "batch", "horizon", "action_steps"):
-            count = getattr(self, name)
-            if count < 1:
-                raise ComparisonError(f"{name} must be 1 or more, not {count}")
-
+        _check_counts(self, ("steps", "batch", "horizon", "action_steps"))
         if self.observation not in OBSERVATIONS:
             valid = ", ".join(OBSERVATIONS)
             raise ComparisonError(f"unknown observation {self.observation!r}; valid: {valid}")
@@ -139,3 +170,11 @@ class TrainingConfig:
                 f"horizon must be a multiple of {divisor}, 2 for each of down_dims, "
                 f"not {self.horizon}"
             )
+
+
+def _check_counts(config: object, names: Sequence[str]) -> None:
+    """Refuse a count below 1."""
+    for name in names:
+        count = getattr(config, name)
+        if count < 1:
+            raise ComparisonError(f"{name} must be 1 or more, not {count}")

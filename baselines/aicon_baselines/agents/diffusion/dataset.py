@@ -1,42 +1,26 @@
 """Datasets of demonstrations: written by LeRobot, checked, and read into memory."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import islice, product
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.agents.diffusion.configs import RecordingConfig
+from aicon_baselines.agents.diffusion.configs import AnyRecording
 from aicon_baselines.agents.diffusion.demonstrations import Demonstration
 from aicon_baselines.agents.diffusion.lerobot_names import (
     ACTION,
-    KEYPOINTS,
     PIXELS,
+    SHOWN,
     STATE,
     import_lerobot,
 )
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import read_json
-
-_POSITION = {"dtype": "float32", "shape": (2,), "names": ["x", "y"]}
-_COORDINATES = [f"{axis}{i}" for i, axis in product(range(8), "xy")]
-_KEYPOINTS = {"dtype": "float32", "shape": (16,), "names": _COORDINATES}
-_PIXELS = {"dtype": "image", "shape": (96, 96, 3), "names": ["height", "width", "channel"]}
-
-FEATURES: dict[str, dict[str, Any]] = {
-    STATE: _POSITION,
-    KEYPOINTS: _KEYPOINTS,
-    PIXELS: _PIXELS,
-    ACTION: _POSITION,
-}
-"""What a dataset of demonstrations can consist of, as LeRobot describes it."""
-
-_FRAMES_PER_SECOND = 10
-_TASK = "Push the T onto its target."
-_SHOWN = {"keypoints": KEYPOINTS, "pixels": PIXELS}
+from aicon_baselines.tasks.registry import lesson_of, load
 
 
 @dataclass(frozen=True)
@@ -119,7 +103,7 @@ def read_frames(folder: Path, observation: str) -> Frames:
         ComparisonError: Where the folder holds no dataset, or one with other features.
     """
     lerobot_dataset = import_lerobot("datasets.lerobot_dataset")
-    names = [STATE, KEYPOINTS if observation == "keypoints" else PIXELS, ACTION]
+    names = [STATE, SHOWN[observation], ACTION]
     _check_features(folder, names, observation)
     dataset: Any = lerobot_dataset.LeRobotDataset(
         f"local/{folder.name}", root=folder, video_backend="pyav"
@@ -148,14 +132,9 @@ def _check_features(folder: Path, names: list[str], observation: str) -> None:
 
     features = read_json(info).get("features", {})
     for name in names:
-        expected = FEATURES[name]["shape"]
-        shape = tuple(features.get(name, {}).get("shape", ()))
-
-        is_picture = name == PIXELS and len(shape) == 3
-        if shape != expected and not is_picture:
+        if name not in features:
             raise ComparisonError(
-                f"{folder} has {name!r} of shape {shape or None}, expected {expected}; "
-                f"its features: {', '.join(features)}; {hint}"
+                f"{folder} has no {name!r}; its features: {', '.join(features)}; {hint}"
             )
 
 
@@ -178,14 +157,31 @@ def _read_pictures(dataset: Any) -> NDArray[np.uint8]:
     return np.stack(pictures)
 
 
+def together(datasets: Sequence[Frames]) -> Frames:
+    """The frames of several datasets, with the statistics of the first one."""
+    first, *_ = datasets
+    starts = np.cumsum([0, *(len(frames) for frames in datasets[:-1])])
+    shifted = list(zip(datasets, starts.tolist(), strict=True))
+
+    return replace(
+        first,
+        columns={
+            name: np.concatenate([frames.columns[name] for frames in datasets])
+            for name in first.columns
+        },
+        first=np.concatenate([frames.first + start for frames, start in shifted]),
+        last=np.concatenate([frames.last + start for frames, start in shifted]),
+    )
+
+
 def write_dataset(
-    config: RecordingConfig, episodes: Iterable[Demonstration], folder: Path, name: str
+    config: AnyRecording, episodes: Iterable[Demonstration], folder: Path, name: str
 ) -> None:
     """Write as many demonstrations as are wanted as a `LeRobotDataset`.
 
     Args:
         config: What to write.
-        episodes: The demonstrations.
+        episodes: The demonstrations, at least one.
         folder: Folder of the dataset, which does not exist yet.
         name: Name of the dataset.
     """
@@ -193,21 +189,30 @@ def write_dataset(
 
     disable_progress_bars()  # one for each episode with pictures
 
-    shown = [_SHOWN[observation] for observation in config.observations]
-    names = [STATE, *shown, ACTION]
+    wanted = islice(episodes, config.episodes)
+    first = next(wanted)
     dataset: Any = import_lerobot("datasets.lerobot_dataset").LeRobotDataset.create(
         repo_id=f"local/{name}",
-        fps=_FRAMES_PER_SECOND,
+        fps=round(1.0 / load(config.task).time_step),
         root=folder,
-        features={feature: FEATURES[feature] for feature in names},
+        features={feature: _described(values) for feature, values in first.items()},
         use_videos=False,
     )
 
     # Frames belong to an episode by being added before it is saved.
-    for episode in islice(episodes, config.episodes):
+    words = lesson_of(config.task).words
+    for episode in chain([first], wanted):
         for t in range(len(episode[ACTION])):
-            frame = {feature: episode[feature][t] for feature in names}
-            dataset.add_frame(frame | {"task": _TASK})
+            frame = {feature: values[t] for feature, values in episode.items()}
+            dataset.add_frame(frame | {"task": words})
         dataset.save_episode()
 
     dataset.finalize()
+
+
+def _described(values: NDArray[Any]) -> dict[str, Any]:
+    """A feature (T, ...) as LeRobot describes it."""
+    shape = values.shape[1:]
+    if len(shape) == 3:
+        return {"dtype": "image", "shape": shape, "names": ["height", "width", "channel"]}
+    return {"dtype": "float32", "shape": shape, "names": [str(i) for i in range(shape[0])]}

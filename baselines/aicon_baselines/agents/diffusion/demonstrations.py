@@ -1,6 +1,6 @@
-"""Demonstrations of pushT: successful episodes of `make_policy("pusht")` in "aicon/PushT-v0"."""
+"""Demonstrations: successful episodes of AICON, and what it makes of those of a student."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium as gym
 import numpy as np
@@ -8,18 +8,27 @@ from gymnasium import spaces
 from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
-from aicon_baselines.agents.diffusion.configs import CHUNK_SIZE, RecordingConfig
-from aicon_baselines.agents.diffusion.lerobot_names import ACTION, KEYPOINTS, PIXELS, STATE
-from aicon_baselines.evaluation.episodes import run_episodes
-from aicon_baselines.tasks import side_by_side
+from aicon_baselines.agents.diffusion.configs import (
+    CHUNK_SIZE,
+    AnyRecording,
+    RecordingConfig,
+    TaskRecordingConfig,
+)
+from aicon_baselines.agents.diffusion.corrector import Corrections, Corrector
+from aicon_baselines.agents.diffusion.lerobot_names import ACTION, SHOWN, STATE
+from aicon_baselines.agents.registry import compiled, factory
+from aicon_baselines.evaluation.episodes import Start, run_episodes
+from aicon_baselines.evaluation.predictor import Predictor
+from aicon_baselines.tasks import load, side_by_side
+from aicon_baselines.tasks.registry import lesson_of
 from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS, PushTEnv
 from aicon_envs.pusht.geometry import place
 from aicon_torch import make_policy
 from aicon_torch.models.pusht import PIXEL
 
 Demonstration = dict[str, NDArray[Any]]
-"""One episode of T steps, by the names of LeRobot: `observation.state` (T, 2), `action` (T, 2), and
-what was chosen of `observation.environment_state` (T, 16), all float32 in px, and
+"""One episode of T steps, by the names of LeRobot. In pushT: `observation.state` (T, 2), `action`
+(T, 2), and what was chosen of `observation.environment_state` (T, 16), all float32 in px, and
 `observation.image` (T, 96, 96, 3), uint8."""
 
 _GOAL_SPREAD = (40.0, 40.0, 0.5)  # standard deviations of a pose near the goal: px, px, rad
@@ -90,32 +99,73 @@ def _sample_free_position(
             return pusher
 
 
-def record_chunk(config: RecordingConfig, index: int) -> list[Demonstration]:
+class _Scene(NamedTuple):
+    """What a chunk is recorded in: the environment, its start, who acts, and the features."""
+
+    env: VectorEnv[Any, Any, Any]
+    start: Start
+    policy: Predictor
+    features: tuple[str, ...]
+
+
+def record_chunk(config: AnyRecording, index: int) -> list[Demonstration]:
     """Run the seeds of a chunk as one batch and return its successes, in the order of their seeds.
 
     Args:
         config: What to record.
         index: Number of the chunk, counted from 0.
     """
-    env = _make_env(config, index)
-    teacher = _make_teacher(config)
-    frames: list[list[Demonstration]] = [[] for _ in range(CHUNK_SIZE)]
+    first = config.seed + index * CHUNK_SIZE
+    seeds = range(first, first + CHUNK_SIZE)
 
     # 1. Start all episodes.
-    first_seed = config.seed + index * CHUNK_SIZE
-    seeds = range(first_seed, first_seed + CHUNK_SIZE)
-    starts = [reset_options(seed, config.near) for seed in seeds]
-    start = env.reset(seed=first_seed, options={"per_env": starts})
+    if isinstance(config, RecordingConfig):
+        scene = _scene_of_pusht(config, index, seeds)
+    else:
+        scene = _scene_of_task(config, seeds)
+    lesson = lesson_of(config.task)
+    frames: list[list[Demonstration]] = [[] for _ in seeds]
 
     # 2. Note what the teacher sees and does, until all have ended.
-    for step in run_episodes(teacher, env, start):
-        action = np.asarray(step.action, np.float32)
-        for row in np.flatnonzero(step.running).tolist():
-            frames[row].append(_make_frame(config, step.observation, action, row))
-    env.close()
+    for step in run_episodes(scene.policy, scene.env, scene.start):
+        seen = {name: lesson.feature(name, step.observation) for name in scene.features}
+        seen[ACTION] = lesson.joined(step.action)
 
-    # 3. Keep the successes.
-    return [_stack_frames(frames[row]) for row in np.flatnonzero(step.info["is_success"])]
+        taught = step.memory.taught if isinstance(step.memory, Corrections) else True
+        for row in np.flatnonzero(step.running & taught).tolist():
+            frames[row].append({name: _as_stored(values[row]) for name, values in seen.items()})
+    scene.env.close()
+
+    # 3. Keep the successes; a student that needed no correction taught nothing.
+    succeeded = np.flatnonzero(step.info["is_success"])
+    return [_stack_frames(frames[row]) for row in succeeded if frames[row]]
+
+
+def _scene_of_pusht(config: RecordingConfig, index: int, seeds: range) -> _Scene:
+    """PushT with what its recordings choose."""
+    env = _make_env(config, index)
+    starts = [reset_options(seed, config.near) for seed in seeds]
+    start = env.reset(seed=seeds.start, options={"per_env": starts})
+
+    features = (STATE, *(SHOWN[observation] for observation in config.observations))
+    return _Scene(env, start, _make_teacher(config), features)
+
+
+def _scene_of_task(config: TaskRecordingConfig, seeds: range) -> _Scene:
+    """Any task as it is, with AICON, or with a student that AICON corrects."""
+    task = load(config.task)
+    episodes = [task.episode(seed) for seed in seeds]
+    env = task.make_env(len(episodes), config.condition, task.horizon)
+    start = env.reset(**task.reset_arguments(episodes))
+
+    policy = compiled(factory(config.task, "aicon"))(config.condition)
+    if config.student:
+        from aicon_baselines.agents.diffusion.agent import Agent  # needs LeRobot
+
+        steps = [np.random.default_rng(seed).integers(1, config.longest + 1) for seed in seeds]
+        student = Agent(config.student, task=config.task)
+        policy = Corrector(student, policy, np.array(steps))
+    return _Scene(env, start, policy, tuple(lesson_of(config.task).seen))
 
 
 def _make_env(config: RecordingConfig, index: int) -> VectorEnv[Any, Any, Any]:
@@ -138,23 +188,9 @@ def _make_teacher(config: RecordingConfig) -> Any:
     return make_policy("pusht", **options).compile()
 
 
-def _make_frame(
-    config: RecordingConfig,
-    observation: dict[str, NDArray[Any]],
-    action: NDArray[np.float32],
-    row: int,
-) -> Demonstration:
-    """Return what a row of the batch saw and did, as one frame of its demonstration."""
-    frame: Demonstration = {
-        STATE: observation["agent_pos"][row].astype(np.float32),
-        ACTION: action[row],
-    }
-
-    if "keypoints" in config.observations:
-        frame[KEYPOINTS] = observation["environment_state"][row].astype(np.float32)
-    if "pixels" in config.observations:
-        frame[PIXELS] = observation["pixels"][row]
-    return frame
+def _as_stored(values: NDArray[Any]) -> NDArray[Any]:
+    """Numbers as float32, pictures as they are."""
+    return values if values.dtype == np.uint8 else values.astype(np.float32)
 
 
 def _stack_frames(frames: list[Demonstration]) -> Demonstration:

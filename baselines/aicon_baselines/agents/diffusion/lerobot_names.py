@@ -10,16 +10,19 @@ from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import pip_command
 
 STATE = "observation.state"
-"""(2,), the pusher's position, px."""
+"""Of the robot: in pushT (2,), the pusher's position, px."""
 
 KEYPOINTS = "observation.environment_state"
-"""(16,), the object's keypoints x0, y0, x1, ..., px."""
+"""Of its world: in pushT (16,), the object's keypoints x0, y0, x1, ..., px."""
 
 PIXELS = "observation.image"
 """(3, height, width) in a policy, (height, width, 3) in a dataset."""
 
 ACTION = "action"
-"""(2,), target of the pusher's controller, px."""
+"""In pushT (2,), target of the pusher's controller, px."""
+
+SHOWN = {"keypoints": KEYPOINTS, "pixels": PIXELS}
+"""What demonstrations can show of the world."""
 
 FEATURE_TYPES = {STATE: "STATE", KEYPOINTS: "ENV", PIXELS: "VISUAL", ACTION: "ACTION"}
 """LeRobot's types of them, which choose the normalisation."""

@@ -15,7 +15,7 @@ LeRobot's own trainer does not do.
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -23,7 +23,7 @@ import torch
 from tqdm import tqdm
 
 from aicon_baselines.agents.diffusion.configs import TrainingConfig
-from aicon_baselines.agents.diffusion.dataset import read_frames
+from aicon_baselines.agents.diffusion.dataset import read_frames, together
 from aicon_baselines.agents.diffusion.learner import Learner
 from aicon_baselines.agents.diffusion.loss_logger import LossLogger
 from aicon_baselines.agents.saved_config import check_same_config
@@ -39,7 +39,7 @@ _CONFIG = "training.json"
 
 def train(
     config: TrainingConfig,
-    data: Path,
+    data: Path | Sequence[Path],
     folder: Path,
     device: str = "cpu",
     checkpoint: int = 1000,
@@ -54,7 +54,7 @@ def train(
         config: What to train. A policy in the folder must have been trained with the same, except
             for the steps: with another number of them, the learning rate goes on along the schedule
             for that number.
-        data: Folder of the dataset.
+        data: Folder of the dataset, or of several, the first of which normalises.
         folder: Folder of the training.
         device: "cpu" or "cuda".
         checkpoint: Steps between two saves.
@@ -71,7 +71,8 @@ def train(
     if checkpoint < 1:
         raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
 
-    frames = read_frames(data, config.observation)
+    folders = [data] if isinstance(data, Path) else data
+    frames = together([read_frames(each, config.observation) for each in folders])
 
     with only_writer(folder):
         # 1. What has been learned before.

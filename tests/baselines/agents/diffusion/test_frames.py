@@ -1,6 +1,6 @@
 import numpy as np
 
-from aicon_baselines.agents.diffusion.dataset import Frames, shuffled_batches
+from aicon_baselines.agents.diffusion.dataset import Frames, shuffled_batches, together
 
 
 def test_windows_stay_in_their_episode() -> None:
@@ -18,6 +18,23 @@ def test_windows_stay_in_their_episode() -> None:
     assert np.array_equal(values["action"], [[0, 0, 1, 2], [0, 1, 2, 2], [4, 5, 6, 6]])
     assert np.array_equal(paddings["action"], [[1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 0, 1]])
     assert np.array_equal(values["observation.state"], [[0, 0], [0, 10], [40, 50]])
+
+
+def test_episodes_of_several_datasets_stay_apart() -> None:
+    def frames(*lengths: int) -> Frames:
+        ends = np.cumsum(lengths)
+        return Frames(
+            columns={"action": np.arange(float(ends[-1]))},
+            first=np.repeat(ends - lengths, lengths),
+            last=np.repeat(ends - 1, lengths),
+            statistics={},
+            features={},
+        )
+
+    both = together([frames(3, 4), frames(2)])
+    alone = frames(3, 4, 2)
+    assert np.array_equal(both.first, alone.first) and np.array_equal(both.last, alone.last)
+    assert np.array_equal(both.columns["action"], [*range(7), *range(2)])
 
 
 def test_every_epoch_has_each_frame_once() -> None:
