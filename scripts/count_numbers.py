@@ -2,6 +2,9 @@
 
 Example: python scripts/count_numbers.py
 
+Other people's worlds, examples/worlds, follow those of the library. What is told there of a robot
+or a map is given.
+
 A number is an option that is one, or each number of a tuple; each constant of a model that decides
 how it behaves; and each of the safety layer where an actuator has dampers. What is switched off by
 a 0, or serves an option that is, counts for nothing. What is not named below as given or privileged
@@ -9,9 +12,11 @@ counts as set by hand.
 """
 
 import argparse
+import sys
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from aicon_baselines.cli.command_line import Command, run_command
@@ -20,6 +25,11 @@ from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
 from aicon_torch.safety import bounds, stuck, task_cost
+
+WORLDS = Path(__file__).parents[1] / "examples" / "worlds"
+
+OTHERS = ("pointmaze", "ogbench_mazes", "picking", "fetch", "meta_world")
+"""Worlds of others, by the module of their options; picking's are those of SO-101 and the cubes."""
 
 GIVEN = frozenset(
     {
@@ -75,16 +85,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print a row for each task."""
+    """Print a row for each task, and for each of the worlds of others."""
     rows = []
     for task in MODELS:
         rows.append([task, *map(in_words, numbers_of(task))])
+
+    sys.path.insert(0, str(WORLDS))
+    for world in OTHERS:
+        options = import_module(world).Options()
+        rows.append([world, *map(in_words, numbers_in(options))])
     print(to_markdown(["task", "as in all tasks", "set by hand", "privileged"], rows))
 
 
 def numbers_of(task: str) -> Numbers:
     """Count the numbers of the policy that is shipped for a task."""
-    options = dict(leaves("", import_module(MODELS[task]).Options()))
+    options = import_module(MODELS[task]).Options()
+    numbers = numbers_in(options)
+
+    for module, names in CONSTANTS.get(task, {}).items():
+        constants = vars(import_module(f"{MODELS[task]}.{module}"))
+        for constant in names:
+            name = f"{module}.{constant}"
+            kind = numbers.privileged if name in PRIVILEGED else numbers.by_hand
+            parts = leaves(name, constants[constant])
+            kind.update({part: how_many(value) for part, value in parts})
+    if any(name.startswith("dampers") for name, _ in leaves("", options)):
+        numbers.by_hand.update(safety_constants())
+    return numbers
+
+
+def numbers_in(given: Any) -> Numbers:
+    """Count the numbers of options."""
+    options = dict(leaves("", given))
     shared = dict(leaves("resolution", NullspaceProjection())) | dict(leaves("law", Foresight()))
 
     numbers = Numbers({}, {}, {})
@@ -99,16 +131,6 @@ def numbers_of(task: str) -> Numbers:
             numbers.shared[name] = count
         else:
             numbers.by_hand[name] = count
-
-    for module, names in CONSTANTS.get(task, {}).items():
-        constants = vars(import_module(f"{MODELS[task]}.{module}"))
-        for constant in names:
-            name = f"{module}.{constant}"
-            kind = numbers.privileged if name in PRIVILEGED else numbers.by_hand
-            parts = leaves(name, constants[constant])
-            kind.update({part: how_many(value) for part, value in parts})
-    if any(name.startswith("dampers") for name in options):
-        numbers.by_hand.update(safety_constants())
     return numbers
 
 

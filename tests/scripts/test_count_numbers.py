@@ -1,8 +1,11 @@
 """The documents say how many numbers are set by hand; the options know it."""
 
+import sys
+from importlib import import_module
+
 import pytest
 
-from count_numbers import numbers_of
+from count_numbers import WORLDS, numbers_in, numbers_of
 
 
 @pytest.mark.parametrize(
@@ -20,3 +23,11 @@ def test_a_number_that_serves_nothing_is_not_counted() -> None:
     escape = "resolution.exploration.escape.hold_gain"
     assert escape in numbers_of("nav2d").by_hand
     assert escape not in numbers_of("pusht").by_hand
+
+
+@pytest.mark.parametrize("world", ["pointmaze", "ogbench_mazes", "fetch", "meta_world"])
+def test_a_world_of_others_has_four_numbers_at_most(
+    world: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    assert sum(numbers_in(import_module(world).Options()).by_hand.values()) <= 4

@@ -1,0 +1,157 @@
+"""OGBench's point mazes: medium, large, giant, and one with teleporters, five tasks each.
+
+The world is that of OGBench (MIT), which wants MuJoCo < 4, so `make worlds` puts it into a folder
+of its own. By hand, in this folder:
+
+    pip install 'aicon-torch[compare]' ogbench==1.2.2 mujoco==3.10.0
+    aicon compare --task ogbench_mazes:TASK --policies aicon steepest --conditions giant_task1
+
+The graph is that of pointmaze.py; here a ball goes where it is told at once, without a lag. Lengths
+are in cells of 4 m, so that nothing is set for this world.
+"""
+
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.error import DependencyNotInstalled
+from gymnasium.spaces import Box, Dict
+from pointmaze import PRESETS, RESOLUTION, maze_model, walls_of
+
+from aicon_baselines.evaluation.task import Task
+from aicon_baselines.tasks.side_by_side import side_by_side
+from aicon_torch import Actuator, Affine, Foresight, Policy
+from aicon_torch.control import ActionLaw
+from aicon_torch.parts import DisplacementCommand
+from aicon_torch.resolution import Resolution
+
+# --- the world
+
+STEP, HORIZON = 0.1, 1000  # s; steps, the benchmark's
+CELL = 4.0  # m
+RADIUS, STRIDE = 0.7 / CELL, 0.2 / CELL  # of the ball, and how far it gets in a step; cells
+MAZES = ("medium", "large", "giant", "teleport")
+CONDITIONS = tuple(f"{maze}_task{number}" for maze in MAZES for number in range(1, 6))
+
+
+def make_maze(maze: str, **options: Any) -> Any:
+    """OGBench's own environment of a maze."""
+    try:
+        import_module("ogbench.locomaze")
+    except ModuleNotFoundError as error:
+        raise DependencyNotInstalled(f"{error}: pip install ogbench") from error
+    return gymnasium.make(f"pointmaze-{maze}-v0", disable_env_checker=True, **options).unwrapped
+
+
+class Maze(gymnasium.Env[Any, Any]):
+    """A maze whose lengths are in cells, from its middle.
+
+    Args:
+        maze: One of MAZES.
+        task: 1 to 5: where the ball and the goal are.
+        render_mode: None, or "rgb_array".
+    """
+
+    observation_space = Dict(
+        {name: Box(-np.inf, np.inf, (2,), np.float64) for name in ("z_ball", "z_goal")}
+    )
+    action_space = Box(-1.0, 1.0, (2,), np.float64)
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
+
+    def __init__(self, maze: str, task: int, render_mode: str | None = None) -> None:
+        self.world = make_maze(maze)
+        self.task, self.render_mode = task, render_mode
+        height, width = self.world.maze_map.shape
+        self.middle = np.array(self.world.ij_to_xy(((height - 1) / 2, (width - 1) / 2)))
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        """Place ball and goal."""
+        super().reset(seed=seed)
+        self._draw()
+        ball, told = self.world.reset(seed=seed, options={"task_id": self.task})
+        self.goal = told["goal"]
+        return self._seen(ball, False)
+
+    def step(self, action: Any) -> Any:
+        """Move."""
+        self._draw()
+        ball, _, arrives, _, told = self.world.step(np.asarray(action, np.float64))
+        observation, info = self._seen(ball, told["success"] > 0)
+        return observation, 0.0, arrives, False, info
+
+    def render(self) -> Any:
+        """A picture."""
+        return self.world.render()
+
+    def close(self) -> None:
+        """Close the world."""
+        self.world.close()
+
+    def _draw(self) -> None:
+        """Begin numpy's own random numbers anew, which the world draws from, of those of ours."""
+        np.random.seed(self.np_random.integers(2**32))  # noqa: NPY002  the world's own generator
+
+    def _seen(self, ball: Any, success: bool) -> Any:
+        ball, goal = ((place - self.middle) / CELL for place in (ball, self.goal))
+        info = {"position": ball, "distance": float(np.linalg.norm(ball - goal))}
+        info |= {"is_success": bool(success), "collision": False}
+        return {"z_ball": ball, "z_goal": goal}, info
+
+
+# --- the policy
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is set by hand, in PointMaze."""
+
+    maze: str = "medium"
+    length: float = 0.04  # of the likelihood of a collision, cells
+    resolution: Resolution = RESOLUTION
+    law: ActionLaw = field(default_factory=Foresight)
+
+
+def build(options: Options) -> Policy:
+    """The ball: it goes where it is told. A teleporter is a wall, as it may lead anywhere."""
+    world = make_maze(options.maze)
+    grid = world.maze_map.copy()
+    for cell in (world._teleport_info or {}).get("teleport_in_ijs", ()):
+        grid[cell] = 1
+    world.close()
+
+    walls = walls_of(grid[::-1], RADIUS)
+    ball = Actuator(2, "cells/s", limit=STRIDE / STEP, command=DisplacementCommand(STRIDE))
+    model = maze_model(walls, ball, Affine(z_ball=1.0, a="dt"), options.length, STEP)
+    return Policy(model, options.resolution, options.law)
+
+
+# --- the task
+
+
+def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
+    """The worlds of a batch."""
+    maze, task = condition.split("_task")
+    return side_by_side(lambda: Maze(maze, int(task), **options), count, horizon)
+
+
+def policy_options(condition: str) -> dict[str, Any]:
+    """The map."""
+    return {"maze": condition.split("_task")[0]}
+
+
+TASK = Task(
+    name="ogbench_mazes",
+    time_step=STEP,
+    horizon=HORIZON,
+    chunk_size=20,
+    maps=("maze",),
+    conditions=CONDITIONS,
+    make_env=make_env,
+    policy_options=policy_options,
+    noiseless=CONDITIONS,
+    time_unit="steps",
+    model=__name__,
+    presets=tuple(PRESETS),
+)
