@@ -34,7 +34,7 @@ from aicon_torch.parts import norm
 
 HALF_WIDTH = 0.06  # m, of the board, besides its round edge
 EDGE = 0.02  # m, the radius of that edge, which the tip must not enter
-MARGIN = 0.02  # m, kept from it: the arm does not follow exactly
+MARGIN = 0.03  # m, kept from it: the arm does not follow exactly
 BRAKING = 0.05  # m, the way on which the tip brakes
 FREE = EDGE + 0.06  # m, from it to block and goal, at least
 
