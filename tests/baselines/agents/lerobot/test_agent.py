@@ -62,7 +62,9 @@ def test_rows_are_separate_robots(
             for observation in observations
         ]
         begins = {t: [0] for t, rows in starts.items() if row in rows}
-        assert np.allclose(act(agent, alone, begins)[:, 0], together[:, row], atol=1e-2)
+        # A batch of another size is rounded otherwise, by how much depends on the processor.
+        assert np.allclose(act(agent, alone, begins)[:, 0], together[:, row], atol=0.1)
+        assert not np.allclose(together[:, row - 1], together[:, row], atol=1.0)
 
     mirrored = [
         {name: value[::-1] for name, value in observation.items()} for observation in observations
