@@ -1,10 +1,12 @@
 """Other people's scripts behind a shield: they pick and place, and a board is in their way.
 
 The worlds and their scripts are those of so101_pick_place.py and ogbench_cubes.py; the scripts know
-nothing of the board, and the shield nothing of what they do. In this folder, with their packages:
+nothing of the board, and the shield nothing of what they do. With their packages, as `make worlds`
+puts them into .venv-worlds:
 
-    python ../../scripts/shield.py shielded_picking:so101 --episodes 200 --horizon 300
-    python ../../scripts/shield.py shielded_picking:cube --episodes 200 --horizon 400
+    export PYTHONPATH=.venv-worlds:examples/worlds
+    python scripts/shield.py shielded_picking:so101 --episodes 50 --horizon 300
+    python scripts/shield.py shielded_picking:cube --episodes 50 --horizon 400
 """
 
 from collections.abc import Callable, Mapping
