@@ -42,6 +42,7 @@ class AiconShield(Robot):
                 f"{', '.join(self.action_features)}. Say which motor turns which joint of "
                 "the description: --robot.motors='{joint: motor}'"
             )
+        self._shield.warm_up()
         self._measured: dict[str, Any] | None = None
 
     @property

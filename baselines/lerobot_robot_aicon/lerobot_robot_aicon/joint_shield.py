@@ -34,11 +34,12 @@ class JointShield:
 
         self._shield = shield.compile()
         self.joints = CommandedJoints(arm.chain.names, options)
+        self._middle = (arm.chain.low + arm.chain.high).numpy() / 2
         self.reset()
 
-        # The first step compiles it, for which no arm shall wait.
-        middle = (arm.chain.low + arm.chain.high).numpy() / 2
-        self._shield.predict({"q": middle, WANTED: middle})
+    def warm_up(self) -> None:
+        """Compile it, which the first step does: no arm shall wait for that."""
+        self._shield.predict({"q": self._middle, WANTED: self._middle})
 
     def reset(self) -> None:
         """Begin anew."""

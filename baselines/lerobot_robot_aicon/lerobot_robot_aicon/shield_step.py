@@ -22,6 +22,7 @@ class ShieldStep(ShieldOptions, RobotActionProcessorStep):
     def __post_init__(self) -> None:
         """Build the shield and compile it."""
         self._shield = JointShield(self)
+        self._shield.warm_up()
 
     def action(self, action: dict[str, Any]) -> dict[str, Any]:
         """The nearest action that is allowed."""
