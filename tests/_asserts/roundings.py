@@ -19,6 +19,9 @@ ROUNDINGS = 1000
 DRAWS = 8
 """How often the inputs of a step are moved to see what that changes."""
 
+UNSEEN = 4.0
+"""How much more than all draws the worst of all moves may change: few random ones never meet it."""
+
 Memory = dict[str, Tensor]
 
 
@@ -85,14 +88,14 @@ def _is_near(found: Tensor, value: Tensor) -> bool:
 
 
 def _assert_within(name: str, found: Tensor, value: Tensor, around: Tensor) -> None:
-    """Two results differ by no more than what moved inputs change, ``(DRAWS, *n)``."""
+    """Two results differ by no more than what moved inputs may change, ``(DRAWS, *n)``."""
     if not value.is_floating_point():
         is_decided = (around == value).all(dim=0)
         assert torch.equal(found[is_decided], value[is_decided]), name
         return
 
     changes = torch.nan_to_num(around - value, posinf=0.0, neginf=0.0)
-    bound = float(changes.abs().max()) + unit(value)
+    bound = UNSEEN * float(changes.abs().max()) + unit(value)
     torch.testing.assert_close(
         found, value, rtol=0.0, atol=bound, equal_nan=True, msg=f"{name}: {{}}".format
     )

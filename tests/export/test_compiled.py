@@ -3,6 +3,7 @@
 import pytest
 import torch
 from _asserts import assert_same_steps
+from _asserts.roundings import assert_equal_but_for_roundings
 from _inputs import drifting, driven, lean
 from _inputs.following import Readings, follower, passing, wandering
 from torch import Tensor
@@ -79,20 +80,22 @@ def test_a_first_step_in_inference_mode_is_compiled_to_c_as_well() -> None:
 def test_the_arm_takes_the_same_steps() -> None:
     """What it sees is read outside the part that is compiled."""
     panda = pytest.importorskip("aicon_envs.arm_push", reason="the arm needs MuJoCo")
-    env, policy, memory, readings = panda.ArmPushEnv(), make_policy("arm_push"), None, []
+    env, policy, memory = panda.ArmPushEnv(), make_policy("arm_push"), None
+    compiled = policy.compile()
 
     try:
         observation, _ = env.reset(seed=1000)
     except RuntimeError as error:
         pytest.skip(str(error))
 
-    for _ in range(120):
-        readings.append(observation)
-        action, memory = policy.predict(observation, memory)
+    # The readable step, which is slow, is taken at some of them.
+    for step in range(120):
+        before = memory
+        action, memory = compiled.predict(observation, before)
+        if step % 12 == 0:
+            assert_equal_but_for_roundings(policy, observation, before, memory)
         observation, *_ = env.step(action)
-
     env.close()
-    assert_same_steps(policy, policy.compile(), readings)
 
 
 @with_compiler
