@@ -13,7 +13,7 @@ from aicon_torch.export.codegen import has_compiler
 @pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 def test_an_offset_of_five_millimetres_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(identify, "SEEDS", range(1000, 1012))  # six leave the angle's offset open
-    log = identify.record("bias", 100)
+    log = identify.record("bias", 60)
     policy = make("arm_push", "aicon", "bias")
     learner = identify.learn(policy, identify.LEARNED["bias"], log)
     x, y, _ = learner.model.numbers[identify.OFFSET].tolist()

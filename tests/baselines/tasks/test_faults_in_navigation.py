@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from _inputs.shipped import quick
 
 from aicon_baselines.agents.registry import make
 from aicon_baselines.evaluation.rollout import rollout
@@ -23,6 +24,7 @@ def test_nobody_collides_and_nobody_is_stuck_at_once(fault: str) -> None:
     episodes = [task.episode(seed) for seed in range(1000, 1000 + COUNT)]
     seeds = [episode.seed for episode in episodes]
 
-    outcome = rollout(make("nav2d", "aicon", fault), task, fault, episodes, seeds)
+    policy = quick(make("nav2d", "aicon", fault))
+    outcome = rollout(policy, task, fault, episodes, seeds)
     assert not outcome.collision.any()
     assert (outcome.path_length > 0.3).all()

@@ -4,10 +4,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 
 @pytest.fixture(scope="session")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def pages(worker_id: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the pages; policies that were compiled before are taken as they are."""
     from building.scripts import has_node
     from make_pages import make_pages
@@ -17,6 +18,11 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     if not find_spec("ziglang"):
         pytest.skip("no ziglang (pip install ziglang)")
 
-    folder = tmp_path_factory.mktemp("pages")
-    make_pages(folder)
+    # Processes that test side by side share them.
+    own = tmp_path_factory.getbasetemp()
+    shared = own if worker_id == "master" else own.parent
+    folder = shared / "pages"
+    with FileLock(shared / "pages.lock"):
+        if not folder.exists():
+            make_pages(folder)
     return folder
