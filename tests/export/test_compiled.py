@@ -37,11 +37,13 @@ def test_it_takes_the_same_steps_of_twenty_gradients() -> None:
 
 @with_compiler
 @pytest.mark.slow
+@pytest.mark.usefixtures("optimized")
 @pytest.mark.parametrize(
     ("name", "readings"), [("nav2d", drifting(150, (3,))), ("pusht", passing(30, (2,)))]
 )
 def test_it_takes_the_same_steps_as_shipped(name: str, readings: Readings) -> None:
-    assert_same_steps(make_policy(name), driven(name), readings)
+    policy = make_policy(name)
+    assert_same_steps(policy, policy.compile(), readings)
 
 
 @with_compiler

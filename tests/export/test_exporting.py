@@ -64,6 +64,7 @@ def test_it_takes_them_for_any_batch(pair: Pair) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("optimized")
 @pytest.mark.parametrize("dtype", [torch.float64, torch.float32])
 def test_it_takes_the_same_steps_as_shipped(dtype: torch.dtype, tmp_path: Path) -> None:
     policy = make_policy("nav2d", dtype=dtype)
