@@ -19,6 +19,7 @@ from aicon_torch.models import make_policy, presets
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Quantity, Sensor
 from aicon_torch.readings import BackgroundPerception, Perception
+from aicon_torch.rehearsal import Rehearsal
 from aicon_torch.resolution import (
     Exploration,
     NullspaceProjection,
@@ -62,6 +63,7 @@ __all__ = [
     "Perception",
     "Policy",
     "Quantity",
+    "Rehearsal",
     "Resolution",
     "Sensor",
     "Shield",

@@ -40,3 +40,13 @@ class Lag:
         """
         behind = self.time * (1.0 - torch.exp(-dt / self.time))
         return a * dt - (a - v_robot) * behind
+
+    def velocity(self, a: Tensor, v_robot: Tensor, dt: Tensor) -> Tensor:
+        """A − (a − v) e^(−dt/τ): the velocity after that time, ``(*B, d)``, m/s.
+
+        Args:
+            a: What it is told, ``(*B, d)``, m/s.
+            v_robot: The velocity now, ``(*B, d)``, m/s.
+            dt: For how long, s.
+        """
+        return a - (a - v_robot) * torch.exp(-dt / self.time)

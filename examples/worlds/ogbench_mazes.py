@@ -18,11 +18,11 @@ import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
-from pointmaze import PRESETS, RESOLUTION, maze_model, walls_of
+from pointmaze import PRESETS, RESOLUTION, maze_model, to_go, walls_of
 
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
-from aicon_torch import Actuator, Affine, Foresight, Policy
+from aicon_torch import Actuator, Affine, Foresight, Policy, Rehearsal
 from aicon_torch.control import ActionLaw
 from aicon_torch.parts import DisplacementCommand
 from aicon_torch.resolution import Resolution
@@ -127,6 +127,22 @@ def build(options: Options) -> Policy:
     return Policy(model, options.resolution, options.law)
 
 
+@dataclass
+class Rehearsed:
+    """The policy, rehearsed where it begins to explore: see aicon_torch.Rehearsal."""
+
+    maze: str = "medium"
+
+    def __post_init__(self) -> None:
+        """Build it."""
+
+        def imagine(seen: Any, memory: Any) -> Any:
+            return seen | {"z_ball": seen["z_ball"] + STEP * memory["a"]}
+
+        policy = build(Options(self.maze)).compile()
+        self.predict = Rehearsal(policy, imagine, to_go, enough=1.0 / CELL).predict
+
+
 # --- the task
 
 
@@ -154,4 +170,5 @@ TASK = Task(
     time_unit="steps",
     model=__name__,
     presets=tuple(PRESETS),
+    agents={"rehearsed": f"{__name__}:Rehearsed"},
 )

@@ -32,6 +32,7 @@ from aicon_torch import (
     Interconnection,
     NullspaceProjection,
     Policy,
+    Rehearsal,
     Sensor,
     WorldModel,
 )
@@ -140,6 +141,30 @@ def build(options: Options) -> Policy:
     return Policy(model, options.resolution, options.law or Foresight(horizon=2 * options.lag))
 
 
+@dataclass
+class Rehearsed:
+    """The policy, rehearsed where it begins to explore: see aicon_torch.Rehearsal."""
+
+    maze: str = "umaze"
+
+    def __post_init__(self) -> None:
+        """Build it."""
+        options = Options(self.maze)
+        lag, dt = Lag(options.lag), torch.tensor(STEP)
+
+        def imagine(seen: Any, memory: Any) -> Any:
+            moved = lag.displacement(memory["a"], seen["v_ball"], dt)
+            v_ball = lag.velocity(memory["a"], seen["v_ball"], dt)
+            return seen | {"z_ball": seen["z_ball"] + moved, "v_ball": v_ball}
+
+        self.predict = Rehearsal(build(options).compile(), imagine, to_go, enough=0.45).predict
+
+
+def to_go(seen: Any) -> Tensor:
+    """How far the goal is, cells."""
+    return norm(seen["z_ball"] - seen["z_goal"])
+
+
 def walls_of(grid: Any, radius: float) -> Walls:
     """The walls of a maze whose rows hold a 1 where a wall is, and whose cells are 1 long."""
     rows = ["".join("#" if cell == 1 else " " for cell in row) for row in grid]
@@ -201,4 +226,5 @@ TASK = Task(
     time_unit="steps",
     model=__name__,
     presets=tuple(PRESETS),
+    agents={"rehearsed": f"{__name__}:Rehearsed"},
 )

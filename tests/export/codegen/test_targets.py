@@ -81,6 +81,7 @@ def test_without_the_compiler_its_package_is_named(
 
 @needs_zig
 @pytest.mark.slow
+@pytest.mark.usefixtures("optimized")
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_library_needs_no_other_and_says_which_machine_it_is_for(
     target: str, policy: Policy, tmp_path: Path
