@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from _documents import ROOT
+from filelock import FileLock
 
 import aicon_torch
 
@@ -15,11 +16,15 @@ pytest.importorskip("sphinx", reason="the site is built by the extra [docs]")
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built."""
-    folder = tmp_path_factory.mktemp("site")
-    words = ["-W", "--keep-going", "-q", "-b", "html", "docs", str(folder)]
-    subprocess.run([sys.executable, "-m", "sphinx", *words], cwd=ROOT, check=True)
+def site(worker_id: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built once for all processes that test side by side."""
+    own = tmp_path_factory.getbasetemp()
+    shared = own if worker_id == "master" else own.parent
+    folder = shared / "site"
+    with FileLock(shared / "site.lock"):
+        if not folder.exists():
+            words = ["-W", "--keep-going", "-q", "-b", "html", "docs", str(folder)]
+            subprocess.run([sys.executable, "-m", "sphinx", *words], cwd=ROOT, check=True)
     return folder
 
 

@@ -33,7 +33,7 @@ CONDITIONS = {
 STEPS = 1000
 """How many are replayed."""
 
-READABLE = 50
+READABLE = 100
 """The readable step, which is slow, is taken at every so many of them."""
 
 

@@ -34,7 +34,7 @@ def here(tmp_path: Path) -> Path:
 def start(here: Path, out: str) -> "subprocess.Popen[str]":
     """Start a comparison in a process of its own."""
     words = ["--task", "nav2d", "--policies", "policies_here:slow", "--jobs", "2"]
-    words += ["--episodes", "8", "--horizon", "2000", "--seed", "60000", "--out", out]
+    words += ["--episodes", "8", "--horizon", "1000", "--seed", "60000", "--out", out]
     command = [sys.executable, "-m", "aicon_baselines.cli.main", "compare", *words]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, cwd=here, text=True, stdout=subprocess.DEVNULL, stderr=pipe)
@@ -67,7 +67,7 @@ def test_runs_that_are_killed_lose_no_row_and_end_with_the_same_files(here: Path
     for _ in range(2):
         process = start(here, "killed")
         try:
-            process.wait(generator.uniform(2.0, 12.0))
+            process.wait(generator.uniform(2.0, 8.0))
         except subprocess.TimeoutExpired:
             process.kill()
         process.communicate()
