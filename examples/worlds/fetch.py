@@ -17,7 +17,7 @@ import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
-from hands import PRESETS, Hand, Options, push_policy, reach_policy, regular
+from hands import PRESETS, Hand, Options, push_policy, reach_policy
 
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -48,9 +48,9 @@ class Fetch(gymnasium.Env[Any, Any]):
         self.world = gymnasium.make(name, render_mode=render_mode, disable_env_checker=True)
         self.pushes, self.render_mode = pushes, render_mode
 
-        names = ("z_hand", "v_hand", "z_goal", *(("z_pose",) if pushes else ()))
+        names = ("z_hand", "v_hand", "z_goal")
         self.observation_space = Dict(
-            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in names}
+            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in names} | {name: Box(-np.inf, np.inf, (2,), np.float64) for name in (("z_place", "v_obj") if pushes else ())}
         )
         plane, line = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (1,))
         self.action_space = Dict({"a": plane, "lift": line}) if pushes else Box(-1.0, 1.0, (3,))
@@ -82,7 +82,8 @@ class Fetch(gymnasium.Env[Any, Any]):
         velocity = read[20:23] if self.pushes else read[5:8]
         observation = {"z_hand": read[:3], "v_hand": velocity / STEP, "z_goal": goal}
         if self.pushes:
-            observation["z_pose"] = np.array([*read[3:5], read[13]])
+            observation["v_obj"] = (read[14:16] + read[20:22]) / STEP
+            observation["z_place"] = read[3:5]
 
         # What counts is where it is at the end.
         distance = float(np.linalg.norm(state["achieved_goal"] - goal))
@@ -93,14 +94,14 @@ class Fetch(gymnasium.Env[Any, Any]):
 # --- the policies
 
 
-HAND = Hand(time_step=STEP, stride=0.05, radius=0.015)
+HAND = Hand(time_step=STEP, stride=0.033, radius=0.015)
 
 
 def build(options: Options) -> Policy:
     """The graph of a hand that reaches, or of one that pushes a block."""
     if options.task == "reach":
         return reach_policy(HAND, options)
-    return push_policy(HAND, regular(4, EDGE / 2), options)
+    return push_policy(HAND, EDGE / 2 * options.shape, options)
 
 
 # --- the task

@@ -17,7 +17,7 @@ import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
-from hands import PRESETS, Hand, Options, push_policy, reach_policy, regular
+from hands import PRESETS, Hand, Options, push_policy, reach_policy
 
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -49,9 +49,9 @@ class MetaWorld(gymnasium.Env[Any, Any]):
         self.world._freeze_rand_vec, self.world.seeded_rand_vec = False, True
         self.pushes, self.render_mode = task == "push", render_mode
 
-        names = ("z_hand", "v_hand", "z_goal", *(("z_pose",) if self.pushes else ()))
+        names = ("z_hand", "v_hand", "z_goal")
         self.observation_space = Dict(
-            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in names}
+            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in names} | {name: Box(-np.inf, np.inf, (2,), np.float64) for name in (("z_place", "v_obj") if self.pushes else ())}
         )
         plane, line = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (1,))
         pushed = Dict({"a": plane, "lift": line})
@@ -84,7 +84,8 @@ class MetaWorld(gymnasium.Env[Any, Any]):
         velocity = (state[:3] - state[18:21]) / STEP
         observation = {"z_hand": tip, "v_hand": velocity, "z_goal": goal}
         if self.pushes:
-            observation["z_pose"] = np.array([*state[4:6], 0.0])
+            observation["v_obj"] = (state[4:6] - state[22:24]) / STEP
+            observation["z_place"] = state[4:6]
 
         # What counts is where it is at the end.
         placed = state[4:7] if self.pushes else tip
@@ -95,14 +96,14 @@ class MetaWorld(gymnasium.Env[Any, Any]):
 
 # --- the policies
 
-HAND = Hand(time_step=STEP, stride=0.01, radius=0.017)
+HAND = Hand(time_step=STEP, stride=0.01, radius=0.017, lag=0.045)
 
 
 def build(options: Options) -> Policy:
     """The graph of a hand that reaches, or of one that pushes a puck."""
     if options.task == "reach":
         return reach_policy(HAND, options)
-    return push_policy(HAND, regular(8, PUCK), options)
+    return push_policy(HAND, PUCK, options)
 
 
 # --- the task
