@@ -3,12 +3,16 @@
 What a world adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in all.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+import gymnasium
 import torch
 from torch import Tensor
 
+from aicon_baselines.evaluation.task import Task
+from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import (
     Actuator,
     Deterministic,
@@ -21,15 +25,12 @@ from aicon_torch import (
     Sensor,
     WorldModel,
 )
-from aicon_torch.differentiation import stop
 from aicon_torch.control import ActionLaw
-from aicon_torch.parts import (
-    DisplacementCommand,
-    Lag,
-    norm,
-)
-from aicon_torch.parts.round_object import RoundObject, Sliding
+from aicon_torch.parts import ContactOptions, DisplacementCommand, Lag, RoundObject, norm
 from aicon_torch.resolution import Resolution, SteepestPath
+
+FRICTION = 1.0
+"""Between a thing, the table and the hand, in either world: what MuJoCo assumes."""
 
 
 @dataclass(frozen=True)
@@ -38,25 +39,21 @@ class Hand:
 
     Attributes:
         time_step: s.
-        stride: How far a command of 1 sends it in a step, m.
+        stride: How far a command of 1 brings it in a step, m.
         radius: Of what pushes, m.
+        lag: With which its velocity follows, s.
     """
 
     time_step: float
     stride: float
     radius: float
-    lag: float = 0.001
-    share: float = 1.0
-
-    @property
-    def speed(self) -> float:
-        """The fastest that it can be told, m/s."""
-        return self.stride / self.time_step
+    lag: float
 
     def actuator(self, name: str, size: int) -> Actuator:
         """Its velocity in some directions, sent as a displacement."""
         command = Interconnection(DisplacementCommand(self.stride), [name, "dt"])
-        return Actuator(size, "m/s", limit=self.share * self.speed, command=command, command_range=(-1.0, 1.0))
+        speed = self.stride / self.time_step
+        return Actuator(size, "m/s", limit=speed, command=command, command_range=(-1.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -64,23 +61,10 @@ class Options:
     """What is set by hand."""
 
     task: str = "reach"  # or "push"
-    lag: float = 0.08  # with which a hand's velocity follows, s
-    step: float = 0.05
-    rot: float = 1.55
-    table: float = 1.0
-    coast: float = 1.0
-    mu: float = 1.0
-    parts: int = 1
-    aim: float = 1 / 15
-    inset: float = 0.0
-    shape: float = 1.15
-    gyr: float | None = None
-    square: bool = True
-    steer: bool = True
-    size: float = 0.2  # of which the ranges of a contact are shares, m
+    size: float = 0.4  # of which the ranges of a contact are shares, m
     tolerance: float = 0.03  # of the place to which a thing is pushed, m
     resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = field(default_factory=lambda: Foresight(smoothing=0.02))
+    law: ActionLaw = field(default_factory=Foresight)
 
 
 PRESETS: dict[str, dict[str, Any]] = {
@@ -114,9 +98,9 @@ def reach_policy(hand: Hand, options: Options) -> Policy:
 
 
 def push_policy(hand: Hand, radius: float, options: Options) -> Policy:
-    """The hand pushes a thing at z_place, that moves at v_obj, until it rests at z_goal."""
-    lag, slides = Lag(hand.lag), Sliding(options.table)
-    body = RoundObject(radius, hand.radius, options.mu, options.size/4, options.size/12, options.step)
+    """The hand pushes a thing at z_place, moving at v_obj, so that it comes to rest at z_goal."""
+    lag, contact = Lag(hand.lag), ContactOptions(size=options.size)
+    body = RoundObject(radius, hand.radius, FRICTION, contact)
 
     def way(a: Tensor, v_hand: Tensor, dt: Tensor) -> Tensor:
         return lag.displacement(a, v_hand[..., :2], dt)
@@ -127,35 +111,25 @@ def push_policy(hand: Hand, radius: float, options: Options) -> Policy:
     def low(z_hand: Tensor, v_hand: Tensor, lift: Tensor, dt: Tensor) -> Tensor:
         return z_hand[..., 2:] + lag.displacement(lift, v_hand[..., 2:], dt)
 
-    def slid(z_place: Tensor, v_obj: Tensor, dt: Tensor) -> Tensor:
-        return z_place + slides.displacement(v_obj, dt)
-
-    def rest(z_place: Tensor, x_slid: Tensor, d_push: Tensor, v_obj: Tensor, dt: Tensor) -> Tensor:
-        pushed = norm(d_push).unsqueeze(-1) > 1e-6
-        speed = norm(v_obj).unsqueeze(-1)
-        slowed = v_obj * (1 - options.table * 9.81 * dt / speed.clamp(min=1e-9)).clamp(min=0)
-        velocity = torch.where(pushed, (x_slid + d_push - z_place) / dt, slowed)
-        return x_slid + d_push + options.coast * slides.to_rest(velocity)
-
     def far(x_obj: Tensor, z_goal: Tensor) -> Tensor:
         return norm(x_obj - z_goal[..., :2])
 
     def high(p_height: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_height - z_goal[..., 2:])
 
-    sensors = {name: Sensor(3, "SI") for name in ("z_hand", "v_hand", "z_goal")}
+    sizes = {"z_hand": 3, "v_hand": 3, "z_place": 2, "v_obj": 2, "z_goal": 3}
     model = WorldModel(
-        sensors=sensors | {name: Sensor(2, "SI") for name in ("z_place", "v_obj")},
+        sensors={name: Sensor(size, "SI") for name, size in sizes.items()},
         actuators={"a": hand.actuator("a", 2), "lift": hand.actuator("lift", 1)},
         estimators=[
             Deterministic("d_pusher", way),
             Deterministic("x_pusher", place),
             Deterministic("p_height", low),
-            Deterministic("x_slid", slid),
-            Deterministic("d_push", Interconnection(body.push, ["x_slid", "x_pusher", "d_pusher"])),
-            Deterministic("x_rest", rest),
-            Deterministic("n_contact", Interconnection(body.normal, ["x_pusher", "x_rest"])),
-            Deterministic("p_contact", Interconnection(body.likelihood, ["x_pusher", "x_rest"])),
+            Deterministic("x_slid", body.slid),
+            Deterministic("d_push", body.push),
+            Deterministic("x_rest", body.rest),
+            Deterministic("n_contact", body.normal),
+            Deterministic("p_contact", body.likelihood),
             Deterministic("x_obj", body.moved),
         ],
         goals=[Goal("push", far, tolerance=options.tolerance), Goal("low", high)],
@@ -163,3 +137,44 @@ def push_policy(hand: Hand, radius: float, options: Options) -> Policy:
         dtype=torch.float64,
     )
     return Policy(model, options.resolution, options.law)
+
+
+def policy_options(condition: str) -> dict[str, Any]:
+    """What is to be done."""
+    return {"task": condition}
+
+
+def hand_task(
+    name: str,
+    hand: Hand,
+    horizon: int,
+    presets: Iterable[str],
+    world: Callable[..., gymnasium.Env[Any, Any]],
+) -> Task:
+    """The task of a world, whose module has its name.
+
+    Args:
+        name: Of the module.
+        hand: Its hand.
+        horizon: Steps of an episode.
+        presets: Names of its policies.
+        world: Makes one for a condition, "reach" or "push", and options of its own.
+    """
+
+    def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
+        return side_by_side(lambda: world(condition, **options), count, horizon)
+
+    return Task(
+        name=name,
+        time_step=hand.time_step,
+        horizon=horizon,
+        chunk_size=50,
+        maps=("table",),
+        conditions=("reach", "push"),
+        make_env=make_env,
+        policy_options=policy_options,
+        noiseless=("reach", "push"),
+        time_unit="steps",
+        model=name,
+        presets=tuple(presets),
+    )
