@@ -66,6 +66,7 @@ from aicon_torch.parts.recent import Recent
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.room import Room, worth_of_room
+from aicon_torch.parts.round_object import RoundObject
 from aicon_torch.parts.self_collision import (
     Capsule,
     CapsuleSegments,
@@ -133,6 +134,7 @@ __all__ = [
     "RigidShape",
     "Robot",
     "Room",
+    "RoundObject",
     "SelfCollision",
     "Servo",
     "Solid",

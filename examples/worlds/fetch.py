@@ -10,6 +10,7 @@ The graphs are those of hands.py. An episode counts as solved where the world sa
 step.
 """
 
+import math
 from importlib import import_module
 from typing import Any
 
@@ -17,10 +18,8 @@ import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
-from hands import PRESETS, Hand, Options, push_policy, reach_policy, regular
+from hands import PRESETS, Hand, Options, hand_task, push_policy, reach_policy
 
-from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 
 # --- the world
@@ -33,27 +32,30 @@ class Fetch(gymnasium.Env[Any, Any]):
     """The world, whose episodes last to the end.
 
     Args:
-        pushes: Whether there is a block.
+        task: "reach" or "push".
         render_mode: None, or "rgb_array".
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 25}
 
-    def __init__(self, pushes: bool, render_mode: str | None = None) -> None:
+    def __init__(self, task: str, render_mode: str | None = None) -> None:
         try:
             gymnasium.register_envs(import_module("gymnasium_robotics"))
         except ModuleNotFoundError as error:
             raise DependencyNotInstalled(f"{error}: pip install gymnasium-robotics") from error
-        name = f"Fetch{'Push' if pushes else 'Reach'}-v4"
+        name = f"Fetch{task.capitalize()}-v4"
         self.world = gymnasium.make(name, render_mode=render_mode, disable_env_checker=True)
-        self.pushes, self.render_mode = pushes, render_mode
+        self.pushes, self.render_mode = task == "push", render_mode
 
-        names = ("z_hand", "v_hand", "z_goal", *(("z_pose",) if pushes else ()))
+        sizes = {"z_hand": 3, "v_hand": 3, "z_goal": 3}
+        sizes |= {"z_place": 2, "v_obj": 2} if self.pushes else {}
         self.observation_space = Dict(
-            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in names}
+            {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in sizes.items()}
         )
         plane, line = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (1,))
-        self.action_space = Dict({"a": plane, "lift": line}) if pushes else Box(-1.0, 1.0, (3,))
+        self.action_space = (
+            Dict({"a": plane, "lift": line}) if self.pushes else Box(-1.0, 1.0, (3,))
+        )
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         """Place block and goal."""
@@ -82,7 +84,8 @@ class Fetch(gymnasium.Env[Any, Any]):
         velocity = read[20:23] if self.pushes else read[5:8]
         observation = {"z_hand": read[:3], "v_hand": velocity / STEP, "z_goal": goal}
         if self.pushes:
-            observation["z_pose"] = np.array([*read[3:5], read[13]])
+            observation["z_place"] = read[3:5]
+            observation["v_obj"] = (read[14:16] + velocity[:2]) / STEP  # read from the hand
 
         # What counts is where it is at the end.
         distance = float(np.linalg.norm(state["achieved_goal"] - goal))
@@ -92,41 +95,15 @@ class Fetch(gymnasium.Env[Any, Any]):
 
 # --- the policies
 
-
-HAND = Hand(time_step=STEP, stride=0.05, radius=0.015)
+HAND = Hand(time_step=STEP, stride=0.033, radius=0.015, lag=0.001)  # of 5 cm it goes 3.3, at once
+RADIUS = EDGE / math.sqrt(math.pi)  # m, of a round block as large as this one
 
 
 def build(options: Options) -> Policy:
     """The graph of a hand that reaches, or of one that pushes a block."""
     if options.task == "reach":
         return reach_policy(HAND, options)
-    return push_policy(HAND, regular(4, EDGE / 2), options)
+    return push_policy(HAND, RADIUS, options)
 
 
-# --- the task
-
-
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    return side_by_side(lambda: Fetch(condition == "push", **options), count, horizon)
-
-
-def policy_options(condition: str) -> dict[str, Any]:
-    """What is to be done."""
-    return {"task": condition}
-
-
-TASK = Task(
-    name="fetch",
-    time_step=STEP,
-    horizon=HORIZON,
-    chunk_size=50,
-    maps=("table",),
-    conditions=("reach", "push"),
-    make_env=make_env,
-    policy_options=policy_options,
-    noiseless=("reach", "push"),
-    time_unit="steps",
-    model=__name__,
-    presets=tuple(PRESETS),
-)
+TASK = hand_task(__name__, HAND, HORIZON, PRESETS, Fetch)

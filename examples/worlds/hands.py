@@ -3,13 +3,16 @@
 What a world adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in all.
 """
 
-import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+import gymnasium
 import torch
 from torch import Tensor
 
+from aicon_baselines.evaluation.task import Task
+from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import (
     Actuator,
     Deterministic,
@@ -23,16 +26,11 @@ from aicon_torch import (
     WorldModel,
 )
 from aicon_torch.control import ActionLaw
-from aicon_torch.parts import (
-    ContactOptions,
-    DisplacementCommand,
-    Lag,
-    PoseMotion,
-    RigidObject,
-    closest_point,
-    norm,
-)
+from aicon_torch.parts import ContactOptions, DisplacementCommand, Lag, RoundObject, norm
 from aicon_torch.resolution import Resolution, SteepestPath
+
+FRICTION = 1.0
+"""Between a thing, the table and the hand, in either world: what MuJoCo assumes."""
 
 
 @dataclass(frozen=True)
@@ -41,23 +39,21 @@ class Hand:
 
     Attributes:
         time_step: s.
-        stride: How far a command of 1 sends it in a step, m.
+        stride: How far a command of 1 brings it in a step, m.
         radius: Of what pushes, m.
+        lag: With which its velocity follows, s.
     """
 
     time_step: float
     stride: float
     radius: float
-
-    @property
-    def speed(self) -> float:
-        """The fastest that it can be told, m/s."""
-        return self.stride / self.time_step
+    lag: float
 
     def actuator(self, name: str, size: int) -> Actuator:
         """Its velocity in some directions, sent as a displacement."""
         command = Interconnection(DisplacementCommand(self.stride), [name, "dt"])
-        return Actuator(size, "m/s", limit=self.speed, command=command, command_range=(-1.0, 1.0))
+        speed = self.stride / self.time_step
+        return Actuator(size, "m/s", limit=speed, command=command, command_range=(-1.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -65,11 +61,10 @@ class Options:
     """What is set by hand."""
 
     task: str = "reach"  # or "push"
-    lag: float = 0.08  # with which a hand's velocity follows, s
-    size: float = 0.2  # of which the ranges of a contact are shares, m
+    size: float = 0.4  # of which the ranges of a contact are shares, m
     tolerance: float = 0.03  # of the place to which a thing is pushed, m
     resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = field(default_factory=lambda: Foresight(smoothing=0.1))
+    law: ActionLaw = field(default_factory=Foresight)
 
 
 PRESETS: dict[str, dict[str, Any]] = {
@@ -81,16 +76,9 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 
 
-def regular(corners: int, radius: float) -> RigidObject:
-    """A thing with so many sides, m from its middle to each; one of them faces x."""
-    angles = [(2 * i + 1) * math.pi / corners for i in range(corners)]
-    outer = radius / math.cos(math.pi / corners)
-    return RigidObject.of([(outer * math.cos(t), outer * math.sin(t)) for t in angles])
-
-
 def reach_policy(hand: Hand, options: Options) -> Policy:
     """The hand goes to z_goal, from z_hand, moving at v_hand."""
-    lag = Lag(options.lag)
+    lag = Lag(hand.lag)
 
     def ahead(z_hand: Tensor, v_hand: Tensor, a: Tensor, dt: Tensor) -> Tensor:
         return z_hand + lag.displacement(a, v_hand, dt)
@@ -109,11 +97,10 @@ def reach_policy(hand: Hand, options: Options) -> Policy:
     return Policy(model, options.resolution, options.law)
 
 
-def push_policy(hand: Hand, body: RigidObject, options: Options) -> Policy:
-    """The hand pushes a body at z_pose in the plane, until its centre is at z_goal, and square."""
-    lag, contact = Lag(options.lag), ContactOptions(size=options.size)
-    dynamics = contact.dynamics(body)
-    pushed, quarter = PoseMotion(dynamics, hand.radius), math.pi / 2
+def push_policy(hand: Hand, radius: float, options: Options) -> Policy:
+    """The hand pushes a thing at z_place, moving at v_obj, so that it comes to rest at z_goal."""
+    lag, contact = Lag(hand.lag), ContactOptions(size=options.size)
+    body = RoundObject(radius, hand.radius, FRICTION, contact)
 
     def way(a: Tensor, v_hand: Tensor, dt: Tensor) -> Tensor:
         return lag.displacement(a, v_hand[..., :2], dt)
@@ -125,31 +112,69 @@ def push_policy(hand: Hand, body: RigidObject, options: Options) -> Policy:
         return z_hand[..., 2:] + lag.displacement(lift, v_hand[..., 2:], dt)
 
     def far(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        turn = torch.remainder(x_obj[..., 2:] + quarter / 2, quarter) - quarter / 2
-        aside = x_obj[..., :2] - z_goal[..., :2]
-        return norm(torch.cat((aside, dynamics.rotation_length * turn), dim=-1))
+        return norm(x_obj - z_goal[..., :2])
 
     def high(p_height: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_height - z_goal[..., 2:])
 
+    sizes = {"z_hand": 3, "v_hand": 3, "z_place": 2, "v_obj": 2, "z_goal": 3}
     model = WorldModel(
-        sensors={name: Sensor(3, "SI") for name in ("z_hand", "v_hand", "z_pose", "z_goal")},
+        sensors={name: Sensor(size, "SI") for name, size in sizes.items()},
         actuators={"a": hand.actuator("a", 2), "lift": hand.actuator("lift", 1)},
         estimators=[
             Deterministic("d_pusher", way),
             Deterministic("x_pusher", place),
             Deterministic("p_height", low),
-            Deterministic("x_pose", Interconnection(pushed, ["z_pose", "x_pusher", "d_pusher"])),
-            Deterministic("x_keypoints", Interconnection(body.keypoints_at, ["x_pose"])),
-            Deterministic("x_side", body.sides),
-            Deterministic("x_contact", closest_point, each=["x_side"]),
-            Deterministic(
-                "p_contact", contact.likelihood(hand.radius), each=["x_side", "x_contact"]
-            ),
-            Deterministic("x_obj", dynamics),
+            Deterministic("x_slid", body.slid),
+            Deterministic("d_push", body.push),
+            Deterministic("x_rest", body.rest),
+            Deterministic("n_contact", body.normal),
+            Deterministic("p_contact", body.likelihood),
+            Deterministic("x_obj", body.moved),
         ],
         goals=[Goal("push", far, tolerance=options.tolerance), Goal("low", high)],
         dt=hand.time_step,
         dtype=torch.float64,
     )
     return Policy(model, options.resolution, options.law)
+
+
+def policy_options(condition: str) -> dict[str, Any]:
+    """What is to be done."""
+    return {"task": condition}
+
+
+def hand_task(
+    name: str,
+    hand: Hand,
+    horizon: int,
+    presets: Iterable[str],
+    world: Callable[..., gymnasium.Env[Any, Any]],
+) -> Task:
+    """The task of a world, whose module has its name.
+
+    Args:
+        name: Of the module.
+        hand: Its hand.
+        horizon: Steps of an episode.
+        presets: Names of its policies.
+        world: Makes one for a condition, "reach" or "push", and options of its own.
+    """
+
+    def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
+        return side_by_side(lambda: world(condition, **options), count, horizon)
+
+    return Task(
+        name=name,
+        time_step=hand.time_step,
+        horizon=horizon,
+        chunk_size=50,
+        maps=("table",),
+        conditions=("reach", "push"),
+        make_env=make_env,
+        policy_options=policy_options,
+        noiseless=("reach", "push"),
+        time_unit="steps",
+        model=name,
+        presets=tuple(presets),
+    )

@@ -17,10 +17,8 @@ import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
-from hands import PRESETS, Hand, Options, push_policy, reach_policy, regular
+from hands import PRESETS, Hand, Options, hand_task, push_policy, reach_policy
 
-from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 
 # --- the world
@@ -49,9 +47,10 @@ class MetaWorld(gymnasium.Env[Any, Any]):
         self.world._freeze_rand_vec, self.world.seeded_rand_vec = False, True
         self.pushes, self.render_mode = task == "push", render_mode
 
-        names = ("z_hand", "v_hand", "z_goal", *(("z_pose",) if self.pushes else ()))
+        sizes = {"z_hand": 3, "v_hand": 3, "z_goal": 3}
+        sizes |= {"z_place": 2, "v_obj": 2} if self.pushes else {}
         self.observation_space = Dict(
-            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in names}
+            {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in sizes.items()}
         )
         plane, line = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (1,))
         pushed = Dict({"a": plane, "lift": line})
@@ -84,7 +83,8 @@ class MetaWorld(gymnasium.Env[Any, Any]):
         velocity = (state[:3] - state[18:21]) / STEP
         observation = {"z_hand": tip, "v_hand": velocity, "z_goal": goal}
         if self.pushes:
-            observation["z_pose"] = np.array([*state[4:6], 0.0])
+            observation["z_place"] = state[4:6]
+            observation["v_obj"] = (state[4:6] - state[22:24]) / STEP
 
         # What counts is where it is at the end.
         placed = state[4:7] if self.pushes else tip
@@ -95,40 +95,14 @@ class MetaWorld(gymnasium.Env[Any, Any]):
 
 # --- the policies
 
-HAND = Hand(time_step=STEP, stride=0.01, radius=0.017)
+HAND = Hand(time_step=STEP, stride=0.01, radius=0.017, lag=0.045)
 
 
 def build(options: Options) -> Policy:
     """The graph of a hand that reaches, or of one that pushes a puck."""
     if options.task == "reach":
         return reach_policy(HAND, options)
-    return push_policy(HAND, regular(8, PUCK), options)
+    return push_policy(HAND, PUCK, options)
 
 
-# --- the task
-
-
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    return side_by_side(lambda: MetaWorld(condition, **options), count, horizon)
-
-
-def policy_options(condition: str) -> dict[str, Any]:
-    """What is to be done."""
-    return {"task": condition}
-
-
-TASK = Task(
-    name="meta_world",
-    time_step=STEP,
-    horizon=HORIZON,
-    chunk_size=50,
-    maps=("table",),
-    conditions=("reach", "push"),
-    make_env=make_env,
-    policy_options=policy_options,
-    noiseless=("reach", "push"),
-    time_unit="steps",
-    model=__name__,
-    presets=tuple(PRESETS),
-)
+TASK = hand_task(__name__, HAND, HORIZON, PRESETS, MetaWorld)
