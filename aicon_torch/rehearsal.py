@@ -106,9 +106,7 @@ class Rehearsal:
             explored = explored & ~torch.as_tensor(episode_start)
         return (explores & ~explored).any(0)
 
-    def _better_way(
-        self, observation: Mapping[str, Any], memory: Memory, begins: Tensor
-    ) -> Memory:
+    def _better_way(self, observation: Mapping[str, Any], memory: Memory, begins: Tensor) -> Memory:
         """The memory, turned around in the rows in which that is the better way."""
         rows = {name: value[begins] for name, value in memory.items()}
         seen = {name: torch.as_tensor(value)[begins] for name, value in observation.items()}
