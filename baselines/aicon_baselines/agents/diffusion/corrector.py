@@ -53,8 +53,12 @@ class Corrector:
         # An episode of the teacher begins where that of the student ends.
         taught = before.steps >= self.until
         unaware = starts | (before.steps <= self.until)
-        acts, student = self.student.predict(observation, before.student, starts, deterministic)
         would, teacher = self.teacher.predict(observation, before.teacher, unaware, deterministic)
+
+        # A student that samples is slow: it is asked for as long as it acts in any episode.
+        acts, student = would, before.student
+        if not taught.all():
+            acts, student = self.student.predict(observation, student, starts, deterministic)
 
         memory = Corrections(before.steps + 1, taught, student, teacher)
         if isinstance(would, dict):

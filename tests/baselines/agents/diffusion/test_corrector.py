@@ -40,6 +40,18 @@ def test_each_row_is_taught_from_its_own_step_on() -> None:
     np.testing.assert_array_equal(memory.student, [4, 4, 4])
 
 
+def test_a_student_is_not_asked_once_the_teacher_acts_in_all_episodes() -> None:
+    corrector = Corrector(Always(-1.0), Always(1.0), np.array([1, 3]))
+    memory = None
+    for step in range(6):
+        starts = np.full(2, step == 0)
+        action, memory = corrector.predict({"z": np.zeros((2, 1))}, memory, starts)
+
+    np.testing.assert_array_equal(action["tip"], np.ones((2, 3)))
+    np.testing.assert_array_equal(memory.student, [2, 2])
+    np.testing.assert_array_equal(memory.teacher, [4, 2])
+
+
 def test_a_lesson_joins_what_is_seen_and_done_and_parts_it_again() -> None:
     lesson = Lesson("", {"observation.state": ("tip", "jaw")}, PARTS)
     action = {"tip": np.arange(6.0).reshape(2, 3), "jaw": np.array([[7.0], [8.0]])}
