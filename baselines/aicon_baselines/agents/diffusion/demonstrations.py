@@ -170,7 +170,7 @@ def _scene_of_task(config: TaskRecordingConfig, seeds: range) -> _Scene:
 
 
 @cache
-def _teacher_of(task: str, condition: str) -> Predictor:
+def _teacher_of(task: str, condition: str) -> Any:
     """AICON, compiled once for all chunks, which takes longer than the episodes of one."""
     return compiled(factory(task, "aicon"))(condition)
 
