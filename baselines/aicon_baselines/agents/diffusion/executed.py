@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch import WorldModel
-from aicon_torch.policy import Memory
+from aicon_torch.resolution import Memory
 
 
 def actions_of(sent: Any, model: WorldModel, memory: Memory) -> dict[str, Tensor]:
