@@ -86,8 +86,8 @@ class RecordingConfig:
 class TaskRecordingConfig:
     """What demonstrations to record in any task that has a lesson.
 
-    With a student they are corrections: it acts first, and from some step on AICON takes over,
-    which has not seen what was before. What AICON does from there is the demonstration.
+    With a student they are corrections: it acts first while AICON watches, which takes over at some
+    step. What AICON does from there is the demonstration.
 
     Attributes:
         task: Name of the task.

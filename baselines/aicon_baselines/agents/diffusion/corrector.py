@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from aicon_baselines.agents.diffusion.executed import actions_of
 from aicon_baselines.evaluation.predictor import Predictor
+from aicon_torch import Policy
 
 
 class Corrections(NamedTuple):
@@ -27,7 +29,7 @@ class Corrections(NamedTuple):
 
 @dataclass(frozen=True)
 class Corrector:
-    """Lets a student act for some steps, then the teacher, which has not seen what was before.
+    """Lets a student act for some steps, then the teacher, who has watched and knows what was done.
 
     Attributes:
         student: The student.
@@ -36,7 +38,7 @@ class Corrector:
     """
 
     student: Predictor
-    teacher: Predictor
+    teacher: Policy
     until: NDArray[np.int64]
 
     def predict(
@@ -49,19 +51,23 @@ class Corrector:
         """The actions of who acts now."""
         before = state or Corrections(0, np.zeros(len(self.until), np.bool_), None, None)
         starts = np.zeros(len(self.until), np.bool_) if episode_start is None else episode_start
-
-        # An episode of the teacher begins where that of the student ends.
         taught = before.steps >= self.until
-        unaware = starts | (before.steps <= self.until)
+
+        # A student that samples is slow: it is asked for as long as it acts in any episode.
+        would, teacher = self.teacher.predict(observation, before.teacher, starts)
+        if taught.all():
+            return would, Corrections(before.steps + 1, taught, before.student, teacher)
         acts, student = self.student.predict(observation, before.student, starts, deterministic)
-        would, teacher = self.teacher.predict(observation, before.teacher, unaware, deterministic)
 
-        memory = Corrections(before.steps + 1, taught, student, teacher)
+        # What the teacher knows follows from what was done, not from what it would have done.
         if isinstance(would, dict):
-            return {part: _chosen(taught, would[part], acts[part]) for part in would}, memory
-        return _chosen(taught, would, acts), memory
+            sent: Any = {part: _chosen(taught, would[part], acts[part]) for part in would}
+        else:
+            sent = _chosen(taught, would, acts)
+        teacher = teacher | actions_of(sent, self.teacher.model, teacher)
+        return sent, Corrections(before.steps + 1, taught, student, teacher)
 
 
-def _chosen(taught: NDArray[np.bool_], would: Any, acts: Any) -> Any:
-    """The teacher's actions (B, n) where it teaches, else the student's."""
+def _chosen(taught: NDArray[np.bool_], would: Any, acts: Any) -> NDArray[np.float32]:
+    """The teacher's commands (B, n) where it teaches, else the student's."""
     return np.where(taught[:, np.newaxis], would, acts).astype(np.float32)

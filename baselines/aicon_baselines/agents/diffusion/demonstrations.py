@@ -1,5 +1,6 @@
 """Demonstrations: successful episodes of AICON, and what it makes of those of a student."""
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import gymnasium as gym
@@ -158,7 +159,7 @@ def _scene_of_task(config: TaskRecordingConfig, seeds: range) -> _Scene:
     env = task.make_env(len(episodes), config.condition, task.horizon)
     start = env.reset(**task.reset_arguments(episodes))
 
-    policy = compiled(factory(config.task, "aicon"))(config.condition)
+    policy = _teacher_of(config.task, config.condition)
     if config.student:
         from aicon_baselines.agents.diffusion.agent import Agent  # needs LeRobot
 
@@ -166,6 +167,12 @@ def _scene_of_task(config: TaskRecordingConfig, seeds: range) -> _Scene:
         student = Agent(config.student, task=config.task)
         policy = Corrector(student, policy, np.array(steps))
     return _Scene(env, start, policy, tuple(lesson_of(config.task).seen))
+
+
+@cache
+def _teacher_of(task: str, condition: str) -> Any:
+    """AICON, compiled once for all chunks, which takes longer than the episodes of one."""
+    return compiled(factory(task, "aicon"))(condition)
 
 
 def _make_env(config: RecordingConfig, index: int) -> VectorEnv[Any, Any, Any]:
@@ -179,8 +186,9 @@ def _make_env(config: RecordingConfig, index: int) -> VectorEnv[Any, Any, Any]:
     return side_by_side(make_one, CHUNK_SIZE, config.horizon)
 
 
+@cache
 def _make_teacher(config: RecordingConfig) -> Any:
-    """Build the policy, whose lengths are in m."""
+    """Build the policy, whose lengths are in m, once for all chunks."""
     options: dict[str, Any] = {
         "max_speed": PIXEL * config.max_speed,
         "law.smoothing": config.smoothing,
