@@ -108,9 +108,9 @@ MAZES := $(foreach maze,medium large giant teleport,$(maze)_task1 $(maze)_task2 
 	@touch $@
 
 worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/, with what carries each; goes on where it was
-	$(IN_WORLDS) --task pointmaze:TASK --conditions umaze medium large --policies $(WORLD_POLICIES) \
+	$(IN_WORLDS) --task pointmaze:TASK --conditions umaze medium large --policies $(WORLD_POLICIES) rehearsed \
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
-	$(IN_WORLDS) --task ogbench_mazes:TASK --conditions $(MAZES) --policies aicon without_exploration weighted_sum \
+	$(IN_WORLDS) --task ogbench_mazes:TASK --conditions $(MAZES) --policies aicon rehearsed without_exploration weighted_sum \
 	  --episodes 20 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/ogbench_mazes
 	$(IN_WORLDS) --task fetch:TASK --conditions reach push --policies $(HAND_POLICIES) \
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/fetch
