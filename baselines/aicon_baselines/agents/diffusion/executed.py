@@ -32,13 +32,13 @@ def actions_of(sent: Any, model: WorldModel, memory: Memory) -> dict[str, Tensor
 
 def _solved(command: Any, name: str, values: dict[str, Tensor], target: Tensor) -> Tensor:
     """One step of Newton from rest, in every row."""
-
-    def commands(action: Tensor) -> Tensor:
-        sent: Tensor = command({**values, name: action})
-        return sent
-
     # No row's command depends on another row's action, so that their sum has all derivatives.
-    rest = torch.zeros_like(target)
-    summed = torch.autograd.functional.jacobian(lambda a: commands(a).sum(0), rest)
-    jacobian = summed.movedim(0, -2)  # (B, n, n)
-    return torch.linalg.solve(jacobian, target - commands(rest))
+    action = torch.zeros_like(target, requires_grad=True)
+    with torch.enable_grad():
+        sent: Tensor = command({**values, name: action})
+        components = sent.sum(0).unbind()
+        rows = [torch.autograd.grad(each, action, retain_graph=True)[0] for each in components]
+
+    jacobian = torch.stack(rows, dim=-2)  # (B, n, n)
+    solved: Tensor = torch.linalg.solve(jacobian, target - sent.detach())  # a number, no graph
+    return solved
