@@ -28,7 +28,7 @@ CONDITIONS = {
     "nav2d": "range",
     "pusht": "deterministic",
     "arm_push": "true_pose",
-    "reach": "panda_pose_home",
+    "reach": "ur5_pose_home",
 }
 STEPS = 1000
 """How many are replayed."""
