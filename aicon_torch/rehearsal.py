@@ -7,6 +7,7 @@ import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
 
+from aicon_torch.control.memory import starting_rows
 from aicon_torch.errors import OptionError
 from aicon_torch.inspection.explanation import Explanation
 from aicon_torch.inspection.trace import StepTrace
@@ -102,8 +103,9 @@ class Rehearsal:
             return explores.any(0)
 
         explored = torch.stack([before[name] for name in names])
-        if episode_start is not None:
-            explored = explored & ~torch.as_tensor(episode_start)
+        starts = starting_rows(episode_start, tuple(explored.shape[1:]), explored.device)
+        if starts is not None:
+            explored = explored & ~starts
         return (explores & ~explored).any(0)
 
     def _better_way(self, observation: Mapping[str, Any], memory: Memory, begins: Tensor) -> Memory:

@@ -2,13 +2,15 @@
 
 import os
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import pytest
 import torch
 from _chromium import launched
+from filelock import FileLock
 from gymnasium.error import DependencyNotInstalled
 from hypothesis import HealthCheck, settings
 
@@ -51,6 +53,24 @@ def pytest_configure(config: pytest.Config) -> None:
 def optimized(monkeypatch: pytest.MonkeyPatch) -> None:
     """C is optimized, as it is shipped."""
     monkeypatch.setattr(compiler, "FLAGS", SHIPPED_FLAGS)
+
+
+@pytest.fixture(scope="session")
+def made_once(
+    worker_id: str, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[str, Callable[[Path], Any]], Path]:
+    """Makes a folder by its name, once for all processes that test side by side."""
+    own = tmp_path_factory.getbasetemp()
+    shared = own if worker_id == "master" else own.parent
+
+    def folder_of(name: str, make: Callable[[Path], Any]) -> Path:
+        folder = shared / name
+        with FileLock(shared / f"{name}.lock"):
+            if not folder.exists():
+                make(folder)
+        return folder
+
+    return folder_of
 
 
 @pytest.fixture(scope="session")

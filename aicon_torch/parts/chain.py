@@ -129,6 +129,11 @@ class Chain(nn.Module):
         _check_equal(chain, path)
         return chain
 
+    @property
+    def middle(self) -> Tensor:
+        """The q halfway between its limits, ``(n,)``."""
+        return (self.low + self.high) / 2
+
     def postures(self, count: int) -> Tensor:
         """Random postures within the limits, ``(count, n)``, rad or m; always the same ones.
 

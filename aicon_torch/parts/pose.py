@@ -54,20 +54,16 @@ class PoseMotion:
         # What moved the object is past, and what will move it is the contact model's matter; how a
         # push depends on the pose is of second order. So the belief moves as it is, and no gradient
         # leaves through the push.
-        return x_pose + stop(self.displacement(x_pose, x_pusher, d_pusher))
-
-    def displacement(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
-        """How far it is pushed (x, y, θ), ``(*B, 3)``, m and rad; its gradient goes by the way."""
-        pose = stop(x_pose)
-        way = d_pusher.reshape(*d_pusher.shape[:-1], -1, 2)
-        start = stop(x_pusher - way[..., -1, :])
+        way, pose = stop(d_pusher), stop(x_pose)
+        way = way.reshape(*way.shape[:-1], -1, 2)
+        start = stop(x_pusher) - way[..., -1, :]
 
         moved = torch.zeros_like(pose)
         before = torch.zeros_like(start)
         for after in way.unbind(-2):
             moved = moved + self._push(pose + moved, start + before, after - before)
             before = after
-        return moved
+        return x_pose + moved
 
     def _push(self, pose: Tensor, pusher: Tensor, motion: Tensor) -> Tensor:
         """The object's motion ``(*B, 3)`` while the pusher makes a short motion ``(*B, 2)``."""

@@ -9,11 +9,9 @@ from aicon_torch.differentiation import stop
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.planar import norm, quarter_turn
+from aicon_torch.parts.touch import GRAVITY
 from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import by_gain, straight_through
-
-GRAVITY = 9.81
-"""g, m/s²."""
 
 NONE = 1e-9
 """A motion that counts as none, m or m/s."""

@@ -3,11 +3,12 @@
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from _documents import ROOT
-from filelock import FileLock
 
 import aicon_torch
 
@@ -16,16 +17,14 @@ pytest.importorskip("sphinx", reason="the site is built by the extra [docs]")
 
 
 @pytest.fixture(scope="module")
-def site(worker_id: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built once for all processes that test side by side."""
-    own = tmp_path_factory.getbasetemp()
-    shared = own if worker_id == "master" else own.parent
-    folder = shared / "site"
-    with FileLock(shared / "site.lock"):
-        if not folder.exists():
-            words = ["-W", "--keep-going", "-q", "-b", "html", "docs", str(folder)]
-            subprocess.run([sys.executable, "-m", "sphinx", *words], cwd=ROOT, check=True)
-    return folder
+def site(made_once: Callable[[str, Callable[[Path], Any]], Path]) -> Path:
+    """The site, built."""
+
+    def build(folder: Path) -> None:
+        words = ["-W", "--keep-going", "-q", "-b", "html", "docs", str(folder)]
+        subprocess.run([sys.executable, "-m", "sphinx", *words], cwd=ROOT, check=True)
+
+    return made_once("site", build)
 
 
 def test_no_page_loads_anything_from_elsewhere(site: Path) -> None:

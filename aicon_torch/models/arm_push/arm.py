@@ -87,8 +87,7 @@ def moved_by(options: Options) -> str:
 def joints(options: Options) -> EKF:
     """x_joints: the encoders, filtered."""
     velocity = moved_by(options)
-    chain = options.robot.chain
-    middle = ((chain.low + chain.high) / 2).tolist()
+    middle = options.robot.chain.middle.tolist()
     agreement = Affine(x_joints=1.0, z_joints=-1.0)
     belief: dict[str, Any] = {
         "predict": Affine(x_joints=1.0, **{velocity: "dt"}),

@@ -56,7 +56,7 @@ class EndEffectorStep(ArmOptions, RobotActionProcessorStep):
         self.reset()
 
         # The first step compiles it, for which no arm shall wait.
-        middle = (arm.chain.low + arm.chain.high).numpy() / 2
+        middle = arm.chain.middle.numpy()
         self._policy.predict({"q": middle, **self._target(np.zeros(6))})
 
     def action(self, action: dict[str, Any]) -> dict[str, Any]:

@@ -34,7 +34,7 @@ class JointShield:
 
         self._shield = shield.compile()
         self.joints = CommandedJoints(arm.chain.names, options)
-        self._middle = (arm.chain.low + arm.chain.high).numpy() / 2
+        self._middle = arm.chain.middle.numpy()
         self.reset()
 
     def warm_up(self) -> None:
