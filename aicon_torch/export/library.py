@@ -50,6 +50,7 @@ class Library:
         check_content(content, name)
         library = _open(content, name)
 
+        # Format, bytes of a real number, and how many are in readings, memory and commands.
         sizes = (ctypes.c_int * 5).in_dll(library, "aicon_sizes")
         if sizes[0] != FORMAT:
             raise OptionError(

@@ -36,6 +36,8 @@ class NativeSteps:
         if like.dtype not in self._steps:
             self._steps[like.dtype] = self._translated(step, perception)
             self._versions[like.dtype] = [(p, p._version) for p in step.model.parameters()]
+
+        # torch counts changes in place, and the C code holds the parameters as they were.
         for parameter, version in self._versions[like.dtype]:
             if parameter._version != version:
                 raise OptionError(
