@@ -82,6 +82,7 @@ class Deterministic(Estimator):
 
     def _with_rows(self, values: Values) -> Values:
         """What f reads, with a dimension for the rows where a value has none."""
+        # What has fewer dimensions than the rows is shared by them; dt, a scalar, fits anyway.
         dimensions = values[self.each[0]].dim()
         expanded: dict[str, Tensor] = {}
         for name in self.inputs:

@@ -114,6 +114,7 @@ class Measurement(nn.Module):
 
     def uncertainty(self, values: Values, differentiable: bool = False) -> Tensor:
         """R ``(*B, m, m)``: the covariance of the noise, and what other estimates add to it."""
+        # R + Σ G P Gᵀ, with the derivative G of the residual by each of the other estimates.
         noise: Tensor = self.noise(values)
         for other, covariance in self.uncertain.items():
             _, sensitivity = self.residual.linearize(values, other, self.size, differentiable)
