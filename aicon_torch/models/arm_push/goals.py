@@ -100,6 +100,7 @@ class CertainPush:
             x_target: Its target, likewise.
             P_pose: Covariance of the pose, ``(*B, 3, 3)``.
         """
+        # tr Σ, with the angle as a length.
         x, y, angle = P_pose.diagonal(dim1=-2, dim2=-1).unbind(-1)
         trace = x + y + self.rotation_length**2 * angle
 

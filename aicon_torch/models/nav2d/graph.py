@@ -125,6 +125,8 @@ def _actuator(options: Options, obstacle: Clearance) -> Actuator:
     jumps = JUMPS if options.sensing == "range_bearing" else 0
     latency = (options.action_delay + jumps) * options.dt
     offset = options.range_offset
+
+    # What is read and done at once needs no limit besides the goal that avoids obstacles.
     limits = []
     if options.delay or latency or offset:
         limits = [obstacle.limits(ClearanceLimits.for_latency(latency, offset))]

@@ -158,8 +158,11 @@ def find_mesh(filename: str, folder: Path) -> Path:
         FileNotFoundError: If it is not there.
     """
     scheme, _, path = filename.rpartition("://")
+
+    # From the folder of the URDF, unless it is a whole path.
     candidates = [folder / path] if scheme != "file" else [Path(path)]
     if scheme in ("package", "model"):
+        # A folder above holds the package, or is the package under another name.
         _, _, inside = path.partition("/")
         for above in (folder, *folder.parents):
             candidates += [above / path, above / inside]

@@ -63,6 +63,7 @@ class JointDescription(NamedTuple):
         if self.kind == "prismatic":
             motion[:3, 3] = q * self.axis
         elif self.moves:
+            # R = I + sin q [a]× + (1 − cos q) [a]×².
             cross = np.cross(np.eye(3), self.axis)
             motion[:3, :3] += np.sin(q) * cross + (1.0 - np.cos(q)) * cross @ cross
         return motion
@@ -179,6 +180,7 @@ class LinkTree:
             if link not in self.links:
                 raise OptionError(f"{name}={link!r}: expected one of {_shown(self.links)}.")
 
+        # The base has to be on the way from the root to the tip.
         from_root = self._joints_to(tip)
         links = [*(joint.parent for joint in from_root), tip]
         if base not in links:
