@@ -81,6 +81,7 @@ class Interconnection(Node):
         self.function: Any = function  # a cost may have methods besides
         self.inputs = wiring(function) if inputs is None else tuple(inputs)
 
+        # A network with such layers gets its rows as one batch.
         layers = function.modules() if isinstance(function, nn.Module) else ()
         self._takes_one_batch = any(isinstance(layer, ONE_BATCH) for layer in layers)
 
@@ -222,6 +223,7 @@ class Affine(Interconnection):
         nn.Module.__init__(self)  # there is no function to wire
         self.jacobians = nn.ModuleDict()
 
+        # Matrices are buffers; numbers, and names of numbers, are multiples of the identity.
         self.factors: dict[str, float] = {}
         self.named_factors: dict[str, str] = {}
         for name, value in matrices.items():

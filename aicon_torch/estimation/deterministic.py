@@ -49,6 +49,8 @@ class Deterministic(Estimator):
                 f"[{each!r}]."
             )
         self.each = tuple(each)
+
+        # It must read what has the rows; dt has none.
         for rows in self.each:
             if rows not in self.inputs or rows == "dt":
                 raise GraphError(

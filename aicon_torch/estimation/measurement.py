@@ -71,11 +71,14 @@ class Measurement(nn.Module):
         self.gate_keeps_gradient = gate_keeps_gradient
         self.size = size
 
+        # What the residual does not read cannot add to its noise.
         for name in self.uncertain:
             if name not in self.residual.inputs:
                 raise GraphError(
                     f"uncertain: the residual reads {choices(self.residual.inputs)}, not {name!r}."
                 )
+
+        # Of these, sensors tell in a flag whether they have a reading.
         read = (*self.residual.inputs, *self.noise.inputs, *self.uncertain.values())
         self.inputs = tuple(dict.fromkeys(read))
         self._presence_flags = tuple(name + PRESENT for name in self.inputs)

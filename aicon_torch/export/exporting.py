@@ -56,6 +56,8 @@ def export(
         GraphError: If an operation cannot be translated to C.
     """
     path = Path(path)
+
+    # A web page is the one target that the name of a file tells.
     if target is None and path.suffix == find_target(WEB).suffix:
         target = WEB
     _check_suffix(path, target)
@@ -202,6 +204,8 @@ def _test_readings(flat: FlatStep, seed: int) -> Tensor:
     layout, generator = flat.layouts["readings"], torch.Generator("cpu").manual_seed(seed)
     size = (_TEST_STEPS, layout.size)
     noise = torch.rand(size, generator=generator, dtype=torch.float32, device="cpu")
+
+    # Away from zero, where signs and ranks hang on rounding.
     readings = 0.1 + noise
     for name, sensor in flat.model.sensors.items():
         entry = layout.entries[name]

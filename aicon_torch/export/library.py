@@ -114,6 +114,8 @@ class Library:
         batch = readings.shape[:-1]
         after = np.empty((*batch, self.memory), dtype=self.dtype)
         commands = np.empty((*batch, self.commands), dtype=self.dtype)
+
+        # Pointers into arrays of numpy's: the library itself allocates nothing.
         self.step(
             readings.size // self.readings,
             None if starts is None else starts.ctypes.data,

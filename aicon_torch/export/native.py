@@ -49,6 +49,7 @@ class NativeSteps:
     def _translated(step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
         from aicon_torch.export.exporting import compiled_library  # loads the translation to C
 
+        # The step as it is written; the one that is given may be compiled by TorchInductor.
         plain = ControlStep(step.model, step.backward, step.law)
         try:
             with torch.inference_mode(False):  # gradients are traced

@@ -295,6 +295,7 @@ def _begun(memory: Named, fresh: Named, begins: Tensor) -> dict[str, Tensor]:
         return dict(memory)
     chosen: dict[str, Tensor] = {}
     for name, value in memory.items():
+        # A row's flag holds for all of its numbers; dt is one for all rows.
         own = (None,) * (value.dim() - begins.dim())
         is_one_for_all = name == "dt"
         flags = begins[(..., *own)]

@@ -188,6 +188,7 @@ class WorldModel(nn.Module):
         sensors: Mapping[str, Sensor] | None = None,
     ) -> "WorldModel":
         """This model with more in it, on the same device."""
+        # What is new comes to the device of what is there.
         for part in (*estimators, *goals):
             part.to(self.like.device)
         with self.like.device:
@@ -496,6 +497,7 @@ class WorldModel(nn.Module):
                 value = value.unsqueeze(-2).expand(*value.shape[:-1], edge.rows, -1)
             leaves[edge.source] = value.requires_grad_()
 
+        # One hop: whatever else it reads is a constant of it.
         inputs = {**values, **leaves}
         if name in self.goals:
             output = self.goals[name](inputs)

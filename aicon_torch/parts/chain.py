@@ -230,7 +230,7 @@ def _check_equal(chain: Chain, path: Sequence[JointDescription]) -> None:
     Raises:
         ArithmeticError: If they differ.
     """
-    # The same postures each time, beyond any limits: a robot that was read once can always be.
+    # Always the same postures, limits aside: a robot that was read once is read ever after.
     generator = torch.Generator().manual_seed(0)
     q = 3.0 * torch.randn(8, len(chain.names), generator=generator, dtype=torch.float64)
     frames, jacobian = library_kinematics(path, q)

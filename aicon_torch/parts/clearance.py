@@ -215,6 +215,7 @@ class Clearance:
 
     def estimator(self) -> EKF:
         """The filter of the clearance and its direction."""
+        # The prediction is linear in x_obs, with a matrix that the motion alone decides.
         slid = Interconnection(slide_jacobian, [self.motion])
         prior = ReadingPrior((self.noise**2, DIRECTION_VARIANCE, DIRECTION_VARIANCE))
         turn_variance = TURN_RATE * self.dt

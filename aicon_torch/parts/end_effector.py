@@ -223,7 +223,7 @@ class EndEffector(nn.Module):
         joint_motion = self.solve(jacobian, gradient)
         motion = (jacobian @ joint_motion.unsqueeze(-1)).squeeze(-1)
 
-        # Along J⁺h, as long as the cost changes for each rad of it: (J⁺h) · hᵀJJ⁺h/‖J⁺h‖².
+        # In its direction, at the length by which the cost changes per rad: J⁺h · hᵀJJ⁺h/‖J⁺h‖².
         change = (gradient * motion).sum(-1, keepdim=True)
         square = (joint_motion * joint_motion).sum(-1, keepdim=True)
         return joint_motion * (change / square.clamp(min=torch.finfo(square.dtype).tiny))

@@ -47,6 +47,7 @@ class Writer:
             numbers = [self.program.constant(x, own) for x in value.flatten().tolist()]
             return self.array(as_array(numbers, tuple(value.shape)), kind)
 
+        # A bare number is of the kind that is asked for, or of its own.
         is_real = isinstance(value, float)
         own = "bool" if isinstance(value, bool) else "real" if is_real else "int"
         return as_array([self.program.constant(value, kind or own)], ())

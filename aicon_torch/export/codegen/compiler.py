@@ -66,6 +66,7 @@ def compiler_command() -> tuple[str, ...]:
     if command is not None:
         return command
 
+    # Who has set CC is told about CC, and anybody else how to get a compiler.
     named = os.environ.get("CC")
     if named is not None:
         raise OptionError(

@@ -78,6 +78,7 @@ class Statements:
             for number in phase.alone:
                 yield from number.arguments
             for looped in phase.loops.values():
+                # Lanes of one loop read each other row by row, and need no array for that.
                 here = set(looped)
                 for argument in chain(*(lanes.arguments for lanes in looped)):
                     if argument not in here:

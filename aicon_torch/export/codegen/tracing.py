@@ -125,7 +125,7 @@ def _solve_with_factors(
     is_turned = matrix.is_contiguous()
     factors, rows, success = ATEN.linalg_lu_factor_ex(matrix.mT if is_turned else matrix)
 
-    # B of (n,), or (*B, n) beside A of (*B, n, n), is one right-hand side for each A.
+    # One vector for each A: a right-hand side of n numbers, or of all dimensions of A but the last.
     is_vector = right.ndim == 1 or right.shape == matrix.shape[:-1]
     columns = right.unsqueeze(-1) if is_vector else right
     found = ATEN.linalg_lu_solve(factors, rows, columns, left=left, adjoint=is_turned)

@@ -42,6 +42,7 @@ class Ring:
         Raises:
             OptionError: If the object is too large for any.
         """
+        # On either side of the object the stick has to get around its farthest corner.
         around = body.radius + robot.stick_radius
         nearest, farthest = robot.nearest + around, robot.reach - around
         if not nearest < farthest:

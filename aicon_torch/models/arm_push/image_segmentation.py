@@ -147,7 +147,7 @@ class TopFaceSegmentation:
 
 def is_colored(rgb: NDArray[np.uint8]) -> Mask:
     """Whether pixels ``(..., 3)`` are red, or blue, however dark."""
-    # Half as much again as each of the others. Three times 255 needs more than a byte.
+    # By half more than either of the others; in 16 bits, since three times 255 exceeds a byte.
     red, green, blue = _planes(rgb.astype(np.int16))
     is_red = 2 * red > 3 * np.maximum(green, blue)
     is_blue = 2 * blue > 3 * np.maximum(red, green)

@@ -161,7 +161,7 @@ class CameraPerception:
         for row, ((corners, middle), then) in (seen or {}).items():
             age[row] = then + late * self.dt
 
-            # The graph takes them for seen by the camera as it is now, whenever that was.
+            # The graph takes what was seen for seen from where the camera is now.
             camera = self.camera(joints[row])
             if corners is not None:
                 keypoints[row] = _in_frame(camera, corners).ravel()

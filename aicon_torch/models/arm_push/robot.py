@@ -72,6 +72,7 @@ class PushingRobot(Robot):
         axes = description.get("axes") or ((0.0, 0.0, 1.0),) * count
         _check_count({**description, "axes": axes}, count)
 
+        # Low, high and speed of each joint, in the order in which a Joint has them.
         ranges = zip(*(description[name] for name in JOINTS[1:]), strict=True)
         joints: list[Joint] = []
         for number, (axis, limits) in enumerate(zip(axes, ranges, strict=True), start=1):

@@ -47,6 +47,8 @@ def rigid_object(options: Options) -> RigidObject:
     """The object that the options describe: the benchmark's T unless they give other corners."""
     order, center = options.outline_order, options.center_of_mass
     gyration = options.radius_of_gyration
+
+    # An object of somebody's own has none of the T's numbers.
     if options.keypoints is not None:
         return RigidObject.of(options.keypoints, order, center, gyration)
 

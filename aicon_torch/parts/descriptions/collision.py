@@ -69,6 +69,7 @@ def read_collision_geometry(source: str | Path) -> dict[str, CollisionGeometry]:
     root = parse_xml(source, root_tag="robot")
     folder = Path() if is_text(source) else Path(source).resolve().parent
 
+    # Counted before anything is read, since all that follows takes time and memory.
     count = len(root.findall("link/collision"))
     if count > MOST_SHAPES:
         raise OptionError(

@@ -97,6 +97,7 @@ class LinkTree:
         _check_unique("links", self.links)
         _check_unique("joints", [joint.name for joint in self.joints])
 
+        # Each joint hangs one link on another, and no link hangs twice.
         links = frozenset(self.links)
         for joint in self.joints:
             for link in (joint.parent, joint.child):
@@ -118,6 +119,7 @@ class LinkTree:
         Raises:
             OptionError: If it does not; it names the joints of the loop.
         """
+        # Up from each link to the root, or to where somebody has climbed from before.
         known: set[str] = set()  # from here it ends
         for link in self.links:
             climbed: dict[str, JointDescription] = {}
