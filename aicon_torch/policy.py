@@ -429,6 +429,8 @@ class Policy(nn.Module):
     ) -> Memory:
         """A memory of a policy that this one was made of, as it goes on here."""
         (fresh,) = self._step.start(readings)
+
+        # What begins with a reading waits for it, row by row.
         lacks = torch.zeros_like(state[BEGINS])
         for name in self.model.graph.first_readings:
             if name not in shapes:
@@ -446,6 +448,7 @@ class Policy(nn.Module):
         if state is None:
             return perception(observation, None, None)
 
+        # The memory of a policy that this one was made of lacks what is new.
         known = [name for name in self.model.quantities if name in state]
         values = {name: state[name] for name in known}
         batch = tuple(values[next(iter(self.model.actuators))].shape[:-1])

@@ -162,6 +162,8 @@ def _where_one_arrived(
     backward: BackwardPass, name: str, path: PartialPath, gradient: Tensor
 ) -> QuantityTrace:
     magnitudes = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
+
+    # Alone it leads, counts in full, and has no opponent.
     first = torch.zeros_like(magnitudes[..., 0], dtype=torch.long)
     return QuantityTrace(
         name=name,

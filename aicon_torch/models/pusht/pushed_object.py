@@ -153,6 +153,8 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     """The pose as the keypoints show it."""
     body = dynamics.body
     motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
+
+    # Without estimation nothing is predicted, and readings are taken as they come.
     registration = KeypointRegistration(body, PRIOR_DEVIATION)
     residual = Interconnection(_residual(options, registration), x_pose=Constant(torch.eye(3)))
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
