@@ -63,6 +63,7 @@ class Goal(Node):
 
     def gaps(self, values: Values) -> Tensor:
         """What is left until it costs something, ``(*B, m)``; negative where it does."""
+        # A cost may know its gaps; of any other there is one, ε − g.
         own: Callable[..., Tensor] | None = getattr(self.cost.function, "gaps", None)
         if own is not None:
             return own(*self._read(values))

@@ -38,6 +38,8 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
             raise GraphError(
                 f"{function!r}: '*{name}' names no quantity; name each parameter after one."
             )
+
+        # What has a default is an option of the function, and no quantity.
         if parameter.default is parameter.empty:
             names.append(name)
     return tuple(names)
@@ -79,6 +81,7 @@ class Interconnection(Node):
         self.function: Any = function  # a cost may have methods besides
         self.inputs = wiring(function) if inputs is None else tuple(inputs)
 
+        # A network with such layers gets its rows as one batch.
         layers = function.modules() if isinstance(function, nn.Module) else ()
         self._takes_one_batch = any(isinstance(layer, ONE_BATCH) for layer in layers)
 
@@ -118,6 +121,7 @@ class Interconnection(Node):
         Returns:
             The value ``(*B, m)`` and the Jacobian ``(*B, m, n)``.
         """
+        # In closed form if it was given, zero by what is not read, else by autograd.
         if name in self.jacobians:
             return self(values), self.jacobian(values, name, rows, differentiable)
         if name not in self.inputs:
@@ -219,6 +223,7 @@ class Affine(Interconnection):
         nn.Module.__init__(self)  # there is no function to wire
         self.jacobians = nn.ModuleDict()
 
+        # Matrices are buffers; numbers, and names of numbers, are multiples of the identity.
         self.factors: dict[str, float] = {}
         self.named_factors: dict[str, str] = {}
         for name, value in matrices.items():
@@ -256,6 +261,7 @@ class Affine(Interconnection):
         if name not in self.factors:
             return (self._matrix(name, values) * value.unsqueeze(-2)).sum(-1)
 
+        # Multiples of the identity need no matrix, and the most common ones no product.
         factor = self.factors[name]
         if factor == 1:
             return value
@@ -269,6 +275,7 @@ class Affine(Interconnection):
             matrix: Tensor = getattr(self, f"matrix_{name}")
             return matrix
 
+        # c I, or dt I: with a clock dt is (*B, 1), and the matrix (*B, n, n).
         like = values[name]
         identity = torch.eye(like.shape[-1], dtype=like.dtype, device=like.device)
         if name in self.factors:
@@ -314,6 +321,8 @@ def _in_one_batch(function: Callable[..., Any], inputs: Sequence[Tensor]) -> Any
     a scalar such as ``dt`` stays one.
     """
     batched = [value for value in inputs if value.dim()]
+
+    # What the value of fewest dimensions has besides its components is the batch of all.
     leading = min(value.dim() for value in batched) - 1
     shapes = [value.shape[:leading] for value in batched]
     batch = torch.broadcast_shapes(*shapes)  # type: ignore[no-untyped-call]  # torch's
@@ -335,6 +344,8 @@ def _agree(given: Tensor, expected: Tensor) -> bool:
     """Whether a Jacobian ``(*B, m, n)`` is another but for rounding; it may lack the batch."""
     if given.shape[-2:] != expected.shape[-2:]:
         return False
+
+    # Wide: it is to find a derivative that is wrong, not a sum in another order.
     tolerance = 100 * torch.finfo(expected.dtype).eps ** 0.5
     return torch.allclose(given.expand_as(expected), expected, rtol=tolerance, atol=tolerance)
 

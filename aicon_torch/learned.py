@@ -90,6 +90,8 @@ class Number(NamedTuple):
         if diagonal is not None and not (value > 0).all():
             raise GraphError(f"{self.field}: variances that learn are > 0, got {value.tolist()}.")
 
+        # The constant goes, and its owner gets a class of its own, in which the name is a property
+        # that computes the number from θ: who reads it need not know, even in a frozen dataclass.
         learned = {**known, self.field: Learned(value, diagonal)}
         if isinstance(self.owner, nn.Module):
             self.owner._buffers.pop(self.field, None)
@@ -161,6 +163,8 @@ def _fields(part: Any) -> Iterator[tuple[str, Any]]:
     for field in (*vars(part), *getattr(part, LEARNED, {})):
         value = getattr(part, field)
         is_module = isinstance(part, nn.Module) and isinstance(value, nn.Module)
+
+        # A bound at infinity is none, and has nothing to learn.
         is_bound = isinstance(value, float) and not math.isfinite(value)
         if not field.startswith("_") and not is_module and not is_bound:
             yield field, value
@@ -184,11 +188,14 @@ def make_learn(
         GraphError: If there is no such number.
     """
     numbers, weights = numbers_of(parts), dict(_weights(parts))
+
+    # Nothing learns but what is named.
     for weight in weights.values():
         weight.requires_grad_(False)
 
     found: dict[str, nn.Parameter] = {}
     for name, start in names.items():
+        # A name is a number's, or a network's with all the weights below it.
         below = {n: weight for n, weight in weights.items() if f"{n}.".startswith(f"{name}.")}
         if name in numbers:
             number = numbers[name]
@@ -210,6 +217,7 @@ def _weights(parts: Mapping[str, Any]) -> Iterator[tuple[str, nn.Parameter]]:
     for name, part in parts.items():
         if isinstance(part, nn.Module):
             for below, weight in part.named_parameters():
+                # As the part calls it, without what wraps it on the way.
                 yield (
                     f"{name}.{below}".replace(".function.", ".").replace(".residual.", "."),
                     weight,

@@ -344,6 +344,8 @@ class Policy(nn.Module):
                 "state: a memory of the policy that this one was made of; take a step with it "
                 "first."
             )
+
+        # A copy: the memory that was given stays what it is.
         factors = memory[GOAL_FACTORS].clone()
         for name, factor in goals.items():
             if name not in names:
@@ -400,6 +402,8 @@ class Policy(nn.Module):
     def _grown(self, model: WorldModel) -> "Policy":
         """This policy with more in its model."""
         policy = Policy(model, self.resolution, self.law, self.perception)
+
+        # Memories of this policy go on in the new one, and so do those that go on in this one.
         policy._made_of = (*self._made_of, self._shapes)
         if self._native is not None:
             policy = policy.compile()
@@ -411,6 +415,7 @@ class Policy(nn.Module):
         if not isinstance(state, Mapping):
             return None
         for shapes in self._made_of:
+            # A goal more may leave the keys as they are; the goals' factors are one longer then.
             has_keys = state.keys() == shapes.keys()
             if has_keys and tuple(state[GOAL_FACTORS].shape[-1:]) == shapes[GOAL_FACTORS]:
                 return shapes
@@ -424,6 +429,8 @@ class Policy(nn.Module):
     ) -> Memory:
         """A memory of a policy that this one was made of, as it goes on here."""
         (fresh,) = self._step.start(readings)
+
+        # What begins with a reading waits for it, row by row.
         lacks = torch.zeros_like(state[BEGINS])
         for name in self.model.graph.first_readings:
             if name not in shapes:
@@ -441,6 +448,7 @@ class Policy(nn.Module):
         if state is None:
             return perception(observation, None, None)
 
+        # The memory of a policy that this one was made of lacks what is new.
         known = [name for name in self.model.quantities if name in state]
         values = {name: state[name] for name in known}
         batch = tuple(values[next(iter(self.model.actuators))].shape[:-1])

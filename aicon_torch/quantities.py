@@ -207,6 +207,7 @@ class Actuator:
             ``(*B, size)``; no component is ever beyond the limit, not even by rounding.
         """
         if not isinstance(self.limit, int | float):
+            # A box: shortened as a whole if the direction counts, then each component for itself.
             bound = action.new_tensor(tuple(self.limit))
             if self.keeps_direction:
                 excess = (action.abs() / bound).amax(-1, keepdim=True)
@@ -216,6 +217,8 @@ class Actuator:
             return action
 
         action = action.clamp(-1e18, 1e18)  # what can be squared
+
+        # A norm; each component is clamped once more, since rounding may have left it just beyond.
         norm = torch.linalg.vector_norm(action, dim=-1, keepdim=True)
         shortened: Tensor = action * (self.limit / norm.clamp(min=self.limit))
         return shortened.clamp(-self.limit, self.limit)

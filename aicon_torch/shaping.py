@@ -103,6 +103,7 @@ class _ByGain(torch.autograd.Function):
         else:
             share = (gain < 0).to(gain.dtype)
 
+        # To each effect by its weight; to each weight the gain of the effects that it counted for.
         weight = share * intended + (1 - share) * incidental
         return weight.unsqueeze(-1) * arriving, share * gain, (1 - share) * gain, None
 
@@ -139,5 +140,7 @@ class _ByWorth(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None]:
         slope = torch.linalg.vector_norm(gradients[0], dim=-1, keepdim=True)
+
+        # t‖h‖ − t²/2 is largest at t = min(‖h‖, s).
         way = slope.clamp(max=ctx.step)
         return way * way / 2 - way * slope, None, None

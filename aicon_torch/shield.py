@@ -179,6 +179,8 @@ def _following(
 
     ((name, actuator),) = model.actuators.items()
     dampers = replace(actuator.dampers, escape=WayAround() if goes_around else None)
+
+    # The proposal is read, what it means is estimated, and to do that is the goal.
     proposal = Sensor(size or actuator.size, actuator.unit)
     asked = Deterministic(NOMINAL, _asked if nominal is None else nominal)
     follow = Goal("follow", Interconnection(_disagreement, inputs=[name, NOMINAL]))

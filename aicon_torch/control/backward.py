@@ -99,6 +99,7 @@ class BackwardPass:
         def leaving(name: str) -> list[Tensor]:
             """The gradients that leave a quantity: what they are resolved to, or each by itself."""
             if name in self._resolving:
+                # What met is remembered as well, to be explained afterwards.
                 stack = self._stack(name, arrived[name], values, memory)
                 resolved, remembered = self.resolution(stack, self._recall(name, memory))
                 for key, value in (*remembered.items(), ("gradients", stack.gradients)):
@@ -134,6 +135,7 @@ class BackwardPass:
 
     def _find_last_mergers(self) -> dict[str, bool]:
         """For each quantity whether gradients meet nowhere else on the way to the actuators."""
+        # From the actuators up: what lies further down is known already.
         is_last = dict.fromkeys(self.model.actuators, True)
         for level in reversed(self.plan.levels):
             for name in level.names:
@@ -167,6 +169,8 @@ class BackwardPass:
     ) -> GradientStack:
         """The gradients that meet at a quantity, and what is known there."""
         quantity, value = self.model.quantities[name], values[name]
+
+        # How the quantity moved in the last step: a motion is that itself.
         motion = value if quantity.is_motion else value - memory[name]
 
         def displaced_cost(goal: str, displacement: Tensor) -> Tensor:
@@ -189,10 +193,13 @@ class BackwardPass:
         if name not in self._by_rows:
             return torch.stack([quantity.flatten(gradient) for gradient in arrived], dim=-2)
 
+        # Blocks of (*B, rows, d), where a single gradient is a block of one row.
         blocks: dict[int, Tensor] = {}
         for arrival, gradient in zip(self.plan.arrivals[name], arrived, strict=True):
             if not arrival.edge.rows:
                 gradient = quantity.flatten(gradient).unsqueeze(-2)
+
+            # What came through the same rows adds up, row by row.
             if arrival.block in blocks:
                 gradient = blocks[arrival.block] + gradient
             blocks[arrival.block] = gradient
@@ -206,6 +213,7 @@ def _pull_back(
 
     No two local graphs share a leaf, so their derivatives do not mix.
     """
+    # One call of autograd for the whole turn: outputs, their leaves, and the gradients that arrive.
     outputs: list[Tensor] = []
     leaves: list[Tensor] = []
     seeds: list[Tensor] = []

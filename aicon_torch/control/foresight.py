@@ -86,6 +86,8 @@ class Foresight:
         if self.dither == 0:
             return torch.zeros_like(last)
         steps = torch.floor(steps / self.dither_steps)
+
+        # Motions as long as the limit lets them be, mixed; or one dither for each component.
         if motions is not None:
             mixture = scattered(steps, motions.shape[-1]).unsqueeze(-1)
             return actuator.clip(self.dither * (motions @ mixture).squeeze(-1))
@@ -121,6 +123,7 @@ def scattered(steps: Tensor, size: int) -> Tensor:
         steps: n, ``(*B,)``.
         size: Number of components.
     """
+    # aᵢ = 1009ⁱ mod p, a chirp for each component. No product exceeds p², so none is rounded.
     squares = (steps % PRIME).square() % PRIME
     factors = [float(pow(1009, i, PRIME)) for i in range(1, size + 1)]
     chirps = squares[..., None] * steps.new_tensor(factors)

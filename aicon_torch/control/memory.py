@@ -84,6 +84,7 @@ def restart_rows(memory: Memory, fresh: Memory, starts: Tensor) -> Memory:
     """
     restarted: Memory = {}
     for key, value in memory.items():
+        # A row's flag holds for all that the row remembers under this key.
         own_dimensions = (None,) * (value.dim() - starts.dim())
         restarted[key] = torch.where(starts[(..., *own_dimensions)], fresh[key], value)
     return restarted | {key: memory[key] for key in OUTLASTS_EPISODES}
@@ -106,6 +107,7 @@ def grown(memory: Memory, fresh: Memory, lacks: Tensor) -> Memory:
         has_it = key in memory and memory[key].shape == value.shape
         known[key] = memory[key] if has_it else value
 
+    # New goals come last, so the factors that are known stay the first ones.
     factors = memory[GOAL_FACTORS]
     added = fresh[GOAL_FACTORS][..., factors.shape[-1] :]
     known[GOAL_FACTORS] = torch.cat((factors, added), dim=-1)
@@ -173,6 +175,7 @@ def starting_rows(
         except (ValueError, TypeError) as error:
             raise ObservationError(f"episode_start: expected flags; {error}.") from error
 
+    # One flag is for all rows, as of a vectorised environment that is reset as a whole.
     if tuple(flags.shape) != batch and flags.numel() != 1:
         raise ObservationError(
             f"episode_start: expected shape {batch}, the batch, got {tuple(flags.shape)}."

@@ -82,6 +82,7 @@ class Plan:
         self.levels: list[Level] = []
         self.arrivals: dict[str, list[Arrival]] = {}
 
+        # Level by level all has arrived when a quantity's turn comes, so what leaves it is known.
         leaving = {goal: [PartialPath((goal,), frozenset([goal]))] for goal in goals}
         for names in _by_depth(model, goals):
             for name in names:
@@ -118,6 +119,7 @@ class Plan:
 
     def _block_of(self, edge: Edge, earlier: Sequence[Arrival]) -> int:
         """Gradients of the same rows are summed if the resolution says so; others stand alone."""
+        # Rows that go back to one quantity belong together, through whatever edges they come.
         if self.resolution.by_row and edge.rows:
             for arrival in earlier:
                 if arrival.edge.rows and arrival.edge.rows_of == edge.rows_of:
@@ -136,6 +138,7 @@ class Plan:
 
 def _by_depth(model: WorldModel, goals: Sequence[str]) -> list[list[str]]:
     """Goals and quantities in the order of the pass: the longest way from a goal counts."""
+    # Estimators run from the actuators to the goals; gradients go the other way.
     names = list(goals)
     for estimator in reversed(model.estimators):
         names.extend(name for name in estimator.outputs if name in model.edges)
@@ -155,6 +158,7 @@ def _by_depth(model: WorldModel, goals: Sequence[str]) -> list[list[str]]:
 
 def _paths_of(arrivals: Sequence[Arrival]) -> list[PartialPath]:
     """The path of each gradient of a stack; in a sum, those of its terms joined."""
+    # An edge with rows brings a path for each; where blocks are summed, two paths become one.
     blocks: dict[int, list[PartialPath]] = {}
     for edge, path, block in arrivals:
         paths = [path]

@@ -98,6 +98,7 @@ class ControlStep:
         values = self.estimate(memory, readings)
         values.update(values_only(self.model.followed_costs)(values))
 
+        # Where the law begins, the number of the next gradient, and what the last ones have left.
         descent = {COUNT: self.model.like.new_ones(())}
         for name, actuator in self.model.actuators.items():
             motions = self.model.dither(name, values)
@@ -128,6 +129,7 @@ class ControlStep:
         # From the goals to the actuators: resolve what meets, pull it back one edge (Eq. 1).
         gradients, resolved = self.backward(graphs, values, memory, memory[GOAL_FACTORS])
 
+        # Eq. 2: one step down what arrived at each actuator.
         lower = {COUNT: descent[COUNT] + 1, **resolved}
         for name, actuator in self.model.actuators.items():
             action = self.law.descend(descent[name], gradients[name], descent[COUNT], actuator)
@@ -138,10 +140,12 @@ class ControlStep:
 
     def finish(self, memory: Memory, values: Named, descent: Named) -> tuple[Memory, Actions]:
         """The memory, and what to send to each actuator."""
+        # What the last gradient of the descent has left is what is remembered.
         final, goal_factors = dict(values), memory[GOAL_FACTORS]
         remembered: Memory = {GOAL_FACTORS: goal_factors, STEPS: memory[STEPS] + 1}
         remembered |= {key: descent[key] for key in self.backward.keys}
 
+        # From 1 to 0 as readings grow old; an action is executed by this share.
         share = confidence(self.model.sensors, values)
         for name, actuator in self.model.actuators.items():
             final[name] = self.law.finish(descent[name], values[name], actuator, self.model.dt)
@@ -153,6 +157,7 @@ class ControlStep:
                 remembered |= own
             final[name] = actuator.clip(share * final[name])
 
+        # Rows at rest are sent their last command again, and only what is finite is sent at all.
         commands, sent = stay(self.model, self.model.commands(final), share, memory)
         new_memory = {**lasting(self.model, final), **remembered, **sent}
         commands, new_memory = keep_finite(self.model, commands, new_memory, memory)

@@ -43,6 +43,8 @@ class Covariance(Node):
             raise GraphError(
                 f"{named}={noise!r}: expected one variance >= 0 or {size}, one a component."
             )
+
+        # A matrix from the start, so that a step has nothing to build.
         self.size, self.is_single = size, variances.dim() == 0
         self.register_buffer("constant", torch.diag(variances.expand(size).clone()))
 

@@ -49,6 +49,8 @@ class Deterministic(Estimator):
                 f"[{each!r}]."
             )
         self.each = tuple(each)
+
+        # It must read what has the rows; dt has none.
         for rows in self.each:
             if rows not in self.inputs or rows == "dt":
                 raise GraphError(
@@ -82,6 +84,7 @@ class Deterministic(Estimator):
 
     def _with_rows(self, values: Values) -> Values:
         """What f reads, with a dimension for the rows where a value has none."""
+        # What has fewer dimensions than the rows is shared by them; dt, a scalar, fits anyway.
         dimensions = values[self.each[0]].dim()
         expanded: dict[str, Tensor] = {}
         for name in self.inputs:

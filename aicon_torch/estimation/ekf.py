@@ -137,6 +137,8 @@ class EKF(Estimator):
         covariance = self._predicted_covariance(values, transition)
         for measurement in self._measurements:
             belief = {**values, self.mean: mean, self.covariance: covariance}
+
+            # The covariance alone will do, unless the mean counts or what is read may be refused.
             gate = None if measurement.gate_keeps_gradient else measurement.gate
             if self.derivative == "model" and gate is None:
                 covariance = self._anticipate_covariance(measurement, belief)
@@ -206,6 +208,7 @@ class EKF(Estimator):
         self, values: Values, differentiable: bool = False
     ) -> tuple[Tensor, Tensor | None]:
         """x⁻ = f(x, u) and F = ∂f/∂x, where None stands for the identity."""
+        # x⁻ = x + B u: F is the identity, and products with it are left out.
         if isinstance(self.predict, Affine) and self.predict.factors.get(self.mean) == 1:
             return self.predict(values), None
         return self.predict.linearize(values, self.mean, self.size, differentiable)
@@ -260,6 +263,7 @@ class EKF(Estimator):
 
         A prior that no reading tells leaves the mean where it is.
         """
+        # As where a landmark was moved: four readings agree with each other, not with the belief.
         sensors = [name for measurement in self._measurements for name in measurement.inputs]
         for sensor in dict.fromkeys(sensors):
             if sensor + RESTART not in values:
@@ -297,11 +301,13 @@ class EKF(Estimator):
         mean_change = correction.of_mean(residual, self.derivative == "detached_gain")
         covariance_change = correction.of_covariance()
 
+        # Beyond the gate the next reading would be refused as well, and change nothing.
         if gate is not None:
             is_refused = correction.squared_distance(residual) > gate
             mean_change = torch.where(is_refused[..., None], 0.0, mean_change)
             covariance_change = torch.where(is_refused[..., None, None], 0.0, covariance_change)
 
+        # The model's derivative of the mean takes the correction for noise.
         if self.derivative != "model":
             mean = mean - mean_change
         return mean, covariance - covariance_change

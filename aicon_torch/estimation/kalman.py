@@ -39,6 +39,7 @@ class KalmanFilter(EKF):
         correct: Sequence[Measurement] = (),
         is_motion: bool = False,
     ) -> None:
+        # Affine relations are their own linearisation, so that what an EKF does is exact.
         relations = [predict, *(measurement.residual for measurement in correct)]
         if not all(isinstance(relation, Affine) for relation in relations):
             raise GraphError(

@@ -79,6 +79,8 @@ class LateEKF(EKF):
         """The prior belief, of now; nothing has moved."""
         belief = super().initial(values)
         mean, covariance = belief[self.mean], belief[self.covariance]
+
+        # L + 1 steps, in each of which nothing moved.
         in_step = [self._at_rest(name, values, mean) for name in self.moved_by]
         at_rest = torch.cat(in_step * (self.steps + 1))
         past = {self.then[0]: mean, self.then[1]: covariance}
@@ -95,6 +97,7 @@ class LateEKF(EKF):
         then = {self.then[0]: mean, self.then[1]: covariance}
 
         # ... and on to now.
+        # A reading is at most L steps old, so the oldest of the L + 1 is not gone through again.
         for back, step in list(self._steps(moves))[1:]:
             is_due = back <= new_lag
             mean, covariance = self._moved(values, step, mean, covariance, is_due)
@@ -128,6 +131,8 @@ class LateEKF(EKF):
             moves: What moved it, as :meth:`_remembered_moves`.
             new_lag: How many steps ago that was, ``(*B, 1)``.
         """
+        # The last reading is one step older by now. Each row has as many steps to go as lie between
+        # it and the new one.
         lag = values[self.lag] + 1
         mean, covariance = values[self.then[0]], values[self.then[1]]
         for back, step in self._steps(moves):
@@ -137,6 +142,7 @@ class LateEKF(EKF):
 
     def _new_lag(self, values: Values, moves: Tensor) -> Tensor:
         """How many steps ago the last reading was taken, ``(*B, 1)``."""
+        # The last reading has aged by a step; the new one's age is counted in steps.
         lag_of_last = values[self.lag] + 1
         age, is_present = self._newest(values)
         lag_of_new = self._steps_within(age, values, moves)
@@ -157,6 +163,7 @@ class LateEKF(EKF):
 
     def _steps_within(self, age: Tensor, values: Values, moves: Tensor) -> Tensor:
         """How many steps an age ``(*B, 1)``, s, is, to the nearest beginning of one."""
+        # Back from the latest step: an age includes a step as soon as it reaches beyond its middle.
         count, until = torch.zeros_like(age), torch.zeros_like(age)
         for _, step in reversed(list(self._steps(moves))[1:]):
             duration = step.get("dt", values["dt"])
@@ -167,6 +174,8 @@ class LateEKF(EKF):
     def _remembered_moves(self, values: Values) -> Tensor:
         """What moved it in the last L + 1 steps, oldest first, ``(*B, (L + 1) m)``."""
         kept = values[self.moves]
+
+        # The oldest step goes, and the latest comes last.
         last = torch.cat([_per_row(values[name], kept) for name in self.moved_by], dim=-1)
         kept = kept[..., last.shape[-1] :]
         return torch.cat((kept, last), dim=-1)
@@ -196,6 +205,7 @@ class LateEKF(EKF):
         is_due: Tensor,
     ) -> tuple[Tensor, Tensor]:
         """The belief after one step, in the rows ``(*B, 1)`` where it is due."""
+        # Predict with what moved it then, and correct by what was on time.
         belief = {**values, **step, self.mean: mean, self.covariance: covariance}
         moved, transition = self._predicted_mean(belief)
         spread = self._predicted_covariance(belief, transition)

@@ -71,11 +71,14 @@ class Measurement(nn.Module):
         self.gate_keeps_gradient = gate_keeps_gradient
         self.size = size
 
+        # What the residual does not read cannot add to its noise.
         for name in self.uncertain:
             if name not in self.residual.inputs:
                 raise GraphError(
                     f"uncertain: the residual reads {choices(self.residual.inputs)}, not {name!r}."
                 )
+
+        # Of these, sensors tell in a flag whether they have a reading.
         read = (*self.residual.inputs, *self.noise.inputs, *self.uncertain.values())
         self.inputs = tuple(dict.fromkeys(read))
         self._presence_flags = tuple(name + PRESENT for name in self.inputs)
@@ -114,6 +117,7 @@ class Measurement(nn.Module):
 
     def uncertainty(self, values: Values, differentiable: bool = False) -> Tensor:
         """R ``(*B, m, m)``: the covariance of the noise, and what other estimates add to it."""
+        # R + Σ G P Gᵀ, with the derivative G of the residual by each of the other estimates.
         noise: Tensor = self.noise(values)
         for other, covariance in self.uncertain.items():
             _, sensitivity = self.residual.linearize(values, other, self.size, differentiable)

@@ -30,6 +30,7 @@ def read_header(content: bytes) -> Header | None:
         return None
 
     # The table of sections stands at the end of the file.
+    # By byte: 4 the width of addresses, 5 the order of bytes, 18 the machine.
     is_64_bit, order = first[4] == 2, "<" if first[5] == 1 else ">"
     (machine,) = struct.unpack_from(f"{order}H", first, 18)
     if is_64_bit:

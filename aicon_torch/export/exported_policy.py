@@ -132,6 +132,7 @@ class ExportedPolicy:
         Raises:
             OptionError: If there is no such goal.
         """
+        # A copy: the memory that was given stays what it is.
         flat = torch.from_numpy(self._flat(memory).copy())
         factors = self._layout.entries[GOAL_FACTORS]
         for name, factor in goals.items():
@@ -160,6 +161,8 @@ class ExportedPolicy:
         parts: list[Tensor] = []
         for entry in self.metadata["readings"]:
             reading = readings[entry["name"]]
+
+            # An age is one number for each robot, without a dimension of its own.
             parts.append(reading if entry["shape"] else reading.unsqueeze(-1))
         return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
 
@@ -210,6 +213,7 @@ class ExportedPolicy:
         if state is None:
             return perception(observation, None, None)
 
+        # Every memory has the factors of the goals, so they tell how many robots there are.
         batch = tuple(state[GOAL_FACTORS].shape[:-1])
         starts = starting_rows(episode_start, batch, torch.device("cpu"))
         return perception(observation, state, None if starts is None else starts.numpy())

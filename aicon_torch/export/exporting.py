@@ -23,6 +23,8 @@ from aicon_torch.export.library import FORMAT, Library
 from aicon_torch.graph import WorldModel
 from aicon_torch.readings.validation import BEGINS
 
+# The test that a library brings along: its steps, how many readings are drawn for it at most, and
+# how many nearby ones, at which share of their size, tell what hangs on rounding.
 _TEST_STEPS = 3
 _TEST_SEEDS = 10
 _NUDGES = 16
@@ -54,6 +56,8 @@ def export(
         GraphError: If an operation cannot be translated to C.
     """
     path = Path(path)
+
+    # A web page is the one target that the name of a file tells.
     if target is None and path.suffix == find_target(WEB).suffix:
         target = WEB
     _check_suffix(path, target)
@@ -104,6 +108,8 @@ def library_source(step: ControlStep, description: Mapping[str, str], perceives:
     # What the library says of itself, and what calls these functions.
     metadata = _metadata(flat, description, perceives)
     metadata["parameters"] = parameters_of(flat.model)
+
+    # Of all that is computed, and of nothing that is said about it.
     metadata["fingerprint"] = hashlib.sha256("".join(functions).encode()).hexdigest()
     return "\n".join(
         [_HEADING, *functions, _constants(flat, metadata), in_turn(flat), _step(flat), _test(flat)]
@@ -162,6 +168,8 @@ def _test(flat: FlatStep) -> str:
     """A test of the library: some readings, and what comes of them."""
     for seed in range(_TEST_SEEDS):
         readings = _test_readings(flat, seed)
+
+        # Readings whose commands hang on rounding would test nothing, and others are drawn.
         outcomes = _after(flat, _with_nearby(readings))
         outcome, settled = outcomes[0], _settled(outcomes)
         if settled[flat.layouts["memory"].size :].all():  # the commands are
@@ -196,6 +204,8 @@ def _test_readings(flat: FlatStep, seed: int) -> Tensor:
     layout, generator = flat.layouts["readings"], torch.Generator("cpu").manual_seed(seed)
     size = (_TEST_STEPS, layout.size)
     noise = torch.rand(size, generator=generator, dtype=torch.float32, device="cpu")
+
+    # Away from zero, where signs and ranks hang on rounding.
     readings = 0.1 + noise
     for name, sensor in flat.model.sensors.items():
         entry = layout.entries[name]
@@ -224,6 +234,8 @@ def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
     lines.append(f"static const real blank[MEMORY] = {_initializer(flat.blank())};")
 
     text = json.dumps(metadata)
+
+    # C joins literals that follow each other, so no line has to be endless.
     pieces = [text[place : place + 90] for place in range(0, len(text), 90)]
     lines += ["EXPORTED const char aicon_metadata[] ="]
     lines += [f"    {json.dumps(piece)}" for piece in pieces]
@@ -232,6 +244,7 @@ def _constants(flat: FlatStep, metadata: Mapping[str, Any]) -> str:
 
 def _initializer(values: Tensor) -> str:
     """A tensor as the initial value of an array."""
+    # Python's nan and inf have other names in C.
     numbers = ["NAN" if value != value else repr(value) for value in values.tolist()]
     return "{" + ", ".join(numbers).replace("inf", "INFINITY") + "}"
 

@@ -43,6 +43,7 @@ class FlatStep:
         self.layouts = {"readings": Layout.of(readings)}
         groups: dict[str, Named] = {"readings": self._in_units(readings)}
         for stage in self.stages:
+            # Once instead of K times: the shapes do not change from gradient to gradient.
             groups = run([stage._replace(times=1)], groups)
             for name in stage.gives:
                 self.layouts.setdefault(name, Layout.of(groups[name]))

@@ -40,6 +40,7 @@ def _call(stage: Stage, returned: tuple[str, ...]) -> list[str]:
     arguments = ", ".join((*stage.takes, *given))
     lines += [f"  for (int k = 0; k < {stage.times}; ++k) {{", f"    {stage.name}({arguments});"]
     for name in stage.gives:
+        # What is handed on changes places with its predecessor, and is never copied.
         if name not in returned:
             lines.append(f"    real *last_{name} = {name};")
             lines.append(f"    {name} = new_{name}, new_{name} = last_{name};")

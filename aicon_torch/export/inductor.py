@@ -58,6 +58,7 @@ class CompiledStep(ControlStep):
                 self._give_up(error)
                 return super().__call__(readings, memory)
 
+        # The gradients are operations of the compiled graph: autograd has nothing to record.
         with torch.no_grad():
             after = run(self._compiled[kind], groups)
         return dict(after["commands"]), dict(after["memory"])

@@ -63,6 +63,8 @@ class Layout:
         parts: list[Tensor] = []
         for name, entry in self.entries.items():
             value = values[name]
+
+            # What stands before the entry's own shape is the batch.
             batch = value.shape[: value.dim() - len(entry.shape)]
             parts.append(value.reshape((*batch, entry.stop - entry.start)).to(like))
         return torch.cat(parts, dim=-1) if parts else like.new_empty(0)
@@ -84,6 +86,7 @@ class Layout:
         entries: list[Entry] = []
         start = 0
         for item in listed:
+            # Where entries stand is not in the file: it follows from their order.
             shape = tuple(item["shape"])
             stop = start + torch.Size(shape).numel()
             entries.append(Entry(item["name"], shape, item["kind"], start, stop))

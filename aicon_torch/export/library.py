@@ -50,6 +50,7 @@ class Library:
         check_content(content, name)
         library = _open(content, name)
 
+        # Format, bytes of a real number, and how many are in readings, memory and commands.
         sizes = (ctypes.c_int * 5).in_dll(library, "aicon_sizes")
         if sizes[0] != FORMAT:
             raise OptionError(
@@ -113,6 +114,8 @@ class Library:
         batch = readings.shape[:-1]
         after = np.empty((*batch, self.memory), dtype=self.dtype)
         commands = np.empty((*batch, self.commands), dtype=self.dtype)
+
+        # Pointers into arrays of numpy's: the library itself allocates nothing.
         self.step(
             readings.size // self.readings,
             None if starts is None else starts.ctypes.data,

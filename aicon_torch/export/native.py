@@ -36,6 +36,8 @@ class NativeSteps:
         if like.dtype not in self._steps:
             self._steps[like.dtype] = self._translated(step, perception)
             self._versions[like.dtype] = [(p, p._version) for p in step.model.parameters()]
+
+        # torch counts changes in place, and the C code holds the parameters as they were.
         for parameter, version in self._versions[like.dtype]:
             if parameter._version != version:
                 raise OptionError(
@@ -47,6 +49,7 @@ class NativeSteps:
     def _translated(step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
         from aicon_torch.export.exporting import compiled_library  # loads the translation to C
 
+        # The step as it is written; the one that is given may be compiled by TorchInductor.
         plain = ControlStep(step.model, step.backward, step.law)
         try:
             with torch.inference_mode(False):  # gradients are traced

@@ -64,6 +64,7 @@ class PlainReadings:
                 return None
             parts.append(part)
 
+        # The only copy, and the change of precision with it.
         readings: Array = np.concatenate(
             [*parts, self._untold], dtype=self.dtype, casting="same_kind"
         )

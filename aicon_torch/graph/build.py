@@ -63,6 +63,7 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
     edges = find_edges(declaration, estimators, values)
     check_reach(declaration.goals, declaration.actuators, edges)
 
+    # Without these readings no episode begins: what is not optional, and what a prior is read off.
     prior_inputs = {name for estimator in estimators for name in estimator.prior_inputs}
     first_readings: list[str] = []
     for name, sensor in declaration.sensors.items():
@@ -114,6 +115,7 @@ def _quantities(
         quantities[name] = Quantity(name, (actuator.size,), is_motion=True)
     for estimator in estimators:
         for name in estimator.outputs:
+            # The probe has two batch dimensions in front.
             shape = tuple(values[name].shape[2:])
             quantities[name] = Quantity(name, shape, estimator.is_motion)
     return quantities

@@ -180,6 +180,7 @@ def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values
     except GraphError:
         raise
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
+        # Where torch names two precisions, it is not the shapes that do not fit.
         precisions = {word.lower() for word in PRECISIONS.findall(str(error))}
         advice = f". {other_precision(_precision(values))}" if len(precisions) > 1 else ""
         raise GraphError(

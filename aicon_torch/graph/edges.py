@@ -32,6 +32,7 @@ def find_edges(
     # Forward: who depends on an actuator, directly or by way of others?
     nodes: tuple[Estimator | Goal, ...] = (*estimators, *declaration.goals.values())
     for node in nodes:
+        # Of those so far: what is updated later in the step is read as the last step's constant.
         sources = [name for name in node.inputs if name in depends_on_action]
         for name in names_of(node):
             read = _differentiable_sources(node, name, sources, values)
@@ -52,6 +53,7 @@ def _differentiable_sources(
     node: Estimator | Goal, name: str, sources: Sequence[str], values: Mapping[str, Tensor]
 ) -> list[str]:
     """Those of the sources by which a quantity or goal can be differentiated."""
+    # On fresh leaves autograd itself tells by which of them the output can be differentiated.
     leaves = {source: values[source].detach().clone().requires_grad_() for source in sources}
     inputs = {**values, **leaves}
     output = node(inputs, name) if isinstance(node, Estimator) else node(inputs)

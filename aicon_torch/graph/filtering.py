@@ -54,6 +54,7 @@ class Innovations:
         identity = torch.eye(size, dtype=residual.dtype, device=residual.device)
         spread = torch.where(counts.unsqueeze(-1), self.spread, identity)
 
+        # With S = L Lᵀ: νᵀS⁻¹ν = ‖L⁻¹ν‖², and log det S = 2 Σ log Lᵢᵢ.
         factor = torch.linalg.cholesky_ex(spread).L
         whitened = torch.linalg.solve_triangular(factor, residual.unsqueeze(-1), upper=False)
         distance = whitened.square().sum((-2, -1))
@@ -207,6 +208,7 @@ class LogFilter(NamedTuple):
         self, values: dict[str, Tensor]
     ) -> tuple[dict[str, Tensor], dict[str, Innovation]]:
         """The values after every estimator ran once, and what corrected them."""
+        # The clock's time is that of the step that was; what is to come takes dt.
         clock, dt = self.declaration.clock, self.like.new_tensor(self.declaration.dt)
         new = {**values, "dt": dt if clock is None else values[clock]}
         corrected: dict[str, Innovation] = {}
@@ -241,6 +243,7 @@ def check_effect(
     generator = torch.Generator("cpu").manual_seed(0)
 
     def random(size: int) -> Tensor:
+        # Away from zero, where a derivative may vanish by accident.
         numbers = torch.rand((PROBE_STEPS, size), generator=generator, dtype=torch.float64)
         return (0.1 + numbers).to(like)
 
@@ -264,6 +267,8 @@ def check_effect(
     for innovations in filtered.innovations.values():
         found += [innovations.residual, innovations.spread]
     total = torch.stack([value.sum() for value in found]).sum()
+
+    # Where nothing learns at all, autograd would fail before it is told which number does not.
     if not total.requires_grad:
         total = total.clone().requires_grad_()
     effects = torch.autograd.grad(total, list(parameters.values()), allow_unused=True)
@@ -290,6 +295,7 @@ def _begun(memory: Named, fresh: Named, begins: Tensor) -> dict[str, Tensor]:
         return dict(memory)
     chosen: dict[str, Tensor] = {}
     for name, value in memory.items():
+        # A row's flag holds for all of its numbers; dt is one for all rows.
         own = (None,) * (value.dim() - begins.dim())
         is_one_for_all = name == "dt"
         flags = begins[(..., *own)]
@@ -304,6 +310,7 @@ def _series(told: list[tuple[Innovation, Tensor]]) -> Innovations:
     residual = torch.stack([innovation.residual for innovation, _ in told], dim=axis)
     spreads: list[Tensor] = []
     for innovation, _ in told:
+        # S lacks the batch where nothing in it differs from row to row.
         own = innovation.spread.shape[-2:]
         spreads.append(innovation.spread.expand(*counts.shape[:axis], *own))
     return Innovations(residual, torch.stack(spreads, dim=axis), counts, gate)

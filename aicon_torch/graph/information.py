@@ -39,6 +39,8 @@ class Information:
         """Least standard deviation √(I⁻¹)ᵢᵢ of each number; infinite where it is not determined."""
         values, directions = torch.linalg.eigh(self.matrix)
         known = values > 1e-12 * values[-1].clamp(min=1e-12)  # less is rounding
+
+        # (I⁻¹)ᵢᵢ = Σ vᵢ²/λ over the eigenvectors: infinite where an open direction takes part in i.
         variance = torch.where(known, 1 / values, torch.inf)
         shares = directions.square().where(directions.square() > 1e-9, 0.0)
         least = torch.where(shares > 0, shares * variance, 0.0).sum(-1).sqrt()
@@ -55,7 +57,10 @@ class Information:
         """
         values, directions = torch.linalg.eigh(self.matrix)
         found: list[dict[str, float]] = []
+
+        # Along a direction of length one the variance is 1/λ.
         for direction in directions.mT[values * most**2 < 1]:
+            # In shares of the number that changes most.
             direction = direction / direction[direction.abs().argmax()]
             parts = zip(self.names, direction.tolist(), strict=True)
             found.append({name: part for name, part in parts if abs(part) >= NAMED})
@@ -90,6 +95,7 @@ def information(filtered: Filtered, parameters: Mapping[str, nn.Parameter]) -> I
     for innovations in filtered.innovations.values():
         outputs += [innovations.residual, innovations.spread]
 
+    # A row for each number: its slopes, in units of the noise. I has the rows' products.
     columns = _slopes(outputs, list(parameters.values()))
     slopes = torch.stack([_whitened(filtered, column) for column in columns])
     names = [n for name, value in parameters.items() for n in _components(name, value)]
@@ -101,6 +107,7 @@ def _slopes(outputs: list[Tensor], parameters: list[nn.Parameter]) -> Iterator[l
 
     The gradient Jᵀv is linear in v, so that its derivative by v is a column of J.
     """
+    # Jᵀv as a function of v, ...
     seeds = [torch.zeros_like(output, requires_grad=True) for output in outputs]
     total = torch.stack([(v * out).sum() for v, out in zip(seeds, outputs, strict=True)]).sum()
     pulled = torch.autograd.grad(total, parameters, create_graph=True, allow_unused=True)
@@ -109,6 +116,8 @@ def _slopes(outputs: list[Tensor], parameters: list[nn.Parameter]) -> Iterator[l
             if gradient is None:  # what has an effect on actions only
                 yield [torch.zeros_like(output) for output in outputs]
                 continue
+
+            # ... whose component i has column i of J, transposed, for its derivative.
             one = gradient.flatten()[component]
             yield list(torch.autograd.grad(one, seeds, retain_graph=True, materialize_grads=True))
 
@@ -122,6 +131,8 @@ def _whitened(filtered: Filtered, slopes: list[Tensor]) -> Tensor:
         counts = innovations.counts
         factor = torch.linalg.cholesky(innovations.spread[counts])
         off, around = residual[counts].unsqueeze(-1), spread[counts]
+
+        # From the left, and, as ∂S is symmetric, by its transpose from the right.
         half = torch.linalg.solve_triangular(factor, around, upper=False)
         found.append(torch.linalg.solve_triangular(factor, off, upper=False).flatten())
         whole = torch.linalg.solve_triangular(factor, half.mT, upper=False)

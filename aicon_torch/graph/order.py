@@ -17,6 +17,7 @@ def in_order(estimators: Sequence[Estimator]) -> list[Estimator]:
     ordered: list[Estimator] = []
 
     def visit(estimator: Estimator, trail: tuple[Estimator, ...]) -> None:
+        # It waits for itself: a cycle, in which somebody has to remember a value of the last step.
         if estimator in trail:
             _check_circle((*trail[trail.index(estimator) :], estimator))
             return

@@ -83,6 +83,7 @@ class PathTable:
 
         @cache
         def below(name: str) -> int:
+            # An actuator ends one path; elsewhere each edge, or each row, has those that go on.
             if name in self._actuators:
                 return 1
             return sum(len(edge.labels) * below(edge.source) for edge in self._edges[name])
@@ -98,5 +99,6 @@ class PathTable:
             yield Path(trail[0], trail[1:-1], name)
         elif self._max_length is None or len(trail) <= self._max_length:
             for edge in self._edges[name]:
+                # The row that it leaves by stands in the path for the whole quantity.
                 for label in edge.labels:
                     yield from self._walk(edge.source, (*trail[:-1], label, edge.source))

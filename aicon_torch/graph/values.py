@@ -38,6 +38,7 @@ def initial_values(
     for estimator in estimators:
         prior = attempt(estimator, estimator.initial, values)
         for name, value in prior.items():
+            # Priors may lack the batch. A mean has one dimension of its own, a covariance two.
             own_dimensions = 2 if name in estimator.covariances else 1
             values[name] = value.expand((*batch, *value.shape[-own_dimensions:]))
 

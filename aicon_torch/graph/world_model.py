@@ -188,6 +188,7 @@ class WorldModel(nn.Module):
         sensors: Mapping[str, Sensor] | None = None,
     ) -> "WorldModel":
         """This model with more in it, on the same device."""
+        # What is new comes to the device of what is there.
         for part in (*estimators, *goals):
             part.to(self.like.device)
         with self.like.device:
@@ -250,6 +251,7 @@ class WorldModel(nn.Module):
 
     def _register_learned(self) -> None:
         """Own what learns in the parts."""
+        # torch takes no dots in the names of modules.
         learned = learned_in(self._named_parts())
         self.learned = nn.ModuleDict({name.replace(".", "/"): v for name, v in learned.items()})
 
@@ -325,6 +327,7 @@ class WorldModel(nn.Module):
         Example:
             >>> model.learn("p_tar.noise").information({"z_tar": bearings}, {"a": moves}).check()
         """
+        # By the names under which they were asked for, which are not torch's.
         names = {learned.theta: name.replace("/", ".") for name, learned in self.learned.items()}
         parameters = {names.get(value, name): value for name, value in self.named_parameters()}
         return information(self.filter(readings, actions), parameters)
@@ -364,6 +367,8 @@ class WorldModel(nn.Module):
         graphs: LocalGraphs = {}
         for estimator in self.estimators:
             anticipated: dict[str, Tensor] = {}
+
+            # With a local graph where gradients come by, as a number where it is only read.
             for name in estimator.outputs:
                 if name in self.edges:
                     graphs[name] = self._record(name, foreseen)
@@ -409,6 +414,7 @@ class WorldModel(nn.Module):
             ahead: dict[str, Tensor] = {}
             for name in estimator.outputs:
                 if name in self.edges:
+                    # In value what was estimated, in derivative what the model foresees.
                     ahead[name] = straight_through(values[name], estimator(connected, name))
             connected.update(ahead)  # together: its outputs start from the same belief
         return self.costs(connected)
@@ -441,6 +447,7 @@ class WorldModel(nn.Module):
     @values_only
     def constrain(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor:
         """The action of an actuator within its constraints, ``(*B, size)``."""
+        # Each limits what those before it have left.
         for constraint in self.declaration.constraints[actuator]:
             values = {**values, actuator: constraint(values)}
         return values[actuator]
@@ -490,6 +497,7 @@ class WorldModel(nn.Module):
                 value = value.unsqueeze(-2).expand(*value.shape[:-1], edge.rows, -1)
             leaves[edge.source] = value.requires_grad_()
 
+        # One hop: whatever else it reads is a constant of it.
         inputs = {**values, **leaves}
         if name in self.goals:
             output = self.goals[name](inputs)

@@ -92,6 +92,8 @@ def explain(backward: BackwardPass, memory: Memory, row: int | tuple[int, ...] =
         ValueError: If it names no single row of it.
     """
     model = backward.model
+
+    # The memory of one robot: the same entries, without the batch.
     one_robot = {key: value[row] for key, value in memory.items()}
     if one_robot[next(iter(model.actuators))].dim() != 1:
         batch = tuple(memory[next(iter(model.actuators))].shape[:-1])

@@ -65,6 +65,7 @@ def shielding(
     Raises:
         ValueError: If it names no single row of it.
     """
+    # A shield has one actuator.
     (name,) = model.actuators
     values = {key: value[row] for key, value in model.values(memory).items() if key != "dt"}
     if values[name].dim() != 1:
@@ -86,6 +87,7 @@ def _held(model: WorldModel, name: str, values: Memory, asked: torch.Tensor) -> 
     safety = safety_of(model)[name]
     found: dict[str, Held] = {}
     for goal in safety.goals:
+        # The rate of each gap that is asked for, ∇d · a, and the least that is allowed.
         slopes, bounds, gaps = safety.rows_of(goal, values)
         speed = (slopes * asked).sum(-1)
         worst = int((speed - bounds).argmin())

@@ -92,6 +92,7 @@ class StepTrace:
             name: An actuator, or a quantity where gradients met.
             row: Which row of the batch.
         """
+        # First on a path stand its goals; if they were merged on the way, next stands where.
         met = self.quantities[name]
         path = met.paths[int(met.dominant[row])]
         merged_at = path[1]
@@ -109,6 +110,8 @@ def trace(backward: BackwardPass, memory: Memory) -> StepTrace:
     """
     model = backward.model
     values = model.values(memory)
+
+    # A memory keeps no costs, and they follow from its values.
     with torch.no_grad():
         costs = model.costs(values)
 
@@ -159,6 +162,8 @@ def _where_one_arrived(
     backward: BackwardPass, name: str, path: PartialPath, gradient: Tensor
 ) -> QuantityTrace:
     magnitudes = torch.linalg.vector_norm(gradient, dim=-1, keepdim=True)
+
+    # Alone it leads, counts in full, and has no opponent.
     first = torch.zeros_like(magnitudes[..., 0], dtype=torch.long)
     return QuantityTrace(
         name=name,

@@ -54,6 +54,7 @@ def make_policy(name: str | ModuleType, *, preset: str = "aicon", **options: Any
         valid = choices(package.PRESETS)
         raise OptionError(f"{owner} has no preset {preset!r}. Presets: {valid}.")
 
+    # The preset changes the defaults, and the options change the preset.
     chosen = replace_options(package.Options(), package.PRESETS[preset], owner)
     chosen = replace_options(chosen, options, owner)
     with torch.device("cpu"):  # whatever device is torch's default

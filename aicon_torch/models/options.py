@@ -25,6 +25,7 @@ def replace_options(options: Options, changes: Mapping[str, Any], owner: str = "
     Example:
         >>> replace_options(Options(), {"law.gain": 10.0, "resolution.exploration": None})
     """
+    # Only what there is can be replaced, so that a misspelt name is found.
     fields = dataclasses.fields(options)  # type: ignore[arg-type]  # a dataclass, says the docstring
     valid = tuple(field.name for field in fields)
 

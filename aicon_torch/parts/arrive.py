@@ -37,15 +37,18 @@ class Arrive(nn.Module):
         Returns:
             ``(*B, n)``, rad/s.
         """
+        # v = J a and e, each length as much as the end effector lets it count.
         jacobian = self.end_effector.jacobian(x_joints)
         velocity, error = (jacobian @ a.unsqueeze(-1)).squeeze(-1), x_ee - x_target
         weights = self.end_effector.weights(x_ee, x_target)
         if weights is not None:
             velocity, error = weights * velocity, weights * error
 
+        # t* = −e·v/‖v‖², without a division by zero where nothing is asked for.
         approach = -(error * velocity).sum(-1, keepdim=True)
         square = (velocity * velocity).sum(-1, keepdim=True)
         nearest = approach / square.clamp(min=torch.finfo(a.dtype).tiny ** 0.5)
 
+        # min(1, t*/T), unless the action leads away, where t* is below zero.
         share = (nearest / self.time).clamp(max=1.0)
         return a * torch.where(approach > 0, share, 1.0)

@@ -81,6 +81,7 @@ class CameraFrame(nn.Module):
         x_ee = torch.where(self.steered, x_ee, stop(x_ee))
         rotation, origin = self.pose.to_frame(x_ee)
 
+        # The camera in the frame of the tool, and so in that of the base.
         mount_rotation, mount_position = torch.split(self.mount.to(x_ee), [3, 1], dim=-1)
         position = origin + (rotation @ mount_position).squeeze(-1)
         return torch.cat(((rotation @ mount_rotation).flatten(-2), position), dim=-1)
@@ -129,10 +130,12 @@ class Visibility:
         height = torch.full_like(x_pose[..., :1], self.height)
         center = torch.cat((stop(x_pose[..., :2]), height), dim=-1)
 
+        # In the camera's frame, z ahead. A row times R is Rᵀ times the column.
         rotation, position = split_frame(x_cam)
         seen = ((center - position).unsqueeze(-2) @ rotation).squeeze(-2)
         x, y, z = seen.unbind(-1)
         z = z.clamp(min=NEAREST)
 
+        # f x/z is in px from the axis; in half widths it is 1 at the edge.
         focal, width = self.intrinsics.focal, self.intrinsics.width
         return 2 * focal * x / (z * width), 2 * focal * y / (z * self.intrinsics.height)

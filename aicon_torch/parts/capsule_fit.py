@@ -92,6 +92,7 @@ def around_points(points: NDArray[Any], directions: int = 64, rounds: int = 12) 
 
     best = _smallest(corners, axes, _circle_centers(corners, axes))
     for step in 0.3 * 0.7 ** np.arange(rounds):
+        # Random lines about the best one, nearer and nearer to it.
         axis, center, segment = best
         axes = axis + step * generator.normal(size=(24, 3))
         axes /= np.linalg.norm(axes, axis=1, keepdims=True)
@@ -166,6 +167,7 @@ class _Hulls:
 
 def _with_volume(corners: NDArray[Any]) -> NDArray[Any]:
     """The corners; where they are those of a segment or a triangle, one of a little thickness."""
+    # n corners span n − 1 directions at most; along the others they become that thick.
     thickness = 1e-6 * np.ptp(corners, axis=0).max()
     _, _, axes = np.linalg.svd(corners - corners.mean(axis=0))
     for missing in axes[len(corners) - 1 :]:
@@ -208,6 +210,8 @@ def _best_cut(triangles: NDArray[Any], hulls: _Hulls) -> list[NDArray[Any]]:
 
             fits = [around_points(half.reshape(-1, 3), directions=8, rounds=0) for half in halves]
             smaller, larger = sorted(hulls.height(fit) for fit in fits)
+
+            # The worse half counts in full, and the better one by half of it.
             if larger + smaller / 2.0 < least:
                 best, least = along < height, larger + smaller / 2.0
 
@@ -268,6 +272,7 @@ def _circle_centers(points: NDArray[Any], axes: NDArray[Any], rounds: int = 60) 
     rows = np.arange(len(axes))
 
     for number in range(rounds):
+        # From each line straight across to the points; the furthest one draws it by its share.
         offset = points - centers[..., None]
         across = offset - _dot(offset, along) * along
         furthest = _dot(across, across).argmax(axis=1)
@@ -318,6 +323,8 @@ def _small_triangles(triangles: NDArray[Any]) -> NDArray[Any]:
 def _count_of_parts(triangles: NDArray[Any], largest: float) -> float:
     """How many there are once all are cut in four until no edge is longer than ``largest``."""
     edges = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
+
+    # Cut in four, a triangle has edges half as long.
     cuts = np.ceil(np.log2(np.maximum(edges / largest, 1.0)))
     return float((4.0**cuts).sum())
 
@@ -332,6 +339,8 @@ def _hemisphere(count: int) -> NDArray[Any]:
     """Directions all around, of which no two are opposite, ``(count, 3)``: a Fibonacci spiral."""
     number = np.arange(count)
     height = (number + 0.5) / count
+
+    # By the golden angle, so that no two of the spiral's turns line up.
     angle = number * np.pi * (1.0 + np.sqrt(5.0))
 
     radius = np.sqrt(1.0 - height**2)

@@ -137,6 +137,7 @@ def _places(
         while above not in numbers and above in tree.above:
             above = tree.above[above].parent
 
+        # T_frame⁻¹ T_link: the link as the link of the chain sees it.
         number = numbers.get(above, 0)
         of_frame, of_link = _at_rest(tree, frames[number]), _at_rest(tree, link)
         places[link] = number, np.linalg.solve(of_frame, of_link)
@@ -160,6 +161,8 @@ def _fit(geometry: CollisionGeometry, per_link: int) -> list[Segment]:
     for cylinder in geometry.cylinders:
         end = np.array([0.0, 0.0, cylinder.length / 2.0])
         segment = Segment(-end, end, cylinder.radius)
+
+        # With round ends it is a capsule; a flat one needs the smallest capsule around it.
         if not cylinder.is_round:
             segment = around_cylinder(cylinder.length, cylinder.radius)
         segments.append(segment.moved(cylinder.pose))
@@ -183,6 +186,7 @@ def _candidates(
     pairs: list[Pair] = []
     for i, capsule in enumerate(capsules):
         for j, other in enumerate(capsules[:i]):
+            # Neighbours in the chain touch each other at their joint.
             is_disabled = frozenset((links[i], links[j])) in disabled
             if abs(capsule.link - other.link) > 1 and not is_disabled:
                 pairs.append((j, i))
@@ -197,6 +201,8 @@ def _that_can_meet(
         return []
 
     segments = CapsuleSegments(chain, capsules)
+
+    # Its distances are of use here, not its cost.
     compared = SelfCollision(capsules, SquaredHinge(margin=1.0, weight=1.0), candidates)
     of_links = _numbered([frozenset((links[i], links[j])) for i, j in candidates])
     least = torch.full((len(candidates),), torch.inf, dtype=torch.float64)
@@ -208,6 +214,7 @@ def _that_can_meet(
         least = torch.minimum(least, distances.amin(0))
         largest = torch.maximum(largest, distances.amax(0))
 
+        # How near two links come: the least over all pairs of their capsules.
         nearest = torch.full_like(distances, torch.inf)
         nearest.scatter_reduce_(1, of_links.expand_as(distances), distances, "amin")
         largest_of_links = torch.maximum(largest_of_links, nearest[:, of_links].amax(0))

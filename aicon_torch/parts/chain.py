@@ -83,6 +83,7 @@ class Chain(nn.Module):
         self.names: tuple[str, ...] = names
         self.product = JointProduct(fixed, tool, axes, slides)
 
+        # As exact as it was read; whoever uses it takes it in the precision of the angles.
         for name, values in (("low", low), ("high", high), ("speed", speed), ("axes", axes)):
             self.register_buffer(name, torch.tensor(values, dtype=torch.float64))
         self.register_buffer("turns", ~torch.tensor(slides).unsqueeze(-1))
@@ -188,6 +189,7 @@ class Chain(nn.Module):
         Returns:
             ``(*B, 6, n)``.
         """
+        # The axis a of each joint, and the arm p − o from a point of it, in the frame of the base.
         links = frames[..., :-1, :3, :]
         axes = (links[..., :3] @ self.axes.to(frames).unsqueeze(-1)).squeeze(-1)
         arms = point.unsqueeze(-2) - links[..., 3]
@@ -209,6 +211,8 @@ def _joint(described: JointDescription) -> Joint:
 def _merge_fixed_joints(path: Sequence[JointDescription]) -> tuple[list[Transform], Transform]:
     """Fᵢ before each joint that moves, and what remains after the last."""
     fixed: list[Transform] = []
+
+    # What fixed joints add up to belongs to the next joint that moves, or to the tool.
     transform = np.eye(4)
 
     for joint in path:
@@ -226,6 +230,7 @@ def _check_equal(chain: Chain, path: Sequence[JointDescription]) -> None:
     Raises:
         ArithmeticError: If they differ.
     """
+    # Always the same postures, limits aside: a robot that was read once is read ever after.
     generator = torch.Generator().manual_seed(0)
     q = 3.0 * torch.randn(8, len(chain.names), generator=generator, dtype=torch.float64)
     frames, jacobian = library_kinematics(path, q)

@@ -41,6 +41,7 @@ def slide(x_obs: Tensor, x_rob: Tensor) -> Tensor:
 
 def slide_jacobian(x_rob: Tensor) -> Tensor:
     """∂slide/∂x_obs = (1, x_rob; 0, I), ``(*B, 3, 3)``, of a displacement ``(*B, 2)``, m."""
+    # x_rob goes into the first row, to the right of the 1 by d.
     by_gradient = torch.nn.functional.pad(x_rob.unsqueeze(-2), (1, 0, 0, 2))
     return torch.eye(3, dtype=x_rob.dtype, device=x_rob.device) + by_gradient
 
@@ -214,6 +215,7 @@ class Clearance:
 
     def estimator(self) -> EKF:
         """The filter of the clearance and its direction."""
+        # The prediction is linear in x_obs, with a matrix that the motion alone decides.
         slid = Interconnection(slide_jacobian, [self.motion])
         prior = ReadingPrior((self.noise**2, DIRECTION_VARIANCE, DIRECTION_VARIANCE))
         turn_variance = TURN_RATE * self.dt
@@ -241,6 +243,7 @@ class Clearance:
         if not self.delay:
             return Interconnection(limits, belief)
 
+        # A reading that came late is older by the steps in which it was on its way.
         def limited(a: Tensor, x_obs: Tensor, P_obs: Tensor, lag: Tensor, dt: Tensor) -> Tensor:
             return limits(a, x_obs, P_obs, age=lag * dt)
 
@@ -248,6 +251,7 @@ class Clearance:
 
     def _measurements(self) -> list[Measurement]:
         """What the readings say, and that a clearance grows by one metre a metre."""
+        # That |∇d| is 1 is a measurement that needs no sensor, and is made at every step.
         grown = Interconnection(unit_gradient_jacobian, [self.name])
         unit_gradient = Interconnection(unit_gradient_residual, [self.name], **{self.name: grown})
         measurements = [

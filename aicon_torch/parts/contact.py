@@ -41,6 +41,8 @@ def closest_point(x_pusher: Tensor, x_side: Tensor) -> Tensor:
         ``(*B, 2)``, m.
     """
     start, along = x_side[..., :2], x_side[..., 2:] - x_side[..., :2]
+
+    # Where the perpendicular from the pusher meets the side, as a share of it; at most its ends.
     squared_length = (along * along).sum(-1, keepdim=True).clamp(min=1e-15)
 
     share = ((x_pusher - start) * along).sum(-1, keepdim=True) / squared_length
@@ -131,8 +133,11 @@ class ContactLikelihood:
         normal = inward_normal(x_side)
         to_point = point - x_pusher
 
+        # At a corner a contact just happens as far as the side faces the pusher.
         share = self._facing(to_point, normal, is_interior(point, x_side)) if self.facing else 1.0
 
+        # One that is intended is aimed outside the side, away from its ends; one that just happens
+        # is where it is.
         to_aim = to_point + self._inset(point, x_side) - self.aim * normal
         intended = self._at_distance(norm(to_aim), self.aim, self.reach)
         incidental = share * self._at_distance(norm(to_point), 0.0, self.reaction)
@@ -148,6 +153,8 @@ class ContactLikelihood:
             return torch.zeros_like(point)
 
         start, along = x_side[..., :2], tangent(x_side)
+
+        # No nearer to an end than the inset, or in the middle where the side is too short for that.
         length = norm(x_side[..., 2:] - start)
         place = ((point - start) * along).sum(-1)
         least = (length / 2).clamp(max=self.inset)

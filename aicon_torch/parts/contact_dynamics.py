@@ -58,6 +58,7 @@ class ContactDynamics:
         pose = self.body.registration(x_keypoints)
         effects = self.effects(pose, x_contact, inward_normal(x_side))
 
+        # s Σᵢ pᵢ Δᵢ, where the gain of a contact decides which of its two likelihoods is pᵢ.
         intended, incidental = p_contact.unbind(-1)
         motion = self.step * by_gain(effects, intended, incidental, self.step * self.intent)
 
@@ -75,11 +76,13 @@ class ContactDynamics:
         Returns:
             (n, rotation by translation), ``(*B, N, 3)``, the last in rad/m.
         """
+        # λ = (x_contact − c) × n, m: above zero where the push turns the object to the left.
         arm = points - pose[..., None, :2]
         lever = cross(arm, normals)
         if self.effect == "quasi_static":
             return self._quasi_static_effects(lever, normals)
 
+        # The text's angle α between the normal and the line to the centre, or its sine λ/‖arm‖.
         if self.effect == "angle":
             angle = torch.atan2(lever, -(arm * normals).sum(-1))
         else:
@@ -100,11 +103,14 @@ class ContactDynamics:
         lever = cross(points - pose[..., None, :2], normals)
         turn = lever / self.body.radius_of_gyration**2
 
+        # This direction moves the contact by 1 + λ · λ/r² along n, and a push of one metre by one.
         direction = torch.cat((normals, turn.unsqueeze(-1)), dim=-1)
         return direction / (1 + lever * turn).unsqueeze(-1)
 
     def _quasi_static_effects(self, lever: Tensor, normals: Tensor) -> Tensor:
         turn = lever / self.body.radius_of_gyration**2
         direction = torch.cat((normals, turn.unsqueeze(-1)), dim=-1)
+
+        # At unit length, where a turn by one rad is as long as L.
         length = torch.sqrt(1 + (self.rotation_length * turn) ** 2)
         return direction / length.unsqueeze(-1)

@@ -82,6 +82,8 @@ class ToolPose:
     def to_frame(self, x_ee: Tensor) -> tuple[Tensor, Tensor]:
         """The inverse: rotation ``(*B, 3, 3)`` and origin ``(*B, 3)`` of the tool, m."""
         tilt, heading = x_ee[..., 3:5] / self.lever, x_ee[..., 5] / self.lever
+
+        # The tool points down, so of both roots it is the negative one, and never level.
         down = -torch.sqrt((1 - (tilt * tilt).sum(-1, keepdim=True)).clamp(min=0.05))
         z_axis = torch.cat((tilt, down), dim=-1)
 
@@ -217,9 +219,11 @@ class EndEffector(nn.Module):
         Returns:
             ``(*B, n)``.
         """
+        # J⁺h, and how x_ee moves by it.
         joint_motion = self.solve(jacobian, gradient)
         motion = (jacobian @ joint_motion.unsqueeze(-1)).squeeze(-1)
 
+        # In its direction, at the length by which the cost changes per rad: J⁺h · hᵀJJ⁺h/‖J⁺h‖².
         change = (gradient * motion).sum(-1, keepdim=True)
         square = (joint_motion * joint_motion).sum(-1, keepdim=True)
         return joint_motion * (change / square.clamp(min=torch.finfo(square.dtype).tiny))
@@ -260,9 +264,13 @@ class _NaturalHop(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor | None, Tensor | None, None, None]:
+        # The gradient of a loss goes by the chain rule, through x_ee itself.
         if not is_hop():
             return gradients[0], None, None, None
         (x_joints,) = ctx.saved_tensors
+
+        # Computed here, so that the natural gradient is a function of the joints that can be
+        # differentiated in its turn.
         frames = ctx.end_effector.chain.frames(x_joints)
         joint_gradient = _joint_gradient(ctx.end_effector, frames, ctx.x_target, gradients[0])
         return None, joint_gradient, None, None
@@ -273,6 +281,8 @@ def _joint_gradient(
 ) -> Tensor:
     """The natural gradient ``(*B, n)`` of a gradient of x_ee, as its lengths count there."""
     jacobian = end_effector.jacobian_at(frames)
+
+    # J and h of the lengths as they count on the way to the target.
     weights = end_effector.weights(end_effector.at(frames), x_target)
     if weights is not None:
         jacobian, gradient = weights.unsqueeze(-1) * jacobian, weights * gradient

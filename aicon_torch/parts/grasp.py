@@ -104,11 +104,15 @@ class Grasp:
         between = self.between(x_rel).squeeze(-1)
         too_open, too_narrow = opening - self.gripper.narrowest, self.gripper.widest - opening
 
+        # D: the way to the place, with the fingers closed as far as the object is between them.
         approach = way_from_above(offset, self.size / 2, self.size)
         way = approach + between * too_open + (1 - between) * too_narrow
+
+        # To let go has a way of its own: the fingers open, and until then the tip stays there.
         shut = (too_narrow / self.gripper.range).detach()  # stops the gradient: it weighs
         let_go = straight_through(way, opening - between * shut * norm(offset))
 
+        # p_grasp in value; whether it is to grow or to fall decides which way leads there.
         grasped, released = (likelihood_across(gap, self.reach) for gap in (way, let_go))
         return by_sign(released, grasped).unsqueeze(-1)
 
@@ -153,6 +157,7 @@ class Held(Estimator):
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """How likely it is held, ``(*B, 1)``."""
+        # r is half of the size, so (2 (o − o_min)/r)² is (4 (o − o_min)/size)².
         too_open = values["x_opening"] - self.grasp.gripper.narrowest
         closed = torch.exp(-((4 * too_open / self.grasp.size) ** 2))
         return {self.outputs[0]: self.grasp.between(values[self.apart]) * closed}
@@ -216,10 +221,14 @@ class Carrying:
             ``(*B, 3)``, m.
         """
         p_held = p_held.detach()  # stops the gradient: that of a grasp is p_grasp's
+
+        # What a grasp is worth, which moves the object anywhere, and what it is worth to be free of
+        # the table, which moves it aside and not up.
         anywhere = by_worth(p_grasp, x_object, self.step)
         aside = by_worth(p_held * p_free, x_object[..., :2], self.step)
         upright = torch.zeros_like(x_object[..., 2:])
 
+        # What is held goes where the tip goes: up at once, aside as far as it is off the table.
         share = (p_held * p_free.clamp(min=0.0)).expand_as(aside)
         follows = torch.cat((share, p_held.expand_as(upright)), dim=-1)
         follows = follows.detach()  # stops what the likelihoods are told

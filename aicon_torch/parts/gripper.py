@@ -54,6 +54,8 @@ class Gripper(Estimator):
             raise OptionError(f"speed={speed!r}: expected a number > 0 (m/s).")
         self.narrowest, self.widest, self.speed = narrowest, widest, speed
         self.name = actuator
+
+        # Its own last value, the rate that it was told, and for how long.
         self.inputs = ("x_opening", actuator, "dt")
         self.register_buffer("start", torch.tensor([first]))
 

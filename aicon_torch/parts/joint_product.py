@@ -38,6 +38,8 @@ class JointProduct(nn.Module):
     ) -> None:
         super().__init__()
         transforms = torch.stack([homogeneous(transform) for transform in fixed])
+
+        # Fᵢ Mᵢ = C + cos q C_cos + sin q C_sin + q C_q, where all four are constants.
         parts = [_motion(axis, slide) for axis, slide in zip(axes, slides, strict=True)]
         constant, by_cos, by_sin, by_q = torch.stack(parts, dim=1)
 
@@ -80,6 +82,8 @@ def _motion(axis: Sequence[float], slides: bool) -> Tensor:
     direction = torch.as_tensor(axis, dtype=torch.float64)
     identity = torch.eye(3, dtype=torch.float64)
     parts = torch.zeros(4, 4, 4, dtype=torch.float64)
+
+    # The last row of a transform is (0, 0, 0, 1), whatever q is.
     parts[0, 3, 3] = 1.0
 
     if slides:
@@ -87,6 +91,7 @@ def _motion(axis: Sequence[float], slides: bool) -> Tensor:
         parts[3, :3, 3] = direction
         return parts
 
+    # Rodrigues: aaᵀ, cos q (I − aaᵀ) and sin q [a]×.
     along = torch.outer(direction, direction)
     parts[0, :3, :3] = along
     parts[1, :3, :3] = identity - along

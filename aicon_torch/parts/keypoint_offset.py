@@ -55,6 +55,7 @@ class KeypointOffset:
         """No offset, and the first pose; by the standard deviation of the offset, m."""
 
         def first(z_keypoints: Tensor) -> tuple[Tensor, Tensor]:
+            # The offset, unknown, stands before the pose, which is taken as it is read.
             mean = pad(self.body.registration(_points(z_keypoints)), (2, 0))
             variances = (deviation**2, deviation**2, 0.0, 0.0, 0.0)
             return mean, torch.diag(z_keypoints.new_tensor(variances))

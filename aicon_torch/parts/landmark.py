@@ -69,6 +69,7 @@ class BearingPrior:
         sight = torch.cat((torch.cos(z_tar), torch.sin(z_tar)), dim=-1)
         identity = torch.eye(2, dtype=z_tar.dtype, device=z_tar.device)
 
+        # Uncertain across the line of sight s, and along it more: σ_a² I + (σ_l² − σ_a²) s sᵀ.
         variance_gap = self.along**2 - self.across**2
         elongation = variance_gap * sight.unsqueeze(-1) * sight.unsqueeze(-2)
         return self.distance * sight, elongation + self.across**2 * identity
@@ -176,6 +177,8 @@ class Landmark:
         """How it comes nearer as the robot moves."""
         if self.wheels is None:
             return approach(self.name, self.motion)
+
+        # By the landmark, the derivative is the turn of the axes and nothing else.
         turned = Interconnection(self.wheels.axes_after, [self.motion])
         inputs = [self.name, self.motion]
         return Interconnection(self.wheels.seen_after, inputs, **{self.name: turned})

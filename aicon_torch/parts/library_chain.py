@@ -25,6 +25,8 @@ def library_kinematics(path: Sequence[JointDescription], q: Tensor) -> tuple[Ten
         ModuleNotFoundError: If pytorch-kinematics is missing.
     """
     chain = _load(path)
+
+    # The library has a frame for every link; ours are those that joints move, and the tip.
     moved = [joint.child for joint in path if joint.moves]
     rows = [chain.frame_to_idx[link] for link in (*moved, path[-1].child)]
     frames: Tensor = chain.forward_kinematics_tensor(q)

@@ -104,6 +104,7 @@ class MovingObstacle:
 
     def _moved(self, x: Tensor, x_rob: Tensor, dt: Tensor) -> Tensor:
         """Position and velocity after a step, ``(*B, 4)``, m and m/s."""
+        # By itself first, and then against the robot, in the axes that it has after the step.
         p, v = x[..., :2] + x[..., 2:] * dt, x[..., 2:]
         if self.wheels is None:
             return torch.cat((p - x_rob, v), dim=-1)
@@ -113,6 +114,7 @@ class MovingObstacle:
     def _transition(self, x_rob: Tensor, dt: Tensor) -> Tensor:
         """∂moved/∂x = (R, R dt; 0, R), ``(*B, 4, 4)``."""
         if self.wheels is None:
+            # R = I in the axes of the world; those of a robot on wheels turn.
             axes = torch.eye(2, dtype=x_rob.dtype, device=x_rob.device)
             axes = axes.expand(*x_rob.shape[:-1], 2, 2)
         else:
@@ -129,6 +131,7 @@ class MovingObstacle:
         else:
             by_robot = self.wheels.variances(x[..., :2], self.motion_noise)
 
+        # An acceleration that lasts a step moves it by σ dt²/2, and changes its velocity by σ dt.
         by_itself = (self.acceleration * self.dt**2 / 2) ** 2
         of_velocity = torch.full_like(by_robot, (self.acceleration * self.dt) ** 2)
         return torch.cat((by_robot + by_itself, of_velocity), dim=-1)
@@ -164,6 +167,7 @@ class GapToCome:
         Returns:
             ``(*B,)``, m; negative where they touch.
         """
+        # The way of the obstacle as a segment in space, at the height of the robot's.
         p, height = x[..., :2], torch.zeros_like(x[..., :1])
         end = p + self.horizon * x[..., 2:]
         way = torch.cat((p, height, end, height), dim=-1)

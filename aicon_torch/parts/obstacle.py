@@ -69,6 +69,7 @@ class Box:
 
     def _of_point(self, point: Tensor) -> Tensor:
         """The signed distance ``(*B,)`` of points ``(*B, 3)``, which is convex."""
+        # Outside by the way to a face, an edge or a corner; inside by that to the nearest face.
         beyond = point.abs() - point.new_tensor(self.size) / 2
         outside = norm(beyond.clamp(min=0.0))
         return outside + beyond.amax(-1).clamp(max=0.0)
@@ -85,6 +86,7 @@ def nearest_on_segment(of_point: Callable[[Tensor], Tensor], start: Tensor, end:
     low = torch.zeros_like(start[..., 0])
     high = torch.ones_like(low)
     for _ in range(SECTIONS):
+        # What is convex has its least on the side of the lower of two points.
         width = high - low
         first, second = high - GOLDEN * width, low + GOLDEN * width
         at_first = of_point(start + first.unsqueeze(-1) * (end - start))
@@ -153,6 +155,8 @@ class Transition(nn.Module):
 
     def __init__(self) -> None:
         super().__init__()
+
+        # (0, I; 0, 0) is the identity moved three columns on, without what comes round again.
         self.register_buffer("identity", torch.eye(6, dtype=torch.float64))
         self.register_buffer("by_time", torch.eye(6, dtype=torch.float64).roll(3, 1).triu(1))
 
@@ -187,6 +191,7 @@ def moving_point(
     """
     position = torch.eye(6, dtype=torch.float64)[:3]
 
+    # An acceleration that lasts a step moves it by σ dt²/2, and changes its velocity by σ dt.
     drift = [(acceleration * dt**2 / 2) ** 2] * 3 + [(acceleration * dt) ** 2] * 3
     difference: dict[str, float | Tensor] = {name: position, reading: -1.0}
     prior = ReadingPrior((noise**2,) * 3 + (speed**2,) * 3)

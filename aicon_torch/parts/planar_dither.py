@@ -29,6 +29,8 @@ class PlanarDither(nn.Module):
         """D at the joint angles ``(*B, n)``, rad; ``(*B, n, 2)``, rad/s."""
         jacobian = self.end_effector.jacobian(x_joints)
         lengths = jacobian.shape[-2]
+
+        # v e_x and v e_y: the first two lengths of x_ee are x and y of the tip.
         axes = self.speed * torch.eye(lengths, dtype=jacobian.dtype, device=jacobian.device)
         along_x, along_y = (
             self.end_effector.solve(jacobian, axis.expand(jacobian.shape[:-1])) for axis in axes[:2]

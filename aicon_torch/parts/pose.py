@@ -56,6 +56,8 @@ class PoseMotion:
         # leaves through the push.
         way, pose = stop(d_pusher), stop(x_pose)
         way = way.reshape(*way.shape[:-1], -1, 2)
+
+        # The pusher has arrived; its displacements count from where the step began.
         start = stop(x_pusher) - way[..., -1, :]
 
         moved = torch.zeros_like(pose)
@@ -124,6 +126,8 @@ class PushNoise:
         """The variances ``(*B, 3)``, m² and rad²; the arguments are those of the motion."""
         gyration = self.motion.dynamics.body.radius_of_gyration
         moved = stop(self.motion(x_pose, x_pusher, d_pusher) - x_pose)
+
+        # A turn as the way of a point at the radius of gyration, m, and its variance back by it.
         turned = gyration * moved[..., 2:]
         square = (moved[..., :2] ** 2).sum(-1, keepdim=True) + turned**2
         variance = self.rest**2 + self.share**2 * square
@@ -183,6 +187,7 @@ class KeypointRegistration:
         Returns:
             Of x, y and θ, m², m² and rad².
         """
+        # σ²/Σ rᵢ² for the rotation, with arms rᵢ from the mean of the keypoints, and σ²/K for it.
         mean = self.body.keypoints.mean(0)
         spread = self.body.keypoints - mean
         rotation = noise**2 / float((spread * spread).sum())

@@ -58,6 +58,8 @@ class RigidObject:
         area, centroid, squared_gyration = _moments(corners[order])
         if not abs(area) > 0:
             raise OptionError("keypoints: expected corners of a polygon with an area.")
+
+        # Counterclockwise, so that the inside is on the left of each side.
         if area < 0:
             order.reverse()
 
@@ -89,6 +91,7 @@ class RigidObject:
         Returns:
             ``(*B, K, 4)``, m.
         """
+        # Each side ends where the next one begins.
         ends = (*self.outline_order[1:], self.outline_order[0])
         return torch.cat(
             (x_keypoints[..., self.outline_order, :], x_keypoints[..., ends, :]), dim=-1
@@ -220,6 +223,7 @@ def _turn(a: Tensor, b: Tensor, c: Tensor) -> Tensor:
 
 def _moments(polygon: Tensor) -> tuple[float, Tensor, float]:
     """Signed area, centroid ``(2,)`` and squared radius of gyration of a polygon ``(K, 2)``."""
+    # About the mean of the corners, so that an object far away loses no digits.
     origin = polygon.mean(0)
     starts = polygon - origin
     ends = starts.roll(-1, 0)
@@ -232,4 +236,6 @@ def _moments(polygon: Tensor) -> tuple[float, Tensor, float]:
     centroid = ((starts + ends) * cross.unsqueeze(-1)).sum(0) / (6 * area)
     squares = (starts * starts + starts * ends + ends * ends).sum(-1)
     second_moment = float((cross * squares).sum()) / (12 * area)
+
+    # About the centroid, by the parallel axis theorem.
     return area, centroid + origin, second_moment - float(centroid @ centroid)

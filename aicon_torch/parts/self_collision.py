@@ -68,6 +68,8 @@ class CapsuleSegments(nn.Module):
     def forward(self, x_joints: Tensor) -> Tensor:
         """The C segments ``(*B, C, 6)``, m, at the joint angles ``(*B, n)``, rad."""
         frames = self.chain.frames(x_joints)
+
+        # Link 0 is the base, whose frame is the identity.
         base = torch.eye(4, dtype=frames.dtype, device=frames.device)
         base = base.expand_as(frames[..., :1, :, :])
 
@@ -110,6 +112,7 @@ class SelfCollision(nn.Module):
         self.register_buffer("first", first, persistent=False)
         self.register_buffer("second", second, persistent=False)
 
+        # The distance of two capsules is that of their segments, less both radii.
         self.are_spheres = all(capsule.start == capsule.end for capsule in capsules)
         radii = [capsule.radius for capsule in capsules]
         single = torch.tensor(radii, dtype=torch.float64)

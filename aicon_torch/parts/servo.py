@@ -78,6 +78,7 @@ class Servo:
         Returns:
             ``(*B, 2)``, m.
         """
+        # The o of by_offset · o + by_velocity · v = a dt.
         by_offset, by_velocity = self.displacement_by_offset[-1], self.displacement_by_velocity[-1]
         return (a * dt - by_velocity * v_pusher) / by_offset
 
@@ -99,6 +100,8 @@ class Servo:
             ``(*B, 2n)``, m.
         """
         substeps = len(self.displacement_by_offset)
+
+        # The sub-step with which each part ends, to the nearest.
         ends = [round((part + 1) * substeps / parts) - 1 for part in range(parts)]
         by_offset = a.new_tensor([self.displacement_by_offset[end] for end in ends])
         by_velocity = a.new_tensor([self.displacement_by_velocity[end] for end in ends])

@@ -59,6 +59,8 @@ class Table:
         links = torch.nonzero(highest - lowest > LEAST_RISE).flatten().tolist()
 
         radii = tuple(capsules[link].radius for link in links)
+
+        # What no posture can keep is no safety goal.
         for link, radius in zip(links, radii, strict=True):
             room = float(highest[link]) - radius - height
             if room < cost.margin:

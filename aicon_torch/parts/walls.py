@@ -68,11 +68,13 @@ class Walls:
         for i, spans in enumerate(across):
             y = (height / 2 - i - 1) * cell
             for j, k, side in spans:
+                # From west to east the north is on the left: turned round where the wall is there.
                 ends = ((j - width / 2) * cell, y, (k - width / 2) * cell, y)
                 faces.append(_turned(ends, side < 0))
         for j, spans in enumerate(along):
             x = (j + 1 - width / 2) * cell
             for i, k, side in spans:
+                # From north to south the east is on the left.
                 ends = (x, (height / 2 - i) * cell, x, (height / 2 - k) * cell)
                 faces.append(_turned(ends, side > 0))
         return cls(tuple(faces), radius, cell)
@@ -82,6 +84,8 @@ class Walls:
         faces = position.new_tensor(self.faces)
         start, end = faces[:, :2], faces[:, 2:]
         way, ahead = end - start, position.unsqueeze(-2) - start
+
+        # In the axes of each face: how far along it from its start, and how far before it.
         length = torch.linalg.vector_norm(way, dim=-1)
         along = (ahead * way).sum(-1) / length
         before = (way[..., 0] * ahead[..., 1] - way[..., 1] * ahead[..., 0]) / length
@@ -120,6 +124,7 @@ def _turned(face: Face, keeps: bool) -> Face:
 
 def _borders(first: str, second: str) -> list[tuple[int, int, int]]:
     """Where one of two lines of cells is a wall and the other is not: (begin, end, which)."""
+    # 1 where the first is the wall, −1 where the second is, 0 where no face lies between them.
     sides = [(a == "#") - (b == "#") for a, b in zip(first, second, strict=True)]
     spans: list[tuple[int, int, int]] = []
     begin = 0

@@ -131,6 +131,7 @@ class Wheels:
             name,
             covariance_name(name),
             predict=Interconnection(self.moved, [name, motion]),
+            # The turn is ℓ θ through ℓ.
             noise=(motion_noise**2, motion_noise**2, (motion_noise / self.ahead) ** 2),
             initial=first_belief(ReadingPrior(tuple(variances)), reading),
             size=3,
@@ -143,6 +144,7 @@ class Wheels:
 
     def _chord(self, x_rob: Tensor) -> Tensor:
         """The way of the axle in the axes of before, ``(*B, 2)``, m."""
+        # The chord of an arc has turned by half as much as the arc has at its end.
         half = self._turn(x_rob) / 2
         return x_rob[..., :1] * torch.stack((torch.cos(half), torch.sin(half)), dim=-1)
 

@@ -132,6 +132,8 @@ def _age(
         return like.new_full(batch, sensor.age)
 
     age = _as_tensor(repr(key), "s", observation[key], like)
+
+    # An age may come with a dimension of its own, as readings do.
     if tuple(age.shape) == (*batch, 1):
         age = age.squeeze(-1)
     if tuple(age.shape) != batch:

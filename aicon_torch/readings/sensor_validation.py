@@ -234,6 +234,7 @@ class SensorValidation(NamedTuple):
         self, reading: Tensor, memory: Mapping[str, Tensor], was_frozen: Tensor
     ) -> Tensor:
         """Whether the reading repeats the last one, and did so while the actuator acted."""
+        # At rest anything may repeat itself.
         least = DRIVEN * cast(Actuator, self.actuator).limit_like(reading)
         acts = (memory[str(self.sensor.driven_by)].abs() > least).any(-1)
 

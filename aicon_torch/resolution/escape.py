@@ -74,6 +74,8 @@ class TrapEscape:
             if goal not in stack.all_goals:
                 continue
             direction, _, _ = _gradient_of(goal, stack, ranked)
+
+            # At right angles to those before it, so that they can be taken away one by one.
             if normals:
                 for earlier in normals:
                     direction = reject(direction, earlier)
@@ -91,6 +93,8 @@ class TrapEscape:
         for goal in held_goals:
             held, magnitude, largest_other = _gradient_of(goal, stack, ranked)
             smallest = torch.finfo(magnitude.dtype).tiny
+
+            # Down its gradient where that is stronger than the others, up where it is weaker.
             excess = magnitude / largest_other.clamp(min=smallest) - 1.0
             led_back = led_back - self.hold_gain * excess.clamp(-1.0, 1.0).unsqueeze(-1) * held
         return unit(led_back)
@@ -119,6 +123,7 @@ def _gradient_of(
     if other_magnitudes:
         largest_other = functools.reduce(torch.maximum, other_magnitudes)
 
+    # Where a goal arrives by several paths, it asks for their sum.
     if len(own) == 1:
         return ranked.directions[..., own[0], :], ranked.magnitudes[..., own[0]], largest_other
     total = stack.gradients[..., own, :].sum(-2)

@@ -27,6 +27,8 @@ def qr(top: Tensor, gradients: Tensor) -> Tensor:
     A gradient that is zero takes nothing away.
     """
     q = torch.linalg.qr(top.unsqueeze(-1)).Q
+
+    # QR of a zero gives some unit vector all the same.
     q = q * (top != 0).any(-1)[..., None, None]
 
     projected: Tensor = gradients - (gradients @ q) @ q.mT

@@ -47,6 +47,7 @@ class Writer:
             numbers = [self.program.constant(x, own) for x in value.flatten().tolist()]
             return self.array(as_array(numbers, tuple(value.shape)), kind)
 
+        # A bare number is of the kind that is asked for, or of its own.
         is_real = isinstance(value, float)
         own = "bool" if isinstance(value, bool) else "real" if is_real else "int"
         return as_array([self.program.constant(value, kind or own)], ())
@@ -71,6 +72,7 @@ class Writer:
         if operation in COMPARISONS:  # of the same kind, though the result is another
             arrays = self._of_one_kind(arrays)
         elif operation == "where":
+            # The condition is a truth value; what is chosen from is of the kind of the result.
             arrays = [self.cast(arrays[0], "bool"), *(self.cast(a, kind) for a in arrays[1:])]
         elif not operation.startswith("to_"):
             arrays = [self.cast(array, kind) for array in arrays]
@@ -83,6 +85,8 @@ class Writer:
         """The operation as a loop over arrays of many numbers; None where they are not."""
         shape = np.broadcast_shapes(*[array.shape for array in arrays])
         count = int(np.prod(shape))
+
+        # Few numbers are written out. Indices are too: loops are of real numbers and truth values.
         if count < LOOPED or kind == "int":
             return None
 
@@ -163,9 +167,13 @@ class Writer:
         if found is None or numbers[0].kind != "real":
             return None
         array, place = found
+
+        # An array that is read from its beginning is given as it is; any other stretch is copied.
         if place == "{}[i]":
             return array
         copy = self.program.loop("to_real", [array], [place], "real", len(numbers))
+
+        # Each item of a loop has the loop as its argument, and that is the array.
         return copy[0].arguments[0]
 
     def _in_one_array(self, numbers: Sequence[Number]) -> tuple[Number, str] | None:
@@ -181,6 +189,7 @@ class Writer:
                 return None
             places.append(found[1])
 
+        # Scattered ones are found by a table of their places, those in a row by the first place.
         if places != list(range(first, first + len(places))):
             text = f"{{}}[{self.program.table(places)}[i]]"
         else:
@@ -214,8 +223,12 @@ class Writer:
 
     def _each(self, function: Callable[..., Number], *arrays: Array) -> Array:
         result = np.frompyfunc(function, len(arrays), 1)(*arrays)
+
+        # Of arrays without dimensions numpy makes a bare number.
         if not isinstance(result, np.ndarray):
             return as_array([result], ())
+
+        # Noted in its shape: the rows of a batch are looked for among these.
         self.program.arrays.append(result)
         return result
 

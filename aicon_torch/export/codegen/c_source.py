@@ -26,6 +26,8 @@ def prelude(dtype: torch.dtype) -> str:
     """
     is_single = dtype == torch.float32
     name, suffix = ("float", "f") if is_single else ("double", "")
+
+    # As in torch, NaN wins: larger, smaller and is_above ask for it by a != a.
     return f"""\
 #include <math.h>
 
@@ -56,6 +58,7 @@ def function(
         inputs: The names of its inputs.
         outputs: The numbers of each output, which are written as real ones.
     """
+    # From the outputs back: what none of them needs is not computed.
     writes = writes_of(program, outputs)
     results = [write.number for write in writes]
     body = Statements(program, numbers_behind(program, results), results)
@@ -140,6 +143,7 @@ def _tables(program: Program) -> list[str]:
     """The tables of constants, each once in a file."""
     lines: list[str] = []
     for name, values in program.tables.items():
+        # A table is named after its content, so several functions of a file may bring the same one.
         is_real = isinstance(values[0], float)
         type, suffix = ("real", suffix_of(program)) if is_real else ("int", "")
         numbers = ", ".join(repr(value) + suffix for value in values)
@@ -150,6 +154,7 @@ def _tables(program: Program) -> list[str]:
 
 def _parameters(inputs: Iterable[str], outputs: Iterable[str], *between: str) -> str:
     """The parameters of a function."""
+    # restrict: what is written is read through no other pointer, so values may stay in registers.
     given = [f"const real *restrict {input}" for input in inputs]
     found = [f"real *restrict {output}" for output in outputs]
     return ", ".join([*given, *between, *found])

@@ -33,6 +33,7 @@ def cached_library(source: str) -> bytes:
     if folder is None:
         return compiled(source)
 
+    # The name is a hash of source and flags, so that no library there is ever out of date.
     path = folder / f"{identity(source)}.so"
     library = _kept(path, source)
     if library is None:
@@ -56,6 +57,8 @@ def _folder() -> Path | None:
                 folder,
             )
             return None
+
+        # It is ours, but others could put their code into it.
         if status.st_mode & _OTHERS_WRITE:
             folder.chmod(0o700)
     except (OSError, RuntimeError) as error:  # RuntimeError: there is no home

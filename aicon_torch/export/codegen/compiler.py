@@ -66,6 +66,7 @@ def compiler_command() -> tuple[str, ...]:
     if command is not None:
         return command
 
+    # Who has set CC is told about CC, and anybody else how to get a compiler.
     named = os.environ.get("CC")
     if named is not None:
         raise OptionError(
@@ -134,6 +135,8 @@ def compiled(source: str, target: str | None = None) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
         text.write_text(source + _MARKED)
+
+        # No flag names this very processor: the library is for all of its architecture.
         if target is None:
             _run(folder, *compiler_command(), *FLAGS, "-shared", "-o", library, text, "-lm")
         else:
@@ -179,5 +182,6 @@ def _environment(folder: str) -> dict[str, str]:
 
 def identity(source: str, target: str | None = None) -> str:
     """A hash of a source and how it is compiled, 32 hexadecimal digits."""
+    # A newer version of the package with other flags shall not take an old library for its own.
     whole = "\n".join((source, *FLAGS, target or this_machine()))
     return hashlib.sha256(whole.encode()).hexdigest()[:32]

@@ -47,6 +47,7 @@ CREATION: dict[str, Translation] = {
     "scalar_tensor": scalar,
     "zeros": zeros,
     "zeros_like": zeros_like,
+    # What is empty is overwritten before anyone reads it, so zeros do.
     "empty": zeros,
     "arange": steps,
 }

@@ -31,6 +31,7 @@ def write_whole(path: Path, content: bytes, mode: int = 0o666) -> None:
     """
     beside = path.with_name(f".{uuid.uuid4().hex}")
     try:
+        # O_EXCL: what has this name already is somebody else's.
         descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
         with os.fdopen(descriptor, "wb") as file:
             file.write(content)

@@ -19,6 +19,7 @@ TURNS = 128
 def _powers() -> str:
     """2^(i/128), each as the double next to it and what is left of it, as a share, in C."""
     with localcontext(prec=50):
+        # Fifty digits: what a double leaves of a power is known to a double's precision itself.
         exact = [Decimal(2) ** (Decimal(i) / TURNS) for i in range(TURNS)]
         pairs = [(float(power), float(power / Decimal(float(power)) - 1)) for power in exact]
     return ",\n".join(f"      {{{whole.hex()}, {rest.hex()}}}" for whole, rest in pairs)

@@ -71,6 +71,7 @@ def part(
 
 def row(writer: Writer, kind: Kind, value: Array, dim: int, index: int) -> Array:
     """The part at one index, without its dimension."""
+    # A slice of one, since an index into a vector would be a bare number; −1 + 1 would end it at 0.
     end = index + 1 if index != -1 else None
     taken: Array = value[_along(value, dim, slice(index, end))]
     return taken.squeeze(dim)
@@ -102,6 +103,7 @@ def flip(writer: Writer, kind: Kind, value: Array, dims: Sequence[int]) -> Array
 
 def join(writer: Writer, kind: Kind, values: Sequence[Array], dim: int = 0) -> Array:
     """Parts one after the other."""
+    # torch joins an empty vector to anything, numpy does not.
     return writer.cast(np.concatenate([v for v in values if v.shape != (0,)], axis=dim), kind)
 
 
@@ -109,10 +111,15 @@ def pad(
     writer: Writer, kind: Kind, value: Array, widths: Sequence[int], filling: float = 0
 ) -> Array:
     """More elements on either side, from the last dimension to the first; fewer where negative."""
+    # A pair for each dimension, the last one first; none for those in front.
     pairs = list(zip(widths[::2], widths[1::2], strict=True))
     pairs += [(0, 0)] * (value.ndim - len(pairs))
+
+    # Negative widths take elements away, ...
     for dim, (before, after) in enumerate(pairs[::-1]):
         value = value.take(range(max(-before, 0), value.shape[dim] - max(-after, 0)), axis=dim)
+
+    # ... and what is left goes into a larger array of the filling.
     pairs = [(max(before, 0), max(after, 0)) for before, after in pairs]
     inner = tuple(
         slice(before, before + size)
@@ -157,6 +164,7 @@ def replace_diagonal(
     dim2: int = 1,
 ) -> Array:
     """The value, with a diagonal replaced."""
+    # numpy's diagonal is read-only, so that of the places is taken, and these are overwritten.
     places = np.arange(value.size).reshape(value.shape).diagonal(offset, dim1, dim2)
     replaced = value.copy()
     replaced.reshape(-1)[places] = source
@@ -179,11 +187,13 @@ def copied(writer: Writer, kind: Kind, value: Array, source: Array, *_: Any) -> 
 
 def take(writer: Writer, kind: Kind, value: Array, dim: int, index: Array) -> Array:
     """The parts at some indices."""
+    # Places that are known now cost nothing when the program runs.
     places = _known(index)
     if places is not None:
         found: Array = np.take(value, places, axis=dim)
         return found
 
+    # Else every number of every part is picked there.
     along = np.moveaxis(value, dim, 0)
     taken = [_pick_parts(writer, along, number) for number in index.reshape(-1)]
     return np.moveaxis(np.stack(taken), 0, dim)
@@ -222,11 +232,14 @@ def index_by(writer: Writer, kind: Kind, value: Array, indices: Sequence[Array |
     # One index that is known when the program runs only.
     dim, index = _only(indices)
     count = value.shape[dim]
+
+    # Negative indices count from the end.
     is_from_end = writer.map("lt", "bool", index, 0)
     wrapped = writer.map("where", "int", is_from_end, writer.map("add", "int", index, count), index)
     along = np.moveaxis(value, dim, 0)
     taken = [_pick_parts(writer, along, number) for number in wrapped.reshape(-1)]
 
+    # The dimensions of the index take the place of the one that it chooses from.
     stacked = np.stack(taken).reshape(*index.shape, *along.shape[1:])
     here = range(dim, dim + index.ndim)
     return np.moveaxis(stacked, range(index.ndim), here)
@@ -246,6 +259,8 @@ def index_put(
         raise NotImplementedError("at places that are known when the program runs only")
 
     result = value.copy()
+
+    # Flat places, one by one: of a place that is named twice, both elements shall be added.
     targets = np.arange(value.size).reshape(value.shape)[places]
     flat, sources = result.reshape(-1), np.broadcast_to(source, targets.shape)
     for place in np.ndindex(targets.shape):
@@ -264,6 +279,8 @@ def _scatter(
     for place in np.ndindex(index.shape):
         line: Any = result[_across(place, dim)]
         number: Any = index[place]
+
+        # Which place is meant is known when the program runs only, so each one asks.
         for target in range(len(line)):
             new: Any = sources[place]
             if adds:

@@ -59,6 +59,8 @@ def in_phases(program: Program, needed: Collection[int]) -> list[Phase]:
     lanes = _lanes(program, needed)
     while True:
         phases = _ordered(program, needed, lanes)
+
+        # What is in too small a loop is written out, which may make others smaller: once more.
         small = _in_small_loops(phases)
         if not small:
             return phases
@@ -159,6 +161,7 @@ class _Search:
 
     def lanes(self) -> list[Lanes]:
         """All lanes of these rows."""
+        # In the order of their computation: when lanes are looked at, their arguments are known.
         for array in self.program.arrays:
             if array.size % self.rows == 0:
                 for numbers in array.reshape(self.rows, -1).T:
@@ -167,13 +170,18 @@ class _Search:
 
     def _add(self, numbers: tuple[Number, ...]) -> None:
         """Take numbers as lanes if they are."""
+        # A different number in each row, none of them spoken for, ...
         if len(set(numbers)) < self.rows or not self._are_free(numbers):
             return
+
+        # ... all by the same operation, which a loop can do, ...
         operation = numbers[0].operation
         is_known = operation in OPERATIONS or operation == PICK
         if not is_known or any(number.operation != operation for number in numbers):
             return
 
+        # ... on arguments that a loop can read. To gather more than one costs what the loop saves,
+        # and a choice must be from the same array in every row.
         columns = zip(*(number.arguments for number in numbers), strict=True)
         arguments = [self._argument(column) for column in columns]
         gathered = [argument for argument in arguments if isinstance(argument, tuple)]
@@ -197,6 +205,8 @@ class _Search:
         """One argument in all rows."""
         if all(number is numbers[0] for number in numbers):
             return numbers[0]
+
+        # Lanes, if they stand in the order of the rows; else numbers to be gathered.
         lanes = [self.of.get(number.index) for number in numbers]
         if lanes[0] is not None and lanes == [(lanes[0][0], row) for row in range(self.rows)]:
             return lanes[0][0]
@@ -206,6 +216,8 @@ class _Search:
 def _first_uses(program: Program, needed: Collection[int]) -> dict[int, float]:
     """By whom, the first one in the program, each number is read; by nobody: infinity."""
     first: dict[int, float] = defaultdict(lambda: float("inf"))
+
+    # Backward, so that the first reader is noted last, and stays.
     for number in reversed(program.numbers):
         if number.index in needed:
             first.update((argument.index, number.index) for argument in number.arguments)

@@ -197,6 +197,8 @@ def convolution(
     """Images ``(n, c, …)`` convolved, of one or two dimensions."""
     _check(weight, bias, transposed)
     window = (stride, padding, dilation, groups)
+
+    # The table has the weights (oc, c / groups, kh, kw), and after them a bias for each channel.
     sizes = _sizes(image.shape, weight.shape, *window)
     biases = writer.full((weight.shape[0],), 0.0, "real") if bias is None else bias
     table = table_of(writer, weight, biases)
@@ -277,7 +279,11 @@ def _pooled(
     if ceils:
         raise NotImplementedError("with ceil_mode=True")
     channels = image.shape[-3]
+
+    # One number stands for both axes; without a stride, windows stand side by side.
     pair = [tuple(v) * (2 // len(v)) for v in (window, stride or window, padding, dilation)]
+
+    # Each channel is by itself, as in a convolution of as many groups.
     kernel = (channels, 1, *pair[0])
     sizes = _sizes((1, *image.shape[-3:]), kernel, pair[1], pair[2], pair[3], channels)
     images = image.reshape(-1, *image.shape[-3:])
@@ -308,6 +314,7 @@ def _sizes(
         stride, padding, dilation = (1, *stride), (0, *padding), (1, *dilation)
     outer: list[int] = []
     for axis in range(2):
+        # How much a dilated kernel covers, and how often it fits at this stride.
         covered = dilation[axis] * (weight[2 + axis] - 1) + 1
         outer.append((image[2 + axis] + 2 * padding[axis] - covered) // stride[axis] + 1)
     shape = (*image[1:], weight[0], *outer, *weight[2:])
@@ -324,6 +331,8 @@ def _called(
     """What a routine makes of an array."""
     count = int(np.prod(shape))
     given: list[Number] = list(numbers.reshape(-1))
+
+    # What is in one array already is not gathered into another.
     source = writer.whole(given)
     call = writer.program.call(routine, given if source is None else [source], (*sizes, count))
     items = [writer.program.item(call, place) for place in range(count)]

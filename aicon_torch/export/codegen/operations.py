@@ -65,12 +65,16 @@ class Operations(TorchDispatchMode):
     ) -> Any:
         """Run an operation, and note it, or what it is taken apart into."""
         kwargs = kwargs or {}
+
+        # What it is taken apart into runs under this mode again, and is noted piece by piece.
         with self:
             parts = self._decompositions.get(func, func.decompose)(*args, **kwargs)
         if parts is not NotImplemented:
             return parts
 
         varies = any(id(tensor) in self._varying for tensor in _tensors((*args, *kwargs.values())))
+
+        # item() and the like may steer the course by a constant, never by what an input changes.
         if torch.Tag.data_dependent_output in func.tags:
             if varies:
                 raise RuntimeError(f"{func} asks for the value of a tensor that is not known yet.")
@@ -89,6 +93,7 @@ class Operations(TorchDispatchMode):
 
         What changes a tensor in place, or returns nothing, is always needed.
         """
+        # Who reads a tensor ran after who gave it, so one pass backward finds all.
         needed = {id(tensor) for tensor in results}
         kept: list[Operation] = []
         for operation in reversed(self._noted):

@@ -79,6 +79,7 @@ def inverse_root(writer: Writer, kind: Kind, value: Any) -> Array:
 
 def sigmoid(writer: Writer, kind: Kind, value: Any) -> Array:
     """1 / (1 + exp(−x))."""
+    # Far below zero exp(−x) is infinite, and its reciprocal 0, as it should be.
     growth = writer.map("exp", kind, writer.map("neg", kind, value))
     return reciprocal(writer, kind, writer.map("add", kind, 1.0, growth))
 
@@ -224,6 +225,7 @@ def softmax(writer: Writer, kind: Kind, value: Array, dim: int, _: bool = False)
 
 def product_in_lines(writer: Writer, kind: Kind, first: Array, second: Array) -> Array:
     """``(..., n, k)`` times ``(..., k, m)``."""
+    # All products (..., n, k, m), then their sum over k.
     terms = writer.map("mul", kind, first[..., :, :, None], second[..., None, :, :])
     return writer.reduce("add", kind, terms, [-2], False)
 
@@ -266,6 +268,7 @@ for _name in (
 ):
     ELEMENTWISE[_name] = elementwise(_name)
 
+# Of truth values the operators bit by bit are the logical ones.
 for _name in ("and", "or", "xor", "not"):
     ELEMENTWISE[f"logical_{_name}"] = elementwise(_name)
     ELEMENTWISE[f"bitwise_{_name}"] = bitwise(_name)

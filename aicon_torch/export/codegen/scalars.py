@@ -160,6 +160,7 @@ class Program:
 
     def apply(self, operation: str, arguments: tuple[Number, ...], kind: Kind) -> Number:
         """The result of an elementary operation."""
+        # What is known now is computed now, and what changes nothing is left out.
         if all(argument.operation == CONSTANT for argument in arguments):
             return self._fold(operation, arguments, kind)
         shorter = self._simplified(operation, arguments)
@@ -176,6 +177,8 @@ class Program:
         values = np.asarray(constants)
         if values.dtype.kind != "f":  # integers, and truth values
             values = values.astype(np.int64)
+
+        # Named after its content, so that one table serves all functions that need it.
         digest = hashlib.sha256(values.tobytes()).hexdigest()
         name = f"table_{values.dtype.kind}_{digest[:16]}"
         self.tables[name] = values.tolist()
@@ -230,6 +233,8 @@ class Program:
         """The number that is this, new or known."""
         if key is None:
             key = (operation, kind, value, *(argument.index for argument in arguments))
+
+        # The same operation on the same numbers is the same number: nothing is computed twice.
         if key not in self._places:
             number = Number(len(self.numbers), operation, arguments, kind, value)
             self.numbers.append(number)

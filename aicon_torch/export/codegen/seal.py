@@ -44,6 +44,7 @@ def sealed(library: bytes, seal: Seal) -> bytes:
         library: The library.
         seal: What the line says of it.
     """
+    # Loaders ignore what follows the end of a library, but in WebAssembly it must be a section.
     if library.startswith(_WEB_ASSEMBLY):
         library += _section(len(_with_line(b"", seal)))
     return _with_line(library, seal)
@@ -57,6 +58,7 @@ def _with_line(content: bytes, seal: Seal) -> bytes:
 
 def _section(length: int) -> bytes:
     """What stands before so many bytes that WebAssembly is to pass over."""
+    # A custom section: 0, its length, that of its name, its name; the last line is its content.
     name = b"aicon"
     length += 1 + len(name)
     assert length < 128, "a longer section writes its length in more than one byte"
@@ -73,6 +75,7 @@ def read_seal(library: bytes, name: str) -> Seal | None:
     Raises:
         OptionError: If something of the library or of its last line has changed.
     """
+    # Where the last line is missing, the mark in the library tells whether there was one.
     line = _TAIL.search(library, max(len(library) - _LONGEST, 0))
     if line is None:
         if MARK.encode() in library:
@@ -82,6 +85,7 @@ def read_seal(library: bytes, name: str) -> Seal | None:
             )
         return None
 
+    # Written once more from what it says: whatever then differs has changed.
     seal = Seal(line[1].decode(errors="replace"), line[2].decode())
     if _with_line(library[: line.start()], seal) != library:
         raise OptionError(

@@ -67,6 +67,7 @@ def topk(
     sorted: bool = True,
 ) -> tuple[Array, Array]:
     """The largest or smallest values in order, and their indices; NaN is larger than all."""
+    # Among the smallest NaN comes last, where a minimum (`lt`) would take it first.
     is_better = "gt" if largest else "below"
     return _along(value, dim, lambda line: _in_order(writer, line, count, is_better))
 
@@ -103,11 +104,13 @@ def _extreme(
 
 def _along(value: Array, dim: int, function: Callable[[Array], list[Best]]) -> tuple[Array, Array]:
     """Values and indices that a function finds in each line along a dimension."""
+    # The dimension goes last, and each line along it is searched by itself.
     moved = np.moveaxis(value, dim, -1) if value.ndim else value.reshape(1)
     best: list[Best] = []
     for line in moved.reshape(-1, moved.shape[-1]):
         best.extend(function(line))
 
+    # As many of each line as were found, in the place of the dimension.
     shape = (*moved.shape[:-1], -1) if value.ndim else ()
     found = []
     for numbers in zip(*best, strict=True):
@@ -119,6 +122,8 @@ def _along(value: Array, dim: int, function: Callable[[Array], list[Best]]) -> t
 def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[Best]:
     """The first of a line in order: the best of all, the best of the others, and so on."""
     program = writer.program
+
+    # Many numbers: a routine of C sorts them in, and returns the values, then their places.
     if line[0].kind == "real" and count > 1 and len(line) * count >= COMPARED:
         sizes = (len(line), count, int(is_better == "gt"), 2 * count)
         call = program.call("in_order", line, sizes)
@@ -126,6 +131,8 @@ def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[B
         places = [program.cast(program.item(call, count + k), "int") for k in range(count)]
         return list(zip(values, places, strict=True))
 
+    # Few: for each rank a contest among those that no rank before has taken. At the first rank
+    # nothing is taken, which is known now, so that the conditions on it fold away.
     taken = [program.constant(False, "bool")] * len(line)
 
     order: list[Best] = []
@@ -145,6 +152,8 @@ def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[B
             is_free = program.apply("or", (is_free, takes), "bool")
 
         order.append((best, index))
+
+        # Who holds this rank takes no part in the next contest.
         for place in range(len(line)):
             is_here = writer.is_at(index, place)
             taken[place] = program.apply("or", (taken[place], is_here), "bool")

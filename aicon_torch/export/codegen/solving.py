@@ -131,6 +131,7 @@ def solve_ex(
     writer: Writer, kind: Kind, matrix: Array, right: Array, left: bool = True, **_: Any
 ) -> tuple[Array, ...]:
     """X of A X = B, the factors of A, the rows exchanged, and 0 for success."""
+    # One right-hand side for each A is a matrix of one column.
     is_vector = right.ndim == 1 or right.shape == matrix.shape[:-1]
     if is_vector:
         right = right[..., None]
@@ -154,6 +155,7 @@ def sweep(writer: Writer, kind: Kind, nominal: Array, normals: Array, *others: A
         for array, count in zip((nominal, normals, *arrays), own, strict=True)
     ]
     for place in np.ndindex(leading):
+        # One flat argument for each robot, in the order in which the routine reads it.
         numbers = [number for array in given for number in writer.cast(array[place], "real").flat]
         call = writer.program.call("sweep", numbers, (rows, size, sweeps, 2 * size))
         result[place] = [writer.program.item(call, index) for index in range(2 * size)]
@@ -168,6 +170,8 @@ def factorize(writer: Writer, kind: Kind, matrix: Array, **_: Any) -> tuple[Arra
 
     for place in np.ndindex(matrix.shape[:-2]):
         numbers = writer.cast(matrix[place], "real").reshape(-1)
+
+        # L and U fill the first n² results, the rows exchanged the last n.
         call = writer.program.call("factorize", numbers, (size, size * size + size))
         items = [writer.program.item(call, index) for index in range(size * size + size)]
         factors[place] = as_array(items[: size * size], (size, size))
@@ -189,6 +193,7 @@ def substitute(
         turned = right.swapaxes(-1, -2)
         return substitute(writer, kind, factors, rows, turned, True, not adjoint).swapaxes(-1, -2)
 
+    # Factors, rows exchanged and B are one flat argument of the routine.
     routine = "substitute_adjoint" if adjoint else "substitute"
     size, columns = right.shape[-2:]
     solution = np.empty((*factors.shape[:-2], size, columns), dtype=object)

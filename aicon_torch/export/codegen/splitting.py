@@ -42,6 +42,7 @@ def split_by(program: Program, results: Sequence[Number], varying: Collection[st
         if number.index in needed and varies[number.index]:
             read.update(argument.index for argument in number.arguments)
 
+    # What does not vary is kept in the struct, unless each call has it anyway.
     at_hand: list[Number] = []
     kept: list[Number] = []
     for number in program.numbers:
@@ -56,6 +57,7 @@ def split_by(program: Program, results: Sequence[Number], varying: Collection[st
 
 def numbers_behind(program: Program, roots: Iterable[Number]) -> set[int]:
     """The indices of some numbers and of all that they depend on."""
+    # Arguments stand before what is computed of them, so one pass backward finds all.
     needed = {number.index for number in roots}
     for number in reversed(program.numbers):
         if number.index in needed:

@@ -43,6 +43,8 @@ class Statements:
     ) -> None:
         self.program = program
         self.phases = in_phases(program, needed)
+
+        # Where loops leave their numbers must be known before the first statement is written.
         self._array_of: dict[int, str] = {}  # where a loop leaves a number, by the number's index
         for phase in self.phases:
             for lanes in chain(*phase.loops.values()):
@@ -55,6 +57,7 @@ class Statements:
         lines: list[str] = []
         for phase in self.phases:
             for number in phase.alone:
+                # Before the loops of the same phase, which may read it.
                 lines += self._statement(number, [self.text(each) for each in number.arguments])
             for rows, looped in phase.loops.items():
                 lines += self._loop_over_rows(rows, looped)
@@ -75,6 +78,7 @@ class Statements:
             for number in phase.alone:
                 yield from number.arguments
             for looped in phase.loops.values():
+                # Lanes of one loop read each other row by row, and need no array for that.
                 here = set(looped)
                 for argument in chain(*(lanes.arguments for lanes in looped)):
                     if argument not in here:
@@ -135,6 +139,7 @@ class Statements:
         elif number.operation == ITEM:
             value = f"{arguments[0]}[{number.value}]"
         elif number.operation == PICK:
+            # An index beyond the candidates picks the first; unsigned, a negative one is beyond.
             index, array = arguments
             (count,) = number.arguments[1].value
             value = f"{array}[(unsigned long long){index} < {count} ? {index} : 0]"
@@ -145,6 +150,7 @@ class Statements:
 
     def _list(self, name: str, numbers: Sequence[Number]) -> str:
         """An array of numbers."""
+        # Constants are static: they lie in the library, and no call writes them anew.
         are_known = all(number.operation == CONSTANT for number in numbers)
         qualifiers = "static const" if are_known else "const"
         listed = ", ".join(map(self.text, numbers))
@@ -153,6 +159,8 @@ class Statements:
     def _loop(self, number: Number, name: str, arguments: Sequence[str]) -> list[str]:
         """An operation on each number of arrays."""
         operation, places, count = number.value
+
+        # A place with {} takes the next argument; one without reads a table by its name.
         given = iter(arguments)
         at_place = [place.format(next(given)) if "{}" in place else place for place in places]
         text = OPERATIONS[operation].text.format(*at_place, f=suffix_of(self.program))
@@ -187,6 +195,8 @@ def _array(lanes: Lanes) -> str:
 def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
     """The call of a routine, whose arguments and results are arrays."""
     *sizes, count = number.value
+
+    # Arguments are gathered into one array, unless they are one already.
     given = f"  const real {name}_in[] = {{{', '.join(arguments)}}};"
     result = f"  real {name}[{count}];"
 
@@ -194,6 +204,7 @@ def _call(number: Number, name: str, arguments: Sequence[str]) -> list[str]:
     if len(number.arguments) == 1 and is_array(number.arguments[0]):
         given, pointers = "", arguments[0]
     if number.operation.startswith("substitute"):
+        # It reads three arrays that stand one after the other: the factors, the rows exchanged, B.
         size = sizes[0]
         pointers = f"{name}_in, {name}_in + {size * size}, {name}_in + {size * size + size}"
     numbers = ", ".join(str(size) for size in sizes)
@@ -207,5 +218,7 @@ def _literal(number: Number, suffix: str) -> str:
     value = float(number.value)
     if not np.isfinite(value):
         return "((real)NAN)" if np.isnan(value) else f"({'-' if value < 0 else ''}(real)INFINITY)"
+
+    # In brackets where there is a sign, −0.0's included: two minuses in a row would be C's `--`.
     text = f"{value!r}{suffix}"
     return f"({text})" if value < 0 or text.startswith("-") else text

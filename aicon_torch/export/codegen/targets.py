@@ -38,6 +38,7 @@ class Target(NamedTuple):
 
 
 TARGETS = {
+    # The numbers name the oldest glibc to run with: 2.17 of 2012, or 2.27, the first with RISC-V.
     "x86_64-linux": Target("x86_64-linux-gnu.2.17", ".so", "PCs and industrial PCs with Linux"),
     "aarch64-linux": Target(
         "aarch64-linux-gnu.2.17", ".so", "Raspberry Pi OS of 64 bits, NVIDIA Jetson"

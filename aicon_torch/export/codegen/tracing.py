@@ -46,7 +46,10 @@ def in_c(
         varying: Of a function that is called many times, the inputs that differ from call to call:
             what depends on the others alone becomes a function of its own, to be called once.
     """
+    # Copies: tensors are told apart by identity, and nothing is to change the examples.
     given = [examples[input].clone() for input in inputs]
+
+    # It runs once. What is noted lies below autograd, so that gradients are operations too.
     operations = Operations(given, _decompositions())
     with operations:
         returned = traced(*given)
@@ -60,6 +63,8 @@ def in_c(
 
     writer = Writer(program)
     results = translate(operations.needed_for(returned), writer, numbers, returned)
+
+    # Outputs are flat arrays of real numbers; truth values and indices become 0, 1, 2, ...
     real = [writer.cast(result, "real") for result in results]
     named = dict(zip(outputs, real, strict=True))
     if varying:
@@ -87,6 +92,8 @@ def _decompositions() -> dict[Any, Callable[..., Any]]:
 def _without_nan(values: Tensor, *replacements: float | None) -> Tensor:
     """``nan_to_num``."""
     nan, largest, smallest = (*replacements, None, None, None)[:3]
+
+    # What torch puts in their place by default: 0, and the limits of the precision.
     limits = torch.finfo(values.dtype)
     found = torch.where(values.isnan(), 0.0 if nan is None else nan, values)
     found = torch.where(values == -math.inf, limits.min if smallest is None else smallest, found)
@@ -114,9 +121,11 @@ def _solve_with_factors(
     matrix: Tensor, right: Tensor, *, left: bool = True, check_errors: bool = False
 ) -> tuple[Tensor, Tensor, Tensor, Tensor]:
     """X of A X = B, the factors by which older torch takes its derivative, and 0 for success."""
+    # LAPACK counts by columns: to it, a contiguous A is Aᵀ, and so older torch factorizes that.
     is_turned = matrix.is_contiguous()
     factors, rows, success = ATEN.linalg_lu_factor_ex(matrix.mT if is_turned else matrix)
 
+    # One vector for each A: a right-hand side of n numbers, or of all dimensions of A but the last.
     is_vector = right.ndim == 1 or right.shape == matrix.shape[:-1]
     columns = right.unsqueeze(-1) if is_vector else right
     found = ATEN.linalg_lu_solve(factors, rows, columns, left=left, adjoint=is_turned)

@@ -52,6 +52,7 @@ def translate(
     known: dict[int, Any] = {id(tensor): numbers for tensor, numbers in inputs}
 
     def numbers_of(tensor: Tensor) -> Any:
+        # A tensor that was there before the function ran, such as a parameter, is a constant.
         if id(tensor) not in known:
             known[id(tensor)] = writer.array(tensor)
         return known[id(tensor)]
@@ -62,6 +63,8 @@ def translate(
         found = _apply(operation, writer, *arguments)
         if isinstance(operation.result, Tensor):
             found = (found,)
+
+        # Results that nobody asked for may be missing at the end of either.
         known.update(
             (id(tensor), numbers)
             for tensor, numbers in zip(operation.returned, found, strict=False)
@@ -72,6 +75,8 @@ def translate(
 def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
     """What one operation makes of its arguments."""
     name = _name_of(operation)
+
+    # `add_` has no translation of its own: it is `add`, written into its first argument.
     changes_in_place = name not in TRANSLATIONS and name.endswith("_")
     translation = TRANSLATIONS.get(name.removesuffix("_") if changes_in_place else name)
     if translation is None:
@@ -82,6 +87,7 @@ def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
     except NotImplementedError as error:
         raise GraphError(f"{_what(operation)} cannot be exported {error}.") from error
     if changes_in_place:
+        # Slices of this array share its numbers, and see the change as views of a tensor do.
         args[0][...] = result
         return args[0]
     return result

@@ -46,6 +46,7 @@ def _into(program: Program, output: str, numbers: list[Number]) -> Iterator[Writ
                     break
                 count += 1
 
+        # A long stretch is copied as a whole, a short one number by number.
         if start is not None and count >= LOOPED:
             yield Write(output, place, program.array(array), first, count)
         else:

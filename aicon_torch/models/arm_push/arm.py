@@ -87,6 +87,8 @@ def moved_by(options: Options) -> str:
 def joints(options: Options) -> EKF:
     """x_joints: the encoders, filtered."""
     velocity = moved_by(options)
+
+    # Until they are read, joints are next to unknown, about the middle of their ranges.
     middle = options.robot.chain.middle.tolist()
     agreement = Affine(x_joints=1.0, z_joints=-1.0)
     belief: dict[str, Any] = {

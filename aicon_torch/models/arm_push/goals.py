@@ -42,6 +42,7 @@ class Ring:
         Raises:
             OptionError: If the object is too large for any.
         """
+        # On either side of the object the stick has to get around its farthest corner.
         around = body.radius + robot.stick_radius
         nearest, farthest = robot.nearest + around, robot.reach - around
         if not nearest < farthest:
@@ -100,6 +101,7 @@ class CertainPush:
             x_target: Its target, likewise.
             P_pose: Covariance of the pose, ``(*B, 3, 3)``.
         """
+        # tr Σ, with the angle as a length.
         x, y, angle = P_pose.diagonal(dim1=-2, dim2=-1).unbind(-1)
         trace = x + y + self.rotation_length**2 * angle
 

@@ -105,6 +105,7 @@ class ImageRegistration:
 
     def search(self, image: RGBDImage, face: TopFace, best: Detection | None) -> Detection:
         """The best fit from starts in all orientations at once, or from the best so far."""
+        # Few points for many starts; the best of them is then fitted to all.
         coarse = face._replace(edges=thin(face.edges, SEARCH_EDGE_POINTS))
         angles = np.arange(ORIENTATIONS) * 2 * np.pi / ORIENTATIONS
         middles = np.tile(face.surface.mean(0), (ORIENTATIONS, 1))
@@ -132,6 +133,8 @@ class ImageRegistration:
             The poses that fit, ``(*B, 3)``.
         """
         poses = np.array(starts, dtype=np.float64)
+
+        # A fit that has arrived stands still while others go on.
         moving = np.ones((*poses.shape[:-1], 1), np.bool_)
         for iteration in range(MOST_STEPS):
             scale = FIRST_SCALE if iteration < MOST_STEPS // 2 else LAST_SCALE
@@ -155,6 +158,7 @@ class ImageRegistration:
         jacobian = np.concatenate((normal, by_angle[..., None]), axis=-1)
         weighted = np.swapaxes(jacobian * weight[..., None], -1, -2)
 
+        # Damped a little: edges that all run in one direction leave the pose open along it.
         damped = weighted @ jacobian + np.diag([1e-3, 1e-3, 1e-5])
         steps = np.linalg.solve(damped, weighted @ distance[..., None])[..., 0]
         bounded: Array = np.clip(steps, -LARGEST_STEP, LARGEST_STEP)
@@ -185,6 +189,8 @@ class ImageRegistration:
         samples = place(self.samples, poses)
         heights = np.full((*samples.shape[:-1], 1), face.height)
         points = np.concatenate((samples, heights), axis=-1)
+
+        # As the camera sees the samples: z ahead, and u and v in px.
         x, y, z = np.moveaxis((points - image.position) @ image.rotation, -1, 0)
 
         focal, center_x, center_y, width, height = self.intrinsics
@@ -193,6 +199,7 @@ class ImageRegistration:
         columns = np.where(in_view, u, 0.0).round().astype(int)
         rows = np.where(in_view, v, 0.0).round().astype(int)
 
+        # A sample that something hides tells nothing, either way.
         free = in_view & ~face.hidden[rows, columns]
         seen = free & is_colored(image.rgb[rows, columns])
         count = free.sum(-1)

@@ -93,6 +93,8 @@ class TopFaceSegmentation:
         rows, columns = np.nonzero(colored)
         rays = self._rays(columns, rows) * image.depth[rows, columns]
         heights = image.rotation[2] @ rays + image.position[2]
+
+        # The sides are lower than the top face: without them, the median is on it.
         upper = heights[heights > np.quantile(heights, 0.3)]
         top = float(np.median(upper if len(upper) else heights))
 
@@ -131,6 +133,8 @@ class TopFaceSegmentation:
     def _on_plane(self, u: NDArray[Any], v: NDArray[Any], image: RGBDImage, height: float) -> Array:
         """Where the rays through pixels meet the plane of a height, ``(n, 2)``, m."""
         rays = image.rotation @ self._rays(u, v)
+
+        # Along each ray from the camera, until it has dropped to the height.
         drop = height - image.position[2]
         points: Array = (image.position[:2, None] + rays[:2] * drop / rays[2]).T
         return points
@@ -143,6 +147,7 @@ class TopFaceSegmentation:
 
 def is_colored(rgb: NDArray[np.uint8]) -> Mask:
     """Whether pixels ``(..., 3)`` are red, or blue, however dark."""
+    # By half more than either of the others; in 16 bits, since three times 255 exceeds a byte.
     red, green, blue = _planes(rgb.astype(np.int16))
     is_red = 2 * red > 3 * np.maximum(green, blue)
     is_blue = 2 * blue > 3 * np.maximum(red, green)

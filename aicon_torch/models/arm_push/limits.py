@@ -66,11 +66,14 @@ class ArmLimits(nn.Module):
         # The least motion of the joints that takes away the rest.
         motion = torch.cat((planar, rise, tilt, turn), dim=-1)
         a = a - self.end_effector.solve(jacobian, nominal - motion)
+
+        # All joints slow down together, so that the tip keeps its direction.
         excess = (a.abs() / self.joint_speeds.to(a)).amax(-1, keepdim=True)
         return a / excess.clamp(min=1.0)
 
     def _settle(self, rise: Tensor, x_heights: Tensor) -> Tensor:
         """A vertical speed ``(*B, 1)``, m/s, that arrives at the height not too soon."""
+        # On the way to the height no faster than it would arrive; on the way from there it is free.
         arrival = -x_heights / SETTLING_TIME
         slower = torch.minimum(rise.abs(), arrival.abs()) * rise.sign()
         return torch.where(arrival * rise > 0, slower, rise)

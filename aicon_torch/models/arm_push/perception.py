@@ -111,6 +111,7 @@ class CameraPerception:
             image = RGBDImage(rgb, depth, at_exposure[:3, :3], at_exposure[:3, 3])
             prior = None
             if known is not None:
+                # Where late images are made up for, the pose that was believed at its exposure.
                 believed = known.get("x_pose_then", known["x_pose"])
                 prior = believed[row].numpy(force=True).copy()
             views.append((row, image, prior, since))
@@ -159,6 +160,8 @@ class CameraPerception:
 
         for row, ((corners, middle), then) in (seen or {}).items():
             age[row] = then + late * self.dt
+
+            # The graph takes what was seen for seen from where the camera is now.
             camera = self.camera(joints[row])
             if corners is not None:
                 keypoints[row] = _in_frame(camera, corners).ravel()
@@ -182,6 +185,8 @@ class CameraPerception:
         found = self.registration(image, prior)
         if found is None:
             return None, None
+
+        # It is there, but perhaps turned some other way.
         if found.score < TRUSTED_SCORE:
             return None, np.array([*found.middle, found.height])
 
@@ -200,6 +205,7 @@ class CameraPerception:
     @staticmethod
     def _is_new(age: NDArray[Any], values: Mapping[str, Tensor] | None, forgotten: Mask) -> Mask:
         """Which images ``(*B,)`` are new: one that was read before is older than it was then."""
+        # What is of age zero was taken in this very step.
         new: Mask = forgotten | (age <= 0)
         if values is not None:
             new |= age < values["z_age"].numpy(force=True)[..., 0]

@@ -25,6 +25,8 @@ def signed_distance(points: Array, corners: Array) -> tuple[Array, Array]:
         side from its start to its end.
     """
     gap_x, gap_y = _gaps(points, corners)
+
+    # Each point is compared with the side that is nearest to it.
     nearest = (gap_x**2 + gap_y**2).argmin(-1)[..., None]
     gap_x = np.take_along_axis(gap_x, nearest, -1)[..., 0]
     gap_y = np.take_along_axis(gap_y, nearest, -1)[..., 0]
@@ -47,6 +49,8 @@ def contains(points: Array, corners: Array, margin: float) -> Mask:
     """
     gap_x, gap_y = _gaps(points, corners)
     distance = np.sqrt((gap_x**2 + gap_y**2).min(-1))
+
+    # A ray that begins inside crosses an odd number of sides.
     inside = _crossings(points, corners) % 2 == 1
 
     kept: Mask

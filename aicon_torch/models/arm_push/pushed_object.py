@@ -113,8 +113,12 @@ def _pushed_pose(scene: Scene, felt: Sequence[Measurement] = (), **belief: Any) 
     options = scene.options
     motion = PoseMotion(scene.dynamics, options.robot.stick_radius, options.stick_friction)
     inputs = ["x_pose", "x_pusher", "d_pusher"]
+
+    # A random walk, whose deviation grows with the root of the time.
     deviation = options.drift * options.dt**0.5
     moved_by = {"x_pusher": 2, "d_pusher": 2 * options.parts, "dt": 1}
+
+    # After a late image the steps since are gone through again, with what was felt in each.
     if felt:
         moved_by["x_force"] = 3
 

@@ -72,6 +72,7 @@ class PushingRobot(Robot):
         axes = description.get("axes") or ((0.0, 0.0, 1.0),) * count
         _check_count({**description, "axes": axes}, count)
 
+        # Low, high and speed of each joint, in the order in which a Joint has them.
         ranges = zip(*(description[name] for name in JOINTS[1:]), strict=True)
         joints: list[Joint] = []
         for number, (axis, limits) in enumerate(zip(axes, ranges, strict=True), start=1):
@@ -113,6 +114,8 @@ def _shape(description: Mapping[str, Any], joints: int) -> Capsules:
     """The capsules of arm and tool, and those of them that can meet."""
     given = tuple(Capsule(*capsule) for capsule in description["capsules"])
     files = description.get("collisions")
+
+    # Without files, the capsules that are given are those of the whole robot.
     if files is None:
         links = tuple(f"link {capsule.link}" for capsule in given)
         return Capsules(given, links, tuple(distant_pairs(given)))
@@ -133,6 +136,7 @@ def _pairs_with_tool(shape: Capsules, tool: Sequence[Capsule]) -> list[tuple[int
     return pairs
 
 
+# For each joint the transform from the link before it; the last column is the position, m.
 PANDA_FRAMES: tuple[Transform, ...] = (
     ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.333)),
     ((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, -1.0, 0.0, 0.0)),
@@ -151,6 +155,7 @@ PANDA_CAMERA: Transform = (
     (0.0, -0.099833417, 0.995004165, 0.03),
 )
 
+# The links from the base on, and last the tool: the stick and the camera.
 PANDA_CAPSULES = (
     Capsule(0, (-0.09, 0.0, 0.06), (-0.06, 0.0, 0.06), 0.09),
     Capsule(1, (0.0, 0.0, -0.333), (0.0, 0.0, -0.05), 0.09),

@@ -36,4 +36,6 @@ def end_effector(options: Options) -> EndEffector:
     """The arm, from the joints to x_ee."""
     robot = options.robot
     pose = ToolPose(robot.stick_length, options.lever)
+
+    # A chain of its own, which the model takes into its precision and onto its device.
     return EndEffector(copy.deepcopy(robot.chain), pose, options.pullback, options.damping)

@@ -57,6 +57,8 @@ def world_model(options: Options) -> WorldModel:
     """The graph of the paper's navigation, with its paths p₁, p₂ and p₃."""
     robot = Deterministic("x_rob", displacement, is_motion=True)
     target, obstacle = _target(options), _obstacle(options)
+
+    # The cost of reaching has the paths p₁ and p₂, that of avoiding p₃.
     reach = Goal("reach", target.expected_distance())
     avoid = Goal("avoid", obstacle.collision_likelihood(COLLISION_LENGTH))
 
@@ -125,6 +127,8 @@ def _actuator(options: Options, obstacle: Clearance) -> Actuator:
     jumps = JUMPS if options.sensing == "range_bearing" else 0
     latency = (options.action_delay + jumps) * options.dt
     offset = options.range_offset
+
+    # What is read and done at once needs no limit besides the goal that avoids obstacles.
     limits = []
     if options.delay or latency or offset:
         limits = [obstacle.limits(ClearanceLimits.for_latency(latency, offset))]
@@ -133,6 +137,7 @@ def _actuator(options: Options, obstacle: Clearance) -> Actuator:
 
 def _target(options: Options) -> Landmark:
     """p_tar, P_tar: where the target is, from its bearing and from the agent's motion."""
+    # A bearing tells the direction at once; the distance takes some motion across it.
     prior = BearingPrior(
         TARGET_DISTANCE,
         across=TARGET_DISTANCE * options.bearing_noise,

@@ -40,6 +40,7 @@ T_WIDTH = 120 * PIXEL
 T_KEYPOINTS = tuple(
     (x * PIXEL, y * PIXEL)
     for x, y in (
+        # The bar, and then the stem, px.
         *((-60, 0), (60, 0), (60, 30), (-60, 30)),
         *((-15, 30), (15, 30), (15, 120), (-15, 120)),
     )

@@ -55,6 +55,7 @@ def world_model(options: Options) -> WorldModel:
             *pusher_estimators(options, servo),
             *object_estimators(options, dynamics, motion_in_step(options, servo).parts),
             _target(options, body),
+            # A path for each side: p₁ leads over p_contact, p₂ over x_contact.
             *_contacts(options, body),
             Deterministic("x_obj", dynamics),
         ],

@@ -33,6 +33,8 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     """What is read, px in m; pusher and object may be out of sight for a while."""
     seen = {"optional": True, "scale": PIXEL, "range": BOARD, **_watched(options)}
     size = 2 * len(body.keypoints)
+
+    # Keypoints that no rigid object can have are no reading.
     shape = RigidShape(body, BEND + JUMP_DEVIATIONS * options.keypoint_noise)
     rigid: dict[str, Any] = {"is_possible": shape} if options.watchdog else {}
     found = {
@@ -69,6 +71,7 @@ def _watched(options: Options) -> dict[str, Any]:
 
 def _moving(options: Options) -> dict[str, Any]:
     """The pusher's place changes while it is driven, and not faster than it can."""
+    # In px a second, as it is read: the pusher's speed for a moment, and what noise may add.
     noise = JUMP_DEVIATIONS * PUSHER_NOISE / options.dt
     fastest = (FASTEST * options.max_speed + noise) / PIXEL
     return {"rate_limit": fastest, "driven_by": "a"} if options.watchdog else {}
@@ -78,6 +81,8 @@ def actuator(options: Options, servo: Servo) -> Actuator:
     """The pusher's velocity, and what the environment is sent in its place."""
     low, high = WORKSPACE
     fastest = options.max_speed
+
+    # A command beyond the board, or faster than the pusher may be, is never sent.
     bounds = (low, high) if options.command == "position" else (-fastest, fastest)
     return Actuator(
         2,

@@ -104,6 +104,8 @@ class Options:
                 "picture: what is seen in pictures is prompt and has no keypoints; expected "
                 "keypoint_offset=0 and delay=0."
             )
+
+        # A step is a whole number of sub-steps, over which the controller is one linear map.
         if self.dt < SUBSTEP or abs(self.dt / SUBSTEP - self.substeps) > 1e-6:
             raise OptionError(
                 f"dt={self.dt!r}: expected a multiple of {SUBSTEP} s, the PD controller's sub-step."

@@ -59,6 +59,8 @@ class PoseNetwork(nn.Module):
     def __init__(self, body: RigidObject) -> None:
         super().__init__()
         self.body, corners = body, len(body.keypoints)
+
+        # Halved twice, so that a heatmap has a cell for four by four px of the picture.
         layers: list[nn.Module] = [
             *(nn.Conv2d(3, 16, 3, stride=2, padding=1), nn.ReLU()),
             *(nn.Conv2d(16, CHANNELS, 3, stride=2, padding=1), nn.ReLU()),
@@ -67,7 +69,11 @@ class PoseNetwork(nn.Module):
             convolution = nn.Conv2d(CHANNELS, CHANNELS, 3, padding=dilation, dilation=dilation)
             layers += [convolution, nn.ReLU()]
         self.features = nn.Sequential(*layers)
+
+        # For each corner a map of where it is, and one of how unsure that looks.
         self.heatmaps = nn.Conv2d(CHANNELS, 2 * corners, 3, padding=1 + MARGIN)
+
+        # The features, pooled in two ways, and three numbers for each corner tell the variances.
         told = 2 * CHANNELS + 3 * corners
         self.variances = nn.Sequential(nn.Linear(told, 24), nn.ReLU(), nn.Linear(24, 3))
 
@@ -115,6 +121,7 @@ def first_sight(z_seen: Tensor) -> tuple[Tensor, Tensor]:
 
 def along(cells: int, like: Tensor) -> Tensor:
     """Where the centres of the cells of a heatmap are along one axis, ``(cells,)``, m."""
+    # The picture shows the workspace; the cells of the margin lie beyond it.
     low, high = WORKSPACE
     size = (high - low) / (cells - 2 * MARGIN)
     return low + size * (torch.arange(cells).to(like) - MARGIN + 0.5)
@@ -163,6 +170,8 @@ class PicturePerception:
         """The observation with ``seen`` ``(*B, 6)`` in place of ``pixels`` ``(*B, h, w, 3)``."""
         pictures = torch.as_tensor(np.asarray(observation["pixels"]))
         batch = pictures.shape[:-3]
+
+        # Observations have colours last, from 0 to 255, networks first, from 0 to 1.
         flat = pictures.reshape(-1, *pictures.shape[-3:]).movedim(-1, -3)
         seen = self.network(flat.float() / 255).pose
         told = {name: value for name, value in observation.items() if name != "pixels"}

@@ -47,6 +47,8 @@ def rigid_object(options: Options) -> RigidObject:
     """The object that the options describe: the benchmark's T unless they give other corners."""
     order, center = options.outline_order, options.center_of_mass
     gyration = options.radius_of_gyration
+
+    # An object of somebody's own has none of the T's numbers.
     if options.keypoints is not None:
         return RigidObject.of(options.keypoints, order, center, gyration)
 
@@ -79,6 +81,8 @@ def _offset(options: Options, body: RigidObject) -> EKF:
     least_motion = LEAST_MOTION + MOTION_DEVIATIONS * options.keypoint_noise
     gap = KeypointOffset(body, PUSHER_RADIUS, TOUCH_DEVIATION, least_motion)
     reading = Interconnection(gap.gap, x_offset=gap.gap_jacobian)
+
+    # By the pose that was seen last it is the identity, and by the offset nothing.
     last_pose = Interconnection(gap.last_pose, x_offset=Constant(torch.eye(5)[2:]))
 
     return EKF(
@@ -101,6 +105,7 @@ def _residual(options: Options, registration: KeypointRegistration) -> Callable[
         return registration
 
     def without_offset(x_pose: Tensor, z_keypoints: Tensor, x_offset: Tensor) -> Tensor:
+        # What is seen is off by the offset: x_pose + offset = seen.
         return registration(x_pose, z_keypoints) + pad(x_offset[..., :2], (0, 1))
 
     return without_offset
@@ -112,6 +117,8 @@ def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
     The first estimate has the covariance that it tells in either case.
     """
     motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
+
+    # What the network tells of each picture, what the options say of all, or next to nothing.
     noise: Noise = seen_variances
     if options.picture_noise is not None:
         noise = _variances(options.picture_noise, dynamics.body)
@@ -146,6 +153,8 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
     """The pose as the keypoints show it."""
     body = dynamics.body
     motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
+
+    # Without estimation nothing is predicted, and readings are taken as they come.
     registration = KeypointRegistration(body, PRIOR_DEVIATION)
     residual = Interconnection(_residual(options, registration), x_pose=Constant(torch.eye(3)))
     reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE

@@ -69,6 +69,7 @@ def read_collision_geometry(source: str | Path) -> dict[str, CollisionGeometry]:
     root = parse_xml(source, root_tag="robot")
     folder = Path() if is_text(source) else Path(source).resolve().parent
 
+    # Counted before anything is read, since all that follows takes time and memory.
     count = len(root.findall("link/collision"))
     if count > MOST_SHAPES:
         raise OptionError(
@@ -158,8 +159,11 @@ def find_mesh(filename: str, folder: Path) -> Path:
         FileNotFoundError: If it is not there.
     """
     scheme, _, path = filename.rpartition("://")
+
+    # From the folder of the URDF, unless it is a whole path.
     candidates = [folder / path] if scheme != "file" else [Path(path)]
     if scheme in ("package", "model"):
+        # A folder above holds the package, or is the package under another name.
         _, _, inside = path.partition("/")
         for above in (folder, *folder.parents):
             candidates += [above / path, above / inside]

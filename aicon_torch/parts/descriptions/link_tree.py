@@ -63,6 +63,7 @@ class JointDescription(NamedTuple):
         if self.kind == "prismatic":
             motion[:3, 3] = q * self.axis
         elif self.moves:
+            # R = I + sin q [a]× + (1 − cos q) [a]×².
             cross = np.cross(np.eye(3), self.axis)
             motion[:3, :3] += np.sin(q) * cross + (1.0 - np.cos(q)) * cross @ cross
         return motion
@@ -96,6 +97,7 @@ class LinkTree:
         _check_unique("links", self.links)
         _check_unique("joints", [joint.name for joint in self.joints])
 
+        # Each joint hangs one link on another, and no link hangs twice.
         links = frozenset(self.links)
         for joint in self.joints:
             for link in (joint.parent, joint.child):
@@ -117,6 +119,7 @@ class LinkTree:
         Raises:
             OptionError: If it does not; it names the joints of the loop.
         """
+        # Up from each link to the root, or to where somebody has climbed from before.
         known: set[str] = set()  # from here it ends
         for link in self.links:
             climbed: dict[str, JointDescription] = {}
@@ -179,6 +182,7 @@ class LinkTree:
             if link not in self.links:
                 raise OptionError(f"{name}={link!r}: expected one of {_shown(self.links)}.")
 
+        # The base has to be on the way from the root to the tip.
         from_root = self._joints_to(tip)
         links = [*(joint.parent for joint in from_root), tip]
         if base not in links:

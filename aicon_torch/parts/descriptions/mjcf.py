@@ -102,6 +102,7 @@ class _Reader:
         for index in range(1, self.model.nbody):
             self._add_body(index)
 
+        # Sites are links that do not move, so that one can be the tip.
         for index in range(self.model.nsite):
             site = self.model.site(index)
             if site.name and site.name not in self.links:
@@ -148,6 +149,7 @@ class _Reader:
             mimics=self._leader(index),
         )
 
+        # Drawn at qpos0, the link is M(qpos0) beyond where it is at zero.
         drawn_at = float(model.qpos0[model.jnt_qposadr[index]])
         from_zero = np.linalg.inv(joint.motion(drawn_at))
         self.joints.append(joint._replace(fixed=fixed @ from_zero))
@@ -173,6 +175,8 @@ class _Reader:
     def _leader(self, index: int) -> str | None:
         """The joint that an equality constraint makes this one follow, if any."""
         model = self.model
+
+        # The first joint of such a constraint follows the second one, or a constant.
         couples = model.eq_type == int(self.mujoco.mjtEq.mjEQ_JOINT)
         active = couples & (model.eq_active0 == 1) & (model.eq_obj1id == index)
         if not active.any():

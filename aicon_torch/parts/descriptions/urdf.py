@@ -73,6 +73,8 @@ def origin_of(element: ElementTree.Element, owner: str) -> NDArray[Any]:
         return transform
 
     roll, pitch, yaw = numbers_of(origin, "rpy", owner, (0.0, 0.0, 0.0))
+
+    # About axes that do not turn along: first x, then y, then z.
     turn_x = [
         [1.0, 0.0, 0.0],
         [0.0, np.cos(roll), -np.sin(roll)],
@@ -130,6 +132,7 @@ def _axis(element: ElementTree.Element, owner: str) -> NDArray[Any]:
     x_axis = (1.0, 0.0, 0.0)
     direction = np.array(x_axis) if axis is None else numbers_of(axis, "xyz", owner, x_axis)
 
+    # Only a joint that is fixed can do without an axis.
     length = float(np.linalg.norm(direction))
     if length == 0.0 and element.get("type") != "fixed":
         raise OptionError(f"{owner} has the axis (0, 0, 0): expected a direction.")
