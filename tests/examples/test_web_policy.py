@@ -82,7 +82,7 @@ def test_every_step_is_the_readable_one(task: str, tmp_path: Path) -> None:
     state: Any = None
     rows: dict[str, list[Any]] = {"readings": [], "starts": [], "native": []}
     readable: dict[int, Any] = {}
-    episodes = record_episodes(task, CONDITIONS[task], STEPS)
+    episodes = record_episodes(task, CONDITIONS[task], STEPS, library)
     for step, (observation, begins) in enumerate(episodes):
         before = None if begins else state
         _, state = library.predict(observation, before)
