@@ -57,7 +57,10 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def replayed(
-    library: Library, exported: ExportedPolicy, perception: Any, observations: list[tuple[Any, bool]]
+    library: Library,
+    exported: ExportedPolicy,
+    perception: Any,
+    observations: list[tuple[Any, bool]],
 ) -> tuple[list[Any], list[Any], list[bool]]:
     """Readings as the library takes them, its commands, and where an episode begins, a row each."""
     layout = Layout.from_json(library.metadata["memory"])
