@@ -102,8 +102,8 @@ def check_command() -> None:
 
 
 def _roll_out(task: str, environment: str, **options: Any) -> tuple[int, bool]:
-    """Run an episode with seed 0; return its steps, and whether it succeeded."""
-    policy = importlib.import_module("aicon_torch").make_policy(task)
+    """Run a compiled policy with seed 0; return its steps, and whether it succeeded."""
+    policy = importlib.import_module("aicon_torch").make_policy(task).compile()
     env = importlib.import_module("gymnasium").make(environment, **options)
     observation, info = env.reset(seed=0)
 

@@ -15,7 +15,7 @@ from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.bench import record_episodes
 from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_baselines.tasks import load, names
-from aicon_torch import load_exported
+from aicon_torch import ExportedPolicy, load_exported
 from aicon_torch.export.codegen.targets import TARGETS
 from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
@@ -43,9 +43,10 @@ def run(arguments: argparse.Namespace) -> None:
     policy: Any = factory(task, "aicon", **law)(condition)
     policy.export(folder / "policy.so", task=task, condition=condition)
 
-    episodes = record_episodes(task, condition, arguments.steps)
+    exported = load_exported(folder / "policy.so", perception=policy.perception)
+    episodes = record_episodes(task, condition, arguments.steps, exported)
     files = ("readings.bin", "commands.bin", "starts.bin")
-    recorded = replayed(folder / "policy.so", policy.perception, episodes)
+    recorded = replayed(Library.read(folder / "policy.so"), exported, policy.perception, episodes)
     for name, rows in zip(files, recorded, strict=True):
         np.array(rows, dtype=np.float64).tofile(folder / name)
     if arguments.target is not None:
@@ -56,10 +57,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def replayed(
-    path: Path, perception: Any, observations: list[tuple[Any, bool]]
+    library: Library,
+    exported: ExportedPolicy,
+    perception: Any,
+    observations: list[tuple[Any, bool]],
 ) -> tuple[list[Any], list[Any], list[bool]]:
     """Readings as the library takes them, its commands, and where an episode begins, a row each."""
-    library, exported = Library.read(path), load_exported(path)
     layout = Layout.from_json(library.metadata["memory"])
     memory = library.blank()
     readings, commands, starts = [], [], []

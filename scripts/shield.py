@@ -22,12 +22,14 @@ from aicon_baselines.agents.shields.world import World, guards, seeded
 from aicon_baselines.agents.shipped import shipped_folder
 from aicon_baselines.cli.command_line import Command, run_command
 from aicon_baselines.evaluation.episodes import Step, run_episodes
+from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.named import find
 from aicon_baselines.tasks import load
 from aicon_envs.nav2d import Physics, make_map
 from aicon_torch import load_exported
+from aicon_torch.errors import choices
 
 
 class Heard:
@@ -87,6 +89,9 @@ def _world(name: str) -> World:
     """A world of ours by its name, or MODULE:WORLD of somebody else."""
     if name in WORLDS:
         return WORLDS[name]()
+    if ":" not in name:
+        whole = choices((*WORLDS, "random", "time", "draw"))
+        raise ComparisonError(f"{name!r}: expected {whole} or MODULE:WORLD.")
     world: World = find(name)()
     return world
 

@@ -1,30 +1,13 @@
 """The site as it is built: nothing comes from elsewhere, and nothing is cut."""
 
 import re
-import subprocess
-import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from _documents import ROOT
 
 import aicon_torch
 
 pytestmark = pytest.mark.slow
-pytest.importorskip("sphinx", reason="the site is built by the extra [docs]")
-
-
-@pytest.fixture(scope="module")
-def site(made_once: Callable[[str, Callable[[Path], Any]], Path]) -> Path:
-    """The site, built."""
-
-    def build(folder: Path) -> None:
-        words = ["-W", "--keep-going", "-q", "-b", "html", "docs", str(folder)]
-        subprocess.run([sys.executable, "-m", "sphinx", *words], cwd=ROOT, check=True)
-
-    return made_once("site", build)
 
 
 def test_no_page_loads_anything_from_elsewhere(site: Path) -> None:

@@ -14,7 +14,8 @@ import pytest
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.bench import record_episodes
 from aicon_torch import Foresight, OptionError, load_exported, make_policy
-from aicon_torch.export.codegen import has_compiler
+from aicon_torch.export.codegen import compile_library, has_compiler
+from aicon_torch.export.codegen.targets import WEB
 from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
 
@@ -73,8 +74,10 @@ def test_every_step_is_the_readable_one(task: str, tmp_path: Path) -> None:
     """And the very same as that of the library of this machine, to the last bit."""
     pytest.importorskip("mujoco", reason="no MuJoCo (pip install mujoco)")
     policy: Any = factory(task, "aicon")(CONDITIONS[task])
-    policy.export(tmp_path / "policy.wasm")
-    policy.export(tmp_path / "policy.so")
+    policy.export(tmp_path / "policy.c")
+    source = (tmp_path / "policy.c").read_text()
+    compile_library(source, tmp_path / "policy.wasm", WEB)
+    compile_library(source, tmp_path / "policy.so")
     library = load_exported(tmp_path / "policy.so", perception=policy.perception)
     layout = Layout.from_json(library.metadata["memory"])
 
@@ -82,7 +85,7 @@ def test_every_step_is_the_readable_one(task: str, tmp_path: Path) -> None:
     state: Any = None
     rows: dict[str, list[Any]] = {"readings": [], "starts": [], "native": []}
     readable: dict[int, Any] = {}
-    episodes = record_episodes(task, CONDITIONS[task], STEPS)
+    episodes = record_episodes(task, CONDITIONS[task], STEPS, library)
     for step, (observation, begins) in enumerate(episodes):
         before = None if begins else state
         _, state = library.predict(observation, before)

@@ -97,19 +97,20 @@ def observations_of_one(task: str, condition: str, steps: int) -> list[dict[str,
 
 
 def record_episodes(
-    task: str, condition: str, steps: int, seed: int = 1000
+    task: str, condition: str, steps: int, policy: Any, seed: int = 1000
 ) -> list[tuple[Any, bool]]:
-    """Return what AICON observes in episodes one after the other, and where one begins.
+    """Return what a policy observes in episodes one after the other, and where one begins.
 
     Args:
         task: Name of the task.
         condition: Of the task.
         steps: Number of steps of all.
+        policy: What acts.
         seed: Seed of the first episode; the next has the next.
     """
     found: list[tuple[Any, bool]] = []
     while len(found) < steps:
-        observations = record_observations(task, condition, steps - len(found), seed)
+        observations = record_observations(task, condition, steps - len(found), seed, policy)
         found += [(observation, index == 0) for index, observation in enumerate(observations)]
         seed += 1
     return found

@@ -2,7 +2,6 @@
 
 import base64
 import gzip
-import hashlib
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -11,11 +10,12 @@ import torch
 
 from aicon_torch import Policy
 from aicon_torch.export.codegen import compile_library
+from aicon_torch.export.codegen.compiler import identity
 from aicon_torch.export.codegen.targets import WEB
 from building.scripts import KEPT
 
 COMPILED = KEPT / "policies"
-"""Where modules are kept that were compiled before, by their source."""
+"""Where modules are kept that were compiled before, by their source and how it was compiled."""
 
 
 def pack(policy: Policy) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def compiled(policy: Policy) -> bytes:
         source = path.read_text()
 
     COMPILED.mkdir(parents=True, exist_ok=True)
-    module = COMPILED / f"{hashlib.sha256(source.encode()).hexdigest()[:32]}.wasm"
+    module = COMPILED / f"{identity(source, WEB)}.wasm"
     if not module.is_file():
         compile_library(source, module, WEB)
     return module.read_bytes()

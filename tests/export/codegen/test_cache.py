@@ -67,7 +67,7 @@ def flipped(file: Path) -> None:
 def without_checksum(file: Path) -> None:
     source = file.with_suffix(".c")
     source.write_text(PLANTED)
-    command = [*compiler_command(), "-shared", "-fPIC", "-o", str(file), str(source)]
+    command = [*compiler_command(), *compiler.FLAGS, "-shared", "-o", str(file), str(source)]
     subprocess.run(command, check=True)
     source.unlink()
     file.chmod(0o600)
