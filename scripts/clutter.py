@@ -259,7 +259,8 @@ def rehearsed(policy: Policy) -> Rehearsal:
 
     def to_go(memory: Mapping[str, Tensor]) -> Tensor:
         away = memory["x_target"] - memory["x_ee"]  # 20 cm for 1 rad
-        return torch.linalg.vector_norm(away, dim=-1)
+        distance: Tensor = torch.linalg.vector_norm(away, dim=-1)
+        return distance
 
     ways, steps = OtherPlaces(policy, PLACES), round(AHEAD / DT)
     return Rehearsal(policy, imagine, to_go, NEAR, steps, ways, ROUNDS)
