@@ -388,7 +388,7 @@ def report(name: str, rows: Sequence[Row]) -> None:
     print(f"penetrations: {len(touching)} {', '.join(touching)}")
     print(f"least gap to itself: {1e3 * min(r.self_gap for r in rows):.1f} mm")
     print(f"least distance to a stop: {min(r.stop_gap for r in rows):.3f} rad")
-    failed = [f"{row.set} {row.number}" for row in rows if math.isnan(row.time)]
+    failed = [f"{row.set} {row.number}" for row in rows if not row.time <= HORIZON]
     print(f"failed: {', '.join(failed)}")
 
 
@@ -413,8 +413,10 @@ def draw(table: Path, rows: Sequence[Row]) -> None:
 
     figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
     for name in dict.fromkeys(row.policy for row in rows):
-        times = np.sort([row.time for row in rows if row.policy == name])
-        axes.step(times, 100 * np.arange(1, len(times) + 1) / len(times), where="post", label=name)
+        times = np.array([row.time for row in rows if row.policy == name])
+        solved = np.sort(times[times <= HORIZON])
+        shares = 100 * np.arange(1, len(solved) + 1) / len(times)
+        axes.step([*solved, HORIZON], [*shares, *shares[-1:]], where="post", label=name)
     axes.set(xlim=(0, HORIZON), ylim=(0, 100), xlabel="time, s", ylabel="solved, %")
     axes.legend(loc="lower right", frameon=False)
     figure.savefig(table.with_suffix(".png"), dpi=150)
