@@ -71,7 +71,11 @@ class Goal(Node):
         return self.tolerance - cost.unsqueeze(-1)
 
     def gap(self, values: Values, which: Tensor) -> Tensor:
-        """The gap of a number ``(*B,)``, which may differ from row to row, ``(*B,)``."""
+        """Some gaps by their numbers ``(m, *B)``, which may differ from row to row, ``(m, *B)``.
+
+        The values are m copies of the same ones, ``(m, *B, …)``, so that each gap has derivatives
+        of its own.
+        """
         own: Callable[..., Tensor] | None = getattr(self.cost.function, "gap", None)
         if own is not None:
             return own(*self._read(values), which)

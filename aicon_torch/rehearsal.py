@@ -1,4 +1,4 @@
-"""Rehearsal: where a conflict begins, both ways along the nullspace are tried on a model first."""
+"""Rehearsal: before a policy goes one of several ways, all of them are tried on a model."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -7,29 +7,27 @@ import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
 
-from aicon_torch.control.memory import starting_rows
+from aicon_torch.control.memory import STEPS, starting_rows
 from aicon_torch.errors import OptionError
 from aicon_torch.inspection.explanation import Explanation
 from aicon_torch.inspection.trace import StepTrace
 from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
-
-EXPLORING = "/exploring"
-"""How the key ends under which the memory has whether a quantity explores."""
-
-TURNED = ("/average", "/tangent")
-"""How the keys end of what says which way it goes on."""
+from aicon_torch.ways import BothWays, Ways
 
 Readings = Mapping[str, Tensor]
 
 
 class Rehearsal:
-    """A policy that tries both ways where it begins to explore, and goes the better one.
+    """A policy that tries several ways on a model where it is to decide, and goes the best one.
 
-    Exploration goes on as the quantity moved before (Sect. "Escaping Local Minima"), however far
-    around that leads. Here the same policy is first run on a model, from where it is: once as it
-    is, and once with its motion turned around. It goes the way that arrives in fewer steps, or
-    comes nearer where neither does.
+    There the same policy is first run on a model, from where it is, on each of its ways, side by
+    side. It goes the one that arrives in the fewest steps, or comes nearest where none does.
+
+    - :class:`aicon_torch.ways.BothWays`: exploration goes on as the quantity moved before (Sect.
+      "Escaping Local Minima"), however far around that leads; the other way is turned around.
+    - :class:`aicon_torch.ways.OtherPlaces`: an arm that obstacles hold up goes to one place after
+      the other; each way begins with another one.
 
     It anticipates, which the paper's policy does not: it is an option, and none of the policies
     that are shipped has it. What happens after the model's first error is up to the law, which acts
@@ -38,16 +36,19 @@ class Rehearsal:
     It is a policy like any other, whose memory is that of the one within.
 
     Args:
-        policy: The policy. Compile it: it takes hundreds of steps where a conflict begins.
+        policy: The policy. Compile it: it takes hundreds of steps where it decides.
         imagine: The readings after a step, of the readings before it, ``(*B, size)`` each, and of
             the memory that the policy returned then, which has its action in the unit of the
             actuator.
-        cost: Of readings, ``(*B,)``: how far they are from what is wanted.
+        cost: Of the memory that the policy returns, which has readings and estimates, ``(*B,)``:
+            how far they are from what is wanted.
         enough: The cost at which it has arrived.
         steps: How far it looks ahead at most.
+        ways: What it decides among; both ways along the nullspace by default.
+        rounds: How often it looks for a way that arrives, before it takes what comes nearest.
 
     Raises:
-        OptionError: If it looks no step ahead, or the policy does not explore.
+        OptionError: If it looks no step ahead, or there are no ways to decide among.
 
     Example:
         >>> def imagine(readings, memory):
@@ -60,16 +61,19 @@ class Rehearsal:
         self,
         policy: Policy,
         imagine: Callable[[Readings, Mapping[str, Tensor]], Readings],
-        cost: Callable[[Readings], Tensor],
+        cost: Callable[[Mapping[str, Tensor]], Tensor],
         enough: float,
         steps: int = 1000,
+        ways: Ways | None = None,
+        rounds: int = 1,
     ) -> None:
-        if steps < 1:
-            raise OptionError(f"steps={steps!r}: expected at least one.")
-        if getattr(policy.resolution, "exploration", None) is None:
-            raise OptionError("policy: it does not explore, so there is nothing to rehearse.")
+        for name, value in {"steps": steps, "rounds": rounds}.items():
+            if value < 1:
+                raise OptionError(f"{name}={value!r}: expected at least one.")
         self.policy = policy
         self.imagine, self.cost, self.enough, self.steps = imagine, cost, enough, steps
+        self.ways = BothWays(policy) if ways is None else ways
+        self.rounds = rounds
 
     def predict(
         self,
@@ -80,7 +84,9 @@ class Rehearsal:
     ) -> tuple[Any, Memory]:
         """One control step, with the signature of stable-baselines3: see :class:`Policy`."""
         action, memory = self.policy.predict(observation, state, episode_start, deterministic)
-        begins = self._begins(memory, state, episode_start)
+        batch = tuple(memory[STEPS].shape)
+        starts = starting_rows(episode_start, batch, self.policy.model.like.device)
+        begins = self.ways.begins(memory, state, starts)
         if begins.any():
             memory = self._better_way(observation, memory, begins)
         return action, memory
@@ -93,52 +99,52 @@ class Rehearsal:
         """What the step that returned this memory decided, in numbers to read."""
         return self.policy.explain(memory, row)
 
-    def _begins(
-        self, memory: Memory, before: Memory | None, episode_start: ArrayLike | Tensor | None
-    ) -> Tensor:
-        """The rows ``(*B,)`` in which a quantity explores that did not in the last step."""
-        names = [name for name in memory if name.endswith(EXPLORING)]
-        explores = torch.stack([memory[name] for name in names])
-        if before is None:
-            return explores.any(0)
-
-        explored = torch.stack([before[name] for name in names])
-        starts = starting_rows(episode_start, tuple(explored.shape[1:]), explored.device)
-        if starts is not None:
-            explored = explored & ~starts
-        return (explores & ~explored).any(0)
-
     def _better_way(self, observation: Mapping[str, Any], memory: Memory, begins: Tensor) -> Memory:
-        """The memory, turned around in the rows in which that is the better way."""
-        rows = {name: value[begins] for name, value in memory.items()}
+        """The memory with the best way in the rows in which it decides."""
         seen = {name: torch.as_tensor(value)[begins] for name, value in observation.items()}
-        turned = {name: -value if name.endswith(TURNED) else value for name, value in rows.items()}
+        rows = {name: value[begins] for name, value in memory.items()}
 
-        both = {name: torch.stack((value, turned[name])) for name, value in rows.items()}
-        readings = {name: torch.stack((value, value)) for name, value in seen.items()}
-        is_better = self._rehearse(readings, both).diff(dim=0)[0] < 0
+        best = dict(rows)
+        least = torch.full((int(begins.sum()),), torch.inf, dtype=torch.float64)
+        for number in range(self.rounds):
+            ways = self.ways.of(rows, number)
+            worth, which = self._rehearse(seen, ways).min(0)
+            better = worth < least
+            for name, value in ways.items():
+                own = (1,) * (value.dim() - 2)
+                index = which.reshape(1, -1, *own).expand(1, *value.shape[1:])
+                chosen = value.gather(0, index)[0]
+                best[name] = torch.where(better.reshape(-1, *own), chosen, best[name])
+            least = torch.minimum(least, worth)
+            if (least <= self.steps).all():
+                break
 
-        chosen = {}
+        after = {}
         for name, value in memory.items():
-            chosen[name] = value.clone()
-            other = is_better.reshape(-1, *(1,) * (rows[name].dim() - 1))
-            chosen[name][begins] = torch.where(other, turned[name], rows[name])
-        return chosen
+            after[name] = value.clone()
+            after[name][begins] = best[name]
+        return after
 
-    def _rehearse(self, readings: Readings, memory: Memory) -> Tensor:
-        """What both ways are worth, ``(2, n)``: steps until they arrive; less is better.
+    def _rehearse(self, seen: Readings, memory: Memory) -> Tensor:
+        """What the ways are worth, ``(k, n)``: steps until they arrive; less is better.
 
-        Where one does not arrive, all of the steps, and a share of another that grows with how near
-        it came.
+        Where one does not arrive, more than all of the steps, by a share of one that grows with how
+        near it came.
+
+        Args:
+            seen: What is read where it decides, ``(n, size)``.
+            memory: The memories with which the ways begin, ``(k, n, …)``.
         """
-        nearest = self.cost(readings)
+        count = len(next(iter(memory.values())))
+        readings: Readings = {name: torch.stack([value] * count) for name, value in seen.items()}
+        nearest = torch.full_like(self.cost(memory), torch.inf, dtype=torch.float64)
         arrived = torch.full_like(nearest, torch.inf)
-        for step in range(self.steps):
-            readings = self.imagine(readings, memory)
-            cost = self.cost(readings)
+        for step in range(self.steps + 1):
+            cost = self.cost(memory)
             nearest = torch.minimum(nearest, cost)
             arrived = torch.where(cost <= self.enough, arrived.clamp(max=step), arrived)
-            if (arrived.amin(0) <= step).all():
+            if step == self.steps or arrived.amin(0).isfinite().all():
                 break
+            readings = self.imagine(readings, memory)
             _, memory = self.policy.predict(readings, memory)
-        return torch.where(arrived.isfinite(), arrived, self.steps + nearest / (1.0 + nearest))
+        return torch.where(arrived.isfinite(), arrived, self.steps + 1 + nearest / (1.0 + nearest))

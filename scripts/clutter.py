@@ -7,13 +7,15 @@ import argparse
 import csv
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
@@ -28,18 +30,29 @@ from aicon_baselines.worlds.motion_bench_maker import (
     resources,
     robot_of,
 )
-from aicon_torch import Policy
+from aicon_torch import Policy, Rehearsal
 from aicon_torch.dampers import ConstraintEscape, PlaceEscape
 from aicon_torch.models import make_policy
 from aicon_torch.parts import Robot, Solid, TipPose, reading_of
+from aicon_torch.ways import OtherPlaces
 
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
+    "rehearsed": {},
     "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False, whole=(0, 0))},
     "escape_by_force": {"dampers.escape": ConstraintEscape()},
     "without_escape": {"dampers.escape": None},
 }
 """What differs from the preset "clutter"."""
+
+REHEARSED = "rehearsed"
+"""This one tries on its own model first: see aicon_torch.Rehearsal."""
+
+ESCAPES = "a/escape/escapes"
+"""Under which the memory has how often it went elsewhere."""
+
+PLACES, AHEAD, ROUNDS = 7, 5.0, 8
+"""It looks 5 s ahead, at eight ways at a time, and up to eight times for one that arrives."""
 
 DT, HORIZON = 0.02, 60.0
 NEAR, STRAIGHT = 0.010, 0.05
@@ -52,6 +65,9 @@ TIMES = (5, 10, 20, 40, 60)
 PARTS, CLOSE = 4, 0.03
 """A step is looked at in so many parts where an object is so close, m."""
 
+AT_ONCE = 200
+"""So many steps are looked at at once."""
+
 Array = NDArray[np.float64]
 
 
@@ -62,7 +78,8 @@ class Row(NamedTuple):
     policy: str
     set: str
     number: int
-    time: float  # s; NaN where it did not arrive
+    time: float  # s, with what it thought; NaN where it did not arrive
+    thought: float  # s of computing
     clearance: float  # of spheres and objects, m
     self_gap: float  # of the robot to itself, m
     stop_gap: float  # of a joint to its stop, rad
@@ -92,7 +109,7 @@ class World:
         cylinders = [each for each in problem.solids if each.kind == "cylinder"]
         self.objects = [(kind, *_frames(kind)) for kind in (boxes, cylinders) if kind]
 
-    def gaps(self, q: Array) -> tuple[float, float]:
+    def gaps(self, q: Array) -> tuple[Array, Array]:
         """The least distance to an object and to itself at joint angles ``(k, n)``, m."""
         frames = self.chain.frames(torch.from_numpy(q)).numpy()
         base = np.broadcast_to(np.eye(4), (len(q), 1, 4, 4))
@@ -101,14 +118,30 @@ class World:
 
         first, second = self.pairs.T
         apart = np.linalg.norm(centres[:, first] - centres[:, second], axis=-1)
-        of_itself = (apart - self.radii[first] - self.radii[second]).min()
+        of_itself = (apart - self.radii[first] - self.radii[second]).min(-1)
 
         moving, radii = centres[:, self.moving], self.radii[self.moving]
-        of_objects = math.inf
+        of_objects = np.full(len(q), math.inf)
         for solids, middles, rotations in self.objects:
             local = (moving[:, None] - middles[:, None]) @ rotations
-            of_objects = min(of_objects, float((_distances(solids, local) - radii).min()))
-        return of_objects, float(of_itself)
+            distances = _distances(solids, local) - radii
+            of_objects = np.minimum(of_objects, distances.min((-1, -2)))
+        return of_objects, of_itself
+
+    def least_gaps(self, way: Array) -> tuple[float, float]:
+        """The least distance to an object and to itself on a way ``(k, n)``, m."""
+        least = [math.inf, math.inf]
+        for first in range(0, len(way), AT_ONCE):
+            here, after = way[first : first + AT_ONCE], way[first + 1 : first + 1 + AT_ONCE]
+            found = [self.gaps(here)]
+
+            # Where an object is close, also between the steps.
+            close = np.flatnonzero(found[0][0][: len(after)] < CLOSE)
+            for share in np.arange(1, PARTS) / PARTS if len(close) else ():
+                found.append(self.gaps(here[close] + share * (after[close] - here[close])))
+            for gaps in found:
+                least = [min(old, float(new.min())) for old, new in zip(least, gaps, strict=True)]
+        return least[0], least[1]
 
 
 def _frames(solids: Sequence[Solid]) -> tuple[Array, Array]:
@@ -134,36 +167,103 @@ def _distances(solids: Sequence[Solid], points: Array) -> Array:
     return signed
 
 
-def episode(policy: Policy, name: str, robot: Robot, problem: Problem) -> Row:
-    """One problem, until the tip is where it is to be."""
-    world, pose = World(robot, problem), TipPose("full", lever=1.0)
-    target = pose.of_frame(robot.chain(torch.from_numpy(problem.goal)))
-    still, q, memory = dict(sees(robot, problem)), problem.start, None
+@dataclass
+class Episode:
+    """What became of a problem so far.
 
-    least = [*world.gaps(q[None]), float(np.minimum(q - world.low, world.high - q).min())]
-    arrived, missing, angle = math.nan, math.inf, math.inf
+    Attributes:
+        way: The joints after every step, rad.
+        thought: How long the robot has stood and thought, s.
+        time: When it arrived, s; NaN where it has not.
+        missing: The distance of the tip from its target, m.
+        angle: And its angle, rad.
+        escapes: How often it went elsewhere.
+    """
+
+    way: list[Array] = field(default_factory=list)
+    thought: float = 0.0
+    time: float = math.nan
+    missing: float = math.inf
+    angle: float = math.inf
+    escapes: int = 0
+
+    def row(self, name: str, robot: Robot, problem: Problem) -> Row:
+        """What is known of it, and what its way touched."""
+        way = np.array(self.way)
+        world = World(robot, problem)
+        to_stop = float(np.minimum(way - world.low, world.high - way).min())
+        distances = (*world.least_gaps(way), to_stop, self.missing, self.angle)
+        own = (problem.robot, name, problem.set, problem.index)
+        return Row(*own, self.time, self.thought, *distances, self.escapes)
+
+
+def episodes(policy: Any, robot: Robot, chosen: Sequence[Problem]) -> list[Episode]:
+    """Some problems side by side, until each tip is where it is to be.
+
+    What a step takes a robot beyond 20 ms counts into its time: so long it stands and thinks.
+    """
+    pose = TipPose("full", lever=1.0)
+    goals = torch.from_numpy(np.stack([problem.goal for problem in chosen]))
+    target = pose.of_frame(robot.chain(goals))
+    found = [Episode() for _ in chosen]
+    running, memory = list(found), None
+
+    each = [dict(sees(robot, problem)) for problem in chosen]
+    seen = {name: torch.from_numpy(np.stack([one[name] for one in each])) for name in each[0]}
     for step in range(round(HORIZON / DT) + 1):
-        x_ee = pose.of_frame(robot.chain(torch.from_numpy(q)))
-        missing, angle = (float(value) for value in pose.distance(x_ee, target))
-        if missing < NEAR and angle < STRAIGHT:
-            arrived = step * DT
+        x_ee = pose.of_frame(robot.chain(seen["q"]))
+        missing, angle = pose.distance(x_ee, target)
+        here = zip(running, seen["q"].numpy(), missing.tolist(), angle.tolist(), strict=True)
+        for episode, q, *left in here:
+            episode.way.append(q)
+            episode.missing, episode.angle = left
+
+        # Those that have arrived leave.
+        going = (missing >= NEAR) | (angle >= STRAIGHT)
+        for number in torch.nonzero(~going).flatten().tolist():
+            running[number].time = step * DT + running[number].thought
+        running = [episode for episode in running if math.isnan(episode.time)]
+        if not running:
             break
+        if not going.all():
+            target, seen = target[going], rows_of(seen, going)
+            memory = None if memory is None else rows_of(memory, going)
 
-        action, memory = policy.predict({**still, "q": q}, memory)
-        after = q + DT * np.asarray(action, dtype=float)
-        of_objects, of_itself = world.gaps(after[None])
-        if of_objects < CLOSE:
-            shares = np.arange(1, PARTS)[:, None] / PARTS
-            on_the_way, _ = world.gaps(q + shares * (after - q))
-            of_objects = min(of_objects, on_the_way)
-        q = after
-        to_stop = float(np.minimum(q - world.low, world.high - q).min())
-        least = [min(pair) for pair in zip(least, (of_objects, of_itself, to_stop), strict=True)]
+        before = time.process_time()
+        action, memory = policy.predict(seen, memory)
+        took = (time.process_time() - before) / len(running)
+        seen["q"] = seen["q"] + DT * action
+        for number, episode in enumerate(running):
+            episode.thought += max(0.0, took - DT)
+            if ESCAPES in memory:
+                episode.escapes = int(memory[ESCAPES][number])
+    return found
 
-    escapes = 0 if memory is None else int(memory.get("a/escape/escapes", 0))
-    of_objects, of_itself, to_stop = least
-    distances = (of_objects, of_itself, to_stop, missing, angle)
-    return Row(problem.robot, name, problem.set, problem.index, arrived, *distances, escapes)
+
+def rows_of(values: Mapping[str, Tensor], which: Tensor) -> dict[str, Tensor]:
+    """Some rows of a batch."""
+    return {name: value[which] for name, value in values.items()}
+
+
+def policy_of(robot: Robot, options: Mapping[str, Any]) -> Policy:
+    """The policy, compiled."""
+    own = {"robot": robot, "orientation": "full", "speed": SPEED, "dt": DT, **options}
+    return make_policy("reach", preset="clutter", obstacles=MOST_OBJECTS, **own).compile()
+
+
+def rehearsed(policy: Policy) -> Rehearsal:
+    """The policy, rehearsed on its own kinematics, among the objects as they are seen."""
+
+    def imagine(seen: Mapping[str, Tensor], memory: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        return {**seen, "q": seen["q"] + DT * memory["a"]}
+
+    def to_go(memory: Mapping[str, Tensor]) -> Tensor:
+        away = memory["x_target"] - memory["x_ee"]  # 20 cm for 1 rad
+        distance: Tensor = torch.linalg.vector_norm(away, dim=-1)
+        return distance
+
+    ways, steps = OtherPlaces(policy, PLACES), round(AHEAD / DT)
+    return Rehearsal(policy, imagine, to_go, NEAR, steps, ways, ROUNDS)
 
 
 def time_of_a_step(policy: Policy, robot: Robot, problem: Problem) -> float:
@@ -206,8 +306,8 @@ def _quaternion(rotation: Array) -> Array:
 
 def is_valid(robot: Robot, problem: Problem) -> bool:
     """Whether start and goal are free of objects and of the robot itself."""
-    world = World(robot, problem)
-    return min(*world.gaps(problem.start[None]), *world.gaps(problem.goal[None])) > 0.0
+    both = np.stack((problem.start, problem.goal))
+    return float(np.min(World(robot, problem).gaps(both))) > 0.0
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -224,22 +324,24 @@ def run(arguments: argparse.Namespace) -> None:
     arguments.out.mkdir(parents=True, exist_ok=True)
     table = arguments.out / f"{arguments.robot}.csv"
     known = {(row.policy, row.set, row.number) for row in read(table)}
+    compiled: dict[str, Policy] = {}
     for name in arguments.agents:
         missing = [each for each in to_run if (name, each.set, each.index) not in known]
-        if missing:
-            policy = make_policy(
-                "reach",
-                preset="clutter",
-                robot=robot,
-                orientation="full",
-                speed=SPEED,
-                dt=DT,
-                obstacles=MOST_OBJECTS,
-                **POLICIES[name],
-            ).compile()
-            print(f"{name}: {time_of_a_step(policy, robot, missing[0]):.0f} µs a step")
-            for problem in tqdm(missing, desc=name, unit="problem", disable=None):
-                write(table, episode(policy, name, robot, problem))
+        if not missing:
+            continue
+        options = POLICIES[name]
+        if str(options) not in compiled:
+            compiled[str(options)] = policy_of(robot, options)
+        policy = compiled[str(options)]
+        print(f"{name}: {time_of_a_step(policy, robot, missing[0]):.0f} µs a step")
+
+        # One that thinks is alone, so that its time is its own.
+        group_size = 1 if name == REHEARSED else SIDE_BY_SIDE
+        agent = rehearsed(policy) if name == REHEARSED else policy
+        for first in tqdm(range(0, len(missing), group_size), desc=name, disable=None):
+            group = missing[first : first + group_size]
+            for problem, episode in zip(group, episodes(agent, robot, group), strict=True):
+                write(table, episode.row(name, robot, problem))
 
     rows = [row for row in read(table) if low <= row.number <= high and row.set in arguments.sets]
     for name in arguments.agents:
@@ -264,10 +366,8 @@ def read(table: Path) -> list[Row]:
     with table.open(newline="") as file:
         rows = []
         for line in csv.DictReader(file):
-            arrived, objects, itself, stop, missing, angle = map(float, list(line.values())[4:-1])
-            distances = (arrived, objects, itself, stop, missing, angle)
-            own = (line["robot"], line["policy"], line["set"], int(line["number"]))
-            rows.append(Row(*own, *distances, int(line["escapes"])))
+            kinds = Row.__annotations__
+            rows.append(Row(**{name: kinds[name](value) for name, value in line.items()}))
     return rows
 
 
@@ -288,7 +388,7 @@ def report(name: str, rows: Sequence[Row]) -> None:
     print(f"penetrations: {len(touching)} {', '.join(touching)}")
     print(f"least gap to itself: {1e3 * min(r.self_gap for r in rows):.1f} mm")
     print(f"least distance to a stop: {min(r.stop_gap for r in rows):.3f} rad")
-    failed = [f"{row.set} {row.number}" for row in rows if math.isnan(row.time)]
+    failed = [f"{row.set} {row.number}" for row in rows if not row.time <= HORIZON]
     print(f"failed: {', '.join(failed)}")
 
 
@@ -313,8 +413,10 @@ def draw(table: Path, rows: Sequence[Row]) -> None:
 
     figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
     for name in dict.fromkeys(row.policy for row in rows):
-        times = np.sort([row.time for row in rows if row.policy == name])
-        axes.step(times, 100 * np.arange(1, len(times) + 1) / len(times), where="post", label=name)
+        times = np.array([row.time for row in rows if row.policy == name])
+        solved = np.sort(times[times <= HORIZON])
+        shares = 100 * np.arange(1, len(solved) + 1) / len(times)
+        axes.step([*solved, HORIZON], [*shares, *shares[-1:]], where="post", label=name)
     axes.set(xlim=(0, HORIZON), ylim=(0, 100), xlabel="time, s", ylabel="solved, %")
     axes.legend(loc="lower right", frameon=False)
     figure.savefig(table.with_suffix(".png"), dpi=150)

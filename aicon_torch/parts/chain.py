@@ -189,15 +189,21 @@ class Chain(nn.Module):
         Returns:
             ``(*B, 6, n)``.
         """
-        # The axis a of each joint, and the arm p − o from a point of it, in the frame of the base.
-        links = frames[..., :-1, :3, :]
-        axes = (links[..., :3] @ self.axes.to(frames).unsqueeze(-1)).squeeze(-1)
-        arms = point.unsqueeze(-2) - links[..., 3]
-
+        axes = self._axes(frames)
         turns = self.turns.to(frames.device)
-        linear = torch.where(turns, torch.linalg.cross(axes, arms), axes)
         angular = torch.where(turns, axes, torch.zeros_like(axes))
-        return torch.cat((linear, angular), dim=-1).mT
+        return torch.cat((self.point_jacobian_at(frames, point), angular.mT), dim=-2)
+
+    def point_jacobian_at(self, frames: Tensor, point: Tensor) -> Tensor:
+        """How each joint moves a point: the upper half of :meth:`jacobian_at`, ``(*B, 3, n)``."""
+        axes, origins = self._axes(frames), frames[..., :-1, :3, 3]
+        turned = torch.linalg.cross(axes, point.unsqueeze(-2) - origins)
+        linear: Tensor = torch.where(self.turns.to(frames.device), turned, axes)
+        return linear.mT
+
+    def _axes(self, frames: Tensor) -> Tensor:
+        """The axes of the joints, ``(*B, n, 3)``, in the frame of the base."""
+        return (frames[..., :-1, :3, :3] @ self.axes.to(frames).unsqueeze(-1)).squeeze(-1)
 
 
 def _joint(described: JointDescription) -> Joint:

@@ -119,7 +119,9 @@ def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:
     """
     centre, rotation, half, kind = torch.split(solid, [3, 9, 3, 1], dim=-1)
     offset = point - centre
-    local = (rotation.reshape(*rotation.shape[:-1], 3, 3) * offset.unsqueeze(-1)).sum(-2)
+    along_x, along_y, along_z = torch.split(rotation, 3, dim=-1)
+    x, y, z = torch.split(offset, 1, dim=-1)
+    local = along_x * x + along_y * y + along_z * z
 
     radius = torch.where(kind > (CYLINDER + ROUND) / 2, half[..., :1], 0.0)
     x, y, z = (local.abs() - (half - radius)).unbind(-1)
@@ -194,7 +196,10 @@ class Solids(nn.Module):
         return self.distances(x_joints, x_obstacles) - self.cost.margin
 
     def gap(self, x_joints: Tensor, x_obstacles: Tensor, which: Tensor) -> Tensor:
-        """How far a capsule is from that, ``(*B,)``, m, by the number of the gap ``(*B,)``."""
+        """How far a capsule is from that, ``(m, *B)``, m, by the number of the gap ``(m, *B)``.
+
+        The joints and the objects are m copies, see :meth:`aicon_torch.Goal.gap`.
+        """
         capsule, number = self.first[which], self.second[which]
         solid = select(self._table(x_obstacles), number.unsqueeze(-1))
 
@@ -250,8 +255,9 @@ class _PointOfLink(torch.autograd.Function):
     def forward(
         ctx: Any, x_joints: Tensor, chain: Chain, number: Tensor, own: Tensor, moves: Tensor
     ) -> Tensor:
-        frames = chain.frames(x_joints)
-        point = _moved(_frame_of(frames, number), own)
+        frames = chain.frames(x_joints[:1])  # all are copies of the first
+        all_frames = frames.expand(len(x_joints), *frames.shape[1:])
+        point = _moved(_frame_of(all_frames, number), own)
         ctx.chain = chain
         ctx.save_for_backward(frames, point, moves)
         return point
@@ -259,7 +265,7 @@ class _PointOfLink(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None, None, None]:
         frames, point, moves = ctx.saved_tensors
-        motion = ctx.chain.jacobian_at(frames, point)[..., :3, :]
+        motion = ctx.chain.point_jacobian_at(frames, point)
         slopes = (motion * gradients[0].unsqueeze(-1)).sum(-2)
         return slopes * moves, None, None, None, None
 

@@ -97,9 +97,7 @@ class Places(WayOut):
             stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
         escapes = torch.where(is_other, 0, memory["escapes"])
 
-        # The next place, on the side of the middle that is left of a component with a stop.
-        new = self.share.to(now) * spread(escapes, nominal)
-        new = torch.where(stops != 0, -stops * new.abs(), new)
+        new = self._place(escapes, stops)
         place = torch.where(begins.unsqueeze(-1), new, memory["place"])
         way = self._way(place, room)
 
@@ -122,6 +120,30 @@ class Places(WayOut):
             "escapes": escapes + begins,
             "before": now,
         }
+
+    def first_to(self, number: Tensor, memory: Memory) -> Memory:
+        """A memory that goes to a place of the sequence before anything else, and then on from it.
+
+        It rests for a step, which tells it the way.
+
+        Args:
+            number: Which place, ``(*B,)``.
+            memory: What was remembered.
+        """
+        nothing = torch.zeros_like(memory["clock"])
+        return memory | {
+            "escaping": torch.ones_like(memory["escaping"]),
+            "direction": torch.zeros_like(memory["direction"]),
+            "place": self._place(number, memory["stops"]),
+            "clock": nothing,
+            "slow": nothing,
+            "escapes": number + 1,
+        }
+
+    def _place(self, number: Tensor, stops: Tensor) -> Tensor:
+        """A place of the sequence, ``(*B, n)``: on the side that is left of a component's stop."""
+        new = self.share.to(stops) * spread(number, stops)
+        return torch.where(stops != 0, -stops * new.abs(), new)
 
     def _way(self, place: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
         """The way to a place, which is a share of the half range about the middle, ``(*B, n)``."""

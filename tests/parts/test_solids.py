@@ -117,9 +117,10 @@ def test_one_gap_is_the_one_of_that_number_among_all(body: str) -> None:
     objects = reading_of(list(SOLIDS.values())).expand(5, -1)
 
     gaps = solids.gaps(q, objects)
-    for number in range(gaps.shape[-1]):
-        one = solids.gap(q, objects, torch.full((5,), number))
-        torch.testing.assert_close(one, gaps[:, number])
+    count = gaps.shape[-1]
+    each = torch.arange(count).unsqueeze(-1).expand(-1, 5)
+    one_by_one = solids.gap(q.expand(count, -1, -1), objects.expand(count, -1, -1), each)
+    torch.testing.assert_close(one_by_one, gaps.mT)
 
 
 @pytest.mark.parametrize("body", BODY)
@@ -129,9 +130,11 @@ def test_the_slope_of_one_gap_is_that_of_all(body: str) -> None:
     objects = reading_of(list(SOLIDS.values()))
 
     gaps = solids.gaps(q, objects)
-    for number, gap in enumerate(gaps):
-        one = solids.gap(q, objects, torch.tensor(number))
-        (slope,) = torch.autograd.grad(one, q)
+    count = len(gaps)
+    copies = q.detach().expand(count, -1).clone().requires_grad_()
+    one_by_one = solids.gap(copies, objects.expand(count, -1), torch.arange(count))
+    (slopes,) = torch.autograd.grad(one_by_one.sum(), copies)
+    for slope, gap in zip(slopes, gaps, strict=True):
         (expected,) = torch.autograd.grad(gap, q, retain_graph=True)
         torch.testing.assert_close(slope, expected)
 

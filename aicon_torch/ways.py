@@ -1,0 +1,138 @@
+"""What a rehearsal decides among: other ways to go on than the one that a memory has."""
+
+from typing import Protocol
+
+import torch
+from torch import Tensor
+
+from aicon_torch.dampers import PlaceEscape
+from aicon_torch.errors import OptionError
+from aicon_torch.policy import Policy
+from aicon_torch.resolution import Memory
+from aicon_torch.safety.places import Places
+
+EXPLORING = "/exploring"
+"""How the key ends under which the memory has whether a quantity explores."""
+
+TURNED = ("/average", "/tangent")
+"""How the keys end of what says which way it goes on."""
+
+ESCAPING = "/escape/escaping"
+"""How the key ends under which the memory has whether an actuator makes a detour."""
+
+
+class Ways(Protocol):
+    """Where there is something to decide, and among what."""
+
+    def begins(self, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
+        """The rows ``(*B,)`` in which it is to be decided how to go on.
+
+        Args:
+            memory: The memory after a step.
+            before: The memory before it; None where an episode begins in all rows.
+            starts: The rows in which one begins; None for no row.
+        """
+        ...
+
+    def of(self, memory: Memory, round: int) -> Memory:
+        """The ways to go on, as memories ``(k, *B, …)``; those of round 0 begin with its own.
+
+        Args:
+            memory: The memory.
+            round: How often none of the ways before has arrived.
+        """
+        ...
+
+
+class BothWays:
+    """Where a quantity begins to explore: onward as it moved before, or turned around.
+
+    Args:
+        policy: The policy.
+
+    Raises:
+        OptionError: If it does not explore.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        if getattr(policy.resolution, "exploration", None) is None:
+            raise OptionError("policy: it does not explore, so there is nothing to rehearse.")
+
+    def begins(self, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
+        """The rows ``(*B,)`` in which a quantity explores that did not in the last step."""
+        return _begin(EXPLORING, memory, before, starts)
+
+    def of(self, memory: Memory, round: int) -> Memory:
+        """The memory, and the memory turned around, ``(2, *B, …)``."""
+        both = {}
+        for name, value in memory.items():
+            both[name] = torch.stack((value, -value if name.endswith(TURNED) else value))
+        return both
+
+
+class OtherPlaces:
+    """At the beginning, and where an actuator is held up: on, or first to another place.
+
+    Each way goes to a place of its own of the sequence that the actuator would go to one by one
+    (:class:`aicon_torch.safety.places.Places`), and then the policy goes on as ever.
+
+    Args:
+        policy: The policy.
+        count: To how many places it may go first.
+
+    Raises:
+        OptionError: If none of its actuators goes to places, or there is no place.
+    """
+
+    def __init__(self, policy: Policy, count: int = 31) -> None:
+        if count < 1:
+            raise OptionError(f"count={count!r}: expected at least one.")
+        self.count = count
+        self.places: dict[str, Places] = {}
+        for name, actuator in policy.model.actuators.items():
+            options = actuator.dampers.escape
+            if isinstance(options, PlaceEscape):
+                limits = torch.as_tensor(actuator.limit, dtype=policy.model.like.dtype)
+                self.places[name] = Places(options, limits.expand(actuator.size), policy.model.dt)
+        if not self.places:
+            raise OptionError("policy: no actuator goes to places, so there are no other ones.")
+
+    def begins(self, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
+        """The rows ``(*B,)`` that begin, or in which an actuator is held up."""
+        held_up = _begin(ESCAPING, memory, before, starts)
+        if before is None:
+            return torch.ones_like(held_up)
+        return held_up if starts is None else held_up | starts
+
+    def of(self, memory: Memory, round: int) -> Memory:
+        """The memory as it is, in round 0, and with each of the next places."""
+        ways = {}
+        for name, value in memory.items():
+            ways[name] = torch.stack([value] * (self.count + 1))
+
+        for name, places in self.places.items():
+            start = f"{name}/escape/"
+            own = {key[len(start) :]: value for key, value in ways.items() if key.startswith(start)}
+            numbers = torch.arange(self.count + 1).reshape(
+                -1, *[1] * memory[f"{start}escapes"].dim()
+            )
+            number = own["escapes"] + numbers + round * (self.count + 1) - 1
+            own = places.first_to(number, own)
+            ways |= {start + key: value for key, value in own.items()}
+        if round == 0:
+            for name, value in memory.items():
+                ways[name][0] = value
+        return ways
+
+
+def _begin(ending: str, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
+    """The rows ``(*B,)`` in which something is so that was not before the step, by its keys."""
+    names = [name for name in memory if name.endswith(ending)]
+    now = torch.stack([memory[name] for name in names])
+    if before is None:
+        return now.any(0)
+
+    was = torch.stack([before[name] for name in names])
+    if starts is not None:
+        was = was & ~starts
+    return (now & ~was).any(0)
