@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Dict
-from meta_world import HORIZON, LAG, STEP, STRIDE, MetaWorld
+from meta_world import HORIZON, LAG, STEP, STRIDE, TIP, MetaWorld
 from picking import PRESETS, Hand, Options, build_policy
 
 from aicon_baselines.evaluation.task import Task, told_nothing
@@ -44,18 +44,22 @@ class Puck(MetaWorld):
 
     def step(self, action: Any) -> Any:
         """Move, in as many of the world's steps as the policy decides about at once."""
+        told = self.world.data.mocap_pos[0] + TIP
+        way = action["tip"] + (self.tip - told) / (DECIDED * STRIDE)
         for _ in range(DECIDED):
-            result = super().step(action)
+            result = super().step({"tip": way, "jaw": action["jaw"]})
         return result
 
     def _sent(self, action: Any) -> Any:
         effort = (self.opening - action["jaw"]) * EFFORT  # 1 closes the fingers
-        return np.append(action["tip"], effort.clip(-1.0, 1.0))
+        return np.append(action["tip"], effort).clip(-1.0, 1.0)
 
     def _read(self, tip: Any, velocity: Any, state: Any) -> Any:
         puck, goal = state[4:7], state[36:]
         self.opening = (state[3] * 0.1 - 0.012) / WIDEST
-        observation = {"z_tip": tip + LAG * velocity, "z_block": puck, "z_goal": goal}
+        slides = (puck - state[22:25]) / STEP
+        self.tip = tip + LAG * velocity
+        observation = {"z_tip": self.tip, "z_block": puck + LAG * slides, "z_goal": goal}
         return observation, np.linalg.norm(puck - goal)
 
 
