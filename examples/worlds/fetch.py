@@ -21,7 +21,7 @@ from gymnasium.spaces import Box, Dict
 from hands import PRESETS, Hand, Options, hand_task, push_policy, reach_policy
 
 from aicon_torch import Policy
-from aicon_torch.parts import ContactOptions, RoundObject
+from aicon_torch.parts import ContactOptions, Lag, RoundObject
 
 # --- the world
 
@@ -49,7 +49,7 @@ class Fetch(gymnasium.Env[Any, Any]):
         self.pushes, self.render_mode = task == "push", render_mode
 
         sizes = {"z_hand": 3, "z_goal": 3}
-        sizes |= {"z_place": 2, "v_obj": 2} if self.pushes else {}
+        sizes |= {"v_hand": 3, "z_place": 2, "v_obj": 2} if self.pushes else {}
         self.observation_space = Dict(
             {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in sizes.items()}
         )
@@ -84,8 +84,9 @@ class Fetch(gymnasium.Env[Any, Any]):
         read, goal = state["observation"], state["desired_goal"]
         observation = {"z_hand": read[:3], "z_goal": goal}
         if self.pushes:
-            observation["z_place"] = read[3:5]
-            observation["v_obj"] = (read[14:16] + read[20:22]) / STEP  # read from the hand
+            velocity = read[20:23]
+            observation |= {"v_hand": velocity / STEP, "z_place": read[3:5]}
+            observation["v_obj"] = (read[14:16] + velocity[:2]) / STEP  # read from the hand
 
         # What counts is where it is at the end.
         distance = float(np.linalg.norm(state["achieved_goal"] - goal))
@@ -95,7 +96,7 @@ class Fetch(gymnasium.Env[Any, Any]):
 
 # --- the policies
 
-HAND = Hand(time_step=STEP, stride=0.033)  # of 5 cm it goes 3.3, at once
+HAND, LAG = Hand(time_step=STEP, stride=0.033), Lag(0.001)  # of 5 cm it goes 3.3, at once
 FINGER, RADIUS = 0.015, EDGE / math.sqrt(math.pi)  # m, of a round block as large as this one
 FRICTION = 1.0  # between block, table and finger: what MuJoCo assumes
 
@@ -105,7 +106,7 @@ def build(options: Options) -> Policy:
     if options.task == "reach":
         return reach_policy(HAND, options)
     block = RoundObject(RADIUS, FINGER, FRICTION, ContactOptions(options.size))
-    return push_policy(HAND, block, options)
+    return push_policy(HAND, LAG, block, options)
 
 
 TASK = hand_task(__name__, HAND, HORIZON, ("reach", "push"), PRESETS, Fetch)

@@ -26,7 +26,7 @@ from aicon_torch import (
     WorldModel,
 )
 from aicon_torch.control import ActionLaw
-from aicon_torch.parts import DisplacementCommand, RoundObject, norm
+from aicon_torch.parts import DisplacementCommand, Lag, RoundObject, norm
 from aicon_torch.resolution import Resolution, SteepestPath
 
 
@@ -89,17 +89,17 @@ def reach_policy(hand: Hand, options: Options) -> Policy:
     return Policy(model, options.resolution, options.law)
 
 
-def push_policy(hand: Hand, body: RoundObject, options: Options) -> Policy:
+def push_policy(hand: Hand, lag: Lag, body: RoundObject, options: Options) -> Policy:
     """The hand pushes a thing at z_place, moving at v_obj, so that it comes to rest at z_goal."""
 
-    def way(a: Tensor, dt: Tensor) -> Tensor:
-        return a * dt
+    def way(a: Tensor, v_hand: Tensor, dt: Tensor) -> Tensor:
+        return lag.displacement(a, v_hand[..., :2], dt)
 
     def place(z_hand: Tensor, d_pusher: Tensor) -> Tensor:
         return z_hand[..., :2] + d_pusher
 
-    def low(z_hand: Tensor, lift: Tensor, dt: Tensor) -> Tensor:
-        return z_hand[..., 2:] + lift * dt
+    def low(z_hand: Tensor, v_hand: Tensor, lift: Tensor, dt: Tensor) -> Tensor:
+        return z_hand[..., 2:] + lag.displacement(lift, v_hand[..., 2:], dt)
 
     def far(x_obj: Tensor, z_goal: Tensor) -> Tensor:
         return norm(x_obj - z_goal[..., :2])
@@ -107,7 +107,7 @@ def push_policy(hand: Hand, body: RoundObject, options: Options) -> Policy:
     def high(p_height: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_height - z_goal[..., 2:])
 
-    sizes = {"z_hand": 3, "z_place": 2, "v_obj": 2, "z_goal": 3}
+    sizes = {"z_hand": 3, "v_hand": 3, "z_place": 2, "v_obj": 2, "z_goal": 3}
     model = WorldModel(
         sensors={name: Sensor(size, "SI") for name, size in sizes.items()},
         actuators={"a": hand.actuator("a", 2), "lift": hand.actuator("lift", 1)},
