@@ -114,8 +114,11 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/,
 	  --episodes 20 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/ogbench_mazes
 	$(IN_WORLDS) --task fetch:TASK --conditions reach push --policies $(HAND_POLICIES) \
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/fetch
-	$(IN_WORLDS) --task meta_world:TASK --conditions reach push --policies $(HAND_POLICIES) \
-	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/meta_world
+	$(IN_WORLDS) --task meta_world:TASK --conditions reach coffee-button drawer-close --policies aicon \
+	  --episodes $(EPISODES) --seed 400020 --jobs $(JOBS) --out $(abspath $(OUT))/meta_world
+	$(IN_WORLDS) --task meta_world_puck:TASK --conditions push pick-place \
+	  --policies aicon steepest weighted_sum without_exploration \
+	  --episodes $(EPISODES) --seed 400050 --jobs $(JOBS) --out $(abspath $(OUT))/meta_world_puck
 	$(IN_WORLDS) --task so101_pick_place:TASK --conditions none noise lost knocked --policies aicon script \
 	  --episodes $(EPISODES) --seed 400600 --jobs $(JOBS) --out $(abspath $(OUT))/so101
 	$(IN_WORLDS) --task so101_pick_cube:TASK --conditions near --policies aicon script \

@@ -29,7 +29,8 @@ from aicon_torch.safety import bounds, stuck, task_cost
 WORLDS = Path(__file__).parents[1] / "examples" / "worlds"
 
 OTHERS = ("pointmaze", "ogbench_mazes", "picking", "fetch", "meta_world")
-"""Worlds of others, by the module of their options; picking's are those of SO-101 and the cubes."""
+"""Worlds of others, by the module of their options; picking's are those of SO-101, the
+cubes and Meta-World's puck."""
 
 GIVEN = frozenset(
     {

@@ -21,6 +21,7 @@ from gymnasium.spaces import Box, Dict
 from hands import PRESETS, Hand, Options, hand_task, push_policy, reach_policy
 
 from aicon_torch import Policy
+from aicon_torch.parts import ContactOptions, Lag, RoundObject
 
 # --- the world
 
@@ -47,8 +48,8 @@ class Fetch(gymnasium.Env[Any, Any]):
         self.world = gymnasium.make(name, render_mode=render_mode, disable_env_checker=True)
         self.pushes, self.render_mode = task == "push", render_mode
 
-        sizes = {"z_hand": 3, "v_hand": 3, "z_goal": 3}
-        sizes |= {"z_place": 2, "v_obj": 2} if self.pushes else {}
+        sizes = {"z_hand": 3, "z_goal": 3}
+        sizes |= {"v_hand": 3, "z_place": 2, "v_obj": 2} if self.pushes else {}
         self.observation_space = Dict(
             {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in sizes.items()}
         )
@@ -81,10 +82,10 @@ class Fetch(gymnasium.Env[Any, Any]):
 
     def _seen(self, state: Any, success: float) -> Any:
         read, goal = state["observation"], state["desired_goal"]
-        velocity = read[20:23] if self.pushes else read[5:8]
-        observation = {"z_hand": read[:3], "v_hand": velocity / STEP, "z_goal": goal}
+        observation = {"z_hand": read[:3], "z_goal": goal}
         if self.pushes:
-            observation["z_place"] = read[3:5]
+            velocity = read[20:23]
+            observation |= {"v_hand": velocity / STEP, "z_place": read[3:5]}
             observation["v_obj"] = (read[14:16] + velocity[:2]) / STEP  # read from the hand
 
         # What counts is where it is at the end.
@@ -95,15 +96,17 @@ class Fetch(gymnasium.Env[Any, Any]):
 
 # --- the policies
 
-HAND = Hand(time_step=STEP, stride=0.033, radius=0.015, lag=0.001)  # of 5 cm it goes 3.3, at once
-RADIUS = EDGE / math.sqrt(math.pi)  # m, of a round block as large as this one
+HAND, LAG = Hand(time_step=STEP, stride=0.033), Lag(0.001)  # of 5 cm it goes 3.3, at once
+FINGER, RADIUS = 0.015, EDGE / math.sqrt(math.pi)  # m, of a round block as large as this one
+FRICTION = 1.0  # between block, table and finger: what MuJoCo assumes
 
 
 def build(options: Options) -> Policy:
     """The graph of a hand that reaches, or of one that pushes a block."""
     if options.task == "reach":
         return reach_policy(HAND, options)
-    return push_policy(HAND, RADIUS, options)
+    block = RoundObject(RADIUS, FINGER, FRICTION, ContactOptions(options.size))
+    return push_policy(HAND, LAG, block, options)
 
 
-TASK = hand_task(__name__, HAND, HORIZON, PRESETS, Fetch)
+TASK = hand_task(__name__, HAND, HORIZON, ("reach", "push"), PRESETS, Fetch)

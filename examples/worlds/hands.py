@@ -26,28 +26,21 @@ from aicon_torch import (
     WorldModel,
 )
 from aicon_torch.control import ActionLaw
-from aicon_torch.parts import ContactOptions, DisplacementCommand, Lag, RoundObject, norm
+from aicon_torch.parts import DisplacementCommand, Lag, RoundObject, norm
 from aicon_torch.resolution import Resolution, SteepestPath
-
-FRICTION = 1.0
-"""Between a thing, the table and the hand, in either world: what MuJoCo assumes."""
 
 
 @dataclass(frozen=True)
 class Hand:
-    """What is told to go, and how it does.
+    """What is told to go.
 
     Attributes:
         time_step: s.
         stride: How far a command of 1 brings it in a step, m.
-        radius: Of what pushes, m.
-        lag: With which its velocity follows, s.
     """
 
     time_step: float
     stride: float
-    radius: float
-    lag: float
 
     def actuator(self, name: str, size: int) -> Actuator:
         """Its velocity in some directions, sent as a displacement."""
@@ -60,7 +53,7 @@ class Hand:
 class Options:
     """What is set by hand."""
 
-    task: str = "reach"  # or "push"
+    task: str = "reach"  # what there is to do
     size: float = 0.4  # of which the ranges of a contact are shares, m
     tolerance: float = 0.03  # of the place to which a thing is pushed, m
     resolution: Resolution = field(default_factory=NullspaceProjection)
@@ -77,17 +70,16 @@ PRESETS: dict[str, dict[str, Any]] = {
 
 
 def reach_policy(hand: Hand, options: Options) -> Policy:
-    """The hand goes to z_goal, from z_hand, moving at v_hand."""
-    lag = Lag(hand.lag)
+    """The hand goes to z_goal, from z_hand."""
 
-    def ahead(z_hand: Tensor, v_hand: Tensor, a: Tensor, dt: Tensor) -> Tensor:
-        return z_hand + lag.displacement(a, v_hand, dt)
+    def ahead(z_hand: Tensor, a: Tensor, dt: Tensor) -> Tensor:
+        return z_hand + a * dt
 
     def far(p_hand: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_hand - z_goal)
 
     model = WorldModel(
-        sensors={name: Sensor(3, "SI") for name in ("z_hand", "v_hand", "z_goal")},
+        sensors={name: Sensor(3, "m") for name in ("z_hand", "z_goal")},
         actuators={"a": hand.actuator("a", 3)},
         estimators=[Deterministic("p_hand", ahead)],
         goals=[Goal("reach", far)],
@@ -97,10 +89,8 @@ def reach_policy(hand: Hand, options: Options) -> Policy:
     return Policy(model, options.resolution, options.law)
 
 
-def push_policy(hand: Hand, radius: float, options: Options) -> Policy:
+def push_policy(hand: Hand, lag: Lag, body: RoundObject, options: Options) -> Policy:
     """The hand pushes a thing at z_place, moving at v_obj, so that it comes to rest at z_goal."""
-    lag, contact = Lag(hand.lag), ContactOptions(size=options.size)
-    body = RoundObject(radius, hand.radius, FRICTION, contact)
 
     def way(a: Tensor, v_hand: Tensor, dt: Tensor) -> Tensor:
         return lag.displacement(a, v_hand[..., :2], dt)
@@ -148,6 +138,7 @@ def hand_task(
     name: str,
     hand: Hand,
     horizon: int,
+    conditions: tuple[str, ...],
     presets: Iterable[str],
     world: Callable[..., gymnasium.Env[Any, Any]],
 ) -> Task:
@@ -157,8 +148,9 @@ def hand_task(
         name: Of the module.
         hand: Its hand.
         horizon: Steps of an episode.
+        conditions: What there is to do.
         presets: Names of its policies.
-        world: Makes one for a condition, "reach" or "push", and options of its own.
+        world: Makes one for a condition and options of its own.
     """
 
     def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
@@ -170,10 +162,10 @@ def hand_task(
         horizon=horizon,
         chunk_size=50,
         maps=("table",),
-        conditions=("reach", "push"),
+        conditions=conditions,
         make_env=make_env,
         policy_options=policy_options,
-        noiseless=("reach", "push"),
+        noiseless=conditions,
         time_unit="steps",
         model=name,
         presets=tuple(presets),

@@ -1,13 +1,14 @@
-"""Meta-World: a Sawyer's hand reaches a place, and pushes a puck to one.
+"""Meta-World: a Sawyer's hand reaches a place, presses a button and closes a drawer.
 
 The world is that of Meta-World (MIT), which `make worlds` puts into a folder of its own. By hand,
 in this folder:
 
     pip install 'aicon-torch[compare]' metaworld==3.1.1 mujoco==3.10.0
-    aicon compare --task meta_world:TASK --conditions reach push --policies aicon steepest
+    aicon compare --task meta_world:TASK --conditions reach --policies aicon steepest
 
-The graphs are those of hands.py. An episode counts as solved where the world says so at its last
-step, which is stricter than the benchmark's own count, at any step.
+The graph is that of hands.py; meta_world_puck.py has what fingers take. An episode counts as solved
+where the world says so at its last step, which is stricter than the benchmark's own count, at any
+step.
 """
 
 from importlib import import_module
@@ -16,27 +17,35 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
-from gymnasium.spaces import Box, Dict
-from hands import PRESETS, Hand, Options, hand_task, push_policy, reach_policy
+from gymnasium.spaces import Box, Dict, Space
+from hands import PRESETS, Hand, Options, hand_task, reach_policy
 
 from aicon_torch import Policy
 
 # --- the world
 
 STEP, HORIZON = 0.0125, 500  # s; steps, the benchmark's
+AT_ONCE = 4  # of these steps the policy decides about
+STRIDE = 0.01  # m, a step
+LAG = 0.045  # s, with which the hand's velocity follows
 TIP = np.array([0.0, 0.0, -0.045])  # m, from what the world calls the hand
-PUCK = 0.02  # m, its radius
+HAND, THING, BEFORE, GOAL = slice(0, 3), slice(4, 7), 18, slice(36, 39)  # of what it tells
 
 
 class MetaWorld(gymnasium.Env[Any, Any]):
     """The world, whose episodes last to the end.
 
+    What moves is read where it comes to rest, x + τ v: by dv/dt = (a − v)/τ that place follows at
+    once what the hand is told, d(x + τ v)/dt = a. From there the hand is told how far to go.
+
     Args:
-        task: "reach" or "push".
+        task: What the world calls it, such as "reach".
         render_mode: None, or "rgb_array".
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 80}
+    action_space: Space[Any] = Box(-1.0, 1.0, (3,))
+    readings: tuple[str, ...] = ("z_hand", "z_goal")
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(self, task: str, render_mode: str | None = None) -> None:
         try:
@@ -45,29 +54,28 @@ class MetaWorld(gymnasium.Env[Any, Any]):
             raise DependencyNotInstalled(f"{error}: pip install metaworld") from error
         self.world = worlds[f"{task}-v3-goal-observable"](seed=0, render_mode=render_mode)
         self.world._freeze_rand_vec, self.world.seeded_rand_vec = False, True
-        self.pushes, self.render_mode = task == "push", render_mode
-
-        sizes = {"z_hand": 3, "v_hand": 3, "z_goal": 3}
-        sizes |= {"z_place": 2, "v_obj": 2} if self.pushes else {}
+        self.render_mode = render_mode
         self.observation_space = Dict(
-            {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in sizes.items()}
+            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in self.readings}
         )
-        plane, line = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (1,))
-        pushed = Dict({"a": plane, "lift": line})
-        self.action_space = pushed if self.pushes else Box(-1.0, 1.0, (3,))
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
-        """Place puck and goal."""
+        """Place things and goal."""
         super().reset(seed=seed)
         if seed is not None:
             self.world.seed(seed)
-        return self._seen(self.world.reset()[0], {"success": 0.0}, False)
+        self.state = self.world.reset()[0]
+        return self._seen(False)
 
     def step(self, action: Any) -> Any:
-        """Move, with the fingers closed."""
-        way = np.concatenate([action["a"], action["lift"]]) if self.pushes else action
-        state, _, _, ends, told = self.world.step(np.append(way, 1.0).astype(np.float32))
-        observation, info = self._seen(state, told, ends)
+        """Move."""
+        # It adds what it is told to what it was told before, however far the hand is behind.
+        last = self.world.data.mocap_pos[0]
+        way = self._way(action) + (self._at_rest(HAND) - last) / (AT_ONCE * STRIDE)
+        for _ in range(AT_ONCE):
+            sent = np.append(way, self._effort(action)).clip(-1.0, 1.0)
+            self.state, _, _, ends, told = self.world.step(sent.astype(np.float32))
+        observation, info = self._seen(ends and told["success"])
         return observation, 0.0, False, ends, info
 
     def render(self) -> Any:
@@ -78,31 +86,42 @@ class MetaWorld(gymnasium.Env[Any, Any]):
         """Close the world."""
         self.world.close()
 
-    def _seen(self, state: Any, told: Any, ends: bool) -> Any:
-        tip, goal = state[:3] + TIP, state[36:]
-        velocity = (state[:3] - state[18:21]) / STEP
-        observation = {"z_hand": tip, "v_hand": velocity, "z_goal": goal}
-        if self.pushes:
-            observation["z_place"] = state[4:6]
-            observation["v_obj"] = (state[4:6] - state[22:24]) / STEP
+    def _way(self, action: Any) -> Any:
+        """How far the hand is told to go."""
+        return action
+
+    def _effort(self, action: Any) -> float:
+        """Of the fingers, 1 to close: they stay so."""
+        return 1.0
+
+    def _read(self, tip: Any, goal: Any) -> Any:
+        """What the policy reads, and what is to be at the goal."""
+        return {"z_hand": tip, "z_goal": goal}, self.state[HAND] + TIP
+
+    def _at_rest(self, part: slice) -> Any:
+        """Where a part of what the world tells comes to rest, m."""
+        before = self.state[part.start + BEFORE : part.stop + BEFORE]
+        return self.state[part] + LAG * (self.state[part] - before) / STEP
+
+    def _seen(self, success: bool) -> Any:
+        tip, goal = self._at_rest(HAND) + TIP, self.state[GOAL]
+        observation, placed = self._read(tip, goal)
 
         # What counts is where it is at the end.
-        placed = state[4:7] if self.pushes else tip
         distance = float(np.linalg.norm(placed - goal))
         info = {"position": tip[:2], "distance": distance, "collision": False}
-        return observation, info | {"is_success": bool(ends and told["success"])}
+        return observation, info | {"is_success": bool(success)}
 
 
-# --- the policies
+# --- the policy
 
-HAND = Hand(time_step=STEP, stride=0.01, radius=0.017, lag=0.045)
+SAWYER = Hand(time_step=AT_ONCE * STEP, stride=AT_ONCE * STRIDE)
 
 
 def build(options: Options) -> Policy:
-    """The graph of a hand that reaches, or of one that pushes a puck."""
-    if options.task == "reach":
-        return reach_policy(HAND, options)
-    return push_policy(HAND, PUCK, options)
+    """The graph of a hand that reaches: a button or drawer on the way to the goal gives way."""
+    return reach_policy(SAWYER, options)
 
 
-TASK = hand_task(__name__, HAND, HORIZON, PRESETS, MetaWorld)
+CONDITIONS = ("reach", "coffee-button", "drawer-close")
+TASK = hand_task(__name__, SAWYER, HORIZON // AT_ONCE, CONDITIONS, PRESETS, MetaWorld)

