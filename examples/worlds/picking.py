@@ -6,6 +6,7 @@ adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -94,12 +95,19 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 
 
-def build_policy(hand: Hand, options: Options) -> Policy:
+def build_policy(
+    hand: Hand,
+    options: Options,
+    told: Mapping[str, Sensor] | None = None,
+    wanted: Sequence[Goal] = (),
+) -> Policy:
     """The policy of a hand, which reads z_tip, and z_block and z_goal of each block.
 
     Args:
         hand: The hand; its tip and a block have as many components as it has steps.
         options: What is set by hand.
+        told: Further sensors of a world.
+        wanted: Further goals of a world.
     """
     size = len(hand.steps)
     gripper = Gripper(narrowest=SIZE / 2, widest=hand.widest, speed=hand.speed, first=hand.first)
@@ -120,10 +128,10 @@ def build_policy(hand: Hand, options: Options) -> Policy:
         return tip * hand.time_step / tip.new_tensor(hand.steps)
 
     speeds = tuple(step / hand.time_step for step in hand.steps)
-    sensors = {"z_tip": Sensor(size, "m")}
+    sensors = {"z_tip": Sensor(size, "m"), **(told or {})}
     blocks: list[Estimator] = []
     rooms: list[Estimator] = []
-    goals: list[Goal] = []
+    goals = list(wanted)
     for name in names:
         others = [other for other in names if other != name]
         sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
