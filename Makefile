@@ -120,9 +120,11 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/,
 	  --policies aicon steepest weighted_sum without_exploration \
 	  --episodes $(EPISODES) --seed 400050 --jobs $(JOBS) --out $(abspath $(OUT))/meta_world_puck
 	$(IN_WORLDS) --task so101_pick_place:TASK --conditions none noise lost knocked --policies aicon script \
-	  --episodes $(EPISODES) --seed 400600 --jobs $(JOBS) --out $(abspath $(OUT))/so101
+	  --episodes $(EPISODES) --seed 402600 --jobs $(JOBS) --out $(abspath $(OUT))/so101
+	$(IN_WORLDS) --task so101_in_the_way:TASK --conditions block board --policies aicon script \
+	  --episodes $(EPISODES) --seed 402600 --jobs $(JOBS) --out $(abspath $(OUT))/so101_in_the_way
 	$(IN_WORLDS) --task so101_pick_cube:TASK --conditions near --policies aicon script \
-	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/so101_cube
+	  --episodes $(EPISODES) --seed 402000 --jobs $(JOBS) --out $(abspath $(OUT))/so101_cube
 	$(IN_WORLDS) --task ogbench_cubes:SINGLE --conditions task1 task2 task3 task4 task5 --policies aicon oracle \
 	  --episodes 50 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/cube_single
 	$(IN_WORLDS) --task ogbench_cubes:DOUBLE --conditions task1 task2 task3 task4 task5 \

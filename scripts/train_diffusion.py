@@ -5,7 +5,8 @@ Example: python scripts/train_diffusion.py --data runs/demos --steps 20000 --out
            --diffusion-path runs/diffusion/policy --out runs/pusht
 
 The same command goes on where a stopped run was saved last, and one with other --steps to that
-number of them. It needs LeRobot: make install.
+number of them; with other --data a copy of its folder goes on with these. It needs LeRobot: make
+install.
 """
 
 import argparse

@@ -23,6 +23,7 @@ from aicon_baselines.palette import GOAL, INK, rgb
 WORLDS = {
     "SO-101": ("so101_pick_place", "none", 400601),
     "SO-101, put back in mid-carry": ("so101_pick_place", "knocked", 400601),
+    "SO-101, a board on the way": ("so101_in_the_way", "board", 402600),
     "UR5e, OGBench": ("ogbench_cubes", "task1", 400001),
 }
 FILMS = {
@@ -108,7 +109,7 @@ def mark(scene: Any, place: Any) -> None:
 
 def main() -> None:
     """One episode in each world; to the right is where the block is to go."""
-    _, axes = plt.subplots(1, 3, figsize=(12, 3.4), sharey=True, layout="constrained")
+    _, axes = plt.subplots(1, 4, figsize=(14, 3.4), sharey=True, layout="constrained")
 
     for axis, (title, chosen) in zip(axes, WORLDS.items(), strict=True):
         tips, blocks, goal = episode(*chosen)
@@ -119,7 +120,11 @@ def main() -> None:
         for places, color, label in ((tips, "tab:blue", "tip"), (blocks, "tab:orange", "block")):
             x, z = (places - blocks[0])[:, :2] @ along, places[:, 2]
             axis.plot(100 * x, 100 * z, ".-", color=color, label=label)
-        axis.plot(100 * np.linalg.norm(way), 100 * goal[2], "*", color="tab:red", markersize=14)
+        length = float(np.linalg.norm(way))
+        if chosen[1] == "board":
+            board = import_module(chosen[0])
+            axis.bar(50 * length, 100 * board.HIGH, 100 * board.THIN, color="tab:gray")
+        axis.plot(100 * length, 100 * goal[2], "*", color="tab:red", markersize=14)
         axis.plot(0, 100 * blocks[0][2], "s", color="black", markersize=8)
 
         axis.set_title(f"{title}: {len(tips)} steps", fontsize=10)

@@ -6,6 +6,7 @@ adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -73,7 +74,7 @@ class Hand:
 
 @dataclass(frozen=True)
 class Options:
-    """What is set by hand: five lengths, m; and what the readings are worth."""
+    """What is set by hand: five lengths, m; and what is known of blocks and their readings, m."""
 
     reach: float = 0.05  # from where a grasp draws
     step: float = 0.05  # what a motion of the block is taken to be, at most
@@ -81,6 +82,7 @@ class Options:
     tolerance: float = 0.012  # of the place
     free_hand: float = 0.015  # the error of the place that an empty hand outweighs
     noise: float = 0.0005  # of the block's readings
+    size: float = SIZE  # width and height of a block
     blocks: int = 1  # how many there are
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
@@ -94,16 +96,24 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 
 
-def build_policy(hand: Hand, options: Options) -> Policy:
+def build_policy(
+    hand: Hand,
+    options: Options,
+    told: Mapping[str, Sensor] | None = None,
+    wanted: Sequence[Goal] = (),
+) -> Policy:
     """The policy of a hand, which reads z_tip, and z_block and z_goal of each block.
 
     Args:
         hand: The hand; its tip and a block have as many components as it has steps.
         options: What is set by hand.
+        told: Further sensors of a world.
+        wanted: Further goals of a world.
     """
     size = len(hand.steps)
-    gripper = Gripper(narrowest=SIZE / 2, widest=hand.widest, speed=hand.speed, first=hand.first)
-    grasp = Grasp(gripper, SIZE, hand.height, options.reach)
+    narrowest = options.size / 2
+    gripper = Gripper(narrowest, widest=hand.widest, speed=hand.speed, first=hand.first)
+    grasp = Grasp(gripper, options.size, hand.height, options.reach)
     names = block_names(options.blocks)
 
     tip = position(
@@ -120,10 +130,10 @@ def build_policy(hand: Hand, options: Options) -> Policy:
         return tip * hand.time_step / tip.new_tensor(hand.steps)
 
     speeds = tuple(step / hand.time_step for step in hand.steps)
-    sensors = {"z_tip": Sensor(size, "m")}
+    sensors = {"z_tip": Sensor(size, "m"), **(told or {})}
     blocks: list[Estimator] = []
     rooms: list[Estimator] = []
-    goals: list[Goal] = []
+    goals = list(wanted)
     for name in names:
         others = [other for other in names if other != name]
         sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
@@ -133,7 +143,8 @@ def build_policy(hand: Hand, options: Options) -> Policy:
             read = [f"z_goal{name}"]
             for other in others:
                 read += [f"x_obj{other}", f"z_goal{other}"]
-            room = Room(SIZE, rest=SIZE / 2, slack=options.tolerance, clearance=options.rise)
+            rest, slack = options.size / 2, options.tolerance
+            room = Room(options.size, rest, slack, clearance=options.rise)
             among = Interconnection(room, read)
             rooms.append(Deterministic(f"p_room{name}", among))
 
@@ -203,7 +214,7 @@ def block(
     """
     x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
-    carrying = Carrying(options.step, rest=SIZE / 2, rise=options.rise)
+    carrying = Carrying(options.step, rest=options.size / 2, rise=options.rise)
 
     # 1. How each drifts, and what is known at first.
     def object_drift(p_held: Tensor) -> Tensor:
@@ -213,10 +224,10 @@ def block(
         return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], size)
 
     def first_apart(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
-        return alike(z_tip - z_block), options.noise**2 * torch.eye(size).to(z_tip)
+        return alike(z_tip - z_block, options.size), options.noise**2 * torch.eye(size).to(z_tip)
 
     def seen_apart(x_rel: Tensor, x_tip: Tensor, x_object: Tensor) -> Tensor:
-        return alike(x_rel - x_tip + x_object)
+        return alike(x_rel - x_tip + x_object, options.size)
 
     # 2. Where it is, and where the tip is from it.
     where = position(
@@ -277,11 +288,11 @@ def read_first(reading: str, size: int) -> Any:
     return first_belief(ReadingPrior((1e-6,) * size), reading)
 
 
-def alike(offset: Tensor) -> Tensor:
+def alike(offset: Tensor, width: float) -> Tensor:
     """An offset ``(*B, n)``, m, whose turn, if it has one, is that to the nearest side of a block.
 
     A block turned by 90° is like one that is not: a way of rπ/2 at its edge.
     """
-    quarter = SIZE / 2 * math.pi / 2
+    quarter = width / 2 * math.pi / 2
     turn = torch.remainder(offset[..., 3:] + quarter / 2, quarter) - quarter / 2
     return torch.cat((offset[..., :3], turn), dim=-1)

