@@ -13,7 +13,7 @@ from aicon_torch.inspection.explanation import Explanation
 from aicon_torch.inspection.trace import StepTrace
 from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
-from aicon_torch.ways import BothWays, Ways
+from aicon_torch.ways import Ways, WaysAlong
 
 Readings = Mapping[str, Tensor]
 
@@ -24,8 +24,9 @@ class Rehearsal:
     There the same policy is first run on a model, from where it is, on each of its ways, side by
     side. It goes the one that arrives in the fewest steps, or comes nearest where none does.
 
-    - :class:`aicon_torch.ways.BothWays`: exploration goes on as the quantity moved before (Sect.
-      "Escaping Local Minima"), however far around that leads; the other way is turned around.
+    - :class:`aicon_torch.ways.WaysAlong`: exploration goes on as the quantity moved before (Sect.
+      "Escaping Local Minima"), however far around that leads; the others are to turn around, and
+      to explore no longer.
     - :class:`aicon_torch.ways.OtherPlaces`: an arm that obstacles hold up goes to one place after
       the other; each way begins with another one.
 
@@ -44,7 +45,7 @@ class Rehearsal:
             how far they are from what is wanted.
         enough: The cost at which it has arrived.
         steps: How far it looks ahead at most.
-        ways: What it decides among; both ways along the nullspace by default.
+        ways: What it decides among; the ways along the nullspace by default.
         rounds: How often it looks for a way that arrives, before it takes what comes nearest.
 
     Raises:
@@ -72,7 +73,7 @@ class Rehearsal:
                 raise OptionError(f"{name}={value!r}: expected at least one.")
         self.policy = policy
         self.imagine, self.cost, self.enough, self.steps = imagine, cost, enough, steps
-        self.ways = BothWays(policy) if ways is None else ways
+        self.ways = WaysAlong(policy) if ways is None else ways
         self.rounds = rounds
 
     def predict(

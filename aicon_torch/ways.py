@@ -5,6 +5,7 @@ from typing import Protocol
 import torch
 from torch import Tensor
 
+from aicon_torch.control.memory import STEPS
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.errors import OptionError
 from aicon_torch.policy import Policy
@@ -44,30 +45,40 @@ class Ways(Protocol):
         ...
 
 
-class BothWays:
-    """Where a quantity begins to explore: onward as it moved before, or turned around.
+class WaysAlong:
+    """Where a quantity explores: onward as it moved before, turned around, or no longer.
+
+    It is decided where it begins to explore, and now and then while it does.
 
     Args:
         policy: The policy.
+        every: In how many steps it is decided anew.
 
     Raises:
-        OptionError: If it does not explore.
+        OptionError: If it does not explore, or is to decide in less than one step.
     """
 
-    def __init__(self, policy: Policy) -> None:
+    def __init__(self, policy: Policy, every: int = 50) -> None:
         if getattr(policy.resolution, "exploration", None) is None:
             raise OptionError("policy: it does not explore, so there is nothing to rehearse.")
+        if every < 1:
+            raise OptionError(f"every={every!r}: expected at least one.")
+        self.every = every
 
     def begins(self, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
-        """The rows ``(*B,)`` in which a quantity explores that did not in the last step."""
-        return _begin(EXPLORING, memory, before, starts)
+        """The rows ``(*B,)`` in which a quantity begins to explore, or has for a while."""
+        begin = _begin(EXPLORING, memory, before, starts)
+        explores = _begin(EXPLORING, memory, None, None)
+        return begin | (explores & (memory[STEPS] % self.every == 0))
 
     def of(self, memory: Memory, round: int) -> Memory:
-        """The memory, and the memory turned around, ``(2, *B, …)``."""
-        both = {}
+        """The memory, the memory turned around, and one that does not explore, ``(3, *B, …)``."""
+        ways = {}
         for name, value in memory.items():
-            both[name] = torch.stack((value, -value if name.endswith(TURNED) else value))
-        return both
+            turned = -value if name.endswith(TURNED) else value
+            over = torch.zeros_like(value) if name.endswith(EXPLORING) else value
+            ways[name] = torch.stack((value, turned, over))
+        return ways
 
 
 class OtherPlaces:

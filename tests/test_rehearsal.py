@@ -24,6 +24,7 @@ from aicon_torch import (
     WorldModel,
 )
 from aicon_torch.parts import Walls, norm
+from aicon_torch.ways import WaysAlong
 
 DT, ARRIVED = 0.1, 0.1
 MAP = ["#########", "#       #", *["#   #   #"] * 6, "#       #", "#########"]
@@ -102,9 +103,30 @@ def test_where_nothing_is_in_the_way_it_is_the_policy(policy: Policy) -> None:
     assert torch.equal(better[:, 0], drive(rehearsed, seen(AT_THE_WALL), 60)[:, 0])
 
 
+def test_it_decides_where_exploration_begins_and_now_and_then(policy: Policy) -> None:
+    ways = WaysAlong(policy, every=7)
+    readings, memory = seen(AT_THE_WALL, IN_THE_OPEN), None
+    explored = torch.zeros(2, dtype=torch.bool)
+    for _ in range(40):
+        before = memory
+        _, memory = policy.predict(readings, before)
+        explores, is_time = memory["p/exploring"], memory["steps"] % 7 == 0
+        expected = explores & (~explored | is_time)
+        assert torch.equal(ways.begins(memory, before, None), expected)
+        readings, explored = moved(readings, memory), explores
+    assert explored.tolist() == [True, False]
+
+    # The three ways: as it is, turned around, and no longer exploring.
+    three = ways.of(memory, 0)
+    assert torch.equal(three["p/average"][0], -three["p/average"][1])
+    assert three["p/exploring"][:, 0].tolist() == [True, True, False]
+
+
 def test_a_policy_that_does_not_explore_is_refused() -> None:
     policy = Policy(wandering().model, NullspaceProjection(exploration=None))
     with pytest.raises(OptionError, match="does not explore"):
         Rehearsal(policy, moved, to_go, ARRIVED)
     with pytest.raises(OptionError, match="steps=0"):
         Rehearsal(wandering(), moved, to_go, ARRIVED, steps=0)
+    with pytest.raises(OptionError, match="every=0"):
+        WaysAlong(wandering(), every=0)
