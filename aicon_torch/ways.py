@@ -68,7 +68,7 @@ class WaysAlong:
     def begins(self, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
         """The rows ``(*B,)`` in which a quantity begins to explore, or has for a while."""
         begin = _begin(EXPLORING, memory, before, starts)
-        explores = _begin(EXPLORING, memory, None, None)
+        explores = _flags(EXPLORING, memory).any(0)
         return begin | (explores & (memory[STEPS] % self.every == 0))
 
     def of(self, memory: Memory, round: int) -> Memory:
@@ -138,12 +138,16 @@ class OtherPlaces:
 
 def _begin(ending: str, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
     """The rows ``(*B,)`` in which something is so that was not before the step, by its keys."""
-    names = [name for name in memory if name.endswith(ending)]
-    now = torch.stack([memory[name] for name in names])
+    now = _flags(ending, memory)
     if before is None:
         return now.any(0)
 
-    was = torch.stack([before[name] for name in names])
+    was = _flags(ending, before)
     if starts is not None:
         was = was & ~starts
     return (now & ~was).any(0)
+
+
+def _flags(ending: str, memory: Memory) -> Tensor:
+    """Whether something is so, by its keys, ``(k, *B)``."""
+    return torch.stack([value for name, value in memory.items() if name.endswith(ending)])

@@ -109,4 +109,4 @@ def build(options: Options) -> Policy:
     return push_policy(HAND, LAG, block, options)
 
 
-TASK = hand_task(__name__, HAND, HORIZON, ("reach", "push"), PRESETS, Fetch)
+TASK = hand_task(__name__, HAND.time_step, HORIZON, ("reach", "push"), PRESETS, Fetch)

@@ -136,7 +136,7 @@ def policy_options(condition: str) -> dict[str, Any]:
 
 def hand_task(
     name: str,
-    hand: Hand,
+    time_step: float,
     horizon: int,
     conditions: tuple[str, ...],
     presets: Iterable[str],
@@ -146,7 +146,7 @@ def hand_task(
 
     Args:
         name: Of the module.
-        hand: Its hand.
+        time_step: Of the policy, s.
         horizon: Steps of an episode.
         conditions: What there is to do.
         presets: Names of its policies.
@@ -158,7 +158,7 @@ def hand_task(
 
     return Task(
         name=name,
-        time_step=hand.time_step,
+        time_step=time_step,
         horizon=horizon,
         chunk_size=50,
         maps=("table",),

@@ -124,4 +124,4 @@ def build(options: Options) -> Policy:
 
 
 CONDITIONS = ("reach", "coffee-button", "drawer-close")
-TASK = hand_task(__name__, SAWYER, HORIZON // AT_ONCE, CONDITIONS, PRESETS, MetaWorld)
+TASK = hand_task(__name__, SAWYER.time_step, HORIZON // AT_ONCE, CONDITIONS, PRESETS, MetaWorld)

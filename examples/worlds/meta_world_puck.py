@@ -9,14 +9,14 @@ hand that pushes it topples it, as it is as high as wide; the fingers have room 
 world's own reward asks for them.
 """
 
+from dataclasses import replace
 from typing import Any
 
 from gymnasium.spaces import Box, Dict
+from hands import hand_task
 from meta_world import AT_ONCE, HORIZON, STEP, STRIDE, THING, MetaWorld
 from picking import PRESETS, Hand, Options, build_policy
 
-from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 
 # --- the world
@@ -71,27 +71,12 @@ def build(options: Options) -> Policy:
 CONDITIONS = ("push", "pick-place")
 
 
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    return side_by_side(lambda: Puck(condition, **options), count, horizon)
-
-
 def policy_options(condition: str) -> dict[str, Any]:
     """Nothing wants a free hand where the place is in the air."""
     return {"free_hand": 0.0} if condition == "pick-place" else {}
 
 
-TASK = Task(
-    name="meta_world_puck",
-    time_step=HAND.time_step,
-    horizon=HORIZON // AT_ONCE,
-    chunk_size=50,
-    maps=("table",),
-    conditions=CONDITIONS,
-    make_env=make_env,
+TASK = replace(
+    hand_task(__name__, HAND.time_step, HORIZON // AT_ONCE, CONDITIONS, PRESETS, Puck),
     policy_options=policy_options,
-    noiseless=CONDITIONS,
-    time_unit="steps",
-    model=__name__,
-    presets=tuple(PRESETS),
 )
