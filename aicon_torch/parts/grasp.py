@@ -5,6 +5,7 @@ raised where the goal wants the object to move, and lowered where it does not, a
 what moves it. A contact moves an object along its normal; a grasp moves it anywhere.
 """
 
+import math
 from dataclasses import dataclass
 
 import torch
@@ -22,31 +23,41 @@ STEEPNESS = 4.0
 """How steeply the way leads up from an object's side, no unit."""
 
 
-def from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
+def from_above(
+    offset: Tensor, slack: float, clearance: float, lacking: Tensor | None = None
+) -> Tensor:
     """How far above a place one aims that comes to it from above, h e_z, ``(*B, n)``, m.
 
-    h = min(c, 4 max(0, ‖Δ_xy‖ − r)): it rises while it is beside the place, and sinks as it comes.
+    h = min(c, 4 max(0, ‖Δ_xy‖ − r, w)): it rises while it is beside the place, or has no room for
+    what stands there, and sinks as it comes.
 
     Args:
         offset: Δ, from the place, ``(*B, n)``, m, where x, y and z come first.
         slack: r, how far aside one may sink, m.
         clearance: c, the height at which nothing stands in the way, m.
+        lacking: w, by how much that room is too narrow, ``(*B,)``, m.
     """
     beside = norm(offset[..., :2]) - slack
+    if lacking is not None:
+        beside = torch.maximum(beside, lacking)
+
     above = (STEEPNESS * beside).clamp(0.0, clearance)
     above = above.detach()  # stops the gradient: where to aim is no goal
     return above.unsqueeze(-1) * upward(offset)
 
 
-def way_from_above(offset: Tensor, slack: float, clearance: float) -> Tensor:
+def way_from_above(
+    offset: Tensor, slack: float, clearance: float, lacking: Tensor | None = None
+) -> Tensor:
     """How far it is to a place to which one comes from above, ‖Δ − h e_z‖, ``(*B,)``, m.
 
     Args:
         offset: As for :func:`from_above`.
         slack: Likewise.
         clearance: Likewise.
+        lacking: Likewise.
     """
-    return norm(offset - from_above(offset, slack, clearance))
+    return norm(offset - from_above(offset, slack, clearance, lacking))
 
 
 def upward(offset: Tensor) -> Tensor:
@@ -64,8 +75,13 @@ class Grasp:
         D = ‖Δ − h e_z‖ + b (o − o_min) + (1 − b) (o_max − o).
 
     So the fingers open on the way and close about the object. While the tip is beside the object by
-    more than the slack of the open fingers, it is aimed above it, four times as far, up to a
-    clearance: h = min(c, 4 max(0, ‖Δ_xy‖ − r)). So it rises before it comes, and does not push.
+    more than the slack of the open fingers, or these are by w too narrow for its diagonal, it is
+    aimed above it, four times as far, up to a clearance:
+
+        h = min(c, 4 max(0, ‖Δ_xy‖ − r, w)),    w = (1 − b) (min(√2 s, o_max) − o).
+
+    So it rises before it comes, does not push, and does not close on the object's upper edge.
+
     To let go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open,
     and as far as they have not, the tip stays in the middle: with their range R = o_max − o_min,
 
@@ -76,7 +92,7 @@ class Grasp:
 
     Attributes:
         gripper: The gripper.
-        size: Width and height of the object, m: r is half of it, and c all of it.
+        size: s, width and height of the object, m: r is half of it, and c all of it.
         height: Where the tip holds the object, above its centre, m.
         reach: ℓ, m.
 
@@ -105,7 +121,9 @@ class Grasp:
         too_open, too_narrow = opening - self.gripper.narrowest, self.gripper.widest - opening
 
         # D: the way to the place, with the fingers closed as far as the object is between them.
-        approach = way_from_above(offset, self.size / 2, self.size)
+        around = min(math.sqrt(2) * self.size, self.gripper.widest)
+        lacking = (1 - between) * (around - opening)
+        approach = way_from_above(offset, self.size / 2, self.size, lacking)
         way = approach + between * too_open + (1 - between) * too_narrow
 
         # To let go has a way of its own: the fingers open, and until then the tip stays there.

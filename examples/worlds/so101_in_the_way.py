@@ -132,7 +132,7 @@ def build(options: Options) -> Policy:
     """The graph of all that pick and place, with this hand, and a board to keep clear of."""
 
     def clear(x_tip: Tensor, z_board: Tensor) -> Tensor:
-        return WORTH**2 / 2 * torch.exp(-gap(x_tip, z_board) / LENGTH)
+        return WORTH**2 / 2 * torch.exp(-(gap(x_tip, z_board) - SIZE / 2) / LENGTH)
 
     return build_policy(HAND, options, {"z_board": Sensor(5, "m")}, [Goal("clear", clear)])
 

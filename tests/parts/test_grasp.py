@@ -35,6 +35,21 @@ def test_beside_the_object_the_tip_is_drawn_above_it_first() -> None:
     assert beside[0, 2] < 0 < above[0, 2]
 
 
+def test_fingers_that_are_too_narrow_rise_from_the_object_and_open() -> None:
+    for opening in (0.02, 0.045):
+        motion, fingers = slopes(leaf(0.0, 0.0, 0.04), leaf(opening))
+        assert motion[0, 2] < 0 and fingers < 0
+
+    wide, _ = slopes(leaf(0.0, 0.0, 0.04), leaf(0.06))
+    assert wide[0, 2] > 0
+
+
+def test_fingers_that_open_no_farther_than_the_object_come_down_all_the_same() -> None:
+    tight = Grasp(Gripper(narrowest=0.02, widest=0.05, speed=0.3), 0.04, height=0.01, reach=0.05)
+    likelihood = tight.likelihood(tip := leaf(0.0, 0.0, 0.04), leaf(0.05))
+    assert torch.autograd.grad(-likelihood.sum(), tip)[0][0, 2] > 0
+
+
 def test_one_comes_from_above_and_sinks_as_one_comes() -> None:
     for beside, height in ((0.0, 0.0), (0.015, 0.02), (0.1, 0.05)):
         way = way_from_above(leaf(beside, 0.0, 0.0), 0.01, 0.05)
