@@ -34,6 +34,7 @@ from aicon_torch.parts import (
     Carrying,
     Grasp,
     Gripper,
+    Handle,
     ReadingPrior,
     Room,
     approached,
@@ -83,6 +84,7 @@ class Options:
     free_hand: float = 0.015  # the error of the place that an empty hand outweighs
     noise: float = 0.0005  # of the block's readings
     size: float = SIZE  # width and height of a block
+    clearance: float | None = None  # above a block, where nothing stands in the way; its own height
     blocks: int = 1  # how many there are
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
@@ -101,6 +103,9 @@ def build_policy(
     options: Options,
     told: Mapping[str, Sensor] | None = None,
     wanted: Sequence[Goal] = (),
+    handles: Mapping[str, Handle] | None = None,
+    inside: str | None = None,
+    known: Sequence[Estimator] = (),
 ) -> Policy:
     """The policy of a hand, which reads z_tip, and z_block and z_goal of each block.
 
@@ -109,11 +114,17 @@ def build_policy(
         options: What is set by hand.
         told: Further sensors of a world.
         wanted: Further goals of a world.
+        handles: What else can be held, by what its quantities' names end with: it reads z_block,
+            and p_free says how likely it is unlocked.
+        inside: The handle of the drawer in which the block may belong; z_inside tells how far, p_room
+            how far it is open.
+        known: Further estimators of a world.
     """
+    handles = handles or {}
     size = len(hand.steps)
     narrowest = options.size / 2
     gripper = Gripper(narrowest, widest=hand.widest, speed=hand.speed, first=hand.first)
-    grasp = Grasp(gripper, options.size, hand.height, options.reach)
+    grasp = Grasp(gripper, options.size, hand.height, options.reach, options.clearance)
     names = block_names(options.blocks)
 
     tip = position(
@@ -134,11 +145,16 @@ def build_policy(
     blocks: list[Estimator] = []
     rooms: list[Estimator] = []
     goals = list(wanted)
+    held_things = [*names, *handles]
+    for name, handle in handles.items():
+        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_way{name}": Sensor(1, "m")}
+        others = [other for other in held_things if other != name]
+        blocks += block(name, others, size, grasp, options, handle)
     for name in names:
         others = [other for other in names if other != name]
         sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
-        blocks += block(name, others, size, grasp, options)
-        goals += wishes(name, others, options)
+        blocks += block(name, [*others, *handles], size, grasp, options)
+        goals += wishes(name, bool(others) or inside is not None, options, inside)
         if others:
             read = [f"z_goal{name}"]
             for other in others:
@@ -149,14 +165,14 @@ def build_policy(
             rooms.append(Deterministic(f"p_room{name}", among))
 
     # What is first of a circle runs last: held reads the newest x_rel.
-    held = [grasp.held(name) for name in names]
+    held = [grasp.held(name, by_open_fingers=name in handles) for name in held_things]
     model = WorldModel(
         sensors=sensors,
         actuators={
             "tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0)),
             "jaw": gripper.actuator(),
         },
-        estimators=[*held, gripper, tip, *blocks, *rooms],
+        estimators=[*held, gripper, tip, *blocks, *rooms, *known],
         goals=goals,
         dt=hand.time_step,
         dtype=torch.float64,
@@ -169,17 +185,19 @@ def block_names(count: int) -> list[str]:
     return [""] if count == 1 else [f"_{number}" for number in range(count)]
 
 
-def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
+def wishes(name: str, needs_room: bool, options: Options, inside: str | None = None) -> list[Goal]:
     """What is wanted of a block: at its place, and in no hand.
 
     Args:
         name: What its quantities' names end with.
-        others: What those of the other blocks end with.
+        needs_room: Whether there is something else that may take its place.
         options: What is set by hand.
+        inside: The handle of the drawer in which it may belong.
     """
+    height = max(options.rise, options.clearance or 0.0)
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        way = way_from_above(x_obj[..., :3] - z_goal, options.tolerance, options.rise)
+        way = way_from_above(x_obj[..., :3] - z_goal, options.tolerance, height)
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
     def place_among_others(x_obj: Tensor, z_goal: Tensor, p_room: Tensor) -> Tensor:
@@ -188,9 +206,9 @@ def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
     def free_hand(p_grasp: Tensor) -> Tensor:
         return options.free_hand**2 / 2 * p_grasp[..., 0]
 
-    read = [f"x_obj{name}", f"z_goal{name}"]
+    read = [f"x_obj{name}", f"z_goal{name}" if inside is None else f"x_place{name}"]
     placed = Interconnection(place, read)
-    if others:
+    if needs_room:
         placed = Interconnection(place_among_others, [*read, f"p_room{name}"])
     return [
         Goal(f"place{name}", placed),
@@ -199,9 +217,14 @@ def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
 
 
 def block(
-    name: str, others: list[str], size: int, grasp: Grasp, options: Options
+    name: str,
+    others: list[str],
+    size: int,
+    grasp: Grasp,
+    options: Options,
+    handle: Handle | None = None,
 ) -> list[Estimator]:
-    """What is known of a block, and what may move it.
+    """What is known of a block, or of a handle, and what may move it.
 
     Uncertain is where it is while it is held, and where the tip is from it while it is not.
 
@@ -211,10 +234,15 @@ def block(
         size: How many components its place has.
         grasp: How it comes to be held.
         options: What is set by hand.
+        handle: How it moves, where it is a handle.
     """
     x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
     carrying = Carrying(options.step, rest=options.size / 2, rise=options.rise)
+    moved, goes, comes, side = carrying, carried, approached, options.size
+    if handle is not None:
+        # A bar is alike after half a turn, a block after a quarter.
+        moved, goes, comes, side = handle, handle.carried, handle.approached, 2 * options.size
 
     # 1. How each drifts, and what is known at first.
     def object_drift(p_held: Tensor) -> Tensor:
@@ -224,15 +252,15 @@ def block(
         return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], size)
 
     def first_apart(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
-        return alike(z_tip - z_block, options.size), options.noise**2 * torch.eye(size).to(z_tip)
+        return alike(z_tip - z_block, side), options.noise**2 * torch.eye(size).to(z_tip)
 
     def seen_apart(x_rel: Tensor, x_tip: Tensor, x_object: Tensor) -> Tensor:
-        return alike(x_rel - x_tip + x_object, options.size)
+        return alike(x_rel - x_tip + x_object, side)
 
     # 2. Where it is, and where the tip is from it.
     where = position(
         x_object,
-        Interconnection(carried, [x_object, p_held, "tip", "dt"]),
+        Interconnection(goes, [x_object, p_held, "tip", "dt"]),
         Interconnection(object_drift, [p_held]),
         Affine(**{x_object: 1.0, z_block: -1.0}),
         read_first(z_block, size),
@@ -241,7 +269,7 @@ def block(
     )
     apart = position(
         x_rel,
-        Interconnection(approached, [x_rel, p_held, "tip", "dt"]),
+        Interconnection(comes, [x_rel, p_held, "tip", "dt"]),
         Interconnection(apart_drift, [p_held]),
         Interconnection(seen_apart, [x_rel, "x_tip", x_object]),
         Interconnection(first_apart, ["z_tip", z_block]),
@@ -259,13 +287,17 @@ def block(
 
     grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
-    return [
+    if handle is not None:
+        moved_by.append(f"z_way{name}")
+    estimators = [
         where,
         apart,
         Deterministic(p_grasp, Interconnection(likelihood, grasped_by)),
-        Deterministic(p_free, Interconnection(carrying.free, [x_object])),
-        Deterministic(f"x_obj{name}", Interconnection(carrying, moved_by)),
+        Deterministic(f"x_obj{name}", Interconnection(moved, moved_by)),
     ]
+    if handle is None:
+        estimators.insert(3, Deterministic(p_free, Interconnection(carrying.free, [x_object])))
+    return estimators
 
 
 def position(
