@@ -43,7 +43,9 @@ from aicon_torch.parts import (
     way_from_above,
     worth_of_room,
 )
+from aicon_torch.parts.planar import norm
 from aicon_torch.resolution import Resolution, SteepestPath
+from aicon_torch.shaping import straight_through
 
 SIZE = 0.04  # m, of a block
 TIP_NOISE = 1e-4  # m, of its reading
@@ -197,7 +199,9 @@ def wishes(name: str, needs_room: bool, options: Options, inside: str | None = N
     height = max(options.rise, options.clearance or 0.0)
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        way = way_from_above(x_obj[..., :3] - z_goal, options.tolerance, height)
+        offset = x_obj[..., :3] - z_goal
+        way = way_from_above(offset, options.tolerance, height)
+        way = straight_through(norm(offset), way)
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
     def place_among_others(x_obj: Tensor, z_goal: Tensor, p_room: Tensor) -> Tensor:
