@@ -28,7 +28,7 @@ __all__ = ["PRESETS", "TASK", "Options", "build"]
 # --- the world
 
 HANDLES = {"_drawer": ((0.0, 1.0, 0.0), 0.16), "_window": ((1.0, 0.0, 0.0), 0.2)}
-CLEARANCE = 0.12  # m, above which nothing stands in the way, from a cube or a handle on
+CLEARANCE = 0.16  # m, above which nothing stands in the way, from a cube or a handle on
 DEPTH = 0.15  # m, by which the drawer is open
 ASIDE = 0.025  # m, from the cube's place to where it touches the drawer's front no more
 DOWN = 0.03  # m, from the top of a button to where the tip has pressed it

@@ -91,6 +91,11 @@ class Options:
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
 
+    @property
+    def height(self) -> float:
+        """How far a block is lifted that is carried, m."""
+        return max(self.rise, self.clearance or 0.0)
+
 
 PRESETS: dict[str, dict[str, Any]] = {
     "aicon": {},
@@ -196,11 +201,10 @@ def wishes(name: str, needs_room: bool, options: Options, inside: str | None = N
         options: What is set by hand.
         inside: The handle of the drawer in which it may belong.
     """
-    height = max(options.rise, options.clearance or 0.0)
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
         offset = x_obj[..., :3] - z_goal
-        way = way_from_above(offset, options.tolerance, height)
+        way = way_from_above(offset, options.tolerance, options.height)
         way = straight_through(norm(offset), way)
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
@@ -242,7 +246,7 @@ def block(
     """
     x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
-    carrying = Carrying(options.step, rest=options.size / 2, rise=options.rise)
+    carrying = Carrying(options.step, rest=options.size / 2, rise=options.height)
     moved, goes, comes, side = carrying, carried, approached, options.size
     if handle is not None:
         # A bar is alike after half a turn, a block after a quarter.
