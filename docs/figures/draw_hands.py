@@ -28,6 +28,7 @@ class Shown(NamedTuple):
         camera: Where it looks at, m, from how far, m, and from which angles, degrees.
         hand: What reads where the hand is.
         thing: What reads where the thing is.
+        name: Of the thing.
     """
 
     module: str
@@ -37,26 +38,29 @@ class Shown(NamedTuple):
     camera: tuple[tuple[float, float, float], float, float, float]
     hand: str
     thing: str
+    name: str
 
 
 FIGURES = {
     "fetch": Shown(
         "fetch",
         "push",
-        400001,
-        (0, 8, 14, 50),
-        ((1.35, 0.75, 0.45), 0.9, 150.0, -25.0),
+        400006,
+        (0, 12, 27, 50),
+        ((1.35, 0.75, 0.45), 0.85, 150.0, -35.0),
         "z_hand",
         "z_place",
+        "block",
     ),
     "meta_world": Shown(
         "meta_world_puck",
         "push",
         400050,
         (0, 10, 20, 125),
-        ((0.0, 0.75, 0.05), 0.9, 150.0, -25.0),
+        ((0.0, 0.75, 0.05), 0.8, 150.0, -25.0),
         "z_tip",
         "z_block",
+        "puck",
     ),
 }
 
@@ -75,6 +79,8 @@ class Episode:
         policy = world.build(options).compile()
         (observation, info), memory, ended = env.reset(seed=[shown.seed]), None, False
         scene = env.envs[0].unwrapped.world.unwrapped
+        is_mocap = scene.model.body_mocapid[scene.model.geom_bodyid] >= 0
+        scene.model.geom_rgba[is_mocap, 3] = 0.0  # what leads the hand, in the simulation
         renderer = mujoco.Renderer(scene.model, SIZE, SIZE)
         self._look(renderer, scene, observation, info)
         while not ended:
@@ -82,7 +88,6 @@ class Episode:
             observation, _, arrived, late, info = env.step(action)
             self._look(renderer, scene, observation, info)
             ended = bool((arrived | late).all())
-        renderer.close()
         env.close()
 
     def _look(self, renderer: Any, scene: Any, observation: Any, info: Any) -> None:
@@ -90,7 +95,9 @@ class Episode:
         self.to_goal.append(info["distance"][0])
         self.to_thing.append(float(np.linalg.norm(hand - thing)))
         if len(self.to_goal) - 1 in self.shown.moments:
-            renderer.update_scene(scene.data, camera=camera(*self.shown.camera))
+            option = mujoco.MjvOption()
+            option.sitegroup[:] = 0
+            renderer.update_scene(scene.data, camera(*self.shown.camera), option)
             mark(renderer.scene, observation["z_goal"][0])
             self.pictures.append(renderer.render())
 
@@ -115,8 +122,9 @@ def draw(name: str, shown: Shown) -> None:
 
     seconds = np.arange(len(episode.to_goal)) * time_step
     axis = axes[-1]
-    axis.plot(seconds, 100 * np.array(episode.to_thing), color="tab:blue", label="hand to thing")
-    axis.plot(seconds, 100 * np.array(episode.to_goal), color="tab:orange", label="thing to goal")
+    to_thing, to_goal = 100 * np.array(episode.to_thing), 100 * np.array(episode.to_goal)
+    axis.plot(seconds, to_thing, color="tab:blue", label=f"hand to {shown.name}")
+    axis.plot(seconds, to_goal, color="tab:orange", label=f"{shown.name} to goal")
     for step in shown.moments:
         axis.axvline(step * time_step, color="lightgray", zorder=0)
     axis.set(xlabel="s", ylabel="cm", ylim=(0, None))
