@@ -59,9 +59,9 @@ def options_of(functions: list[Function]) -> set[str]:
     read = set()
     for _, code in functions:
         for node in ast.walk(code):
-            is_attribute = isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
-            if is_attribute and node.value.id == "options":
-                read.add(node.attr)
+            match node:
+                case ast.Attribute(value=ast.Name(id="options"), attr=name):
+                    read.add(name)
     return read
 
 

@@ -70,7 +70,8 @@ class Episode:
 
     def __init__(self, shown: Shown) -> None:
         world = import_module(shown.module)
-        self.shown, self.pictures = shown, []
+        self.shown = shown
+        self.pictures: list[Any] = []
         self.to_goal: list[float] = []
         self.to_thing: list[float] = []
 
