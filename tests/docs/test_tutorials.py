@@ -51,7 +51,6 @@ def marked(names: Iterable[str]) -> list[Any]:
     return [pytest.param(n, marks=[] if n in QUICK else pytest.mark.slow) for n in names]
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning:gymnasium_robotics")  # of the package
 @pytest.mark.parametrize("name", marked(NEEDED))
 def test_the_program_of_a_tutorial_runs_and_prints_what_it_says(name: str) -> None:
     for module in NEEDED[name]:
@@ -82,7 +81,6 @@ def test_the_task_of_a_tutorial_is_compared_by_its_module(
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore")  # of one package about another
 def test_the_world_of_a_tutorial_is_compared_and_diagnosed_as_it_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
