@@ -83,9 +83,9 @@ class Grasp:
     So it rises before it comes, does not push, and does not close on the object's upper edge.
 
     To let go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open,
-    and as far as they have not, the tip stays in the middle: with their range R = o_max − o_min,
+    and as far as they have not, the tip stays in the middle, and as far as they have, it rises:
 
-        D = o − b (o_max − o)/R ‖Δ‖.
+        D = o + b ((1 − t) Δ_z − t ‖Δ‖),    t = (o_max − o)/(o_max − o_min).
 
     Fingers that turn have a fourth component: how far they are turned from the object's side, as
     the way rψ of a point at its edge.
@@ -130,7 +130,7 @@ class Grasp:
         approach = way_from_above(offset, self.size / 2, clearance, lacking)
         way = approach + between * too_open + (1 - between) * too_narrow
 
-        # To let go has a way of its own: the fingers open, and until then the tip stays there.
+        # To let go has a way of its own: the fingers open in the middle, and then the tip rises.
         shut = (too_narrow / self.gripper.range).detach()  # stops the gradient: it weighs
         leave = (1 - shut) * offset[..., 2] - shut * norm(offset)
         let_go = straight_through(way, opening + between * leave)

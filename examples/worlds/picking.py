@@ -97,6 +97,28 @@ class Options:
         return max(self.rise, self.clearance or 0.0)
 
 
+@dataclass(frozen=True)
+class Surroundings:
+    """What else is in a world than blocks and a hand.
+
+    Attributes:
+        sensors: What is read of it.
+        goals: What else is wanted.
+        estimators: What else is known.
+        handles: What else can be held, by what the names of its quantities end with. Read are where
+            it is, z_block, and how far from its first end, z_way; p_free, of the estimators, says
+            how likely it is unlocked.
+        has_drawer: Whether x_place and p_room, of the estimators, say where the block belongs and
+            how likely that can be come to.
+    """
+
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    goals: Sequence[Goal] = ()
+    estimators: Sequence[Estimator] = ()
+    handles: Mapping[str, Handle] = field(default_factory=dict)
+    has_drawer: bool = False
+
+
 PRESETS: dict[str, dict[str, Any]] = {
     "aicon": {},
     "without_exploration": {"resolution.exploration": None},
@@ -105,29 +127,14 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 
 
-def build_policy(
-    hand: Hand,
-    options: Options,
-    told: Mapping[str, Sensor] | None = None,
-    wanted: Sequence[Goal] = (),
-    handles: Mapping[str, Handle] | None = None,
-    inside: str | None = None,
-    known: Sequence[Estimator] = (),
-) -> Policy:
+def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundings()) -> Policy:
     """The policy of a hand, which reads z_tip, and z_block and z_goal of each block.
 
     Args:
         hand: The hand; its tip and a block have as many components as it has steps.
         options: What is set by hand.
-        told: Further sensors of a world.
-        wanted: Further goals of a world.
-        handles: What else can be held, by what its quantities' names end with: it reads z_block,
-            and p_free says how likely it is unlocked.
-        inside: The handle of the drawer in which the block may belong; z_inside tells how far, p_room
-            how far it is open.
-        known: Further estimators of a world.
+        around: What else is in the world.
     """
-    handles = handles or {}
     size = len(hand.steps)
     narrowest = options.size / 2
     gripper = Gripper(narrowest, widest=hand.widest, speed=hand.speed, first=hand.first)
@@ -148,20 +155,15 @@ def build_policy(
         return tip * hand.time_step / tip.new_tensor(hand.steps)
 
     speeds = tuple(step / hand.time_step for step in hand.steps)
-    sensors = {"z_tip": Sensor(size, "m"), **(told or {})}
+    sensors = {"z_tip": Sensor(size, "m"), **around.sensors}
+    goals = list(around.goals)
     blocks: list[Estimator] = []
     rooms: list[Estimator] = []
-    goals = list(wanted)
-    held_things = [*names, *handles]
-    for name, handle in handles.items():
-        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_way{name}": Sensor(1, "m")}
-        others = [other for other in held_things if other != name]
-        blocks += block(name, others, size, grasp, options, handle)
+    things = [*names, *around.handles]
     for name in names:
         others = [other for other in names if other != name]
         sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
-        blocks += block(name, [*others, *handles], size, grasp, options)
-        goals += wishes(name, bool(others) or inside is not None, options, inside)
+        goals += wishes(name, others, options, around)
         if others:
             read = [f"z_goal{name}"]
             for other in others:
@@ -170,16 +172,21 @@ def build_policy(
             room = Room(options.size, rest, slack, clearance=options.rise)
             among = Interconnection(room, read)
             rooms.append(Deterministic(f"p_room{name}", among))
+    for name in around.handles:
+        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_way{name}": Sensor(1, "m")}
+    for name in things:
+        others = [other for other in things if other != name]
+        blocks += block(name, others, size, grasp, options, around.handles.get(name))
 
     # What is first of a circle runs last: held reads the newest x_rel.
-    held = [grasp.held(name, by_open_fingers=name in handles) for name in held_things]
+    held = [grasp.held(name, by_open_fingers=name in around.handles) for name in things]
     model = WorldModel(
         sensors=sensors,
         actuators={
             "tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0)),
             "jaw": gripper.actuator(),
         },
-        estimators=[*held, gripper, tip, *blocks, *rooms, *known],
+        estimators=[*held, gripper, tip, *blocks, *rooms, *around.estimators],
         goals=goals,
         dt=hand.time_step,
         dtype=torch.float64,
@@ -192,36 +199,41 @@ def block_names(count: int) -> list[str]:
     return [""] if count == 1 else [f"_{number}" for number in range(count)]
 
 
-def wishes(name: str, needs_room: bool, options: Options, inside: str | None = None) -> list[Goal]:
+def wishes(name: str, others: list[str], options: Options, around: Surroundings) -> list[Goal]:
     """What is wanted of a block: at its place, and in no hand.
+
+    It is as far as it is, ‖Δ‖, by the way from above.
 
     Args:
         name: What its quantities' names end with.
-        needs_room: Whether there is something else that may take its place.
+        others: What those of the other blocks end with.
         options: What is set by hand.
-        inside: The handle of the drawer in which it may belong.
+        around: What else is in the world.
     """
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
         offset = x_obj[..., :3] - z_goal
-        way = way_from_above(offset, options.tolerance, options.height)
-        way = straight_through(norm(offset), way)
+        from_above = way_from_above(offset, options.tolerance, options.height)
+        way = straight_through(norm(offset), from_above)
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
     def place_among_others(x_obj: Tensor, z_goal: Tensor, p_room: Tensor) -> Tensor:
         return worth_of_room(place(x_obj, z_goal), p_room)
 
-    def free_hand(p_grasp: Tensor) -> Tensor:
+    read = [f"x_obj{name}", f"x_place{name}" if around.has_drawer else f"z_goal{name}"]
+    placed = Interconnection(place, read)
+    if others or around.has_drawer:
+        placed = Interconnection(place_among_others, [*read, f"p_room{name}"])
+    return [Goal(f"place{name}", placed), free_hand(name, options)]
+
+
+def free_hand(name: str, options: Options) -> Goal:
+    """That a hand holds a thing no longer, which counts as much as an error of its place."""
+
+    def held(p_grasp: Tensor) -> Tensor:
         return options.free_hand**2 / 2 * p_grasp[..., 0]
 
-    read = [f"x_obj{name}", f"z_goal{name}" if inside is None else f"x_place{name}"]
-    placed = Interconnection(place, read)
-    if needs_room:
-        placed = Interconnection(place_among_others, [*read, f"p_room{name}"])
-    return [
-        Goal(f"place{name}", placed),
-        Goal(f"free hand{name}", Interconnection(free_hand, [f"p_grasp{name}"])),
-    ]
+    return Goal(f"free hand{name}", Interconnection(held, [f"p_grasp{name}"]))
 
 
 def block(
@@ -238,7 +250,7 @@ def block(
 
     Args:
         name: What its quantities' names end with.
-        others: What those of the other blocks end with.
+        others: What those of all else that can be held end with.
         size: How many components its place has.
         grasp: How it comes to be held.
         options: What is set by hand.
