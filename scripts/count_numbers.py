@@ -2,8 +2,9 @@
 
 Example: python scripts/count_numbers.py
 
-Other people's worlds, examples/worlds, follow those of the library. What is told there of a robot
-or a map is given.
+Other people's worlds, examples/worlds, follow those of the library, with the lines of their graphs:
+those of the function that makes a graph and of all that it calls there, but for docstrings and what
+reads a map. What is told there of a robot or a map is given.
 
 A number is an option that is one, or each number of a tuple; each constant of a model that decides
 how it behaves; and each of the safety layer where an actuator has dampers. What is switched off by
@@ -15,8 +16,8 @@ import argparse
 import sys
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
+from functools import reduce
 from importlib import import_module
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from aicon_baselines.cli.command_line import Command, run_command
@@ -25,12 +26,48 @@ from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
 from aicon_torch.safety import bounds, stuck, task_cost
+from graph_code import WORLDS, functions_of, lines_of, options_of
 
-WORLDS = Path(__file__).parents[1] / "examples" / "worlds"
 
-OTHERS = ("pointmaze", "ogbench_mazes", "picking", "fetch", "meta_world")
-"""Worlds of others, by the module of their options; picking's are those of SO-101, the
-cubes and Meta-World's puck."""
+class Graph(NamedTuple):
+    """A graph of other people's worlds.
+
+    Attributes:
+        module: Where it is made.
+        maker: The function that makes it of options.
+        constants: What is set by hand beside its options.
+    """
+
+    module: str
+    maker: str = "build"
+    constants: tuple[str, ...] = ()
+
+
+AT_ONCE = "meta_world.AT_ONCE"
+HEIGHT = "so101_pick_place.HAND.height"
+
+GRAPHS = {
+    "PointMaze": Graph("pointmaze"),
+    "OGBench's mazes": Graph("ogbench_mazes"),
+    "FetchReach": Graph("fetch", "reach"),
+    "FetchPush": Graph("fetch", "push"),
+    "Meta-World: hand": Graph("meta_world", constants=(AT_ONCE,)),
+    "Meta-World: puck": Graph(
+        "meta_world_puck",
+        constants=(AT_ONCE, "meta_world_puck.EFFORT", "meta_world_puck.HAND.speed"),
+    ),
+    "SO-101: pick and place": Graph("so101_pick_place", constants=(HEIGHT,)),
+    "SO-101: pick-cube": Graph("so101_pick_place", constants=(HEIGHT, "so101_pick_cube.LIFT")),
+    "SO-101: in the way": Graph(
+        "so101_in_the_way",
+        constants=(HEIGHT, "so101_in_the_way.LENGTH", "so101_in_the_way.WORTH"),
+    ),
+    "OGBench's cubes": Graph("ogbench_cubes"),
+}
+"""Other people's worlds, in examples/worlds."""
+
+MAPS = ("walls_of",)
+"""What reads a map there, which is told."""
 
 GIVEN = frozenset(
     {
@@ -86,16 +123,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print a row for each task, and for each of the worlds of others."""
+    """Print a row for each task, and one for each of the worlds of others."""
     rows = []
     for task in MODELS:
         rows.append([task, *map(in_words, numbers_of(task))])
 
-    sys.path.insert(0, str(WORLDS))
-    for world in OTHERS:
-        options = import_module(world).Options()
-        rows.append([world, *map(in_words, numbers_in(options))])
     print(to_markdown(["task", "as in all tasks", "set by hand", "privileged"], rows))
+
+    rows = []
+    for world, graph in GRAPHS.items():
+        rows.append([world, str(lines_of_graph(graph)), in_words(numbers_of_graph(graph))])
+    print(to_markdown(["world", "lines of its graph", "set by hand"], rows))
+
+
+def lines_of_graph(graph: Graph) -> int:
+    """Count the lines of one of the worlds of others."""
+    return lines_of(functions_of(graph.module, graph.maker, without=MAPS))
+
+
+def numbers_of_graph(graph: Graph) -> dict[str, int]:
+    """Count the numbers that are set by hand in one of the worlds of others."""
+    if str(WORLDS) not in sys.path:
+        sys.path.insert(0, str(WORLDS))
+    used = options_of(functions_of(graph.module, graph.maker))
+    numbers = {}
+    for name, count in numbers_in(import_module(graph.module).Options()).by_hand.items():
+        if name.split(".")[0] in used:
+            numbers[name] = count
+
+    for constant in graph.constants:
+        module, *path = constant.split(".")
+        numbers[constant] = how_many(reduce(getattr, path, import_module(module)))
+    return numbers
 
 
 def numbers_of(task: str) -> Numbers:

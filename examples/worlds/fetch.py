@@ -11,14 +11,13 @@ step.
 """
 
 import math
-from importlib import import_module
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
 from hands import PRESETS, Hand, Options, hand_task, push_policy, reach_policy
+from others import World, needed, readings
 
 from aicon_torch import Policy
 from aicon_torch.parts import ContactOptions, Lag, RoundObject
@@ -29,7 +28,7 @@ STEP, HORIZON = 0.04, 50  # s; steps, the benchmark's
 EDGE = 0.05  # m, of the block
 
 
-class Fetch(gymnasium.Env[Any, Any]):
+class Fetch(World):
     """The world, whose episodes last to the end.
 
     Args:
@@ -40,19 +39,14 @@ class Fetch(gymnasium.Env[Any, Any]):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 25}
 
     def __init__(self, task: str, render_mode: str | None = None) -> None:
-        try:
-            gymnasium.register_envs(import_module("gymnasium_robotics"))
-        except ModuleNotFoundError as error:
-            raise DependencyNotInstalled(f"{error}: pip install gymnasium-robotics") from error
+        gymnasium.register_envs(needed("gymnasium_robotics", "gymnasium-robotics"))
         name = f"Fetch{task.capitalize()}-v4"
         self.world = gymnasium.make(name, render_mode=render_mode, disable_env_checker=True)
         self.pushes, self.render_mode = task == "push", render_mode
 
         sizes = {"z_hand": 3, "z_goal": 3}
         sizes |= {"v_hand": 3, "z_place": 2, "v_obj": 2} if self.pushes else {}
-        self.observation_space = Dict(
-            {name: Box(-np.inf, np.inf, (size,), np.float64) for name, size in sizes.items()}
-        )
+        self.observation_space = readings(sizes)
         plane, line = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (1,))
         self.action_space = (
             Dict({"a": plane, "lift": line}) if self.pushes else Box(-1.0, 1.0, (3,))
@@ -71,14 +65,6 @@ class Fetch(gymnasium.Env[Any, Any]):
         self.steps += 1
         observation, info = self._seen(state, told["is_success"])
         return observation, 0.0, False, self.steps >= HORIZON, info
-
-    def render(self) -> Any:
-        """A picture."""
-        return self.world.render()
-
-    def close(self) -> None:
-        """Close the world."""
-        self.world.close()
 
     def _seen(self, state: Any, success: float) -> Any:
         read, goal = state["observation"], state["desired_goal"]
@@ -102,9 +88,17 @@ FRICTION = 1.0  # between block, table and finger: what MuJoCo assumes
 
 
 def build(options: Options) -> Policy:
-    """The graph of a hand that reaches, or of one that pushes a block."""
-    if options.task == "reach":
-        return reach_policy(HAND, options)
+    """The graph of what there is to do."""
+    return {"reach": reach, "push": push}[options.task](options)
+
+
+def reach(options: Options) -> Policy:
+    """The graph of a hand that reaches."""
+    return reach_policy(HAND, options)
+
+
+def push(options: Options) -> Policy:
+    """The graph of one that pushes a block."""
     block = RoundObject(RADIUS, FINGER, FRICTION, ContactOptions(options.size))
     return push_policy(HAND, LAG, block, options)
 

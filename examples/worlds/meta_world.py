@@ -11,14 +11,12 @@ where the world says so at its last step, which is stricter than the benchmark's
 step.
 """
 
-from importlib import import_module
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
-from gymnasium.spaces import Box, Dict, Space
+from gymnasium.spaces import Box, Space
 from hands import PRESETS, Hand, Options, hand_task, reach_policy
+from others import World, needed, readings
 
 from aicon_torch import Policy
 
@@ -32,7 +30,7 @@ TIP = np.array([0.0, 0.0, -0.045])  # m, from what the world calls the hand
 HAND, THING, BEFORE, GOAL = slice(0, 3), slice(4, 7), 18, slice(36, 39)  # of what it tells
 
 
-class MetaWorld(gymnasium.Env[Any, Any]):
+class MetaWorld(World):
     """The world, whose episodes last to the end.
 
     What moves is read where it comes to rest, x + τ v: by dv/dt = (a − v)/τ that place follows at
@@ -48,16 +46,11 @@ class MetaWorld(gymnasium.Env[Any, Any]):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(self, task: str, render_mode: str | None = None) -> None:
-        try:
-            worlds = import_module("metaworld.env_dict").ALL_V3_ENVIRONMENTS_GOAL_OBSERVABLE
-        except ModuleNotFoundError as error:
-            raise DependencyNotInstalled(f"{error}: pip install metaworld") from error
+        worlds = needed("metaworld.env_dict", "metaworld").ALL_V3_ENVIRONMENTS_GOAL_OBSERVABLE
         self.world = worlds[f"{task}-v3-goal-observable"](seed=0, render_mode=render_mode)
         self.world._freeze_rand_vec, self.world.seeded_rand_vec = False, True
         self.render_mode = render_mode
-        self.observation_space = Dict(
-            {name: Box(-np.inf, np.inf, (3,), np.float64) for name in self.readings}
-        )
+        self.observation_space = readings(dict.fromkeys(self.readings, 3))
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         """Place things and goal."""
@@ -77,14 +70,6 @@ class MetaWorld(gymnasium.Env[Any, Any]):
             self.state, _, _, ends, told = self.world.step(sent.astype(np.float32))
         observation, info = self._seen(ends and told["success"])
         return observation, 0.0, False, ends, info
-
-    def render(self) -> Any:
-        """A picture."""
-        return self.world.render()
-
-    def close(self) -> None:
-        """Close the world."""
-        self.world.close()
 
     def _way(self, action: Any) -> Any:
         """How far the hand is told to go."""

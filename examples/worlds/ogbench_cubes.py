@@ -11,13 +11,12 @@ The graph is that of picking.py; the fingers turn here, too. Each cube has a gra
 """
 
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
+from others import World, needed, readings
 from picking import PRESETS, SIZE, Hand, Options, block_names, build_policy
 
 from aicon_baselines.evaluation.task import Task
@@ -31,23 +30,7 @@ EDGE = SIZE / 2  # m, from a cube's axis to its side: what a turn is told at
 GOAL, CUBE, CENTRE = 19, 9, (0.425, 0.0, 0.0)  # where goals begin, how long one is; decimetres
 
 
-def ogbench(name: str) -> Any:
-    """A module of the package."""
-    try:
-        return import_module(name)
-    except ModuleNotFoundError as error:
-        raise DependencyNotInstalled(f"{error}: pip install ogbench") from error
-
-
-def readings(count: int) -> dict[str, int]:
-    """What is read of a world with so many cubes, and how many numbers each is."""
-    sizes = {"z_tip": 4, "z_contact": 1, "z_jaw": 1}
-    for name in block_names(count):
-        sizes |= {f"z_block{name}": 4, f"z_goal{name}": 3}
-    return sizes
-
-
-class Cubes(gymnasium.Env[Any, Any]):
+class Cubes(World):
     """The world, whose yaws do not jump and are told as ways at the edge of a cube.
 
     Args:
@@ -60,16 +43,14 @@ class Cubes(gymnasium.Env[Any, Any]):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(self, count: int, task: int, render_mode: str | None = None) -> None:
-        ogbench("ogbench.manipspace")
+        needed("ogbench.manipspace", "ogbench")
         made = gymnasium.make(f"cube-{NAMES[count - 1]}-v0", disable_env_checker=True)
         self.world, self.task, self.render_mode = made.unwrapped, task, render_mode
         self.count, self.names = count, block_names(count)
-        self.observation_space = Dict(
-            {
-                name: Box(-np.inf, np.inf, (size,), np.float64)
-                for name, size in readings(count).items()
-            }
-        )
+        sizes = {"z_tip": 4, "z_contact": 1, "z_jaw": 1}
+        for name in self.names:
+            sizes |= {f"z_block{name}": 4, f"z_goal{name}": 3}
+        self.observation_space = readings(sizes)
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         """Place the cubes, and the arm."""
@@ -88,14 +69,6 @@ class Cubes(gymnasium.Env[Any, Any]):
         _, _, ends, _, told = self.world.step(sent.clip(-1.0, 1.0))
         observation, info = self._seen(told, told["success"])
         return observation, 0.0, ends, False, info
-
-    def render(self) -> Any:
-        """A picture."""
-        return self.world.render()
-
-    def close(self) -> None:
-        """Close the world."""
-        self.world.close()
 
     def _seen(self, told: Any, success: bool) -> Any:
         self.told = told
@@ -155,8 +128,8 @@ class Oracle:
     ) -> Any:
         """The next actions of the oracle."""
         # One oracle serves all rows, as it remembers nothing but where to go in the end.
-        oracle = ogbench("ogbench.manipspace.oracles.markov.cube_markov").CubeMarkovOracle
-        mover = oracle(env=None)
+        oracles = needed("ogbench.manipspace.oracles.markov.cube_markov", "ogbench")
+        mover = oracles.CubeMarkovOracle(env=None)
         mover._final_pos, mover._final_yaw = np.array([0.425, 0.0, 0.3]), 0.0
         mover._step, mover._max_step = 0, 10**6
 

@@ -11,18 +11,18 @@ are in cells of 4 m, so that nothing is set for this world.
 """
 
 from dataclasses import dataclass, field
-from importlib import import_module
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
-from gymnasium.spaces import Box, Dict
-from pointmaze import PRESETS, RESOLUTION, maze_model, to_go, walls_of
+import pointmaze
+from gymnasium.spaces import Box
+from others import World, needed, readings
+from pointmaze import PRESETS, RESOLUTION, keep_clear, maze_model
 
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
-from aicon_torch import Actuator, Affine, Foresight, Policy, Rehearsal
+from aicon_torch import Actuator, Affine, Foresight, Goal, Policy
 from aicon_torch.control import ActionLaw
 from aicon_torch.parts import DisplacementCommand
 from aicon_torch.resolution import Resolution
@@ -38,14 +38,11 @@ CONDITIONS = tuple(f"{maze}_task{number}" for maze in MAZES for number in range(
 
 def make_maze(maze: str, **options: Any) -> Any:
     """OGBench's own environment of a maze."""
-    try:
-        import_module("ogbench.locomaze")
-    except ModuleNotFoundError as error:
-        raise DependencyNotInstalled(f"{error}: pip install ogbench") from error
+    needed("ogbench.locomaze", "ogbench")
     return gymnasium.make(f"pointmaze-{maze}-v0", disable_env_checker=True, **options).unwrapped
 
 
-class Maze(gymnasium.Env[Any, Any]):
+class Maze(World):
     """A maze whose lengths are in cells, from its middle.
 
     Args:
@@ -54,9 +51,7 @@ class Maze(gymnasium.Env[Any, Any]):
         render_mode: None, or "rgb_array".
     """
 
-    observation_space = Dict(
-        {name: Box(-np.inf, np.inf, (2,), np.float64) for name in ("z_ball", "z_goal")}
-    )
+    observation_space = readings({"z_ball": 2, "z_goal": 2})
     action_space = Box(-1.0, 1.0, (2,), np.float64)
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
 
@@ -80,14 +75,6 @@ class Maze(gymnasium.Env[Any, Any]):
         ball, _, arrives, _, told = self.world.step(np.asarray(action, np.float64))
         observation, info = self._seen(ball, told["success"] > 0)
         return observation, 0.0, arrives, False, info
-
-    def render(self) -> Any:
-        """A picture."""
-        return self.world.render()
-
-    def close(self) -> None:
-        """Close the world."""
-        self.world.close()
 
     def _draw(self) -> None:
         """Begin numpy's own random numbers anew, which the world draws from, of those of ours."""
@@ -114,33 +101,36 @@ class Options:
 
 
 def build(options: Options) -> Policy:
-    """The ball: it goes where it is told. A teleporter is a wall, as it may lead anywhere."""
+    """The ball: it goes where it is told."""
+    ball = Actuator(2, "cells/s", limit=STRIDE / STEP, command=DisplacementCommand(STRIDE))
+    model = maze_model(ball, Affine(z_ball=1.0, a="dt"), walls_of(options), STEP)
+    return Policy(model, options.resolution, options.law)
+
+
+def walls_of(options: Options) -> Goal:
+    """To keep clear of the walls; a teleporter is one, as it may lead anywhere."""
     world = make_maze(options.maze)
     grid = world.maze_map.copy()
     for cell in (world._teleport_info or {}).get("teleport_in_ijs", ()):
         grid[cell] = 1
     world.close()
-
-    walls = walls_of(grid[::-1], RADIUS)
-    ball = Actuator(2, "cells/s", limit=STRIDE / STEP, command=DisplacementCommand(STRIDE))
-    model = maze_model(walls, ball, Affine(z_ball=1.0, a="dt"), options.length, STEP)
-    return Policy(model, options.resolution, options.law)
+    return keep_clear(grid[::-1], RADIUS, options.length)
 
 
 @dataclass
-class Rehearsed:
-    """The policy, rehearsed where it begins to explore: see aicon_torch.Rehearsal."""
+class Rehearsed(pointmaze.Rehearsed):
+    """The policy, rehearsed where it begins to explore."""
 
     maze: str = "medium"
+    enough: ClassVar[float] = 1.0 / CELL
 
-    def __post_init__(self) -> None:
-        """Build it."""
+    def policy(self) -> Policy:
+        """What is rehearsed."""
+        return build(Options(self.maze))
 
-        def imagine(seen: Any, memory: Any) -> Any:
-            return seen | {"z_ball": seen["z_ball"] + STEP * memory["a"]}
-
-        policy = build(Options(self.maze)).compile()
-        self.predict = Rehearsal(policy, imagine, to_go, enough=1.0 / CELL).predict
+    def imagine(self, seen: Any, memory: Any) -> Any:
+        """What is read after a step without a contact."""
+        return seen | {"z_ball": seen["z_ball"] + STEP * memory["a"]}
 
 
 # --- the task

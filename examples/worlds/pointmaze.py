@@ -11,14 +11,13 @@ by hand are the lag and the length of a collision. ogbench_mazes.py has the same
 """
 
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 import torch
-from gymnasium.error import DependencyNotInstalled
-from gymnasium.spaces import Box, Dict
+from gymnasium.spaces import Box
+from others import World, needed, readings
 from torch import Tensor
 
 from aicon_baselines.evaluation.task import Task
@@ -43,6 +42,7 @@ from aicon_torch.resolution import Exploration, Resolution, SteepestPath, TrapEs
 # --- the world
 
 STEP = 0.01  # s
+RADIUS = 0.1  # of the ball, m, of which a cell is 1 long
 HORIZONS = {"umaze": 300, "medium": 600, "large": 800}  # steps, the benchmark's
 NAMES = {"umaze": "UMaze", "medium": "Medium", "large": "Large"}
 MAPS = {"umaze": "U_MAZE", "medium": "MEDIUM_MAZE", "large": "LARGE_MAZE"}
@@ -50,18 +50,13 @@ MAPS = {"umaze": "U_MAZE", "medium": "MEDIUM_MAZE", "large": "LARGE_MAZE"}
 
 def robotics(module: str = "") -> Any:
     """The package."""
-    try:
-        return import_module(f"gymnasium_robotics{module}")
-    except ModuleNotFoundError as error:
-        raise DependencyNotInstalled(f"{error}: pip install gymnasium-robotics") from error
+    return needed(f"gymnasium_robotics{module}", "gymnasium-robotics")
 
 
-class PointMaze(gymnasium.Env[Any, Any]):
+class PointMaze(World):
     """The world, which ends where the ball arrives, as the benchmark counts it."""
 
-    observation_space = Dict(
-        {name: Box(-np.inf, np.inf, (2,), np.float64) for name in ("z_ball", "v_ball", "z_goal")}
-    )
+    observation_space = readings({"z_ball": 2, "v_ball": 2, "z_goal": 2})
     action_space = Box(-1.0, 1.0, (2,), np.float64)
     metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
 
@@ -81,14 +76,6 @@ class PointMaze(gymnasium.Env[Any, Any]):
         state, _, arrives, ends, told = self.world.step(np.asarray(action, np.float64))
         observation, info = self._seen(state, told["success"])
         return observation, 0.0, arrives, ends, info
-
-    def render(self) -> Any:
-        """A picture."""
-        return self.world.render()
-
-    def close(self) -> None:
-        """Close the world."""
-        self.world.close()
 
     def _seen(self, state: Any, success: bool) -> Any:
         ball, velocity = np.split(state["observation"], 2)
@@ -127,7 +114,6 @@ PRESETS: dict[str, dict[str, Any]] = {
 
 def build(options: Options) -> Policy:
     """The ball: a servo pushes it, and it follows with a lag."""
-    grid = getattr(robotics(".envs.maze.maps"), MAPS[options.maze])
     servo, lag = ForceServo(mass=4.19, time=options.lag, largest=100.0), Lag(options.lag)
 
     def ahead(z_ball: Tensor, v_ball: Tensor, a: Tensor, dt: Tensor) -> Tensor:
@@ -137,7 +123,7 @@ def build(options: Options) -> Policy:
         return servo(a, v_ball) / servo.largest
 
     ball = Actuator(2, "m/s", limit=options.speed, command=push)
-    model = maze_model(walls_of(grid, 0.1), ball, Interconnection.of(ahead), options.length, STEP)
+    model = maze_model(ball, Interconnection.of(ahead), walls_of(options), STEP)
     return Policy(model, options.resolution, options.law or Foresight(horizon=2 * options.lag))
 
 
@@ -146,54 +132,66 @@ class Rehearsed:
     """The policy, rehearsed where it begins to explore: see aicon_torch.Rehearsal."""
 
     maze: str = "umaze"
+    enough: ClassVar[float] = 0.45  # how near to the goal it has arrived, cells
 
     def __post_init__(self) -> None:
         """Build it."""
-        options = Options(self.maze)
-        lag, dt = Lag(options.lag), torch.tensor(STEP)
 
-        def imagine(seen: Any, memory: Any) -> Any:
-            moved = lag.displacement(memory["a"], seen["v_ball"], dt)
-            v_ball = lag.velocity(memory["a"], seen["v_ball"], dt)
-            return seen | {"z_ball": seen["z_ball"] + moved, "v_ball": v_ball}
+        def to_go(seen: Any) -> Tensor:
+            return norm(seen["z_ball"] - seen["z_goal"])
 
-        self.predict = Rehearsal(build(options).compile(), imagine, to_go, enough=0.45).predict
+        policy = self.policy().compile()
+        self.predict = Rehearsal(policy, self.imagine, to_go, self.enough).predict
+
+    def policy(self) -> Policy:
+        """What is rehearsed."""
+        return build(Options(self.maze))
+
+    def imagine(self, seen: Any, memory: Any) -> Any:
+        """What is read after a step without a contact."""
+        lag, dt = Lag(Options().lag), torch.tensor(STEP)
+        moved = lag.displacement(memory["a"], seen["v_ball"], dt)
+        v_ball = lag.velocity(memory["a"], seen["v_ball"], dt)
+        return seen | {"z_ball": seen["z_ball"] + moved, "v_ball": v_ball}
 
 
-def to_go(seen: Any) -> Tensor:
-    """How far the goal is, cells."""
-    return norm(seen["z_ball"] - seen["z_goal"])
+def walls_of(options: Options) -> Goal:
+    """To keep clear of the walls."""
+    grid = getattr(robotics(".envs.maze.maps"), MAPS[options.maze])
+    return keep_clear(grid, RADIUS, options.length)
 
 
-def walls_of(grid: Any, radius: float) -> Walls:
-    """The walls of a maze whose rows hold a 1 where a wall is, and whose cells are 1 long."""
+def keep_clear(grid: Any, radius: float, length: float) -> Goal:
+    """To keep clear of a maze whose rows hold a 1 where a wall is, and whose cells are 1 long.
+
+    Args:
+        grid: The maze, north first.
+        radius: Of the ball, cells.
+        length: Of the likelihood of a collision, cells.
+    """
     rows = ["".join("#" if cell == 1 else " " for cell in row) for row in grid]
-    return Walls.from_grid(rows, radius=radius)
+    walls = Walls.from_grid(rows, radius=radius)
+    return Goal("avoid", Interconnection(walls.collision_likelihood(length), ["p_ball"]))
 
 
-def maze_model(
-    walls: Walls, ball: Actuator, ahead: Interconnection, length: float, dt: float
-) -> WorldModel:
+def maze_model(ball: Actuator, ahead: Interconnection, avoid: Goal, dt: float) -> WorldModel:
     """The graph of mazes: two goals meet at the place where an action leads.
 
     Args:
-        walls: Of the maze, whose cells are 1 long.
         ball: What moves the ball.
         ahead: Where the ball will be, of ``a``, ``dt`` and what is read.
-        length: Of the likelihood of a collision, cells.
+        avoid: To keep clear of the walls.
         dt: Time step, s.
     """
 
     def far(p_ball: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_ball - z_goal)
 
-    read = sorted({"z_goal", *ahead.inputs} - {"a", "dt"})
-    avoid = Interconnection(walls.collision_likelihood(length), ["p_ball"])
     return WorldModel(
-        sensors={name: Sensor(2, "SI") for name in read},
+        sensors={name: Sensor(2, "SI") for name in sorted({"z_goal", *ahead.inputs} - {"a", "dt"})},
         actuators={"a": ball},
         estimators=[Deterministic("p_ball", ahead)],
-        goals=[Goal("reach", far), Goal("avoid", avoid)],
+        goals=[Goal("reach", far), avoid],
         dt=dt,
         dtype=torch.float64,
     )

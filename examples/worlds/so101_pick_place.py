@@ -11,13 +11,12 @@ The graph is that of picking.py.
 
 import sys
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
+from others import World, needed, readings
 from picking import PRESETS, Hand, Options, build_policy
 
 from aicon_baselines.evaluation.task import Lesson, Look, Task
@@ -32,21 +31,18 @@ JAW = 10  # where the world tells what the jaw was told, −1 closed to 1 open
 
 
 def so101() -> Any:
-    """The package. It asks any LeRobot that it finds for names that only 0.6 has: it finds none."""
+    """The package's script; a LeRobot, of which it asks what only 0.6 has, it does not find."""
     lerobot = sys.modules.get("lerobot")
     sys.modules["lerobot"] = None  # type: ignore[assignment]  # what import takes for missing
     try:
-        import_module("lerobot_env_so101")
-        return import_module("lerobot_env_so101.scripted.pick_place"), gymnasium
-    except ModuleNotFoundError as error:
-        raise DependencyNotInstalled(f"{error}: pip install lerobot-env-so101") from error
+        return needed("lerobot_env_so101.scripted.pick_place", "lerobot-env-so101")
     finally:
         del sys.modules["lerobot"]
         if lerobot is not None:
             sys.modules["lerobot"] = lerobot
 
 
-class PickPlace(gymnasium.Env[Any, Any]):
+class PickPlace(World):
     """The world, with the tip that the action moves, which follows from the joints, as a reading.
 
     What the jaw was told is for students: the policy remembers it.
@@ -60,12 +56,7 @@ class PickPlace(gymnasium.Env[Any, Any]):
     name = "lerobot_env_so101/SO101PickPlace-v0"
     arguments: ClassVar[dict[str, Any]] = {}
 
-    observation_space = Dict(
-        {
-            name: Box(-np.inf, np.inf, (size,), np.float64)
-            for name, size in (READINGS | {"z_jaw": 1}).items()
-        }
-    )
+    observation_space = readings(READINGS | {"z_jaw": 1})
     action_space = Dict({"tip": Box(-1.0, 1.0, (3,)), "jaw": Box(0.0, 1.0, (1,))})
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
 
@@ -99,14 +90,6 @@ class PickPlace(gymnasium.Env[Any, Any]):
             block.qpos[:], block.qvel[:], self.is_knocked = self.first_place, 0.0, True
         observation, info = self._seen(state, told["succeed"])
         return observation, 0.0, ends, False, info
-
-    def render(self) -> Any:
-        """A picture."""
-        return self.world.render()
-
-    def close(self) -> None:
-        """Close the world."""
-        self.world.close()
 
     def _begin(self, seed: int | None) -> Any:
         """Begin an episode of the world."""
@@ -163,7 +146,7 @@ class Script:
         rows = []
         for row in range(count):
             if state[row] is None or (episode_start is not None and episode_start[row]):
-                state[row] = so101()[0].PickPlaceController(STEP)
+                state[row] = so101().PickPlaceController(STEP)
             seen = [observation[name][row] for name in READINGS]
             rest = np.array([0.0, 0.0, 0.0, 1.0])
             rows.append(state[row].act(*seen) if np.isfinite(seen).all() else rest)

@@ -27,6 +27,7 @@ NEEDED = {
     "logs": ("pymunk", "lerobot"),
     "wheels": ("matplotlib",),
     "task": (),
+    "world": ("gymnasium_robotics", "matplotlib"),
 }
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
@@ -77,6 +78,27 @@ def test_the_task_of_a_tutorial_is_compared_by_its_module(
     assert "not_told_of_wind" in printed and "no success after 0.3 s" in printed
     rows = (tmp_path / "out" / "episodes.csv").read_text().splitlines()
     assert len(rows) == 1 + 2 * 2
+
+
+@pytest.mark.slow
+def test_the_world_of_a_tutorial_is_compared_and_diagnosed_as_it_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("gymnasium_robotics")
+    page = ROOT / "docs" / "tutorials" / "world.md"
+    blocks = [code for language, code in BLOCK.findall(page.read_text()) if language == "python"]
+    (tmp_path / "rooms.py").write_text("\n".join(blocks[1:4]))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+
+    policies = ["--policies", "aicon", "without_exploration", "--conditions", "door"]
+    episodes = ["--episodes", "1", "--seed", "405000", "--jobs", "1", "--out", "out"]
+    main(["compare", "--task", "rooms:TASK", *policies, *episodes])
+    main(["diagnose", "out", "--policy", "without_exploration", "--seed", "405000"])
+
+    printed = capsys.readouterr().out
+    assert "| door | aicon | 1/1" in printed and "| door | without_exploration | 0/1" in printed
+    assert "nothing is explored" in printed
 
 
 def test_what_stands_on_the_first_page_runs_in_its_order_and_prints_what_it_says() -> None:
