@@ -1,4 +1,4 @@
-"""Places: an actuator that obstacles bring to rest goes elsewhere, and tries anew from there."""
+"""Places: an actuator that constraints bring to rest goes elsewhere, and tries anew from there."""
 
 import torch
 from torch import Tensor
@@ -6,12 +6,13 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.stuck import WayOut, spread, time_of
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
 # robot needs no new number.
 PROGRESS = 0.03  # by which the cost must fall to count as lower
+UNSTEADY = 0.1  # by which it must rise, meanwhile, to come and go
+OPPOSED = 0.1  # share of the nominal action that the constraints must take away to oppose it
 STOP = 0.06  # how near to its stop a component is held up there, in its own unit
 MIDDLE = 0.5  # share of a range, about its middle, that the places of most components are in
 ARRIVED = 0.4  # how near to a place is near enough
@@ -35,18 +36,21 @@ def initial_places(size: int) -> Memory:
         "clock": torch.tensor(0.0),
         "slow": torch.tensor(0.0),
         "lowest": torch.tensor(torch.inf),
+        "highest": torch.tensor(0.0),
         "escapes": torch.tensor(0),
         "before": torch.tensor(torch.inf),
     }
 
 
-class Places(WayOut):
+class Places:
     """Detects that an actuator is held up, and moves it to another place.
 
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
-    3 % for a while. Then it makes a DETOUR at full speed, in the same bounds, to the next place of
-    a sequence that fills the ranges of the components evenly; it ends near the place, where the
-    motion is blocked, or after some time, and the goals are tried anew.
+    3 % for a while, although the constraints oppose the nominal action or the cost is steady. (One
+    that comes and goes while nothing is in the way is the noise of the readings.) Then it makes a
+    DETOUR at full speed, in the same bounds, to the next place of a sequence that fills the ranges
+    of the components evenly; it ends near the place, where the motion is blocked, or after some
+    time, and the goals are tried anew.
 
     *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
@@ -59,14 +63,25 @@ class Places(WayOut):
     """
 
     def __init__(self, options: PlaceEscape, limits: Tensor, dt: float) -> None:
-        super().__init__(limits)
-        self.options = options
+        self.options, self.limits = options, limits
         self.step = dt * float(limits.median())
         first, last = options.whole
         share = torch.full_like(limits, MIDDLE)
         share[:first] = 1.0
         share[max(len(limits) - last, 0) :] = 1.0
         self.share = share
+
+    def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
+        """What it tries, ``(*B, n)``: the nominal action, or at full speed the way to its place.
+
+        Args:
+            nominal: What the goals ask for, ``(*B, n)``.
+            memory: What was remembered.
+        """
+        way = memory["direction"]
+        time = _time_of(way, self.limits).unsqueeze(-1)
+        fastest = way / time.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
+        return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
 
     def judge(
         self,
@@ -88,10 +103,13 @@ class Places(WayOut):
         now, clock, is_free = cost.at_rest, memory["clock"] + self.step, ~memory["escaping"]
         is_other = is_of_other_goals(cost, memory["before"], self.limits, OTHER)
         is_lower = is_free & (now < (1.0 - PROGRESS) * memory["lowest"])
+        highest = torch.maximum(now, memory["highest"])
 
         # From FREE to a DETOUR: where it is held up, and at which stops.
         is_late = ~is_lower & (clock >= self.options.patience) & (now > self.options.near)
-        begins = is_free & is_late & ~is_other
+        is_steady = highest < (1.0 + UNSTEADY) * memory["lowest"]
+        is_held_up = is_late & (is_steady | _is_opposed(nominal, safe.action))
+        begins = is_free & is_held_up & ~is_other
         stops = torch.where(is_other.unsqueeze(-1), 0.0, memory["stops"])
         if self.options.remembers:
             stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
@@ -102,7 +120,7 @@ class Places(WayOut):
         way = self._way(place, room)
 
         # Back to FREE: there, blocked, or late.
-        is_slow = time_of(safe.action, self.limits) < SLOW
+        is_slow = _time_of(safe.action, self.limits) < SLOW
         slow = torch.where(is_slow & ~is_free, memory["slow"] + self.step, 0.0)
         is_there = way.abs().amax(-1) < ARRIVED
         is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
@@ -117,6 +135,7 @@ class Places(WayOut):
             "clock": torch.where(restarts, 0.0, clock),
             "slow": torch.where(begins, 0.0, slow),
             "lowest": torch.where(restarts, now, memory["lowest"]),
+            "highest": torch.where(restarts, now, highest),
             "escapes": escapes + begins,
             "before": now,
         }
@@ -151,8 +170,38 @@ class Places(WayOut):
         return (up - down) / 2.0 + place * (up + down) / 2.0
 
 
+def _time_of(way: Tensor, limits: Tensor) -> Tensor:
+    """How long a way ``(*B, n)`` takes at full speed, ``(*B,)``, s; of a velocity its share."""
+    return (way.abs() / limits.to(way)).amax(-1)
+
+
+def _is_opposed(nominal: Tensor, action: Tensor) -> Tensor:
+    """Whether the constraints take away a good share of the nominal action, ``(*B,)``."""
+    opposition = ((nominal - action) * nominal).sum(-1)
+    return opposition > OPPOSED * (nominal * nominal).sum(-1)
+
+
 def _stops(room: tuple[Tensor, Tensor], known: Tensor) -> Tensor:
     """At which stop each component is, −1 low and 1 high, or was last, ``(*B, n)``."""
     down, up = room
     at_low = torch.where(down < STOP, -1.0, known)
     return torch.where(up < STOP, 1.0, at_low)
+
+
+def spread(index: Tensor, like: Tensor) -> Tensor:
+    """Number i of a sequence of directions that fills [−1, 1]ⁿ evenly, ``(*B, n)``.
+
+    Component j is 2·frac(½ + (i + 1) φ⁻ʲ⁻¹) − 1, where φ is the positive root of xⁿ⁺¹ = x + 1 (the
+    additive recurrence R of Roberts 2018).
+
+    Args:
+        index: i, ``(*B,)``.
+        like: What has n components.
+    """
+    size = like.shape[-1]
+    root = 2.0
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (size + 1))
+
+    steps = like.new_tensor([root ** -(component + 1) for component in range(size)])
+    return 2.0 * torch.remainder(0.5 + (index.unsqueeze(-1) + 1) * steps, 1.0) - 1.0

@@ -31,6 +31,6 @@ def beaded_arm() -> Robot:
 @functools.cache
 def policy(escapes: bool = True) -> Policy:
     """It reads two objects."""
-    escape = PlaceEscape() if escapes else None
+    escape = PlaceEscape(whole=(1, 3)) if escapes else None
     options = {"robot": beaded_arm(), "obstacles": 2, "dampers.escape": escape}
     return quick(make_policy("reach", preset="clutter", **options))
