@@ -1,5 +1,7 @@
 """Places: an actuator that constraints bring to rest goes elsewhere, and tries anew from there."""
 
+import math
+
 import torch
 from torch import Tensor
 
@@ -64,7 +66,7 @@ class Places:
 
     def __init__(self, options: PlaceEscape, limits: Tensor, dt: float) -> None:
         self.options, self.limits = options, limits
-        self.step = dt * float(limits.median())
+        self.dt, self.step = dt, dt * float(limits.median())
         first, last = options.whole
         share = torch.full_like(limits, MIDDLE)
         share[:first] = 1.0
@@ -117,7 +119,10 @@ class Places:
 
         new = self._place(escapes, stops)
         place = torch.where(begins.unsqueeze(-1), new, memory["place"])
-        way = self._way(place, room)
+        left = torch.where(
+            begins.unsqueeze(-1), math.pi * new, memory["direction"] - self.dt * safe.action
+        )
+        way = _way(place, room, left)
 
         # Back to FREE: there, blocked, or late.
         is_slow = _time_of(safe.action, self.limits) < SLOW
@@ -143,17 +148,17 @@ class Places:
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
 
-        It rests for a step, which tells it the way.
+        Its first step, toward a place as if it were in the middle of all ranges, tells it the way.
 
         Args:
             number: Which place, ``(*B,)``.
             memory: What was remembered.
         """
-        nothing = torch.zeros_like(memory["clock"])
+        place, nothing = self._place(number, memory["stops"]), torch.zeros_like(memory["clock"])
         return memory | {
             "escaping": torch.ones_like(memory["escaping"]),
-            "direction": torch.zeros_like(memory["direction"]),
-            "place": self._place(number, memory["stops"]),
+            "direction": math.pi * place,
+            "place": place,
             "clock": nothing,
             "slow": nothing,
             "escapes": number + 1,
@@ -164,10 +169,21 @@ class Places:
         new = self.share.to(stops) * spread(number, stops)
         return torch.where(stops != 0, -stops * new.abs(), new)
 
-    def _way(self, place: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
-        """The way to a place, which is a share of the half range about the middle, ``(*B, n)``."""
-        down, up = (torch.where(side.isfinite(), side, torch.pi) for side in room)
-        return (up - down) / 2.0 + place * (up + down) / 2.0
+
+def _way(place: Tensor, room: tuple[Tensor, Tensor], left: Tensor) -> Tensor:
+    """The way to a place, which is a share of the half range about the middle, ``(*B, n)``.
+
+    A component without a range has no middle: it moves by so much of half a turn.
+
+    Args:
+        place: The place, ``(*B, n)``.
+        room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
+        left: What is left to go of one without a range, ``(*B, n)``.
+    """
+    down, up = room
+    is_ranged = down.isfinite() & up.isfinite()
+    down, up = (torch.where(is_ranged, side, 0.0) for side in room)
+    return torch.where(is_ranged, (up - down) / 2.0 + place * (up + down) / 2.0, left)
 
 
 def _time_of(way: Tensor, limits: Tensor) -> Tensor:
