@@ -6,40 +6,19 @@ from aicon_torch.errors import OptionError
 
 
 @dataclass(frozen=True)
-class ConstraintEscape:
-    """What is done where constraints bring an actuator to rest: the conflict of a goal with them.
-
-    The actuator moves along the force of the constraints, or makes a detour, until it is over the
-    crest of the cost: :class:`aicon_torch.safety.stuck.Stalemate` has the rules.
-
-    Attributes:
-        near: A cost below this, in its unit, is near enough to stay.
-
-    Raises:
-        OptionError: If it is not positive.
-    """
-
-    near: float = 0.005
-
-    def __post_init__(self) -> None:
-        """Check the number."""
-        _check_positive("near", self.near)
-
-
-@dataclass(frozen=True)
 class PlaceEscape:
-    """What is done where obstacles bring an actuator to rest: it goes elsewhere and tries anew.
+    """What is done where constraints bring an actuator to rest: it goes elsewhere and tries anew.
 
-    It goes to a place that a sequence names, mirrored where a component was at its stop when it was
-    held up before: :class:`aicon_torch.safety.places.Places` has the rules.
+    It goes to a place in the middle half of its range that a sequence names, mirrored where a
+    component was at its stop when it was held up before: :class:`aicon_torch.safety.places.Places`
+    has the rules.
 
     Attributes:
         near: A cost below this, in its unit, is near enough to stay.
         patience: How long a cost may fail to fall, as the way that an actuator at its limit goes in
             this time, rad for an arm.
         remembers: Whether it remembers at which stops its components were held up.
-        whole: So many components, the first and the last ones, go anywhere in their ranges; the
-            others stay in the middle half.
+        whole: So many components, the first and the last ones, go anywhere in their ranges.
 
     Raises:
         OptionError: If one of the first two is not positive.
@@ -48,7 +27,7 @@ class PlaceEscape:
     near: float = 0.005
     patience: float = 0.45
     remembers: bool = True
-    whole: tuple[int, int] = (1, 3)
+    whole: tuple[int, int] = (0, 0)
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -88,10 +67,7 @@ class VelocityDampers:
     """
 
     braking: float = 0.3
-    escape: ConstraintEscape | PlaceEscape | WayAround | None = field(
-        default_factory=ConstraintEscape
-    )
-
+    escape: PlaceEscape | WayAround | None = field(default_factory=PlaceEscape)
     sweeps: int = 12
 
     def __post_init__(self) -> None:

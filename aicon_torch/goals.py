@@ -23,7 +23,7 @@ class Goal(Node):
     others may have a method ``gap``, with the number of that one ``(*B,)`` as its last parameter.
     One that bounds each component of the actuator by itself may have a method ``room``,
     likewise, that says how far they may go down and up, ``(*B, n)`` both: see
-    :class:`aicon_torch.dampers.ConstraintEscape`.
+    :class:`aicon_torch.dampers.PlaceEscape`.
 
     Args:
         name: Name of the goal, by which it is switched and explained.

@@ -10,6 +10,7 @@ from aicon_torch.dampers import PlaceEscape
 from aicon_torch.errors import OptionError
 from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
+from aicon_torch.safety.bounds import safety_memory
 from aicon_torch.safety.places import Places
 
 EXPLORING = "/exploring"
@@ -100,9 +101,10 @@ class OtherPlaces:
             raise OptionError(f"count={count!r}: expected at least one.")
         self.count = count
         self.places: dict[str, Places] = {}
+        remembered = safety_memory(policy.model)  # none of an actuator without safety goals
         for name, actuator in policy.model.actuators.items():
             options = actuator.dampers.escape
-            if isinstance(options, PlaceEscape):
+            if f"{name}/escape/place" in remembered and isinstance(options, PlaceEscape):
                 limits = torch.as_tensor(actuator.limit, dtype=policy.model.like.dtype)
                 self.places[name] = Places(options, limits.expand(actuator.size), policy.model.dt)
         if not self.places:

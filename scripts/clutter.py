@@ -31,7 +31,7 @@ from aicon_baselines.worlds.motion_bench_maker import (
     robot_of,
 )
 from aicon_torch import Policy, Rehearsal
-from aicon_torch.dampers import ConstraintEscape, PlaceEscape
+from aicon_torch.dampers import PlaceEscape
 from aicon_torch.models import make_policy
 from aicon_torch.parts import Robot, Solid, TipPose, reading_of
 from aicon_torch.ways import OtherPlaces
@@ -39,8 +39,7 @@ from aicon_torch.ways import OtherPlaces
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
     "rehearsed": {},
-    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False, whole=(0, 0))},
-    "escape_by_force": {"dampers.escape": ConstraintEscape()},
+    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False)},
     "without_escape": {"dampers.escape": None},
 }
 """What differs from the preset "clutter"."""

@@ -25,7 +25,7 @@ from aicon_baselines.evaluation.tables import to_markdown
 from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
-from aicon_torch.safety import bounds, stuck, task_cost
+from aicon_torch.safety import bounds, places, task_cost
 from graph_code import WORLDS, functions_of, lines_of, options_of
 
 
@@ -203,7 +203,7 @@ def numbers_in(given: Any) -> Numbers:
 def safety_constants() -> dict[str, int]:
     """The constants by which gaps are kept, and by which an actuator that is stuck comes free."""
     constants: dict[str, int] = {}
-    for module in (bounds, stuck, task_cost):
+    for module in (bounds, places, task_cost):
         for name, value in vars(module).items():
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
             if name.isupper() and is_number and name not in NO_LIMIT:
@@ -223,7 +223,7 @@ def leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 def how_many(value: Any) -> int:
     """How many numbers a value holds; whole ones say how often, and 1 is what goes without."""
     if isinstance(value, tuple):
-        return len(value)
+        return len(value) if any(value) else 0
     if type(value) is int:
         return int(value > 1)
     return int(isinstance(value, float) and value != 0)

@@ -1,6 +1,6 @@
 import pytest
 
-from aicon_torch.dampers import ConstraintEscape, VelocityDampers
+from aicon_torch.dampers import PlaceEscape, VelocityDampers
 from aicon_torch.errors import OptionError
 
 
@@ -13,4 +13,4 @@ def test_a_damper_without_a_way_is_refused() -> None:
 
 def test_an_escape_from_everywhere_is_refused() -> None:
     with pytest.raises(OptionError, match="near=-1.0: expected a number > 0"):
-        ConstraintEscape(near=-1.0)
+        PlaceEscape(near=-1.0)

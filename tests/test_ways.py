@@ -70,7 +70,9 @@ def test_the_first_way_is_the_memory_and_each_other_one_has_a_place_of_its_own()
 
 
 def test_a_policy_without_places_is_refused() -> None:
-    with pytest.raises(OptionError, match="no actuator goes to places"):
-        OtherPlaces(make_policy("reach", robot=planar_arm()))
+    still = make_policy("reach", preset="without_escape", robot=planar_arm())
+    for without in (still, make_policy("nav2d")):
+        with pytest.raises(OptionError, match="no actuator goes to places"):
+            OtherPlaces(without)
     with pytest.raises(OptionError, match="count=0"):
         OtherPlaces(policy(), 0)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
-from aicon_torch.dampers import ConstraintEscape, PlaceEscape, WayAround
+from aicon_torch.dampers import PlaceEscape, WayAround
 from aicon_torch.differentiation import hop_from, pull
 from aicon_torch.errors import GraphError
 from aicon_torch.goals import Goal
@@ -16,7 +16,6 @@ from aicon_torch.quantities import AGE, PRESENT
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafetyBounds, nearest_safe
 from aicon_torch.safety.places import Places, initial_places
-from aicon_torch.safety.stuck import Stalemate, initial_escape
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.safety.way_around import Around, initial_way
 
@@ -26,7 +25,7 @@ FARTHEST = 1e3
 LEAST_SPEED = 1e-6
 """A gap that the action can change by less than this, in its unit a second, is none of its own."""
 
-INITIAL = {ConstraintEscape: initial_escape, PlaceEscape: initial_places, WayAround: initial_way}
+INITIAL = {PlaceEscape: initial_places, WayAround: initial_way}
 """What an escape remembers before the first step, by its options."""
 
 
@@ -65,10 +64,8 @@ class ActuatorSafety:
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
 
         escape = declared.dampers.escape
-        self.stalemate: Stalemate | Places | Around | None = None
-        if isinstance(escape, ConstraintEscape):
-            self.stalemate = Stalemate(escape, limits, model.dt, self.time)
-        elif isinstance(escape, PlaceEscape):
+        self.stalemate: Places | Around | None = None
+        if isinstance(escape, PlaceEscape):
             self.stalemate = Places(escape, limits, model.dt)
         elif escape is not None:
             self.stalemate = Around(limits, model.dt, self.time)

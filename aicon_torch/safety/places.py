@@ -1,4 +1,6 @@
-"""Places: an actuator that obstacles bring to rest goes elsewhere, and tries anew from there."""
+"""Places: an actuator that constraints bring to rest goes elsewhere, and tries anew from there."""
+
+import math
 
 import torch
 from torch import Tensor
@@ -6,12 +8,13 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.stuck import WayOut, spread, time_of
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
 # robot needs no new number.
 PROGRESS = 0.03  # by which the cost must fall to count as lower
+UNSTEADY = 0.1  # by which it must rise, meanwhile, to come and go
+OPPOSED = 0.1  # share of the nominal action that the constraints must take away to oppose it
 STOP = 0.06  # how near to its stop a component is held up there, in its own unit
 MIDDLE = 0.5  # share of a range, about its middle, that the places of most components are in
 ARRIVED = 0.4  # how near to a place is near enough
@@ -35,18 +38,21 @@ def initial_places(size: int) -> Memory:
         "clock": torch.tensor(0.0),
         "slow": torch.tensor(0.0),
         "lowest": torch.tensor(torch.inf),
+        "highest": torch.tensor(0.0),
         "escapes": torch.tensor(0),
         "before": torch.tensor(torch.inf),
     }
 
 
-class Places(WayOut):
+class Places:
     """Detects that an actuator is held up, and moves it to another place.
 
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
-    3 % for a while. Then it makes a DETOUR at full speed, in the same bounds, to the next place of
-    a sequence that fills the ranges of the components evenly; it ends near the place, where the
-    motion is blocked, or after some time, and the goals are tried anew.
+    3 % for a while, although the constraints oppose the nominal action or the cost is steady. (One
+    that comes and goes while nothing is in the way is the noise of the readings.) Then it makes a
+    DETOUR at full speed, in the same bounds, to the next place of a sequence that fills the ranges
+    of the components evenly; it ends near the place, where the motion is blocked, or after some
+    time, and the goals are tried anew.
 
     *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
@@ -59,14 +65,25 @@ class Places(WayOut):
     """
 
     def __init__(self, options: PlaceEscape, limits: Tensor, dt: float) -> None:
-        super().__init__(limits)
-        self.options = options
-        self.step = dt * float(limits.median())
+        self.options, self.limits = options, limits
+        self.dt, self.step = dt, dt * float(limits.median())
         first, last = options.whole
         share = torch.full_like(limits, MIDDLE)
         share[:first] = 1.0
         share[max(len(limits) - last, 0) :] = 1.0
         self.share = share
+
+    def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
+        """What it tries, ``(*B, n)``: the nominal action, or at full speed the way to its place.
+
+        Args:
+            nominal: What the goals ask for, ``(*B, n)``.
+            memory: What was remembered.
+        """
+        way = memory["direction"]
+        time = _time_of(way, self.limits).unsqueeze(-1)
+        fastest = way / time.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
+        return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
 
     def judge(
         self,
@@ -88,10 +105,13 @@ class Places(WayOut):
         now, clock, is_free = cost.at_rest, memory["clock"] + self.step, ~memory["escaping"]
         is_other = is_of_other_goals(cost, memory["before"], self.limits, OTHER)
         is_lower = is_free & (now < (1.0 - PROGRESS) * memory["lowest"])
+        highest = torch.maximum(now, memory["highest"])
 
         # From FREE to a DETOUR: where it is held up, and at which stops.
         is_late = ~is_lower & (clock >= self.options.patience) & (now > self.options.near)
-        begins = is_free & is_late & ~is_other
+        is_steady = highest < (1.0 + UNSTEADY) * memory["lowest"]
+        is_held_up = is_late & (is_steady | _is_opposed(nominal, safe.action))
+        begins = is_free & is_held_up & ~is_other
         stops = torch.where(is_other.unsqueeze(-1), 0.0, memory["stops"])
         if self.options.remembers:
             stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
@@ -99,10 +119,13 @@ class Places(WayOut):
 
         new = self._place(escapes, stops)
         place = torch.where(begins.unsqueeze(-1), new, memory["place"])
-        way = self._way(place, room)
+        left = torch.where(
+            begins.unsqueeze(-1), math.pi * new, memory["direction"] - self.dt * safe.action
+        )
+        way = _way(place, room, left)
 
         # Back to FREE: there, blocked, or late.
-        is_slow = time_of(safe.action, self.limits) < SLOW
+        is_slow = _time_of(safe.action, self.limits) < SLOW
         slow = torch.where(is_slow & ~is_free, memory["slow"] + self.step, 0.0)
         is_there = way.abs().amax(-1) < ARRIVED
         is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
@@ -117,6 +140,7 @@ class Places(WayOut):
             "clock": torch.where(restarts, 0.0, clock),
             "slow": torch.where(begins, 0.0, slow),
             "lowest": torch.where(restarts, now, memory["lowest"]),
+            "highest": torch.where(restarts, now, highest),
             "escapes": escapes + begins,
             "before": now,
         }
@@ -124,17 +148,17 @@ class Places(WayOut):
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
 
-        It rests for a step, which tells it the way.
+        Its first step, toward a place as if it were in the middle of all ranges, tells it the way.
 
         Args:
             number: Which place, ``(*B,)``.
             memory: What was remembered.
         """
-        nothing = torch.zeros_like(memory["clock"])
+        place, nothing = self._place(number, memory["stops"]), torch.zeros_like(memory["clock"])
         return memory | {
             "escaping": torch.ones_like(memory["escaping"]),
-            "direction": torch.zeros_like(memory["direction"]),
-            "place": self._place(number, memory["stops"]),
+            "direction": math.pi * place,
+            "place": place,
             "clock": nothing,
             "slow": nothing,
             "escapes": number + 1,
@@ -145,10 +169,32 @@ class Places(WayOut):
         new = self.share.to(stops) * spread(number, stops)
         return torch.where(stops != 0, -stops * new.abs(), new)
 
-    def _way(self, place: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
-        """The way to a place, which is a share of the half range about the middle, ``(*B, n)``."""
-        down, up = (torch.where(side.isfinite(), side, torch.pi) for side in room)
-        return (up - down) / 2.0 + place * (up + down) / 2.0
+
+def _way(place: Tensor, room: tuple[Tensor, Tensor], left: Tensor) -> Tensor:
+    """The way to a place, which is a share of the half range about the middle, ``(*B, n)``.
+
+    A component without a range has no middle: it moves by so much of half a turn.
+
+    Args:
+        place: The place, ``(*B, n)``.
+        room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
+        left: What is left to go of one without a range, ``(*B, n)``.
+    """
+    down, up = room
+    is_ranged = down.isfinite() & up.isfinite()
+    down, up = (torch.where(is_ranged, side, 0.0) for side in room)
+    return torch.where(is_ranged, (up - down) / 2.0 + place * (up + down) / 2.0, left)
+
+
+def _time_of(way: Tensor, limits: Tensor) -> Tensor:
+    """How long a way ``(*B, n)`` takes at full speed, ``(*B,)``, s; of a velocity its share."""
+    return (way.abs() / limits.to(way)).amax(-1)
+
+
+def _is_opposed(nominal: Tensor, action: Tensor) -> Tensor:
+    """Whether the constraints take away a good share of the nominal action, ``(*B,)``."""
+    opposition = ((nominal - action) * nominal).sum(-1)
+    return opposition > OPPOSED * (nominal * nominal).sum(-1)
 
 
 def _stops(room: tuple[Tensor, Tensor], known: Tensor) -> Tensor:
@@ -156,3 +202,22 @@ def _stops(room: tuple[Tensor, Tensor], known: Tensor) -> Tensor:
     down, up = room
     at_low = torch.where(down < STOP, -1.0, known)
     return torch.where(up < STOP, 1.0, at_low)
+
+
+def spread(index: Tensor, like: Tensor) -> Tensor:
+    """Number i of a sequence of directions that fills [−1, 1]ⁿ evenly, ``(*B, n)``.
+
+    Component j is 2·frac(½ + (i + 1) φ⁻ʲ⁻¹) − 1, where φ is the positive root of xⁿ⁺¹ = x + 1 (the
+    additive recurrence R of Roberts 2018).
+
+    Args:
+        index: i, ``(*B,)``.
+        like: What has n components.
+    """
+    size = like.shape[-1]
+    root = 2.0
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (size + 1))
+
+    steps = like.new_tensor([root ** -(component + 1) for component in range(size)])
+    return 2.0 * torch.remainder(0.5 + (index.unsqueeze(-1) + 1) * steps, 1.0) - 1.0

@@ -44,13 +44,6 @@ class FollowedCost:
                 total = total + self.goal_factors[..., index] * cost
         return total
 
-    def fall_along(self, action: Tensor) -> Tensor:
-        """(G(0) − G(a))/‖a‖: by how much it falls along a motion, ``(*B,)``."""
-        length = torch.linalg.vector_norm(action, dim=-1)
-        smallest = torch.finfo(length.dtype).tiny ** 0.5
-        fall: Tensor = (self.at_rest - self.ahead(action)) / length.clamp(min=smallest)
-        return fall
-
     def steepness(self, steps: Tensor) -> Tensor:
         """‖∂G/∂a‖ by differences, ``(*B,)``: by how much it falls along its steepest descent.
 

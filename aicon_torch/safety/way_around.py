@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.stuck import spread
+from aicon_torch.safety.places import spread
 from aicon_torch.vectors import reject, unit, wrap_angle
 
 # Shares, and times in the dampers' time constant T: a faster robot needs no new number.

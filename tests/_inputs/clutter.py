@@ -7,7 +7,6 @@ import torch
 from _inputs.reaching import planar_arm
 from _inputs.shipped import quick
 from aicon_torch import Policy, make_policy
-from aicon_torch.dampers import PlaceEscape
 from aicon_torch.models.reach import Robot
 from aicon_torch.parts import Capsule, Capsules, Solid
 
@@ -31,6 +30,5 @@ def beaded_arm() -> Robot:
 @functools.cache
 def policy(escapes: bool = True) -> Policy:
     """It reads two objects."""
-    escape = PlaceEscape() if escapes else None
-    options = {"robot": beaded_arm(), "obstacles": 2, "dampers.escape": escape}
-    return quick(make_policy("reach", preset="clutter", **options))
+    own = {} if escapes else {"dampers.escape": None}
+    return quick(make_policy("reach", preset="clutter", robot=beaded_arm(), obstacles=2, **own))

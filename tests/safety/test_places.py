@@ -42,7 +42,7 @@ def remembered(
     return memory
 
 
-MIDDLE = [2.0] * 5
+MIDDLE, ANY = [2.0] * 5, [torch.inf] * 5
 
 
 def test_a_cost_that_does_not_fall_is_being_held_up() -> None:
@@ -76,6 +76,24 @@ def test_a_way_leads_to_a_place_within_the_ranges() -> None:
     there = here + memory["direction"]
     torch.testing.assert_close(there, 2.0 * memory["place"])
     assert memory["place"][1].abs() <= 0.5
+
+
+def test_a_component_without_a_range_moves_by_a_share_of_half_a_turn_and_is_there() -> None:
+    places, memory = Places(PlaceEscape(), LIMITS, DT), remembered([0.5] * 20, ANY, ANY)
+    nominal, room = torch.ones(5, dtype=torch.float64), (torch.tensor(ANY), torch.tensor(ANY))
+    place, moved = memory["place"], torch.zeros(5, dtype=torch.float64)
+    torch.testing.assert_close(memory["direction"], torch.pi * place)
+
+    for _ in range(60):
+        action = places.aim(nominal, memory)
+        moved = moved + DT * action
+        memory = places.judge(
+            cast(Any, Cost(0.5)), nominal, SafeAction(action, nominal), room, memory
+        )
+        if not memory["escaping"]:
+            break
+    assert not memory["escaping"]
+    assert (moved - torch.pi * place).abs().max() < 0.4
 
 
 def test_other_goals_forget_the_stops() -> None:

@@ -16,6 +16,9 @@ from aicon_envs.reach import ReachEnv
 
 ROBOTS = ("panda", "ur5", "xarm7")
 
+OTHERS = ("kinova", "tiago", "ur10", "z1")
+"""Robots that reach for poses alone, as slowly as all, with nothing about."""
+
 _VARIANTS: dict[str, dict[str, Any]] = {
     "": {},
     "_fast": {"speed": 3.0},
@@ -38,6 +41,9 @@ def _arguments() -> dict[str, dict[str, Any]]:
 
     # Five joints reach a position and an approach axis.
     for start in ("home", "random"):
+        for robot in OTHERS:
+            name = f"{robot}_pose_{start}"
+            by_name[name] = {"robot": robot, "target": "pose", "start": start}
         by_name[f"so101_axis_{start}"] = {"robot": "so101", "target": "axis", "start": start}
     return by_name
 
@@ -79,6 +85,7 @@ TASK = Task(
     conditions=tuple(_ARGUMENTS),
     patterns=(
         "{panda,ur5,xarm7}_{pose,position}_{home,random}{,_fast,_ball,_moving_ball}",
+        "{kinova,tiago,ur10,z1}_pose_{home,random}",
         "so101_axis_{home,random}",
     ),
     make_env=_make_env,
