@@ -130,6 +130,8 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/,
 	$(IN_WORLDS) --task ogbench_cubes:DOUBLE --conditions task1 task2 task3 task4 task5 \
 	  --policies aicon oracle steepest weighted_sum without_exploration \
 	  --episodes 50 --seed 400020 --jobs $(JOBS) --out $(abspath $(OUT))/cube_double
+	$(IN_WORLDS) --task ogbench_scene:TASK --conditions task1 task2 task3 task4 task5 --policies aicon \
+	  --episodes 20 --seed 403000 --jobs $(JOBS) --out $(abspath $(OUT))/scene
 
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build

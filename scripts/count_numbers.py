@@ -63,6 +63,12 @@ GRAPHS = {
         constants=(HEIGHT, "so101_in_the_way.LENGTH", "so101_in_the_way.WORTH"),
     ),
     "OGBench's cubes": Graph("ogbench_cubes"),
+    "OGBench: scene": Graph(
+        "ogbench_scene",
+        constants=tuple(
+            f"ogbench_scene.{name}" for name in ("CLEARANCE", "DEPTH", "ASIDE", "DOWN")
+        ),
+    ),
 }
 """Other people's worlds, in examples/worlds."""
 

@@ -37,6 +37,7 @@ from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried, way_from_above
 from aicon_torch.parts.gripper import Gripper
+from aicon_torch.parts.handle import Button, Handle
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.keypoint_offset import KeypointOffset
@@ -91,6 +92,7 @@ __all__ = [
     "BearingPrior",
     "Bicycle",
     "Box",
+    "Button",
     "CameraFrame",
     "Capsule",
     "CapsuleSegments",
@@ -112,6 +114,7 @@ __all__ = [
     "ForceThreshold",
     "Grasp",
     "Gripper",
+    "Handle",
     "Held",
     "Intrinsics",
     "Joint",

@@ -83,18 +83,20 @@ class Grasp:
     So it rises before it comes, does not push, and does not close on the object's upper edge.
 
     To let go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open,
-    and as far as they have not, the tip stays in the middle: with their range R = o_max − o_min,
+    and as far as they have not, the tip stays in the middle, and as far as they have, it rises:
 
-        D = o − b (o_max − o)/R ‖Δ‖.
+        D = o + b ((1 − t) Δ_z − t ‖Δ‖),    t = (o_max − o)/(o_max − o_min).
 
     Fingers that turn have a fourth component: how far they are turned from the object's side, as
     the way rψ of a point at its edge.
 
     Attributes:
         gripper: The gripper.
-        size: s, width and height of the object, m: r is half of it, and c all of it.
+        size: s, width and height of the object, m: r is half of it.
         height: Where the tip holds the object, above its centre, m.
         reach: ℓ, m.
+        clearance: c, the height above the object at which nothing stands in the way, m; by default
+            its own.
 
     Raises:
         OptionError: If a length is not positive.
@@ -104,6 +106,7 @@ class Grasp:
     size: float
     height: float
     reach: float
+    clearance: float | None = None
 
     def __post_init__(self) -> None:
         """Check the lengths."""
@@ -123,12 +126,14 @@ class Grasp:
         # D: the way to the place, with the fingers closed as far as the object is between them.
         around = min(math.sqrt(2) * self.size, self.gripper.widest)
         lacking = (1 - between) * (around - opening)
-        approach = way_from_above(offset, self.size / 2, self.size, lacking)
+        clearance = self.size if self.clearance is None else self.clearance
+        approach = way_from_above(offset, self.size / 2, clearance, lacking)
         way = approach + between * too_open + (1 - between) * too_narrow
 
-        # To let go has a way of its own: the fingers open, and until then the tip stays there.
+        # To let go has a way of its own: the fingers open in the middle, and then the tip rises.
         shut = (too_narrow / self.gripper.range).detach()  # stops the gradient: it weighs
-        let_go = straight_through(way, opening - between * shut * norm(offset))
+        leave = (1 - shut) * offset[..., 2] - shut * norm(offset)
+        let_go = straight_through(way, opening + between * leave)
 
         # p_grasp in value; whether it is to grow or to fall decides which way leads there.
         grasped, released = (likelihood_across(gap, self.reach) for gap in (way, let_go))
@@ -140,9 +145,9 @@ class Grasp:
         likely = torch.exp(-(share**6))
         return likely.detach().unsqueeze(-1)  # stops the gradient: it weighs, and is no goal
 
-    def held(self, name: str = "") -> "Held":
+    def held(self, name: str = "", by_open_fingers: bool = False) -> "Held":
         """The estimator of p_held, of one object of several by what its names end with."""
-        return Held(self, name)
+        return Held(self, name, by_open_fingers)
 
     def _offset(self, x_rel: Tensor) -> Tensor:
         """Δ, like x_rel, m."""
@@ -157,13 +162,15 @@ class Held(Estimator):
     Args:
         grasp: The grasp.
         name: What the names p_held and x_rel end with, where there are several objects.
+        by_open_fingers: Whether it is held by fingers that are open, too, as a bar is that they go
+            around: p_held = b.
     """
 
     nothing: Tensor
 
-    def __init__(self, grasp: Grasp, name: str = "") -> None:
+    def __init__(self, grasp: Grasp, name: str = "", by_open_fingers: bool = False) -> None:
         super().__init__()
-        self.grasp, self.apart = grasp, f"x_rel{name}"
+        self.grasp, self.apart, self.by_open_fingers = grasp, f"x_rel{name}", by_open_fingers
         self.outputs = (f"p_held{name}",)
         self.inputs = (*self.outputs, self.apart, "x_opening")
         self.register_buffer("nothing", torch.zeros(1))
@@ -175,10 +182,14 @@ class Held(Estimator):
     @torch.no_grad()
     def update(self, values: Values) -> dict[str, Tensor]:
         """How likely it is held, ``(*B, 1)``."""
+        between = self.grasp.between(values[self.apart])
+        if self.by_open_fingers:
+            return {self.outputs[0]: between}
+
         # r is half of the size, so (2 (o − o_min)/r)² is (4 (o − o_min)/size)².
         too_open = values["x_opening"] - self.grasp.gripper.narrowest
         closed = torch.exp(-((4 * too_open / self.grasp.size) ** 2))
-        return {self.outputs[0]: self.grasp.between(values[self.apart]) * closed}
+        return {self.outputs[0]: between * closed}
 
     def forward(self, values: Values, output: str) -> Tensor:
         """As it is now."""

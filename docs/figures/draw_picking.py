@@ -2,7 +2,7 @@
 
 After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures/draw_picking.py
 
-It saves picking.png, and so101_knocked.webp and cube_single.webp, with the path from a goal along
+It saves picking.png, and so101_knocked.webp, cube_single.webp and scene.webp, with the path from a goal along
 which tip and jaw are led.
 """
 
@@ -29,6 +29,7 @@ WORLDS = {
 FILMS = {
     "so101_knocked": ("so101_pick_place", "knocked", 400601),
     "cube_single": ("ogbench_cubes", "task1", 400001),
+    "scene": ("ogbench_scene", "task4", 403000),
 }
 IMAGES = Path(__file__).parents[1] / "images"
 
@@ -48,9 +49,9 @@ def unseen(world: Any, observation: Any, policy: Any, memory: Any) -> None:
 def episode(name: str, condition: str, seed: int, look: Look = unseen) -> tuple[Any, Any, Any]:
     """Where tip and block were, ``(T, 3)``, m, and the place."""
     module = import_module(name)
-    make_env = module.SINGLE.make_env if name == "ogbench_cubes" else module.make_env
-    env = make_env(1, condition, horizon=100)
-    policy = module.build(module.Options()).compile()
+    task = module.SINGLE if name == "ogbench_cubes" else module.TASK
+    env = task.make_env(1, condition, horizon=200)
+    policy = module.build(module.Options(**task.policy_options(condition))).compile()
     (observation, _), memory, ended = env.reset(seed=[seed]), None, False
     tips, blocks = [], []
     while not ended:

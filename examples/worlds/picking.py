@@ -34,6 +34,7 @@ from aicon_torch.parts import (
     Carrying,
     Grasp,
     Gripper,
+    Handle,
     ReadingPrior,
     Room,
     approached,
@@ -42,7 +43,9 @@ from aicon_torch.parts import (
     way_from_above,
     worth_of_room,
 )
+from aicon_torch.parts.planar import norm
 from aicon_torch.resolution import Resolution, SteepestPath
+from aicon_torch.shaping import straight_through
 
 SIZE = 0.04  # m, of a block
 TIP_NOISE = 1e-4  # m, of its reading
@@ -83,9 +86,37 @@ class Options:
     free_hand: float = 0.015  # the error of the place that an empty hand outweighs
     noise: float = 0.0005  # of the block's readings
     size: float = SIZE  # width and height of a block
+    clearance: float | None = None  # above a block, where nothing stands in the way; its own height
     blocks: int = 1  # how many there are
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
+
+    @property
+    def height(self) -> float:
+        """How far a block is lifted that is carried, m."""
+        return max(self.rise, self.clearance or 0.0)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What else is in a world than blocks and a hand.
+
+    Attributes:
+        sensors: What is read of it.
+        goals: What else is wanted.
+        estimators: What else is known.
+        handles: What else can be held, by what the names of its quantities end with. Read are where
+            it is, z_block, and how far from its first end, z_way; p_free, of the estimators, says
+            how likely it is unlocked.
+        has_drawer: Whether x_place and p_room, of the estimators, say where the block belongs and
+            how likely that can be come to.
+    """
+
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    goals: Sequence[Goal] = ()
+    estimators: Sequence[Estimator] = ()
+    handles: Mapping[str, Handle] = field(default_factory=dict)
+    has_drawer: bool = False
 
 
 PRESETS: dict[str, dict[str, Any]] = {
@@ -96,24 +127,18 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 
 
-def build_policy(
-    hand: Hand,
-    options: Options,
-    told: Mapping[str, Sensor] | None = None,
-    wanted: Sequence[Goal] = (),
-) -> Policy:
+def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundings()) -> Policy:
     """The policy of a hand, which reads z_tip, and z_block and z_goal of each block.
 
     Args:
         hand: The hand; its tip and a block have as many components as it has steps.
         options: What is set by hand.
-        told: Further sensors of a world.
-        wanted: Further goals of a world.
+        around: What else is in the world.
     """
     size = len(hand.steps)
     narrowest = options.size / 2
     gripper = Gripper(narrowest, widest=hand.widest, speed=hand.speed, first=hand.first)
-    grasp = Grasp(gripper, options.size, hand.height, options.reach)
+    grasp = Grasp(gripper, options.size, hand.height, options.reach, options.clearance)
     names = block_names(options.blocks)
 
     tip = position(
@@ -130,15 +155,15 @@ def build_policy(
         return tip * hand.time_step / tip.new_tensor(hand.steps)
 
     speeds = tuple(step / hand.time_step for step in hand.steps)
-    sensors = {"z_tip": Sensor(size, "m"), **(told or {})}
+    sensors = {"z_tip": Sensor(size, "m"), **around.sensors}
+    goals = list(around.goals)
     blocks: list[Estimator] = []
     rooms: list[Estimator] = []
-    goals = list(wanted)
+    things = [*names, *around.handles]
     for name in names:
         others = [other for other in names if other != name]
         sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
-        blocks += block(name, others, size, grasp, options)
-        goals += wishes(name, others, options)
+        goals += wishes(name, others, options, around)
         if others:
             read = [f"z_goal{name}"]
             for other in others:
@@ -147,16 +172,21 @@ def build_policy(
             room = Room(options.size, rest, slack, clearance=options.rise)
             among = Interconnection(room, read)
             rooms.append(Deterministic(f"p_room{name}", among))
+    for name in around.handles:
+        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_way{name}": Sensor(1, "m")}
+    for name in things:
+        others = [other for other in things if other != name]
+        blocks += block(name, others, size, grasp, options, around.handles.get(name))
 
     # What is first of a circle runs last: held reads the newest x_rel.
-    held = [grasp.held(name) for name in names]
+    held = [grasp.held(name, by_open_fingers=name in around.handles) for name in things]
     model = WorldModel(
         sensors=sensors,
         actuators={
             "tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0)),
             "jaw": gripper.actuator(),
         },
-        estimators=[*held, gripper, tip, *blocks, *rooms],
+        estimators=[*held, gripper, tip, *blocks, *rooms, *around.estimators],
         goals=goals,
         dt=hand.time_step,
         dtype=torch.float64,
@@ -169,52 +199,70 @@ def block_names(count: int) -> list[str]:
     return [""] if count == 1 else [f"_{number}" for number in range(count)]
 
 
-def wishes(name: str, others: list[str], options: Options) -> list[Goal]:
+def wishes(name: str, others: list[str], options: Options, around: Surroundings) -> list[Goal]:
     """What is wanted of a block: at its place, and in no hand.
+
+    It is as far as it is, ‖Δ‖, by the way from above.
 
     Args:
         name: What its quantities' names end with.
         others: What those of the other blocks end with.
         options: What is set by hand.
+        around: What else is in the world.
     """
 
     def place(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        way = way_from_above(x_obj[..., :3] - z_goal, options.tolerance, options.rise)
+        offset = x_obj[..., :3] - z_goal
+        from_above = way_from_above(offset, options.tolerance, options.height)
+        way = straight_through(norm(offset), from_above)
         return (way - options.tolerance).clamp(min=0.0).square() / 2
 
     def place_among_others(x_obj: Tensor, z_goal: Tensor, p_room: Tensor) -> Tensor:
         return worth_of_room(place(x_obj, z_goal), p_room)
 
-    def free_hand(p_grasp: Tensor) -> Tensor:
+    read = [f"x_obj{name}", f"x_place{name}" if around.has_drawer else f"z_goal{name}"]
+    placed = Interconnection(place, read)
+    if others or around.has_drawer:
+        placed = Interconnection(place_among_others, [*read, f"p_room{name}"])
+    return [Goal(f"place{name}", placed), free_hand(name, options)]
+
+
+def free_hand(name: str, options: Options) -> Goal:
+    """That a hand holds a thing no longer, which counts as much as an error of its place."""
+
+    def held(p_grasp: Tensor) -> Tensor:
         return options.free_hand**2 / 2 * p_grasp[..., 0]
 
-    read = [f"x_obj{name}", f"z_goal{name}"]
-    placed = Interconnection(place, read)
-    if others:
-        placed = Interconnection(place_among_others, [*read, f"p_room{name}"])
-    return [
-        Goal(f"place{name}", placed),
-        Goal(f"free hand{name}", Interconnection(free_hand, [f"p_grasp{name}"])),
-    ]
+    return Goal(f"free hand{name}", Interconnection(held, [f"p_grasp{name}"]))
 
 
 def block(
-    name: str, others: list[str], size: int, grasp: Grasp, options: Options
+    name: str,
+    others: list[str],
+    size: int,
+    grasp: Grasp,
+    options: Options,
+    handle: Handle | None = None,
 ) -> list[Estimator]:
-    """What is known of a block, and what may move it.
+    """What is known of a block, or of a handle, and what may move it.
 
     Uncertain is where it is while it is held, and where the tip is from it while it is not.
 
     Args:
         name: What its quantities' names end with.
-        others: What those of the other blocks end with.
+        others: What those of all else that can be held end with.
         size: How many components its place has.
         grasp: How it comes to be held.
         options: What is set by hand.
+        handle: How it moves, where it is a handle.
     """
     x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
-    carrying = Carrying(options.step, rest=options.size / 2, rise=options.rise)
+    carrying = Carrying(options.step, rest=options.size / 2, rise=options.height)
+    moved, goes, comes, side = carrying, carried, approached, options.size
+    if handle is not None:
+        # A bar is alike after half a turn, a block after a quarter.
+        moved, goes, comes, side = handle, handle.carried, handle.approached, 2 * options.size
 
     # 1. How each drifts, and what is known at first.
     def object_drift(p_held: Tensor) -> Tensor:
@@ -224,15 +272,15 @@ def block(
         return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], size)
 
     def first_apart(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
-        return alike(z_tip - z_block, options.size), options.noise**2 * torch.eye(size).to(z_tip)
+        return alike(z_tip - z_block, side), options.noise**2 * torch.eye(size).to(z_tip)
 
     def seen_apart(x_rel: Tensor, x_tip: Tensor, x_object: Tensor) -> Tensor:
-        return alike(x_rel - x_tip + x_object, options.size)
+        return alike(x_rel - x_tip + x_object, side)
 
     # 2. Where it is, and where the tip is from it.
     where = position(
         x_object,
-        Interconnection(carried, [x_object, p_held, "tip", "dt"]),
+        Interconnection(goes, [x_object, p_held, "tip", "dt"]),
         Interconnection(object_drift, [p_held]),
         Affine(**{x_object: 1.0, z_block: -1.0}),
         read_first(z_block, size),
@@ -241,7 +289,7 @@ def block(
     )
     apart = position(
         x_rel,
-        Interconnection(approached, [x_rel, p_held, "tip", "dt"]),
+        Interconnection(comes, [x_rel, p_held, "tip", "dt"]),
         Interconnection(apart_drift, [p_held]),
         Interconnection(seen_apart, [x_rel, "x_tip", x_object]),
         Interconnection(first_apart, ["z_tip", z_block]),
@@ -259,13 +307,17 @@ def block(
 
     grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
-    return [
+    if handle is not None:
+        moved_by.append(f"z_way{name}")
+    estimators = [
         where,
         apart,
         Deterministic(p_grasp, Interconnection(likelihood, grasped_by)),
-        Deterministic(p_free, Interconnection(carrying.free, [x_object])),
-        Deterministic(f"x_obj{name}", Interconnection(carrying, moved_by)),
+        Deterministic(f"x_obj{name}", Interconnection(moved, moved_by)),
     ]
+    if handle is None:
+        estimators.insert(3, Deterministic(p_free, Interconnection(carrying.free, [x_object])))
+    return estimators
 
 
 def position(

@@ -18,7 +18,7 @@ import numpy as np
 import so101_pick_place
 import torch
 from gymnasium.spaces import Box, Dict
-from picking import PRESETS, SIZE, Options, block_names, build_policy
+from picking import PRESETS, SIZE, Options, Surroundings, block_names, build_policy
 from shielded_picking import FREE, HALF_WIDTH, gap
 from so101_pick_place import HAND, PickPlace
 from torch import Tensor
@@ -134,7 +134,8 @@ def build(options: Options) -> Policy:
     def clear(x_tip: Tensor, z_board: Tensor) -> Tensor:
         return WORTH**2 / 2 * torch.exp(-(gap(x_tip, z_board) - SIZE / 2) / LENGTH)
 
-    return build_policy(HAND, options, {"z_board": Sensor(5, "m")}, [Goal("clear", clear)])
+    around = Surroundings({"z_board": Sensor(5, "m")}, [Goal("clear", clear)])
+    return build_policy(HAND, options, around)
 
 
 # --- the task

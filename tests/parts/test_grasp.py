@@ -65,12 +65,12 @@ def test_fingers_turn_to_the_side_of_the_object_and_it_turns_with_them() -> None
     torch.testing.assert_close(turned, leaf(0, 0, 0, 1).detach())
 
 
-def test_letting_go_opens_the_fingers_and_stays_in_the_middle_until_they_are_open() -> None:
+def test_letting_go_opens_the_fingers_in_the_middle_and_rises_once_they_are_open() -> None:
     motion, opening = slopes(leaf(0.002, 0.0, 0.01), leaf(0.02), sign=1.0)
     assert opening < 0 < motion[0, 0] and not motion[0, 1:].any()
 
     motion, _ = slopes(leaf(0.002, 0.0, 0.01), leaf(GRIPPER.widest), sign=1.0)
-    assert not motion.any()
+    assert motion[0, 2] < 0 and not motion[0, :2].any()
 
 
 def test_the_likelihood_is_largest_where_the_object_is_held() -> None:
@@ -89,6 +89,11 @@ def test_it_is_held_between_closed_fingers_alone() -> None:
     ):
         values = {"x_rel": leaf(*rel), "x_opening": leaf(opening)}
         assert estimator.update(values)["p_held"].item() == pytest.approx(expected, abs=1e-3)
+
+
+def test_a_bar_is_held_by_open_fingers_too() -> None:
+    values = {"x_rel_bar": leaf(0.0, 0.0, 0.01), "x_opening": leaf(GRIPPER.widest)}
+    assert GRASP.held("_bar", by_open_fingers=True).update(values)["p_held_bar"].item() > 0.99
 
 
 def test_what_is_held_moves_with_the_tip_and_keeps_its_place_in_the_hand() -> None:

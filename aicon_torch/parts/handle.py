@@ -1,0 +1,134 @@
+"""A handle: what a hand that holds it moves along one way, as far as it is not locked."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from aicon_torch.parts.contact import likelihood_across
+from aicon_torch.parts.grasp import way_from_above
+from aicon_torch.parts.gripper import Gripper
+from aicon_torch.parts.planar import norm
+from aicon_torch.parts.validation import check_positive
+from aicon_torch.shaping import by_sign, by_worth, straight_through
+
+END = 0.005
+"""How near to an end of its way a handle is at it, m."""
+
+
+@dataclass(frozen=True)
+class Handle:
+    """x_obj: where a handle goes, of a drawer or a window, along its axis e, a unit vector.
+
+    A grasp may move it, as far as it is unlocked (p_grasp p_unlocked); where it is locked, what a
+    motion would be worth is told to what unlocks it; and held, it goes where the tip goes.
+
+    Attributes:
+        step: s, m: how far a motion that is certain may take it.
+        axis: e, from its first end to its last, no unit; no component is negative.
+        travel: How far it goes, m.
+
+    Raises:
+        OptionError: If a length is not positive.
+    """
+
+    step: float
+    axis: tuple[float, float, float]
+    travel: float
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_positive(self, ("step", "travel"))
+
+    def along(self, motion: Tensor) -> Tensor:
+        """What of a motion ``(*B, n)`` goes along the axis, e (e·m), like it."""
+        rest = [0.0] * (motion.shape[-1] - len(self.axis))
+        axis = motion.new_tensor([*self.axis, *rest])
+        return (motion * axis).sum(-1, keepdim=True) * axis
+
+    def carried(self, x_object: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
+        """Where it is after a step, x + p_held e (e·a) dt, ``(*B, n)``, m."""
+        return x_object + p_held.detach() * self.along(a) * dt  # stops the gradient: p_grasp has it
+
+    def approached(self, x_rel: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
+        """Where the tip then is from it, Δ + (a − p_held e (e·a)) dt, ``(*B, n)``, m."""
+        return x_rel + (a - p_held.detach() * self.along(a)) * dt  # stops the gradient, likewise
+
+    def __call__(
+        self,
+        x_object: Tensor,
+        x_tip: Tensor,
+        p_grasp: Tensor,
+        p_held: Tensor,
+        p_unlocked: Tensor,
+        z_way: Tensor,
+    ) -> Tensor:
+        """x_obj: the handle where it is, with the gradients of what may move it.
+
+        Args:
+            x_object: Where it is, ``(*B, n)``, m.
+            x_tip: The tip, like it, m.
+            p_grasp: How likely it comes to be held, ``(*B, 1)``.
+            p_held: How likely it is held, ``(*B, 1)``.
+            p_unlocked: How likely it is unlocked, ``(*B, 1)``.
+            z_way: How far it is from its first end, ``(*B, 1)``, m.
+
+        Returns:
+            ``(*B, n)``, m.
+        """
+        # Stops of each product the factor whose gradient is told otherwise.
+        is_open, p_held = p_unlocked.detach(), p_held.detach()
+        grasped = by_worth(p_grasp * is_open, x_object, self.step)
+        unlocked = by_worth(p_unlocked, x_object, self.step)
+        follows = is_open * p_held * self.along(x_tip)
+        moved = grasped + unlocked + follows
+
+        # At an end nothing moves it on: no gradient that asks for that goes further.
+        down = torch.where(z_way < END, moved.detach(), moved)
+        up = torch.where(z_way > self.travel - END, moved.detach(), moved)
+        return straight_through(x_object, by_sign(down, up))
+
+
+@dataclass(frozen=True)
+class Button:
+    """z_state: whether a button is on, 1 or 0, which each press changes.
+
+    p_press = exp(−D/ℓ) with the way D that is left: D = ‖Δ − h e_z‖ + o − o_min, where Δ is the tip
+    from where the button is pressed down, and h as for a :class:`aicon_torch.parts.Grasp`: closed
+    fingers come to it from above.
+
+    Attributes:
+        gripper: The gripper.
+        clearance: The height at which nothing stands in the way, m.
+        reach: ℓ, m.
+
+    Raises:
+        OptionError: If a length is not positive.
+    """
+
+    gripper: Gripper
+    clearance: float
+    reach: float
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_positive(self, ("clearance", "reach"))
+
+    def __call__(
+        self, z_state: Tensor, x_tip: Tensor, x_opening: Tensor, pressed: Tensor
+    ) -> Tensor:
+        """z_state in value, with the gradient of a press, which changes it, ``(*B, 1)``.
+
+        Args:
+            z_state: 1 or 0, ``(*B, 1)``.
+            x_tip: The tip, ``(*B, n)``, m, where x, y and z come first.
+            x_opening: The opening, ``(*B, 1)``, m.
+            pressed: Where the tip is when the button is down, ``(*B, 3)``, m.
+        """
+        offset, too_open = x_tip[..., :3] - pressed, x_opening[..., 0] - self.gripper.narrowest
+        way = way_from_above(offset, 0.0, self.clearance) + too_open
+        upward = norm(offset[..., :2]).detach() + offset[..., 2]
+        let_go = straight_through(way, upward)
+
+        press = by_sign(*(likelihood_across(gap, self.reach) for gap in (let_go, way)))
+        return straight_through(z_state, (1 - 2 * z_state) * press.unsqueeze(-1))
