@@ -2,8 +2,8 @@
 
 After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures/draw_picking.py
 
-It saves picking.png, and so101_knocked.webp, cube_single.webp and scene.webp, with the path from a goal along
-which tip and jaw are led.
+It saves picking.png, and the films so101_knocked.webp, cube_single.webp and scene.webp, with the
+path from a goal along which tip and jaw are led.
 """
 
 from collections.abc import Callable
