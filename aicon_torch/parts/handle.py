@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.grasp import way_from_above
 from aicon_torch.parts.gripper import Gripper
@@ -29,7 +30,7 @@ class Handle:
         travel: How far it goes, m.
 
     Raises:
-        OptionError: If a length is not positive.
+        OptionError: If a length is not positive, or a component of the axis negative.
     """
 
     step: float
@@ -37,8 +38,12 @@ class Handle:
     travel: float
 
     def __post_init__(self) -> None:
-        """Check the lengths."""
+        """Check lengths and axis."""
         check_positive(self, ("step", "travel"))
+        if min(self.axis) < 0:
+            raise OptionError(
+                f"axis={self.axis!r}: expected no component below 0; begin at the other end."
+            )
 
     def along(self, motion: Tensor) -> Tensor:
         """What of a motion ``(*B, n)`` goes along the axis, e (e·m), like it."""
@@ -95,7 +100,8 @@ class Button:
 
     p_press = exp(−D/ℓ) with the way D that is left: D = ‖Δ − h e_z‖ + o − o_min, where Δ is the tip
     from where the button is pressed down, and h as for a :class:`aicon_torch.parts.Grasp`: closed
-    fingers come to it from above.
+    fingers come to it from above. That it stays as it is leads upward instead: D = ‖Δ_xy‖ + Δ_z, of
+    which the height alone has a gradient.
 
     Attributes:
         gripper: The gripper.

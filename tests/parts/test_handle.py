@@ -72,8 +72,10 @@ def test_beside_a_button_the_tip_is_drawn_above_it_first() -> None:
     assert motion[0, 2] < 0 < motion[0, 0]
 
 
-def test_lengths_are_positive() -> None:
+def test_lengths_are_positive_and_an_axis_leads_up() -> None:
     with pytest.raises(OptionError, match="travel"):
         Handle(step=0.05, axis=(0.0, 1.0, 0.0), travel=0.0)
+    with pytest.raises(OptionError, match="axis"):
+        Handle(step=0.05, axis=(0.0, -1.0, 0.0), travel=0.16)
     with pytest.raises(OptionError, match="clearance"):
         Button(BUTTON.gripper, clearance=0.0, reach=0.05)
