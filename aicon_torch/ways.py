@@ -152,4 +152,5 @@ def _begin(ending: str, memory: Memory, before: Memory | None, starts: Tensor | 
 
 def _flags(ending: str, memory: Memory) -> Tensor:
     """Whether something is so, by its keys, ``(k, *B)``."""
-    return torch.stack([value for name, value in memory.items() if name.endswith(ending)])
+    names = sorted(name for name in memory if name.endswith(ending))
+    return torch.stack([memory[name] for name in names])

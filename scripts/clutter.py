@@ -434,6 +434,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=("FIRST", "LAST"),
         help="of each set: 1 to 50 are for tuning, 51 to 100 for the report (default: 51 100)",
     )
+
     parser.add_argument("--out", type=Path, default=Path("runs/clutter"))
     cache = Path.home() / ".cache" / "aicon"
     parser.add_argument("--cache", type=Path, default=cache, help="of what is downloaded")

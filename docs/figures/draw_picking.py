@@ -52,6 +52,7 @@ def episode(name: str, condition: str, seed: int, look: Look = unseen) -> tuple[
     task = module.SINGLE if name == "ogbench_cubes" else module.TASK
     env = task.make_env(1, condition, horizon=200)
     policy = module.build(module.Options(**task.policy_options(condition))).compile()
+
     (observation, _), memory, ended = env.reset(seed=[seed]), None, False
     tips, blocks = [], []
     while not ended:
@@ -61,6 +62,7 @@ def episode(name: str, condition: str, seed: int, look: Look = unseen) -> tuple[
         look(env.envs[0].unwrapped.world, observation, policy, memory)
         observation, _, arrived, late, _ = env.step(action)
         ended = bool((arrived | late).all())
+
     look(env.envs[0].unwrapped.world, observation, policy, memory)
     env.close()
     return np.array(tips), np.array(blocks), observation["z_goal"][0]

@@ -33,7 +33,7 @@ def test_a_number_that_serves_nothing_is_not_counted() -> None:
         ("FetchReach", 20, 4),
         ("Meta-World: hand", 20, 4),
         ("FetchPush", 38, 4),  # above the twenty lines that were aimed for, as is all that picks up
-        ("SO-101: pick and place", 155, 8),
+        ("SO-101: pick and place", 153, 8),
     ],
 )
 def test_a_graph_of_other_peoples_worlds_is_no_longer_than_the_documents_say(
@@ -57,6 +57,7 @@ def test_the_lines_of_a_graph_are_those_of_its_code(
         "def walls_of(options):\n    return options.maze\n\n"
         "def unused():\n    return 1\n"
     )
+
     functions = graph_code.functions_of("world_of_it", "build", without=["walls_of"])
     assert graph_code.lines_of(functions) == 3 + 2
     assert graph_code.options_of(functions) == {"far"}
