@@ -60,7 +60,10 @@ GRAPHS = {
     "SO-101: pick-cube": Graph("so101_pick_place", constants=(HEIGHT, "so101_pick_cube.LIFT")),
     "SO-101: in the way": Graph(
         "so101_in_the_way",
-        constants=(HEIGHT, "so101_in_the_way.LENGTH", "so101_in_the_way.WORTH"),
+        constants=(
+            HEIGHT,
+            *(f"so101_in_the_way.{name}" for name in ("LENGTH", "NEGLIGIBLE", "WORTH")),
+        ),
     ),
     "OGBench's cubes": Graph("ogbench_cubes"),
     "OGBench: scene": Graph(

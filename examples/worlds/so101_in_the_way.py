@@ -32,6 +32,7 @@ THIN, HIGH = 0.01, 0.1  # m, of the board
 ASIDE = 0.01  # m, by which the second block misses the place at most
 ON_TABLE = 0.01  # m, above its place, within which a block lies upon no other
 LENGTH = 0.01  # m, of the likelihood of a collision with the board
+NEGLIGIBLE = 0.05  # a likelihood below which the board is out of mind
 WORTH = 0.2  # m, the error of the place that a collision outweighs
 NAMES = block_names(2)
 AWAY = 2.0  # m, from the base, where what is not in the way stands
@@ -132,7 +133,8 @@ def build(options: Options) -> Policy:
     """The graph of all that pick and place, with this hand, and a board to keep clear of."""
 
     def clear(x_tip: Tensor, z_board: Tensor) -> Tensor:
-        return WORTH**2 / 2 * torch.exp(-(gap(x_tip, z_board) - SIZE / 2) / LENGTH)
+        likely = torch.exp(-(gap(x_tip, z_board) - SIZE / 2) / LENGTH)
+        return WORTH**2 / 2 * (likely - NEGLIGIBLE).clamp(min=0.0)
 
     around = Surroundings({"z_board": Sensor(5, "m")}, [Goal("clear", clear)])
     return build_policy(HAND, options, around)
