@@ -6,6 +6,7 @@ what moves it. A contact moves an object along its normal; a grasp moves it anyw
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -112,12 +113,13 @@ class Grasp:
         """Check the lengths."""
         check_positive(self, ("size", "reach"))
 
-    def likelihood(self, x_rel: Tensor, x_opening: Tensor) -> Tensor:
+    def likelihood(self, x_rel: Tensor, x_opening: Tensor, *others: Tensor) -> Tensor:
         """p_grasp, ``(*B, 1)``.
 
         Args:
             x_rel: The tip from the object's centre, ``(*B, 3)``, or with the turn ``(*B, 4)``, m.
             x_opening: The opening, ``(*B, 1)``, m.
+            others: The tip from other objects, like x_rel.
         """
         offset, opening = self._offset(x_rel), x_opening[..., 0]
         between = self.between(x_rel).squeeze(-1)
@@ -137,7 +139,18 @@ class Grasp:
 
         # p_grasp in value; whether it is to grow or to fall decides which way leads there.
         grasped, released = (likelihood_across(gap, self.reach) for gap in (way, let_go))
-        return by_sign(released, grasped).unsqueeze(-1)
+        return self.empty_handed(by_sign(released, grasped).unsqueeze(-1), others)
+
+    def empty_handed(self, likelihood: Tensor, others: Sequence[Tensor]) -> Tensor:
+        """The likelihood of what only an empty hand does, p ∏ (1 − b), ``(*B, 1)``.
+
+        Args:
+            likelihood: p, of a hand that is empty, ``(*B, 1)``.
+            others: The tip from what else may be between the fingers, like x_rel, m.
+        """
+        for x_rel in others:
+            likelihood = likelihood * (1 - self.between(x_rel))
+        return likelihood
 
     def between(self, x_rel: Tensor) -> Tensor:
         """b, how surely the object is between the fingers, ``(*B, 1)``."""

@@ -7,8 +7,7 @@ from torch import Tensor
 
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import likelihood_across
-from aicon_torch.parts.grasp import way_from_above
-from aicon_torch.parts.gripper import Gripper
+from aicon_torch.parts.grasp import Grasp, way_from_above
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import by_sign, by_worth, straight_through
@@ -99,29 +98,27 @@ class Button:
     """z_state: whether a button is on, 1 or 0, which each press changes.
 
     p_press = exp(−D/ℓ) with the way D that is left: D = ‖Δ − h e_z‖ + o − o_min, where Δ is the tip
-    from where the button is pressed down, and h as for a :class:`aicon_torch.parts.Grasp`: closed
-    fingers come to it from above. That it stays as it is leads upward instead: D = ‖Δ_xy‖ + Δ_z, of
-    which the height alone has a gradient.
+    from where the button is pressed down, and ℓ and h as for a grasp: closed fingers come to it
+    from above, unless they hold something. That it stays as it is leads upward instead:
+    D = ‖Δ_xy‖ + Δ_z, of which the height alone has a gradient.
 
     Attributes:
-        gripper: The gripper.
+        grasp: That of the same hand.
         clearance: The height at which nothing stands in the way, m.
-        reach: ℓ, m.
 
     Raises:
-        OptionError: If a length is not positive.
+        OptionError: If the clearance is not positive.
     """
 
-    gripper: Gripper
+    grasp: Grasp
     clearance: float
-    reach: float
 
     def __post_init__(self) -> None:
-        """Check the lengths."""
-        check_positive(self, ("clearance", "reach"))
+        """Check the clearance."""
+        check_positive(self, ("clearance",))
 
     def __call__(
-        self, z_state: Tensor, x_tip: Tensor, x_opening: Tensor, pressed: Tensor
+        self, z_state: Tensor, x_tip: Tensor, x_opening: Tensor, pressed: Tensor, *others: Tensor
     ) -> Tensor:
         """z_state in value, with the gradient of a press, which changes it, ``(*B, 1)``.
 
@@ -130,11 +127,14 @@ class Button:
             x_tip: The tip, ``(*B, n)``, m, where x, y and z come first.
             x_opening: The opening, ``(*B, 1)``, m.
             pressed: Where the tip is when the button is down, ``(*B, 3)``, m.
+            others: The tip from what the hand may hold, ``(*B, n)`` each, m.
         """
-        offset, too_open = x_tip[..., :3] - pressed, x_opening[..., 0] - self.gripper.narrowest
+        narrowest = self.grasp.gripper.narrowest
+        offset, too_open = x_tip[..., :3] - pressed, x_opening[..., 0] - narrowest
         way = way_from_above(offset, 0.0, self.clearance) + too_open
         upward = norm(offset[..., :2]).detach() + offset[..., 2]
         let_go = straight_through(way, upward)
 
-        press = by_sign(*(likelihood_across(gap, self.reach) for gap in (let_go, way)))
-        return straight_through(z_state, (1 - 2 * z_state) * press.unsqueeze(-1))
+        press = by_sign(*(likelihood_across(gap, self.grasp.reach) for gap in (let_go, way)))
+        press = self.grasp.empty_handed(press.unsqueeze(-1), others)
+        return straight_through(z_state, (1 - 2 * z_state) * press)

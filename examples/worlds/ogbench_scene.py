@@ -14,12 +14,12 @@ import gymnasium
 import numpy as np
 from ogbench_cubes import CONDITIONS, EDGE, HAND, SINGLE, Cubes
 from others import needed, readings
-from picking import PRESETS, Options, Surroundings, build_policy, free_hand
+from picking import PRESETS, Options, Surroundings, build_policy, free_hand, grasp_of
 from torch import Tensor
 
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Deterministic, Goal, Interconnection, Policy, Sensor
-from aicon_torch.parts import Button, Gripper, Handle
+from aicon_torch.parts import Button, Handle
 from aicon_torch.parts.planar import norm
 from aicon_torch.shaping import straight_through
 
@@ -97,8 +97,8 @@ class Scene(Cubes):
 
 def build(options: Options) -> Policy:
     """The graph of all that pick and place, with this hand, two handles and two buttons."""
-    gripper = Gripper(options.size / 2, widest=HAND.widest, speed=HAND.speed, first=HAND.first)
-    button = Button(gripper, 2 * DOWN, options.reach)
+    button = Button(grasp_of(HAND, options), 2 * DOWN)
+    held = [f"x_rel{name}" for name in ("", *HANDLES)]
     sensors = {"z_inside": Sensor(1, "1"), "z_shut": Sensor(3, "m")}
     goals: list[Goal] = []
     known = [
@@ -108,8 +108,8 @@ def build(options: Options) -> Policy:
     for name in HANDLES:
         sensors |= {f"z_goal{name}": Sensor(3, "m"), f"z_button{name}": Sensor(3, "m")}
         sensors |= {f"z_on{name}": Sensor(1, "1"), f"z_wanted{name}": Sensor(1, "1")}
-        pressed = Interconnection(button, [f"z_on{name}", "x_tip", "x_opening", f"z_button{name}"])
-        known.append(Deterministic(f"p_free{name}", pressed))
+        read = [f"z_on{name}", "x_tip", "x_opening", f"z_button{name}", *held]
+        known.append(Deterministic(f"p_free{name}", Interconnection(button, read)))
         goals += wishes(name, options)
 
     handles = {name: Handle(options.step, *way) for name, way in HANDLES.items()}

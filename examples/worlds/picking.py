@@ -136,10 +136,8 @@ def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundin
         around: What else is in the world.
     """
     size = len(hand.steps)
-    narrowest = options.size / 2
-    gripper = Gripper(narrowest, widest=hand.widest, speed=hand.speed, first=hand.first)
-    grasp = Grasp(gripper, options.size, hand.height, options.reach, options.clearance)
-    names = block_names(options.blocks)
+    grasp = grasp_of(hand, options)
+    gripper, names = grasp.gripper, block_names(options.blocks)
 
     tip = position(
         "x_tip",
@@ -192,6 +190,13 @@ def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundin
         dtype=torch.float64,
     )
     return Policy(model, options.resolution, options.law)
+
+
+def grasp_of(hand: Hand, options: Options) -> Grasp:
+    """How a hand comes to hold a block."""
+    narrowest = options.size / 2
+    gripper = Gripper(narrowest, widest=hand.widest, speed=hand.speed, first=hand.first)
+    return Grasp(gripper, options.size, hand.height, options.reach, options.clearance)
 
 
 def block_names(count: int) -> list[str]:
@@ -298,13 +303,7 @@ def block(
         uncertain={"x_tip": "P_tip", x_object: covariance_name(x_object)},
     )
 
-    # 3. What may move it: a hand that has another between its fingers comes to hold no more.
-    def likelihood(x_rel: Tensor, x_opening: Tensor, *apart: Tensor) -> Tensor:
-        grasped = grasp.likelihood(x_rel, x_opening)
-        for x_rel_other in apart:
-            grasped = grasped * (1 - grasp.between(x_rel_other))
-        return grasped
-
+    # 3. What may move it; a hand that has another between its fingers comes to hold no more.
     grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
     if handle is not None:
@@ -312,7 +311,7 @@ def block(
     estimators = [
         where,
         apart,
-        Deterministic(p_grasp, Interconnection(likelihood, grasped_by)),
+        Deterministic(p_grasp, Interconnection(grasp.likelihood, grasped_by)),
         Deterministic(f"x_obj{name}", Interconnection(moved, moved_by)),
     ]
     if handle is None:

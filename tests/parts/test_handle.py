@@ -3,10 +3,11 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts import Button, Gripper, Handle
+from aicon_torch.parts import Button, Grasp, Gripper, Handle
 
 HANDLE = Handle(step=0.05, axis=(0.0, 1.0, 0.0), travel=0.16)
-BUTTON = Button(Gripper(narrowest=0.02, widest=0.08, speed=0.5), clearance=0.06, reach=0.05)
+GRIPPER = Gripper(narrowest=0.02, widest=0.08, speed=0.5)
+BUTTON = Button(Grasp(GRIPPER, size=0.04, height=0.0, reach=0.05), clearance=0.06)
 
 
 def leaf(*values: float) -> Tensor:
@@ -72,10 +73,18 @@ def test_beside_a_button_the_tip_is_drawn_above_it_first() -> None:
     assert motion[0, 2] < 0 < motion[0, 0]
 
 
+def test_a_hand_that_holds_something_is_drawn_to_no_button() -> None:
+    tip, in_hand, elsewhere = leaf(0.1, 0.0, 0.0), leaf(0.0, 0.0, 0.0), leaf(0.1, 0.0, 0.0)
+    for x_rel, is_drawn in ((in_hand, False), (elsewhere, True)):
+        on = BUTTON(leaf(0.0), tip, leaf(0.02), leaf(0.0, 0.0, 0.0), x_rel)
+        (motion,) = torch.autograd.grad(on.sum(), tip)
+        assert on.item() == 0.0 and bool(motion.any()) == is_drawn
+
+
 def test_lengths_are_positive_and_an_axis_leads_up() -> None:
     with pytest.raises(OptionError, match="travel"):
         Handle(step=0.05, axis=(0.0, 1.0, 0.0), travel=0.0)
     with pytest.raises(OptionError, match="axis"):
         Handle(step=0.05, axis=(0.0, -1.0, 0.0), travel=0.16)
     with pytest.raises(OptionError, match="clearance"):
-        Button(BUTTON.gripper, clearance=0.0, reach=0.05)
+        Button(BUTTON.grasp, clearance=0.0)
