@@ -16,11 +16,11 @@ class Room:
     """p_room: how likely a place takes an object, because it is vacant and carries it.
 
     With how near another object is that is a gap d away, n(d) = clip(2 − d/s, 0, 1), a place is
-    vacant by Π (1 − n(d_xy)) over those that are no lower than it, as one comes from above. It
-    carries by 1 where the table does, and elsewhere by the largest n(d) of those that belong below
-    it, with the way d from above (:func:`way_from_above`) to g − s e_z; these take no place from
-    it. Nothing says which object goes first: a place that is taken, or carried by nothing yet,
-    makes its goal worth less, and worth clearing.
+    vacant by Π (1 − n(d_xy)) over those that are no lower than it, as one comes from above; those
+    that belong below it take no place from it. It carries by 1 where the table does, and elsewhere
+    by the largest n(d) of those that belong right below it, with the way d from above
+    (:func:`way_from_above`) to g − s e_z. Nothing says which object goes first: a place that is
+    taken, or carried by nothing yet, makes its goal worth less, and worth clearing.
 
     Attributes:
         size: s, width and height of an object, m.
@@ -54,12 +54,14 @@ class Room:
         below = place - self.size * upward(place)
 
         for other, other_place in zip(others[::2], others[1::2], strict=True):
-            # 1. What belongs below, and is there, carries.
+            # 1. What belongs right below, and is there, carries.
             in_column = norm((other_place - place)[..., :2]) < self.size
-            belongs_below = in_column & (other_place[..., 2] < place[..., 2])
+            depth = place[..., 2] - other_place[..., 2]
+            belongs_below = in_column & (depth > 0)
+            belongs_next = belongs_below & (depth < 1.5 * self.size)
             way = way_from_above(other[..., :3] - below, self.slack, self.clearance)
             carries = self._near(way)
-            carried = torch.maximum(carried, torch.where(belongs_below, carries, 0.0))
+            carried = torch.maximum(carried, torch.where(belongs_next, carries, 0.0))
 
             # 2. What is there, or above, takes the place. What is wholly in it can still be moved.
             beside = norm(other[..., :2] - place[..., :2])

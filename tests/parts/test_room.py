@@ -34,6 +34,16 @@ def test_above_the_table_a_place_carries_once_what_belongs_below_is_there() -> N
     assert rooms == pytest.approx([1.0, 0.0])
 
 
+def test_of_a_stack_the_highest_is_carried_by_the_one_right_below_it_alone() -> None:
+    highest = leaf(0.0, 0.0, 0.10)
+    lowest, middle, away = leaf(0.0, 0.0, 0.02), leaf(0.0, 0.0, 0.06), leaf(0.3, 0.0, 0.02)
+    rooms = [ROOM(highest, lowest, LOW, other, HIGH) for other in (middle, away)]
+    assert [room.item() for room in rooms] == pytest.approx([1.0, 0.0])
+
+    (slope,) = torch.autograd.grad(rooms[1].sum(), lowest)
+    assert not slope.any()  # it is where it belongs
+
+
 def test_what_carries_comes_from_above_as_well() -> None:
     other = leaf(0.05, 0.0, 0.02)
     (slope,) = torch.autograd.grad(ROOM(HIGH, other, LOW), other)
