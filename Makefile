@@ -125,13 +125,15 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/,
 	  --episodes $(EPISODES) --seed 402600 --jobs $(JOBS) --out $(abspath $(OUT))/so101_in_the_way
 	$(IN_WORLDS) --task so101_pick_cube:TASK --conditions near --policies aicon script \
 	  --episodes $(EPISODES) --seed 402000 --jobs $(JOBS) --out $(abspath $(OUT))/so101_cube
+	$(IN_WORLDS) --task so101_by_joints:TASK --conditions anywhere --policies aicon \
+	  --episodes $(EPISODES) --seed 404000 --jobs $(JOBS) --out $(abspath $(OUT))/so101_joints
 	$(IN_WORLDS) --task ogbench_cubes:SINGLE --conditions task1 task2 task3 task4 task5 --policies aicon oracle \
 	  --episodes 50 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/cube_single
 	$(IN_WORLDS) --task ogbench_cubes:DOUBLE --conditions task1 task2 task3 task4 task5 \
 	  --policies aicon oracle steepest weighted_sum without_exploration \
 	  --episodes 50 --seed 400020 --jobs $(JOBS) --out $(abspath $(OUT))/cube_double
 	$(IN_WORLDS) --task ogbench_scene:TASK --conditions task1 task2 task3 task4 task5 --policies aicon \
-	  --episodes 20 --seed 403000 --jobs $(JOBS) --out $(abspath $(OUT))/scene
+	  --episodes 20 --seed 404000 --jobs $(JOBS) --out $(abspath $(OUT))/scene
 
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build

@@ -58,6 +58,14 @@ GRAPHS = {
     ),
     "SO-101: pick and place": Graph("so101_pick_place", constants=(HEIGHT,)),
     "SO-101: pick-cube": Graph("so101_pick_place", constants=(HEIGHT, "so101_pick_cube.LIFT")),
+    "SO-101: by its joints": Graph(
+        "so101_by_joints",
+        constants=(
+            HEIGHT,
+            "so101_pick_cube.LIFT",
+            *(f"so101_by_joints.{name}" for name in ("SPEED", "LEVER", "WORTH", "DAMPING")),
+        ),
+    ),
     "SO-101: in the way": Graph(
         "so101_in_the_way",
         constants=(

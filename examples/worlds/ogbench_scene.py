@@ -112,8 +112,8 @@ def build(options: Options) -> Policy:
         known.append(Deterministic(f"p_free{name}", Interconnection(button, read)))
         goals += wishes(name, options)
 
-    handles = {name: Handle(options.step, *way) for name, way in HANDLES.items()}
-    around = Surroundings(sensors, goals, known, handles, has_drawer=True)
+    handles = {name: Handle(options.reach, *way) for name, way in HANDLES.items()}
+    around = Surroundings(sensors, goals, known, handles=handles, has_drawer=True)
     return build_policy(HAND, options, around)
 
 

@@ -77,10 +77,9 @@ class Hand:
 
 @dataclass(frozen=True)
 class Options:
-    """What is set by hand: five lengths, m; and what is known of blocks and their readings, m."""
+    """What is set by hand: four lengths, m; and what is known of blocks and their readings, m."""
 
-    reach: float = 0.05  # from where a grasp draws
-    step: float = 0.05  # what a motion of the block is taken to be, at most
+    reach: float = 0.05  # from where a grasp draws, and how far it is taken to bring a block
     rise: float = 0.055  # of the block, at which the table holds it back no more
     tolerance: float = 0.012  # of the place
     free_hand: float = 0.015  # the error of the place that an empty hand outweighs
@@ -105,6 +104,8 @@ class Surroundings:
         sensors: What is read of it.
         goals: What else is wanted.
         estimators: What else is known.
+        moved_by: What moves the tip, where it is told otherwise than how far to go; its velocity,
+            tip, is then one of the estimators.
         handles: What else can be held, by what the names of its quantities end with. Read are where
             it is, z_block, and how far from its first end, z_way; p_free, of the estimators, says
             how likely it is unlocked.
@@ -115,6 +116,7 @@ class Surroundings:
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
     goals: Sequence[Goal] = ()
     estimators: Sequence[Estimator] = ()
+    moved_by: Mapping[str, Actuator] = field(default_factory=dict)
     handles: Mapping[str, Handle] = field(default_factory=dict)
     has_drawer: bool = False
 
@@ -153,6 +155,7 @@ def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundin
         return tip * hand.time_step / tip.new_tensor(hand.steps)
 
     speeds = tuple(step / hand.time_step for step in hand.steps)
+    told = {"tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0))}
     sensors = {"z_tip": Sensor(size, "m"), **around.sensors}
     goals = list(around.goals)
     blocks: list[Estimator] = []
@@ -180,10 +183,7 @@ def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundin
     held = [grasp.held(name, by_open_fingers=name in around.handles) for name in things]
     model = WorldModel(
         sensors=sensors,
-        actuators={
-            "tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0)),
-            "jaw": gripper.actuator(),
-        },
+        actuators={**(around.moved_by or told), "jaw": gripper.actuator()},
         estimators=[*held, gripper, tip, *blocks, *rooms, *around.estimators],
         goals=goals,
         dt=hand.time_step,
@@ -263,7 +263,7 @@ def block(
     """
     x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
-    carrying = Carrying(options.step, rest=options.size / 2, rise=options.height)
+    carrying = Carrying(options.reach, rest=options.size / 2, rise=options.height)
     moved, goes, comes, side = carrying, carried, approached, options.size
     if handle is not None:
         # A bar is alike after half a turn, a block after a quarter.

@@ -1,30 +1,35 @@
 """The scene of OGBench, where its package is installed."""
 
-import sys
-from importlib import import_module
+from collections.abc import Callable
 from importlib.util import find_spec
-from pathlib import Path
+from typing import Any
 
 import pytest
-
-WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
+from _worlds import episodes, succeed
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
 @pytest.mark.filterwarnings("ignore")  # of one package about another
-def test_a_drawer_is_unlocked_opened_filled_and_shut(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("ogbench_scene")
+def test_a_drawer_is_unlocked_opened_filled_and_shut(world_of: Callable[[str], Any]) -> None:
+    played = list(episodes(world_of("ogbench_scene"), "task4", [1001], horizon=300))
+    assert max(seen["z_way_drawer"].item() for seen, _ in played) > 0.15  # m
+    assert played[-1][1]["is_success"].all()
 
-    policy = world.build(world.Options(**world.TASK.policy_options("task4"))).compile()
-    env = world.TASK.make_env(1, "task4", horizon=300)
-    (observation, _), memory, done, opened = env.reset(seed=1001), None, False, 0.0
-    while not done:
-        action, memory = policy.predict(observation, memory)
-        observation, _, terminated, truncated, info = env.step(action)
-        done = (terminated | truncated).all()
-        opened = max(opened, observation["z_way_drawer"].item())
-    env.close()
-    assert opened > 0.15  # m
-    assert info["is_success"].all()
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
+@pytest.mark.filterwarnings("ignore")  # of one package about another
+def test_a_cube_is_let_go_before_a_button_is_pressed(world_of: Callable[[str], Any]) -> None:
+    assert succeed(world_of("ogbench_scene"), "task3", [1013])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
+@pytest.mark.filterwarnings("ignore")  # of one package about another
+@pytest.mark.parametrize("condition", ["task3", "task5"])
+def test_a_stack_of_three_is_taken_apart_and_built(
+    condition: str, world_of: Callable[[str], Any]
+) -> None:
+    cubes = world_of("ogbench_cubes")
+    assert succeed(cubes, condition, [1001], task=cubes.TRIPLE)

@@ -1,25 +1,19 @@
 """A tip that goes straight, and a board in its way: no world of others is needed for that."""
 
-import sys
-from pathlib import Path
-from types import ModuleType
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 import torch
 
-WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
 BOARD = np.array([[0.0, 0.0, 1.0, 0.0, 0.2]])  # across x, 0.2 m high
 TARGET = np.array([[0.2, 0.0, 0.05]])
 
 
 @pytest.fixture
-def picking(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    from importlib import import_module
-
-    return import_module("shielded_picking")
+def picking(world_of: Callable[[str], Any]) -> Any:
+    return world_of("shielded_picking")
 
 
 class Straight:
@@ -30,7 +24,7 @@ class Straight:
         return np.concatenate([way, [[0.5]]], -1), None
 
 
-def moved(picking: ModuleType, policy: Any) -> tuple[Any, float]:
+def moved(picking: Any, policy: Any) -> tuple[Any, float]:
     """Where the tip comes to in 20 s, and how near to the board."""
     tip, memory, least = np.array([[-0.2, 0.0, 0.05]]), None, np.inf
     for _ in range(200):
@@ -41,7 +35,7 @@ def moved(picking: ModuleType, policy: Any) -> tuple[Any, float]:
     return tip, least
 
 
-def test_only_a_shield_comes_around_the_board(picking: ModuleType) -> None:
+def test_only_a_shield_comes_around_the_board(picking: Any) -> None:
     shield = picking.shielded(picking.JAW, Straight())
     bounds = picking.shielded(picking.JAW, Straight(), goes_around=False)
     clamp = picking.clamped(picking.JAW, Straight())
@@ -66,7 +60,7 @@ def test_only_a_shield_comes_around_the_board(picking: ModuleType) -> None:
     ],
 )
 def test_a_gap_is_that_to_the_rounded_board(
-    picking: ModuleType, tip: list[float], expected: float
+    picking: Any, tip: list[float], expected: float
 ) -> None:
     gap = picking.gap(torch.tensor([tip]), torch.tensor(BOARD, dtype=torch.float32))
     assert gap.item() == pytest.approx(expected, abs=1e-3)

