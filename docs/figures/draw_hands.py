@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 from draw_picking import mark
+from episodes import moments
 
 IMAGES = Path(__file__).parents[1] / "images"
 SIZE = 300  # px, of a moment
@@ -65,42 +66,22 @@ FIGURES = {
 }
 
 
-class Episode:
-    """Pictures at some moments, and in each step how far a thing is from its goal and the hand."""
+class Eye:
+    """Renders a world, without what leads the hand in the simulation."""
 
-    def __init__(self, shown: Shown) -> None:
-        world = import_module(shown.module)
-        self.shown = shown
-        self.pictures: list[Any] = []
-        self.to_goal: list[float] = []
-        self.to_thing: list[float] = []
+    def __init__(self, world: Any, view: Any) -> None:
+        self.data, self.view = world.data, view
+        leads = world.model.body_mocapid[world.model.geom_bodyid] >= 0
+        world.model.geom_rgba[leads, 3] = 0.0
+        self.renderer = mujoco.Renderer(world.model, SIZE, SIZE)
 
-        env = world.TASK.make_env(1, shown.condition, world.TASK.horizon)
-        options = world.Options(**world.TASK.policy_options(shown.condition))
-        policy = world.build(options).compile()
-        (observation, info), memory, ended = env.reset(seed=[shown.seed]), None, False
-        scene = env.envs[0].unwrapped.world.unwrapped
-        is_mocap = scene.model.body_mocapid[scene.model.geom_bodyid] >= 0
-        scene.model.geom_rgba[is_mocap, 3] = 0.0  # what leads the hand, in the simulation
-        renderer = mujoco.Renderer(scene.model, SIZE, SIZE)
-        self._look(renderer, scene, observation, info)
-        while not ended:
-            action, memory = policy.predict(observation, memory)
-            observation, _, arrived, late, info = env.step(action)
-            self._look(renderer, scene, observation, info)
-            ended = bool((arrived | late).all())
-        env.close()
-
-    def _look(self, renderer: Any, scene: Any, observation: Any, info: Any) -> None:
-        hand, thing = observation[self.shown.hand][0, :2], observation[self.shown.thing][0, :2]
-        self.to_goal.append(info["distance"][0])
-        self.to_thing.append(float(np.linalg.norm(hand - thing)))
-        if len(self.to_goal) - 1 in self.shown.moments:
-            option = mujoco.MjvOption()
-            option.sitegroup[:] = 0
-            renderer.update_scene(scene.data, camera(*self.shown.camera), option)
-            mark(renderer.scene, observation["z_goal"][0])
-            self.pictures.append(renderer.render())
+    def picture(self, goal: Any) -> Any:
+        """The world as it is now, and the goal ``(3,)``, m, in it."""
+        option = mujoco.MjvOption()
+        option.sitegroup[:] = 0
+        self.renderer.update_scene(self.data, self.view, option)
+        mark(self.renderer.scene, goal)
+        return self.renderer.render()
 
 
 def camera(at: tuple[float, float, float], distance: float, azimuth: float, down: float) -> Any:
@@ -112,18 +93,28 @@ def camera(at: tuple[float, float, float], distance: float, azimuth: float, down
 
 def draw(name: str, shown: Shown) -> None:
     """Draw the moments, and beside them the curve."""
-    episode = Episode(shown)
+    eye: Eye | None = None
+    pictures: list[Any] = []
+    to_goal: list[float] = []
+    to_thing: list[float] = []
+    for step, moment in enumerate(moments(shown.module, shown.condition, shown.seed)):
+        seen = moment.observation
+        eye = eye or Eye(moment.world.unwrapped, camera(*shown.camera))
+        if step in shown.moments:
+            pictures.append(eye.picture(seen["z_goal"][0]))
+        to_goal.append(100 * moment.info["distance"][0])  # cm
+        to_thing.append(100 * float(np.linalg.norm((seen[shown.hand] - seen[shown.thing])[0, :2])))
+
     time_step = import_module(shown.module).TASK.time_step
     count = len(shown.moments)
     _, axes = plt.subplots(1, count + 1, figsize=(13, 2.7), layout="constrained")
-    for axis, picture, step in zip(axes, episode.pictures, shown.moments, strict=False):
+    for axis, picture, step in zip(axes, pictures, shown.moments, strict=False):
         axis.imshow(picture)
         axis.set_title(f"{step * time_step:.2f} s", fontsize=10)
         axis.set_axis_off()
 
-    seconds = np.arange(len(episode.to_goal)) * time_step
+    seconds = np.arange(len(to_goal)) * time_step
     axis = axes[-1]
-    to_thing, to_goal = 100 * np.array(episode.to_thing), 100 * np.array(episode.to_goal)
     axis.plot(seconds, to_thing, color="tab:blue", label=f"hand to {shown.name}")
     axis.plot(seconds, to_goal, color="tab:orange", label=f"{shown.name} to goal")
     for step in shown.moments:

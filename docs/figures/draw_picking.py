@@ -2,11 +2,10 @@
 
 After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures/draw_picking.py
 
-It saves picking.png, and the films so101_knocked.webp, cube_single.webp and scene.webp, with the
-path from a goal along which tip and jaw are led.
+It saves picking.png, and the films so101_knocked.webp, cube_single.webp, scene.webp and
+so101_joints.webp, with the path from a goal along which tip and jaw are led.
 """
 
-from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from aicon_baselines.figures.rendering import Frame, save_video
 from aicon_baselines.palette import GOAL, INK, rgb
+from episodes import Moment, moments
 
 WORLDS = {
     "SO-101": ("so101_pick_place", "none", 400601),
@@ -30,6 +30,7 @@ FILMS = {
     "so101_knocked": ("so101_pick_place", "knocked", 400601),
     "cube_single": ("ogbench_cubes", "task1", 400001),
     "scene": ("ogbench_scene", "task4", 403000),
+    "so101_joints": ("so101_by_joints", "anywhere", 404001),
 }
 IMAGES = Path(__file__).parents[1] / "images"
 
@@ -38,40 +39,12 @@ RATE = 5  # pictures a second, of which each shows a step
 REST = 5  # pictures at the end
 FONT = ImageFont.truetype(findfont("DejaVu Sans"), 13)
 
-Look = Callable[[Any, Any, Any, Any], None]
-"""What looks at each step: the world, what was seen, and what the policy made of it."""
-
-
-def unseen(world: Any, observation: Any, policy: Any, memory: Any) -> None:
-    """Look at nothing."""
-
-
-def episode(name: str, condition: str, seed: int, look: Look = unseen) -> tuple[Any, Any, Any]:
-    """Where tip and block were, ``(T, 3)``, m, and the place."""
-    module = import_module(name)
-    task = module.SINGLE if name == "ogbench_cubes" else module.TASK
-    env = task.make_env(1, condition, horizon=200)
-    policy = module.build(module.Options(**task.policy_options(condition))).compile()
-
-    (observation, _), memory, ended = env.reset(seed=[seed]), None, False
-    tips, blocks = [], []
-    while not ended:
-        tips.append(observation["z_tip"][0, :3])
-        blocks.append(observation["z_block"][0, :3])
-        action, memory = policy.predict(observation, memory)
-        look(env.envs[0].unwrapped.world, observation, policy, memory)
-        observation, _, arrived, late, _ = env.step(action)
-        ended = bool((arrived | late).all())
-
-    look(env.envs[0].unwrapped.world, observation, policy, memory)
-    env.close()
-    return np.array(tips), np.array(blocks), observation["z_goal"][0]
-
 
 def save_film(chosen: tuple[str, str, int], path: Path) -> None:
     """Save the film of an episode."""
     film = Film()
-    episode(*chosen, film.add)
+    for moment in moments(*chosen):
+        film.add(moment)
     save_video(film.frames + film.frames[-1:] * REST, path, RATE)
 
 
@@ -82,19 +55,19 @@ class Film:
         self.frames: list[Frame] = []
         self.renderer: Any = None
 
-    def add(self, world: Any, observation: Any, policy: Any, memory: Any) -> None:
+    def add(self, moment: Moment) -> None:
         """Add a picture."""
-        width, height = SIZE
+        (width, height), world, policy = SIZE, moment.world, moment.policy
         if self.renderer is None:
             world.model.vis.global_.offwidth, world.model.vis.global_.offheight = SIZE
             self.renderer = mujoco.Renderer(world.model, height, width)
         self.renderer.update_scene(world.data, camera="front")
-        mark(self.renderer.scene, observation["z_goal"][0])
+        mark(self.renderer.scene, moment.observation["z_goal"][0])
         picture = Image.fromarray(self.renderer.render())
 
         pen = ImageDraw.Draw(picture)
         pen.rectangle((0, height - 42, width, height), fill="white")
-        trace = policy.trace(memory)
+        trace = policy.trace(moment.memory)
         for line, actuator in enumerate(policy.model.actuators):
             led = " → ".join(trace.leading_path(actuator, (0,)))
             pen.text((8, height - 40 + 19 * line), led, font=FONT, fill=INK)
@@ -115,7 +88,9 @@ def main() -> None:
     _, axes = plt.subplots(1, 4, figsize=(14, 3.4), sharey=True, layout="constrained")
 
     for axis, (title, chosen) in zip(axes, WORLDS.items(), strict=True):
-        tips, blocks, goal = episode(*chosen)
+        *seen, last = [moment.observation for moment in moments(*chosen)]
+        tips, blocks = (np.stack([o[name][0, :3] for o in seen]) for name in ("z_tip", "z_block"))
+        goal = last["z_goal"][0]
 
         # Along the straight way from where the block lay to its place.
         way = (goal - blocks[0])[:2]

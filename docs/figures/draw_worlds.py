@@ -10,27 +10,13 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
+from episodes import moments
+
 SEEDS = {
     "pointmaze": {"umaze": 400021, "medium": 400095, "large": 400010},
     "ogbench_mazes": {"medium_task1": 400000, "large_task1": 400000, "giant_task1": 400001},
 }
 IMAGES = Path(__file__).parents[1] / "images"
-
-
-def episode(world: Any, condition: str, seed: int) -> tuple[Any, Any, Any]:
-    """Where the ball was, ``(T, 2)``, cells, whether it explored there, and where the goal is."""
-    env = world.make_env(1, condition, world.TASK.horizon)
-    policy = world.build(world.Options(**world.policy_options(condition))).compile()
-    (observation, info), memory, ended = env.reset(seed=[seed]), None, False
-    places, explored = [], []
-    while not ended:
-        places.append(info["position"][0])
-        action, memory = policy.predict(observation, memory)
-        explored.append(bool(memory["p_ball/exploring"]))
-        observation, _, arrived, late, info = env.step(action)
-        ended = bool((arrived | late).all())
-    env.close()
-    return np.array(places), np.array(explored), observation["z_goal"][0]
 
 
 def walls(world: Any, condition: str) -> Any:
@@ -52,7 +38,10 @@ def draw(name: str, seeds: dict[str, int]) -> None:
         extent = (-width / 2, width / 2, -height / 2, height / 2)
         axis.imshow(grids[condition], cmap="Greys", vmax=2, extent=extent)
 
-        places, explored, goal = episode(world, condition, seed)
+        *rolled, last = moments(name, condition, seed)
+        places = np.stack([moment.info["position"][0] for moment in rolled])
+        explored = np.array([bool(moment.memory["p_ball/exploring"]) for moment in rolled])
+        goal = last.observation["z_goal"][0]
         for phase, color in ((explored, "tab:orange"), (~explored, "tab:blue")):
             axis.scatter(*places[phase].T, s=5, color=color, linewidths=0)
         axis.plot(*places[0], "o", color="black", markersize=7)

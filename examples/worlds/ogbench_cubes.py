@@ -43,23 +43,35 @@ class Cubes(World):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(self, count: int, task: int, render_mode: str | None = None) -> None:
+        self._open(f"cube-{NAMES[count - 1]}-v0", count, task, render_mode)
+        self.observation_space = readings(self._sizes())
+
+    def _open(self, name: str, count: int, task: int, render_mode: str | None) -> None:
+        """Make the world of a name, in which so many cubes are."""
         needed("ogbench.manipspace", "ogbench")
-        made = gymnasium.make(f"cube-{NAMES[count - 1]}-v0", disable_env_checker=True)
+        made = gymnasium.make(name, disable_env_checker=True)
         self.world, self.task, self.render_mode = made.unwrapped, task, render_mode
         self.count, self.names = count, block_names(count)
+
+    def _sizes(self) -> dict[str, int]:
+        """How many numbers each reading has."""
         sizes = {"z_tip": 4, "z_contact": 1, "z_jaw": 1}
         for name in self.names:
             sizes |= {f"z_block{name}": 4, f"z_goal{name}": 3}
-        self.observation_space = readings(sizes)
+        return sizes
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         """Place the cubes, and the arm."""
         super().reset(seed=seed)
         _, told = self.world.reset(seed=seed, options={"task_id": self.task})
         self.yaws = np.zeros(1 + self.count)
+        self._read_goals(told)
+        return self._seen(told, False)
+
+    def _read_goals(self, told: Any) -> None:
+        """Where the cubes belong."""
         goals = told["goal"][GOAL:].reshape(self.count, CUBE)
         self.goals = goals[:, :3] / 10 + CENTRE
-        return self._seen(told, False)
 
     def step(self, action: Any) -> Any:
         """Move."""

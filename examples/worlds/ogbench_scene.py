@@ -10,10 +10,9 @@ The graph is that of picking.py, with two handles and two buttons more. Nothing 
 from dataclasses import replace
 from typing import Any
 
-import gymnasium
 import numpy as np
 from ogbench_cubes import CONDITIONS, EDGE, HAND, SINGLE, Cubes
-from others import needed, readings
+from others import readings
 from picking import PRESETS, Options, Surroundings, build_policy, free_hand, grasp_of
 from torch import Tensor
 
@@ -39,26 +38,18 @@ class Scene(Cubes):
     """The world; its readings are those of one cube, of both handles and of both buttons."""
 
     def __init__(self, task: int, render_mode: str | None = None) -> None:
-        needed("ogbench.manipspace", "ogbench")
-        made = gymnasium.make("scene-v0", disable_env_checker=True)
-        self.world, self.task, self.render_mode = made.unwrapped, task, render_mode
-        self.count, self.names = 1, [""]
-        sizes = {"z_tip": 4, "z_contact": 1, "z_jaw": 1, "z_block": 4, "z_goal": 3}
+        self._open("scene-v0", 1, task, render_mode)
+        sizes = self._sizes() | {"z_inside": 1, "z_shut": 3}
         for name in HANDLES:
             sizes |= {f"z_block{name}": 4, f"z_goal{name}": 3, f"z_on{name}": 1}
             sizes |= {f"z_wanted{name}": 1, f"z_button{name}": 3, f"z_way{name}": 1}
-        sizes |= {"z_inside": 1, "z_shut": 3}
         self.observation_space = readings(sizes)
 
-    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
-        """Place the cube, and the arm; drawer, window and buttons as the task begins."""
-        gymnasium.Env.reset(self, seed=seed)
-        _, told = self.world.reset(seed=seed, options={"task_id": self.task})
-        self.yaws = np.zeros(2)
+    def _read_goals(self, told: Any) -> None:
+        """Where the cube belongs, and whether each button is to be on."""
         goal = self.world.cur_task_info["goal"]
         self.goals = goal["block_xyzs"]
         self.wanted = np.float64(goal["button_states"])
-        return self._seen(told, False)
 
     def _seen(self, told: Any, success: bool) -> Any:
         observation, info = super()._seen(told, success)

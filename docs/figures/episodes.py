@@ -1,0 +1,41 @@
+"""An episode in one of other people's worlds, step by step."""
+
+from collections.abc import Iterator
+from importlib import import_module
+from typing import Any, NamedTuple
+
+
+class Moment(NamedTuple):
+    """What is there at a step: before the action, or at the end.
+
+    Attributes:
+        world: The world itself.
+        observation: What is seen, of a batch of one.
+        info: What the world tells beside that.
+        policy: The policy.
+        memory: What it made of what is seen; at the end, what it made of the step before.
+    """
+
+    world: Any
+    observation: Any
+    info: Any
+    policy: Any
+    memory: Any
+
+
+def moments(module: str, condition: str, seed: int) -> Iterator[Moment]:
+    """Every step of an episode of the shipped policy, compiled."""
+    world = import_module(module)
+    task = world.SINGLE if module == "ogbench_cubes" else world.TASK
+    env = task.make_env(1, condition, task.horizon)
+    policy = world.build(world.Options(**task.policy_options(condition))).compile()
+    scene = env.envs[0].unwrapped.world
+
+    (observation, info), memory, ended = env.reset(seed=[seed]), None, False
+    while not ended:
+        action, memory = policy.predict(observation, memory)
+        yield Moment(scene, observation, info, policy, memory)
+        observation, _, arrived, late, info = env.step(action)
+        ended = bool((arrived | late).all())
+    yield Moment(scene, observation, info, policy, memory)
+    env.close()
