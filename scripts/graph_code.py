@@ -1,4 +1,7 @@
-"""The code that makes a graph in examples/worlds: a function, and those of the folder in it."""
+"""The code that makes a graph in examples/worlds: a function, and those of the folder in it.
+
+Where the graph is one of the library's models, the functions of that are found, too.
+"""
 
 import ast
 from collections.abc import Collection
@@ -6,7 +9,9 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-WORLDS = Path(__file__).parents[1] / "examples" / "worlds"
+ROOT = Path(__file__).parents[1]
+WORLDS = ROOT / "examples" / "worlds"
+MODELS = "aicon_torch.models."
 
 
 class Function(NamedTuple):
@@ -69,7 +74,7 @@ def _named(module: str, name: str) -> list[Function]:
     """The functions and methods of this name, of a module or of one from which it has the name."""
     functions = []
     for node in _tree(module).body:
-        if isinstance(node, ast.ImportFrom) and node.module and _path(node.module).exists():
+        if isinstance(node, ast.ImportFrom) and node.module and _path(node.module).is_file():
             for imported in node.names:
                 if imported.name == name:
                     functions += _named(node.module, name)
@@ -100,8 +105,16 @@ def _text(module: str) -> str:
     return _path(module).read_text()
 
 
+def is_of_library(function: Function) -> bool:
+    """Whether a function is one of the library's models."""
+    return function.module.startswith(MODELS)
+
+
 def _path(module: str) -> Path:
-    return WORLDS / f"{module}.py"
+    if not module.startswith(MODELS):
+        return WORLDS / f"{module}.py"
+    path = ROOT.joinpath(*module.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
 def _end(code: ast.stmt) -> int:

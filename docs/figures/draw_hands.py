@@ -97,13 +97,14 @@ def draw(name: str, shown: Shown) -> None:
     pictures: list[Any] = []
     to_goal: list[float] = []
     to_thing: list[float] = []
-    for step, moment in enumerate(moments(shown.module, shown.condition, shown.seed)):
+    for step, moment in enumerate(moments(f"{shown.module}:TASK", shown.condition, shown.seed)):
         seen = moment.observation
         eye = eye or Eye(moment.world.unwrapped, camera(*shown.camera))
         if step in shown.moments:
             pictures.append(eye.picture(seen["z_goal"][0]))
         to_goal.append(100 * moment.info["distance"][0])  # cm
-        to_thing.append(100 * float(np.linalg.norm((seen[shown.hand] - seen[shown.thing])[0, :2])))
+        hand, thing = (seen[name][0, :2] for name in (shown.hand, shown.thing))
+        to_thing.append(100 * float(np.linalg.norm(hand - thing)))
 
     time_step = import_module(shown.module).TASK.time_step
     count = len(shown.moments)

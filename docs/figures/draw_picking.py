@@ -2,8 +2,8 @@
 
 After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures/draw_picking.py
 
-It saves picking.png, and the films so101_knocked.webp, cube_single.webp, scene.webp and
-so101_joints.webp, with the path from a goal along which tip and jaw are led.
+It saves picking.png, and the films so101_knocked.webp, cube_single.webp, cube_triple.webp and
+scene.webp, with the path from a goal along which tip and jaw are led.
 """
 
 from importlib import import_module
@@ -21,16 +21,16 @@ from aicon_baselines.palette import GOAL, INK, rgb
 from episodes import Moment, moments
 
 WORLDS = {
-    "SO-101": ("so101_pick_place", "none", 400601),
-    "SO-101, put back in mid-carry": ("so101_pick_place", "knocked", 400601),
-    "SO-101, a board on the way": ("so101_in_the_way", "board", 402600),
-    "UR5e, OGBench": ("ogbench_cubes", "task1", 400001),
+    "SO-101": ("so101_pick_place:TASK", "none", 400601),
+    "SO-101, put back in mid-carry": ("so101_pick_place:TASK", "knocked", 400601),
+    "SO-101, a board on the way": ("so101_in_the_way:TASK", "board", 402600),
+    "UR5e, OGBench": ("ogbench_cubes:SINGLE", "task1", 400001),
 }
 FILMS = {
-    "so101_knocked": ("so101_pick_place", "knocked", 400601),
-    "cube_single": ("ogbench_cubes", "task1", 400001),
-    "scene": ("ogbench_scene", "task4", 403000),
-    "so101_joints": ("so101_by_joints", "anywhere", 404001),
+    "so101_knocked": ("so101_pick_place:TASK", "knocked", 400601),
+    "cube_single": ("ogbench_cubes:SINGLE", "task1", 400001),
+    "cube_triple": ("ogbench_cubes:TRIPLE", "task5", 404000),
+    "scene": ("ogbench_scene:TASK", "task4", 403000),
 }
 IMAGES = Path(__file__).parents[1] / "images"
 
@@ -49,7 +49,7 @@ def save_film(chosen: tuple[str, str, int], path: Path) -> None:
 
 
 class Film:
-    """Pictures of a world and its block's place, with what leads tip and jaw."""
+    """Pictures of a world and the places in it, with what leads tip and jaw."""
 
     def __init__(self) -> None:
         self.frames: list[Frame] = []
@@ -62,7 +62,9 @@ class Film:
             world.model.vis.global_.offwidth, world.model.vis.global_.offheight = SIZE
             self.renderer = mujoco.Renderer(world.model, height, width)
         self.renderer.update_scene(world.data, camera="front")
-        mark(self.renderer.scene, moment.observation["z_goal"][0])
+        for name in moment.observation:
+            if name.startswith("z_goal"):
+                mark(self.renderer.scene, moment.observation[name][0])
         picture = Image.fromarray(self.renderer.render())
 
         pen = ImageDraw.Draw(picture)
@@ -100,7 +102,7 @@ def main() -> None:
             axis.plot(100 * x, 100 * z, ".-", color=color, label=label)
         length = float(np.linalg.norm(way))
         if chosen[1] == "board":
-            board = import_module(chosen[0])
+            board = import_module(chosen[0].split(":")[0])
             axis.bar(50 * length, 100 * board.HIGH, 100 * board.THIN, color="tab:gray")
         axis.plot(100 * length, 100 * goal[2], "*", color="tab:red", markersize=14)
         axis.plot(0, 100 * blocks[0][2], "s", color="black", markersize=8)

@@ -38,7 +38,7 @@ def draw(name: str, seeds: dict[str, int]) -> None:
         extent = (-width / 2, width / 2, -height / 2, height / 2)
         axis.imshow(grids[condition], cmap="Greys", vmax=2, extent=extent)
 
-        *rolled, last = moments(name, condition, seed)
+        *rolled, last = moments(f"{name}:TASK", condition, seed)
         places = np.stack([moment.info["position"][0] for moment in rolled])
         explored = np.array([bool(moment.memory["p_ball/exploring"]) for moment in rolled])
         goal = last.observation["z_goal"][0]

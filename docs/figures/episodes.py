@@ -23,10 +23,11 @@ class Moment(NamedTuple):
     memory: Any
 
 
-def moments(module: str, condition: str, seed: int) -> Iterator[Moment]:
-    """Every step of an episode of the shipped policy, compiled."""
+def moments(task_name: str, condition: str, seed: int) -> Iterator[Moment]:
+    """Every step of an episode of the shipped policy, compiled, in a task MODULE:TASK."""
+    module, name = task_name.split(":")
     world = import_module(module)
-    task = world.SINGLE if module == "ogbench_cubes" else world.TASK
+    task = getattr(world, name)
     env = task.make_env(1, condition, task.horizon)
     policy = world.build(world.Options(**task.policy_options(condition))).compile()
     scene = env.envs[0].unwrapped.world

@@ -15,9 +15,9 @@ from typing import Any
 from gymnasium.spaces import Box, Dict
 from hands import hand_task
 from meta_world import AT_ONCE, HORIZON, STEP, STRIDE, THING, MetaWorld
-from picking import PRESETS, Hand, Options, build_policy
 
 from aicon_torch import Policy
+from aicon_torch.models.picking import PRESETS, Hand, Options, build_policy
 
 # --- the world
 

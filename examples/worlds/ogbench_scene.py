@@ -13,11 +13,18 @@ from typing import Any
 import numpy as np
 from ogbench_cubes import CONDITIONS, EDGE, HAND, SINGLE, Cubes
 from others import readings
-from picking import PRESETS, Options, Surroundings, build_policy, free_hand, grasp_of
 from torch import Tensor
 
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Deterministic, Goal, Interconnection, Policy, Sensor
+from aicon_torch.models.picking import (
+    PRESETS,
+    Options,
+    Surroundings,
+    build_policy,
+    free_hand,
+    grasp_of,
+)
 from aicon_torch.parts import Button, Handle
 from aicon_torch.parts.planar import norm
 from aicon_torch.shaping import straight_through

@@ -21,7 +21,6 @@ from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 from ogbench_cubes import HAND as ROBOTIQ
 from ogbench_cubes import Cubes, Oracle
-from picking import LAG, TIP_NOISE, Hand, position, read_first
 from so101_pick_place import HAND as JAW
 from so101_pick_place import PickPlace, Script
 from torch import Tensor
@@ -32,6 +31,8 @@ from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Actuator, Affine, Goal, Sensor, Shield, WorldModel
 from aicon_torch.dampers import VelocityDampers
+from aicon_torch.models.picking import Hand
+from aicon_torch.models.picking.graph import LAG, TIP_NOISE, position, read_first
 from aicon_torch.parts import norm
 
 HALF_WIDTH = 0.06  # m, of the board, besides its round edge

@@ -18,13 +18,13 @@ import mujoco
 import numpy as np
 import so101_pick_cube
 from gymnasium.spaces import Box, Dict
-from picking import PRESETS, Options, Surroundings, build_policy
 from so101_pick_cube import PickCube
 from so101_pick_place import HAND, so101
 from torch import Tensor
 
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Actuator, Deterministic, Goal, Interconnection, Policy, Sensor
+from aicon_torch.models.picking import PRESETS, Options, Surroundings, build_policy
 from aicon_torch.parts import Chain, EndEffector, TipPose, norm
 
 __all__ = ["PRESETS", "TASK", "Options", "build"]

@@ -18,13 +18,20 @@ import numpy as np
 import so101_pick_place
 import torch
 from gymnasium.spaces import Box, Dict
-from picking import PRESETS, SIZE, Options, Surroundings, block_names, build_policy
 from shielded_picking import FREE, HALF_WIDTH, gap
 from so101_pick_place import HAND, PickPlace
 from torch import Tensor
 
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Goal, Policy, Sensor
+from aicon_torch.models.picking import (
+    PRESETS,
+    SIZE,
+    Options,
+    Surroundings,
+    block_names,
+    build_policy,
+)
 
 __all__ = ["PRESETS", "TASK", "Options", "build"]
 

@@ -17,11 +17,11 @@ import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
 from others import World, needed, readings
-from picking import PRESETS, Hand, Options, build_policy
 
 from aicon_baselines.evaluation.task import Lesson, Look, Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
+from aicon_torch.models.picking import PRESETS, Hand, Options, build_policy
 
 # --- the world
 

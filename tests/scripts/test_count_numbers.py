@@ -28,18 +28,19 @@ def test_a_number_that_serves_nothing_is_not_counted() -> None:
 @pytest.mark.parametrize(
     ("world", "lines", "by_hand"),
     [
-        ("PointMaze", 20, 4),
-        ("OGBench's mazes", 20, 4),
-        ("FetchReach", 20, 4),
-        ("Meta-World: hand", 20, 4),
-        ("FetchPush", 38, 4),  # above the twenty lines that were aimed for, as is all that picks up
-        ("SO-101: pick and place", 148, 7),
+        ("PointMaze", (20, 0), 4),
+        ("OGBench's mazes", (20, 0), 4),
+        ("FetchReach", (20, 0), 4),
+        ("Meta-World: hand", (20, 0), 4),
+        ("FetchPush", (38, 0), 4),  # above the twenty lines that were aimed for
+        ("SO-101: pick and place", (2, 152), 7),
     ],
 )
 def test_a_graph_of_other_peoples_worlds_is_no_longer_than_the_documents_say(
-    world: str, lines: int, by_hand: int
+    world: str, lines: tuple[int, int], by_hand: int
 ) -> None:
-    assert lines_of_graph(GRAPHS[world]) <= lines
+    own, of_a_model = lines_of_graph(GRAPHS[world])
+    assert own <= lines[0] and of_a_model <= lines[1]
     assert sum(numbers_of_graph(GRAPHS[world]).values()) <= by_hand
 
 

@@ -1,4 +1,7 @@
-"""The graph of worlds in which a gripper picks a block up and places it, without phases.
+"""The graph of a gripper that picks blocks up and places them, without phases.
+
+An observation has the tip ``z_tip``, and of each block where it is, ``z_block``, and where it
+belongs, ``z_goal``, m. The actions are the velocity of the tip and the opening of the jaw.
 
 From the goal to the gripper lead three paths: over the grasp that is to come, over the table that
 holds the block back, and over the tip that carries it. Nothing says in which order. What a world
@@ -6,142 +9,108 @@ adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import torch
 from torch import Tensor
 
-from aicon_torch import (
+from aicon_torch.estimation import (
     EKF,
-    Actuator,
-    Affine,
     Deterministic,
     Estimator,
-    Foresight,
-    Goal,
-    Interconnection,
     Measurement,
-    NullspaceProjection,
-    Policy,
-    Sensor,
-    WorldModel,
+    covariance_name,
 )
-from aicon_torch.control import ActionLaw
-from aicon_torch.estimation import covariance_name
-from aicon_torch.parts import (
+from aicon_torch.goals import Goal
+from aicon_torch.graph import WorldModel
+from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.models.picking.options import Hand, Options, Surroundings
+from aicon_torch.parts.grasp import (
     Carrying,
     Grasp,
-    Gripper,
-    Handle,
-    ReadingPrior,
-    Room,
     approached,
     carried,
-    first_belief,
     way_from_above,
-    worth_of_room,
 )
+from aicon_torch.parts.gripper import Gripper
+from aicon_torch.parts.handle import Handle
 from aicon_torch.parts.planar import norm
-from aicon_torch.resolution import Resolution, SteepestPath
+from aicon_torch.parts.prior import ReadingPrior, first_belief
+from aicon_torch.parts.room import Room, worth_of_room
+from aicon_torch.policy import Policy
+from aicon_torch.quantities import Sensor
 from aicon_torch.shaping import straight_through
 
-SIZE = 0.04  # m, of a block
-TIP_NOISE = 1e-4  # m, of its reading
-LAG = 0.01  # m, by which a motion differs from what it was told
-DRIFT = 0.001  # m, of what nothing moves, in a step
+TIP_NOISE = 1e-4
+"""Deviation of the tip's reading, m."""
+
+LAG = 0.01
+"""By which a motion differs from what it was told, m."""
+
+DRIFT = 0.001
+"""Of what nothing moves, in a step, m."""
+
+DEFAULTS, NOTHING_ELSE = Options(), Surroundings()
 
 
-@dataclass(frozen=True)
-class Hand:
-    """What holds a block, and how it is told to move.
-
-    Attributes:
-        time_step: s.
-        steps: How far an action of 1 moves the tip in a step: x, y and z, and where the fingers
-            turn, the way of a point at the block's edge, m.
-        widest: Largest opening, m.
-        first: The opening at the beginning, m.
-        speed: Of the opening, m/s.
-        height: Of the tip above the centre of a block that is held, m.
-    """
-
-    time_step: float
-    steps: tuple[float, ...]
-    widest: float
-    first: float
-    speed: float
-    height: float
-
-
-@dataclass(frozen=True)
-class Options:
-    """What is set by hand: four lengths, m; and what is known of blocks and their readings, m."""
-
-    reach: float = 0.05  # from where a grasp draws, and how far it is taken to bring a block
-    rise: float = 0.055  # of the block, at which the table holds it back no more
-    tolerance: float = 0.012  # of the place
-    free_hand: float = 0.015  # the error of the place that an empty hand outweighs
-    noise: float = 0.0005  # of the block's readings
-    size: float = SIZE  # width and height of a block
-    clearance: float | None = None  # above a block, where nothing stands in the way; its own height
-    blocks: int = 1  # how many there are
-    resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = field(default_factory=Foresight)
-
-    @property
-    def height(self) -> float:
-        """How far a block is lifted that is carried, m."""
-        return max(self.rise, self.clearance or 0.0)
-
-
-@dataclass(frozen=True)
-class Surroundings:
-    """What else is in a world than blocks and a hand.
-
-    Attributes:
-        sensors: What is read of it.
-        goals: What else is wanted.
-        estimators: What else is known.
-        moved_by: What moves the tip, where it is told otherwise than how far to go; its velocity,
-            tip, is then one of the estimators.
-        handles: What else can be held, by what the names of its quantities end with. Read are where
-            it is, z_block, and how far from its first end, z_way; p_free, of the estimators, says
-            how likely it is unlocked.
-        has_drawer: Whether x_place and p_room, of the estimators, say where the block belongs and
-            how likely that can be come to.
-    """
-
-    sensors: Mapping[str, Sensor] = field(default_factory=dict)
-    goals: Sequence[Goal] = ()
-    estimators: Sequence[Estimator] = ()
-    moved_by: Mapping[str, Actuator] = field(default_factory=dict)
-    handles: Mapping[str, Handle] = field(default_factory=dict)
-    has_drawer: bool = False
-
-
-PRESETS: dict[str, dict[str, Any]] = {
-    "aicon": {},
-    "without_exploration": {"resolution.exploration": None},
-    "weighted_sum": {"resolution.projector": "none"},
-    "steepest": {"resolution": SteepestPath()},
-}
-
-
-def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundings()) -> Policy:
-    """The policy of a hand, which reads z_tip, and z_block and z_goal of each block.
+def build_policy(
+    hand: Hand, options: Options = DEFAULTS, around: Surroundings = NOTHING_ELSE
+) -> Policy:
+    """The policy of a hand.
 
     Args:
         hand: The hand; its tip and a block have as many components as it has steps.
         options: What is set by hand.
         around: What else is in the world.
     """
-    size = len(hand.steps)
-    grasp = grasp_of(hand, options)
-    gripper, names = grasp.gripper, block_names(options.blocks)
+    return Policy(world_model(hand, options, around), options.resolution, options.law)
 
-    tip = position(
+
+def world_model(
+    hand: Hand, options: Options = DEFAULTS, around: Surroundings = NOTHING_ELSE
+) -> WorldModel:
+    """The graph of a hand, of each block, and of each handle."""
+    size, grasp = len(hand.steps), grasp_of(hand, options)
+    names = block_names(options.blocks)
+    things = [*names, *around.handles]
+
+    sensors = {"z_tip": Sensor(size, "m"), **around.sensors}
+    goals = list(around.goals)
+    rooms: list[Estimator] = []
+    for name in names:
+        others = [other for other in names if other != name]
+        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
+        goals += wishes(name, others, options, around)
+        if others:
+            rooms.append(room_among(name, others, options))
+    for name in around.handles:
+        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_way{name}": Sensor(1, "m")}
+
+    # What is first of a circle runs last: held reads the newest x_rel.
+    estimators: list[Estimator] = [
+        *(grasp.held(name, by_open_fingers=name in around.handles) for name in things),
+        grasp.gripper,
+        tip(size),
+    ]
+    for name in things:
+        others = [other for other in things if other != name]
+        estimators += block(name, others, size, grasp, options, around.handles.get(name))
+    return WorldModel(
+        sensors=sensors,
+        actuators={
+            **(around.moved_by or {"tip": hand.actuator()}),
+            "jaw": grasp.gripper.actuator(),
+        },
+        estimators=[*estimators, *rooms, *around.estimators],
+        goals=goals,
+        dt=hand.time_step,
+        dtype=torch.float64,
+    )
+
+
+def tip(size: int) -> EKF:
+    """x_tip: it goes as it is told, and is read."""
+    return position(
         "x_tip",
         Affine(x_tip=1.0, tip="dt"),
         LAG**2,
@@ -151,45 +120,14 @@ def build_policy(hand: Hand, options: Options, around: Surroundings = Surroundin
         noise=TIP_NOISE**2,
     )
 
-    def command(tip: Tensor) -> Tensor:
-        return tip * hand.time_step / tip.new_tensor(hand.steps)
 
-    speeds = tuple(step / hand.time_step for step in hand.steps)
-    told = {"tip": Actuator(size, "m/s", limit=speeds, command=command, command_range=(-1.0, 1.0))}
-    sensors = {"z_tip": Sensor(size, "m"), **around.sensors}
-    goals = list(around.goals)
-    blocks: list[Estimator] = []
-    rooms: list[Estimator] = []
-    things = [*names, *around.handles]
-    for name in names:
-        others = [other for other in names if other != name]
-        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_goal{name}": Sensor(3, "m")}
-        goals += wishes(name, others, options, around)
-        if others:
-            read = [f"z_goal{name}"]
-            for other in others:
-                read += [f"x_obj{other}", f"z_goal{other}"]
-            rest, slack = options.size / 2, options.tolerance
-            room = Room(options.size, rest, slack, clearance=options.rise)
-            among = Interconnection(room, read)
-            rooms.append(Deterministic(f"p_room{name}", among))
-    for name in around.handles:
-        sensors |= {f"z_block{name}": Sensor(size, "m"), f"z_way{name}": Sensor(1, "m")}
-    for name in things:
-        others = [other for other in things if other != name]
-        blocks += block(name, others, size, grasp, options, around.handles.get(name))
-
-    # What is first of a circle runs last: held reads the newest x_rel.
-    held = [grasp.held(name, by_open_fingers=name in around.handles) for name in things]
-    model = WorldModel(
-        sensors=sensors,
-        actuators={**(around.moved_by or told), "jaw": gripper.actuator()},
-        estimators=[*held, gripper, tip, *blocks, *rooms, *around.estimators],
-        goals=goals,
-        dt=hand.time_step,
-        dtype=torch.float64,
-    )
-    return Policy(model, options.resolution, options.law)
+def room_among(name: str, others: list[str], options: Options) -> Deterministic:
+    """p_room: how likely the place of a block takes it, by where the others are and belong."""
+    room = Room(options.size, options.size / 2, options.tolerance, clearance=options.rise)
+    read = [f"z_goal{name}"]
+    for other in others:
+        read += [f"x_obj{other}", f"z_goal{other}"]
+    return Deterministic(f"p_room{name}", Interconnection(room, read))
 
 
 def grasp_of(hand: Hand, options: Options) -> Grasp:
@@ -264,7 +202,8 @@ def block(
     x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
     carrying = Carrying(options.reach, rest=options.size / 2, rise=options.height)
-    moved, goes, comes, side = carrying, carried, approached, options.size
+    moved: Carrying | Handle = carrying
+    goes, comes, side = carried, approached, options.size
     if handle is not None:
         # A bar is alike after half a turn, a block after a quarter.
         moved, goes, comes, side = handle, handle.carried, handle.approached, 2 * options.size
