@@ -91,7 +91,7 @@ class Filtered:
 
 
 class LogFilter(NamedTuple):
-    """Runs the estimators of a graph over a log, as a policy does that somebody else acts for.
+    """Runs the estimators of a graph over a log, as a policy does while somebody else acts.
 
     Attributes:
         declaration: The parts.
@@ -242,7 +242,7 @@ class LogFilter(NamedTuple):
 def check_effect(
     declaration: Declaration, graph: Graph, parameters: Mapping[str, nn.Parameter], like: Tensor
 ) -> None:
-    """Check that what shall learn has an effect on what is estimated, expected or wanted.
+    """Check that each parameter has an effect on what is estimated, expected or wanted.
 
     Raises:
         GraphError: If nothing is differentiable by it.
