@@ -110,11 +110,11 @@ class Rehearsal:
         for number in range(self.rounds):
             ways = self.ways.of(rows, number)
             steps, which = self._rehearse(seen, ways).min(0)
-            is_better = (steps < fewest).nonzero().squeeze(-1)
+            better = (steps < fewest).nonzero().squeeze(-1)
             for name, value in ways.items():
-                best[name][is_better] = value[which[is_better], is_better]
+                best[name][better] = value[which[better], better]
 
-            # All of them arrive: no other way is looked for.
+            # Where all of them arrive, no other way is looked for.
             fewest = torch.minimum(fewest, steps)
             if (fewest <= self.steps).all():
                 break

@@ -134,7 +134,7 @@ def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:
     beyond_x = torch.where(is_cylinder, norm(local[..., :2]) - width, beyond_x)
     beyond_y = torch.where(is_cylinder, -width, beyond_y)
 
-    # 4. Outside, how far it is beyond all sides; inside, the nearest side counts, negatively.
+    # 4. Outside, how far it is beyond all sides; inside, how far the nearest is, as less than 0.
     beyond = torch.stack((beyond_x, beyond_y, beyond_z), dim=-1)
     inside = beyond.amax(-1).clamp(max=0.0)
     return norm(beyond.clamp(min=0.0)) + inside - radius.squeeze(-1)

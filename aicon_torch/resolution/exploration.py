@@ -171,11 +171,11 @@ class Exploration:
         magnitudes = ranked.weights if self.ratio_of == "weights" else ranked.magnitudes
         dominant = select(ranked.directions, ranked.dominant)
 
-        # The candidates are all other gradients; one that is none gets the magnitude −1.
+        # The candidates are all other gradients; what is none gets the magnitude −1.
         indices = torch.arange(magnitudes.shape[-1], device=magnitudes.device)
         candidates = magnitudes.masked_fill(indices == ranked.dominant, -1.0)
 
-        # Or only those that oppose the dominant one, θ_exit while exploring and else θ_enter.
+        # Or only those that oppose the dominant one: cos ≤ θ_exit while exploring, else θ_enter.
         if self.opponent == "opposing":
             cosines = (dominant.unsqueeze(-2) * ranked.directions).sum(-1)
             exit_cosine = cosines.new_tensor(self.exit_cosine)
