@@ -31,9 +31,9 @@ LEARNED = "_learned"
 class Learned(nn.Module):
     """A number, or several, computed from a parameter θ that starts at zero and has no unit.
 
-    A number that is positive stays so, and so do variances: v = v₀ max(exp θ, floor). A number that
-    is not, and vectors, are free: v = v₀ + s θ, where
-    the scale s is the largest |v₀|, or one. At θ = 0 it is v₀ to the last bit.
+    A positive number stays positive, and so do variances: v = v₀ max(exp θ, floor). Other numbers,
+    and vectors, are free: v = v₀ + s θ, where the scale s is the largest |v₀|, or one. At θ = 0 it
+    is v₀ to the last bit.
 
     Args:
         start: v₀.
@@ -101,7 +101,7 @@ class Number(NamedTuple):
 
 
 def _computing(kind: type, field: str) -> type:
-    """A class like another, of which one attribute is computed from a parameter."""
+    """A subclass, one attribute of which is computed from a parameter."""
 
     def computed(part: Any) -> Tensor:
         value: Tensor = part.__dict__[LEARNED][field]()

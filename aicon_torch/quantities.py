@@ -59,8 +59,8 @@ class Sensor:
     """A reading of shape ``(*B, size)`` that the observation brings.
 
     A reading that is masked, not finite, or that the instrument cannot have meant, is none: the
-    estimators predict, and correct again when the next one comes. What reads it without a
-    measurement reads the last one again. Each row of a batch misses its readings alone, and counts
+    estimators predict, and correct again when the next one comes. A function that reads the sensor
+    directly gets the last reading again. Each row of a batch misses its readings alone, and counts
     them.
 
     Args:

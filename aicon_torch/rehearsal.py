@@ -105,19 +105,18 @@ class Rehearsal:
         seen = {name: torch.as_tensor(value)[begins] for name, value in observation.items()}
         rows = {name: value[begins] for name, value in memory.items()}
 
-        best = dict(rows)
-        least = torch.full((int(begins.sum()),), torch.inf, dtype=torch.float64)
+        best = {name: value.clone() for name, value in rows.items()}
+        fewest = torch.full((int(begins.sum()),), torch.inf, dtype=torch.float64)
         for number in range(self.rounds):
             ways = self.ways.of(rows, number)
-            worth, which = self._rehearse(seen, ways).min(0)
-            better = worth < least
+            steps, which = self._rehearse(seen, ways).min(0)
+            better = (steps < fewest).nonzero().squeeze(-1)
             for name, value in ways.items():
-                own = (1,) * (value.dim() - 2)
-                index = which.reshape(1, -1, *own).expand(1, *value.shape[1:])
-                chosen = value.gather(0, index)[0]
-                best[name] = torch.where(better.reshape(-1, *own), chosen, best[name])
-            least = torch.minimum(least, worth)
-            if (least <= self.steps).all():
+                best[name][better] = value[which[better], better]
+
+            # Where all of them arrive, no other way is looked for.
+            fewest = torch.minimum(fewest, steps)
+            if (fewest <= self.steps).all():
                 break
 
         after = {}
@@ -127,10 +126,10 @@ class Rehearsal:
         return after
 
     def _rehearse(self, seen: Readings, memory: Memory) -> Tensor:
-        """What the ways are worth, ``(k, n)``: steps until they arrive; less is better.
+        """In how many steps each of the ways arrives, ``(k, n)``; fewer are better.
 
-        Where one does not arrive, more than all of the steps, by a share of one that grows with how
-        near it came.
+        One that does not arrive counts as one step more than all of them, and a share of another
+        that grows with how far off it stayed.
 
         Args:
             seen: What is read where it decides, ``(n, size)``.

@@ -206,7 +206,7 @@ def _disagreement(action: Tensor, nominal: Tensor) -> Tensor:
 
 
 def _finite(proposal: Any) -> Any:
-    """A proposal of which what is not finite asks for nothing, ``(*B, size)``."""
+    """The proposal with zeros, which ask for nothing, where it is not finite, ``(*B, size)``."""
     if isinstance(proposal, Tensor):
         return torch.where(proposal.isfinite(), proposal, 0.0)
     proposal = np.asarray(proposal)

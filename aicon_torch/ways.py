@@ -1,4 +1,4 @@
-"""What a rehearsal decides among: other ways to go on than the one that a memory has."""
+"""What a rehearsal chooses among: the ways in which a policy can go on from a memory."""
 
 from typing import Protocol
 
@@ -139,7 +139,7 @@ class OtherPlaces:
 
 
 def _begin(ending: str, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
-    """The rows ``(*B,)`` in which something is so that was not before the step, by its keys."""
+    """The rows ``(*B,)`` in which a flag is set now and was not before the step."""
     now = _flags(ending, memory)
     if before is None:
         return now.any(0)
@@ -151,6 +151,6 @@ def _begin(ending: str, memory: Memory, before: Memory | None, starts: Tensor | 
 
 
 def _flags(ending: str, memory: Memory) -> Tensor:
-    """Whether something is so, by its keys, ``(k, *B)``."""
+    """The flags whose keys end so, ``(k, *B)``."""
     names = sorted(name for name in memory if name.endswith(ending))
     return torch.stack([memory[name] for name in names])

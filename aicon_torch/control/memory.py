@@ -91,7 +91,7 @@ def restart_rows(memory: Memory, fresh: Memory, starts: Tensor) -> Memory:
 
 
 def grown(memory: Memory, fresh: Memory, lacks: Tensor) -> Memory:
-    """The memory of a policy as one goes on with it that has estimators or goals besides.
+    """The memory of a policy, as a policy with more estimators or goals goes on with it.
 
     Estimates, actions and the factors of goals are those of the memory, and so is what was
     remembered of gradients where as many meet as did; what is new begins.

@@ -138,12 +138,11 @@ class EKF(Estimator):
         for measurement in self._measurements:
             belief = {**values, self.mean: mean, self.covariance: covariance}
 
-            # The covariance alone will do, unless the mean counts or what is read may be refused.
-            gate = None if measurement.gate_keeps_gradient else measurement.gate
-            if self.derivative == "model" and gate is None:
+            # The model's derivative of the mean takes the correction for noise.
+            if self.derivative == "model":
                 covariance = self._anticipate_covariance(measurement, belief)
             else:
-                mean, covariance = self._anticipate_belief(measurement, belief, gate)
+                mean, covariance = self._anticipate_belief(measurement, belief)
 
         return mean if output == self.mean else covariance
 
@@ -285,29 +284,11 @@ class EKF(Estimator):
         noise = measurement.uncertainty(belief, differentiable=True)
         return covariance - Correction.by(covariance, jacobian, noise).of_covariance()
 
-    def _anticipate_belief(
-        self, measurement: Measurement, belief: Values, gate: float | None
-    ) -> tuple[Tensor, Tensor]:
-        """Mean and covariance after the next measurement, taken to read what was read last.
-
-        Args:
-            measurement: The measurement.
-            belief: The values, with the belief before it.
-            gate: The squared distance beyond which a reading changes nothing, if there is one.
-        """
+    def _anticipate_belief(self, measurement: Measurement, belief: Values) -> tuple[Tensor, Tensor]:
+        """Mean and covariance after the next measurement, taken to read what was read last."""
         mean, covariance = belief[self.mean], belief[self.covariance]
         residual, jacobian, noise = measurement.innovation(belief, self.mean, differentiable=True)
         correction = Correction.by(covariance, jacobian, noise)
         mean_change = correction.of_mean(residual, self.derivative == "detached_gain")
         covariance_change = correction.of_covariance()
-
-        # Beyond the gate the next reading would be refused as well, and change nothing.
-        if gate is not None:
-            is_refused = correction.squared_distance(residual) > gate
-            mean_change = torch.where(is_refused[..., None], 0.0, mean_change)
-            covariance_change = torch.where(is_refused[..., None, None], 0.0, covariance_change)
-
-        # The model's derivative of the mean takes the correction for noise.
-        if self.derivative != "model":
-            mean = mean - mean_change
-        return mean, covariance - covariance_change
+        return mean - mean_change, covariance - covariance_change

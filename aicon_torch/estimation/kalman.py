@@ -1,4 +1,4 @@
-"""The Kalman filter: an EKF of which nothing has to be linearised."""
+"""The Kalman filter: an EKF whose relations are affine, so nothing has to be linearised."""
 
 from collections.abc import Sequence
 

@@ -42,9 +42,8 @@ class Measurement(nn.Module):
         uncertain: Estimates of *other* estimators that the residual reads, each with the name of
             its covariance, whose uncertainty adds to the noise: ``{"x_hand": "P_hand"}``.
         gate: Largest squared Mahalanobis distance νᵀS⁻¹ν of a reading that is believed; None
-            believes all.
-        gate_keeps_gradient: Whether a reading that was refused still shapes the gradient of the
-            covariance, as if the next one were believed.
+            believes all. One that was refused still shapes the gradient of the covariance, as if
+            the next one were believed.
         size: Number m of components of the residual.
 
     Example:
@@ -60,7 +59,6 @@ class Measurement(nn.Module):
         *,
         uncertain: Mapping[str, str] | None = None,
         gate: float | None = None,
-        gate_keeps_gradient: bool = True,
         size: int = 1,
     ) -> None:
         super().__init__()
@@ -68,7 +66,6 @@ class Measurement(nn.Module):
         self.noise = Covariance(noise, size)
         self.uncertain = dict(uncertain or {})
         self.gate = gate
-        self.gate_keeps_gradient = gate_keeps_gradient
         self.size = size
 
         # What the residual does not read cannot add to its noise.

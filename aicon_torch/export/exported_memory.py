@@ -1,4 +1,4 @@
-"""The memory of an exported policy: flat, and by name when somebody looks."""
+"""The memory of an exported policy: one flat array that is read by name."""
 
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping

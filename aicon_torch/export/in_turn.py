@@ -25,7 +25,7 @@ def in_turn(flat: FlatStep) -> str:
 
 
 def _call(stage: Stage, returned: tuple[str, ...]) -> list[str]:
-    """The calls of one stage, after each of which what it gave is there to be read.
+    """The calls of one stage; what a call gives can be read after it.
 
     What stays the same from time to time is computed before the first.
     """

@@ -1,4 +1,4 @@
-"""A shared library out of what is in its file, whatever the file is called.
+"""Opening a shared library from the bytes of its file, whatever the file is called.
 
 The system's loader takes a library whose name it knows for the one that it has, and maps its file,
 whose bytes may change below a running program. So it is given a file that nobody else has: one in

@@ -91,7 +91,7 @@ class Filtered:
 
 
 class LogFilter(NamedTuple):
-    """Runs the estimators of a graph over a log, as a policy does that somebody else acts for.
+    """Runs the estimators of a graph over a log, as a policy does while somebody else acts.
 
     Attributes:
         declaration: The parts.
@@ -148,40 +148,47 @@ class LogFilter(NamedTuple):
         self, readings: Named, actions: Named
     ) -> tuple[list[dict[str, Tensor]], list[dict[str, Tensor]], tuple[int, ...]]:
         """Readings and actions of each step, and the batch."""
-        # 1. The names, ...
+        self._check_all_named(readings, actions)
+        leading = tuple(torch.as_tensor(next(iter(readings.values()))).shape[:-1])
+        seen = self._seen(readings, leading)
+        executed = self._executed(actions, leading)
+
+        # What an observation would report of the actions, they tell already.
+        for name, actuator in self.declaration.actuators.items():
+            if actuator.key is not None:
+                seen[name] = torch.full_like(executed[name], torch.nan)
+        return _by_step(seen, leading), _by_step(executed, leading), leading[:-1]
+
+    def _check_all_named(self, readings: Named, actions: Named) -> None:
+        """Everything that is given is in the graph, and everything that it needs is given."""
         sensors, actuators = self.declaration.sensors, self.declaration.actuators
         ages = [name + AGE for name, sensor in sensors.items() if sensor.is_aged]
         _check_names("readings", readings, (*sensors, *ages))
         _check_names("actions", actions, tuple(actuators))
+
         needed = [name for name, sensor in sensors.items() if not sensor.optional]
         for name in (*needed, *actuators):
             if name not in readings and name not in actions:
                 raise ObservationError(f"filter: {name!r} is missing, (*batch, steps, size).")
 
-        # 2. the readings and their ages, ...
-        leading = tuple(torch.as_tensor(next(iter(readings.values()))).shape[:-1])
+    def _seen(self, readings: Named, leading: tuple[int, ...]) -> dict[str, Tensor]:
+        """The series of all sensors, ``(*B, T, size)``, and of their ages, ``(*B, T)``."""
         seen: dict[str, Tensor] = {}
-        for name, sensor in sensors.items():
+        for name, sensor in self.declaration.sensors.items():
             seen[name] = self._of_shape(name, readings.get(name), (*leading, sensor.size))
-        for name in ages:
-            age = readings.get(name, sensors[name.removesuffix(AGE)].age)
-            seen[name] = torch.as_tensor(age).to(self.like).expand(leading)
+            if sensor.is_aged:
+                age = torch.as_tensor(readings.get(name + AGE, sensor.age))
+                seen[name + AGE] = age.to(self.like).expand(leading)
+        return seen
 
-        # 3. and what was executed, ...
+    def _executed(self, actions: Named, leading: tuple[int, ...]) -> dict[str, Tensor]:
+        """The series of all actions, ``(*B, T, size)``."""
         executed: dict[str, Tensor] = {}
-        for name, actuator in actuators.items():
+        for name, actuator in self.declaration.actuators.items():
             executed[name] = self._of_shape(name, actions[name], (*leading, actuator.size))
             if not executed[name].isfinite().all():
                 raise ObservationError(f"actions: {name!r} must be finite; at rest it is zero.")
-            if actuator.key is not None:  # what was executed is told already
-                seen[name] = torch.full_like(executed[name], torch.nan)
-
-        # 4. taken apart by step.
-        batch, steps = leading[:-1], leading[-1]
-        axis = len(batch)
-        by_step = [{n: v.select(axis, t) for n, v in seen.items()} for t in range(steps)]
-        done = [{n: v.select(axis, t) for n, v in executed.items()} for t in range(steps)]
-        return by_step, done, batch
+        return executed
 
     def _of_shape(self, name: str, given: Tensor | None, shape: tuple[int, ...]) -> Tensor:
         """A series of the model's type; NaN where none is given."""
@@ -235,7 +242,7 @@ class LogFilter(NamedTuple):
 def check_effect(
     declaration: Declaration, graph: Graph, parameters: Mapping[str, nn.Parameter], like: Tensor
 ) -> None:
-    """Check that what shall learn has an effect on what is estimated, expected or wanted.
+    """Check that each parameter has an effect on what is estimated, expected or wanted.
 
     Raises:
         GraphError: If nothing is differentiable by it.
@@ -287,6 +294,15 @@ def _check_names(kind: str, given: Named, known: tuple[str, ...]) -> None:
     for name in given:
         if name not in known:
             raise ObservationError(f"{kind}: there is no {name!r}. Known: {choices(known)}.")
+
+
+def _by_step(series: Named, leading: tuple[int, ...]) -> list[dict[str, Tensor]]:
+    """Series ``(*B, T, …)`` with the leading dimensions (*B, T), taken apart into T steps."""
+    *batch, steps = leading
+    found: list[dict[str, Tensor]] = []
+    for step in range(steps):
+        found.append({name: value.select(len(batch), step) for name, value in series.items()})
+    return found
 
 
 def _begun(memory: Named, fresh: Named, begins: Tensor) -> dict[str, Tensor]:

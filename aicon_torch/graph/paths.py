@@ -24,11 +24,9 @@ class Edge(NamedTuple):
     @property
     def labels(self) -> tuple[str, ...]:
         """The target, or each of its rows: ``("x[0]", "x[1]", …)``."""
-        return (
-            tuple(f"{self.target}[{row}]" for row in range(self.rows))
-            if self.rows
-            else (self.target,)
-        )
+        if not self.rows:
+            return (self.target,)
+        return tuple(f"{self.target}[{row}]" for row in range(self.rows))
 
 
 class Path(NamedTuple):
@@ -50,7 +48,6 @@ class PathTable:
         edges: The edges of each goal and quantity.
         goals: Names of the goals, in order.
         actuators: Names of the actuators.
-        max_length: Most quantities on a path, the actuator included; None for no bound.
     """
 
     def __init__(
@@ -58,14 +55,8 @@ class PathTable:
         edges: Mapping[str, tuple[Edge, ...]],
         goals: tuple[str, ...],
         actuators: tuple[str, ...],
-        max_length: int | None = None,
     ) -> None:
-        self._edges, self._goals, self._actuators, self._max_length = (
-            edges,
-            goals,
-            actuators,
-            max_length,
-        )
+        self._edges, self._goals, self._actuators = edges, goals, actuators
 
     def __iter__(self) -> Iterator[Path]:
         """Paths, goal by goal."""
@@ -78,8 +69,6 @@ class PathTable:
 
     def count(self) -> int:
         """Number of paths, counted along the edges without enumerating them."""
-        if self._max_length is not None:
-            return sum(1 for _ in self)
 
         @cache
         def below(name: str) -> int:
@@ -97,8 +86,8 @@ class PathTable:
     def _walk(self, name: str, trail: tuple[str, ...]) -> Iterator[Path]:
         if name in self._actuators:
             yield Path(trail[0], trail[1:-1], name)
-        elif self._max_length is None or len(trail) <= self._max_length:
-            for edge in self._edges[name]:
-                # The row that it leaves by stands in the path for the whole quantity.
-                for label in edge.labels:
-                    yield from self._walk(edge.source, (*trail[:-1], label, edge.source))
+            return
+        for edge in self._edges[name]:
+            # The row that it leaves by stands in the path for the whole quantity.
+            for label in edge.labels:
+                yield from self._walk(edge.source, (*trail[:-1], label, edge.source))

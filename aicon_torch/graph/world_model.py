@@ -476,13 +476,9 @@ class WorldModel(nn.Module):
                 commands[name] = self.actuators[name].clip_command(command(values))
         return commands
 
-    def paths(self, max_length: int | None = None) -> PathTable:
-        """The table of paths from goals to actuators (Eq. 1), lazily enumerated.
-
-        Args:
-            max_length: Most quantities on a path, the actuator included; None for no bound.
-        """
-        return PathTable(self.edges, tuple(self.goals), tuple(self.actuators), max_length)
+    def paths(self) -> PathTable:
+        """The table of paths from goals to actuators (Eq. 1), lazily enumerated."""
+        return PathTable(self.edges, tuple(self.goals), tuple(self.actuators))
 
     def to_mermaid(self) -> str:
         """The graph as a Mermaid flowchart, to be pasted into Markdown."""

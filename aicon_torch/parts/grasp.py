@@ -83,8 +83,8 @@ class Grasp:
 
     So it rises before it comes, does not push, and does not close on the object's upper edge.
 
-    To let go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open,
-    and as far as they have not, the tip stays in the middle, and as far as they have, it rises:
+    Letting go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open;
+    as long as they are closed, the tip stays in the middle, and as they open, it rises:
 
         D = o + b ((1 − t) Δ_z − t ‖Δ‖),    t = (o_max − o)/(o_max − o_min).
 

@@ -1,4 +1,4 @@
-"""A handle: what a hand that holds it moves along one way, as far as it is not locked."""
+"""A handle, which a hand that holds it moves along one axis unless it is locked; and a button."""
 
 from dataclasses import dataclass
 
@@ -99,7 +99,7 @@ class Button:
 
     p_press = exp(−D/ℓ) with the way D that is left: D = ‖Δ − h e_z‖ + o − o_min, where Δ is the tip
     from where the button is pressed down, and ℓ and h as for a grasp: closed fingers come to it
-    from above, unless they hold something. That it stays as it is leads upward instead:
+    from above, unless they hold something. If it is to stay as it is, the way leads upward instead:
     D = ‖Δ_xy‖ + Δ_z, of which the height alone has a gradient.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""What is believed at first of something that is read."""
+"""The first belief about something that is read."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

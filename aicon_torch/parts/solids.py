@@ -118,19 +118,24 @@ def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:
     that remains when its radius is taken off, and that radius.
     """
     centre, rotation, half, kind = torch.split(solid, [3, 9, 3, 1], dim=-1)
-    offset = point - centre
-    along_x, along_y, along_z = torch.split(rotation, 3, dim=-1)
-    x, y, z = torch.split(offset, 1, dim=-1)
-    local = along_x * x + along_y * y + along_z * z
 
+    # 1. p, the point in the frame of the object: Rᵀ by the rows of R.
+    offset_x, offset_y, offset_z = torch.split(point - centre, 1, dim=-1)
+    row_x, row_y, row_z = torch.split(rotation, 3, dim=-1)
+    local = row_x * offset_x + row_y * offset_y + row_z * offset_z
+
+    # 2. b, how far it is beyond the sides of the box, or of what remains without the radius.
     radius = torch.where(kind > (CYLINDER + ROUND) / 2, half[..., :1], 0.0)
-    x, y, z = (local.abs() - (half - radius)).unbind(-1)
+    beyond_x, beyond_y, beyond_z = (local.abs() - (half - radius)).unbind(-1)
+
+    # 3. A cylinder has a side all around instead of those in x and y.
     width, kind = half[..., 0], kind.squeeze(-1)
     is_cylinder = (kind > (BOX + CYLINDER) / 2) & (kind < (CYLINDER + ROUND) / 2)
-    x = torch.where(is_cylinder, norm(local[..., :2]) - width, x)
-    y = torch.where(is_cylinder, -width, y)
+    beyond_x = torch.where(is_cylinder, norm(local[..., :2]) - width, beyond_x)
+    beyond_y = torch.where(is_cylinder, -width, beyond_y)
 
-    beyond = torch.stack((x, y, z), dim=-1)
+    # 4. Outside, how far it is beyond all sides; inside, how far the nearest is, as less than 0.
+    beyond = torch.stack((beyond_x, beyond_y, beyond_z), dim=-1)
     inside = beyond.amax(-1).clamp(max=0.0)
     return norm(beyond.clamp(min=0.0)) + inside - radius.squeeze(-1)
 

@@ -1,4 +1,4 @@
-"""What the motion of joints counts: how far it takes the tip."""
+"""A metric of joint motions: how far they take the tip."""
 
 import torch
 from torch import Tensor, nn

@@ -1,4 +1,4 @@
-"""Robots on wheels: what they can do, said of a point ahead of them that moves in any direction.
+"""Robots on wheels, by the motion of a point ahead of them that can go in any direction.
 
 A wheel does not move sideways, so no action of the moment brings the middle of the axle to the
 left, and the gradient of a goal there has nothing to say of turning. A point ahead of the axle goes

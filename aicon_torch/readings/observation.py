@@ -1,4 +1,4 @@
-"""Observations: checked where numpy becomes torch; what is no reading becomes NaN."""
+"""Observations, checked where numpy becomes torch; whatever is not a reading becomes NaN."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -148,7 +148,7 @@ class SensorValidation(NamedTuple):
     def _arrival(
         self, readings: Mapping[str, Tensor], memory: Mapping[str, Tensor], elapsed: Tensor
     ) -> _Arrival:
-        """Which case a reading is, as far as it does not depend on where it is."""
+        """Which case a reading is, by all but its place, which the rate limit looks at."""
         name, sensor = self.name, self.sensor
         reading, waited = readings[name], memory[name + AGE] + elapsed
         age = readings.get(name + AGE, torch.zeros_like(waited))
@@ -221,10 +221,8 @@ class SensorValidation(NamedTuple):
 
         Each has noise of its own, however soon one follows the other. An angle goes the short way.
         """
-        change, period = (
-            (reading - other) / reading.new_tensor(self.sensor.scale),
-            self.sensor.period,
-        )
+        change = (reading - other) / reading.new_tensor(self.sensor.scale)
+        period = self.sensor.period
         if period is not None:
             change = torch.remainder(change + period / 2, period) - period / 2
         farthest = cast(float, self.sensor.rate_limit) * apart.abs().clamp(min=self.dt)

@@ -99,7 +99,7 @@ class MeasurementValidation(NamedTuple):
         return torch.where(reported.isfinite() & (reported >= 0), reported, usual)
 
     def _moving(self, elapsed: Tensor) -> Tensor:
-        """For how much of that the robot is taken to have moved, ``(*B,)``, s.
+        """The part of it in which the robot is taken to have moved, ``(*B,)``, s.
 
         What a robot does while its control loop stalls is not known: the belief stays.
         """

@@ -67,7 +67,7 @@ class TrapEscape:
     def normals(self, stack: GradientStack, ranked: RankedGradients) -> list[Tensor]:
         """The directions in whose nullspace to explore, ``(*B, d)`` each and at right angles.
 
-        None of them stands for the dominant gradient's.
+        If there are none, exploration takes the dominant gradient's direction instead.
         """
         normals: list[Tensor] = []
         for goal in _names(self.along):

@@ -171,17 +171,20 @@ class Exploration:
         magnitudes = ranked.weights if self.ratio_of == "weights" else ranked.magnitudes
         dominant = select(ranked.directions, ranked.dominant)
 
-        # What may be its opponent: all others, or those that oppose it.
+        # The candidates are all other gradients; what is none gets the magnitude −1.
         indices = torch.arange(magnitudes.shape[-1], device=magnitudes.device)
-        others = magnitudes.masked_fill(indices == ranked.dominant, -1.0)
+        candidates = magnitudes.masked_fill(indices == ranked.dominant, -1.0)
+
+        # Or only those that oppose the dominant one: cos ≤ θ_exit while exploring, else θ_enter.
         if self.opponent == "opposing":
             cosines = (dominant.unsqueeze(-2) * ranked.directions).sum(-1)
-            leaves, enters = (cosines.new_tensor(x) for x in (self.exit_cosine, self.enter_cosine))
-            bound = torch.where(exploring, leaves, enters).unsqueeze(-1)
-            others = others.masked_fill(cosines > bound, -1.0)
+            exit_cosine = cosines.new_tensor(self.exit_cosine)
+            enter_cosine = cosines.new_tensor(self.enter_cosine)
+            largest = torch.where(exploring, exit_cosine, enter_cosine).unsqueeze(-1)
+            candidates = candidates.masked_fill(cosines > largest, -1.0)
 
-        # The strongest of them; −1 marks that there is none.
-        magnitude, opponent = others.max(-1, keepdim=True)
+        # The opponent is the strongest candidate.
+        magnitude, opponent = candidates.max(-1, keepdim=True)
         is_alone = magnitude < 0
         cosine = (dominant * select(ranked.directions, opponent)).sum(-1)
         cosine = torch.where(is_alone.squeeze(-1), 1.0, cosine)

@@ -1,4 +1,4 @@
-"""Places: an actuator that constraints bring to rest goes elsewhere, and tries anew from there."""
+"""Places: where constraints bring an actuator to rest, it goes elsewhere and tries again."""
 
 import math
 

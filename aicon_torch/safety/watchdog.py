@@ -26,7 +26,7 @@ def sent_memory(model: WorldModel) -> Memory:
 def stay(
     model: WorldModel, commands: Mapping[str, Tensor], share: Tensor, memory: Memory
 ) -> tuple[dict[str, Tensor], Memory]:
-    """Commands, of which those of rows at rest stay the same, whatever is read meanwhile.
+    """The commands; rows at rest are sent their last one again, whatever is read meanwhile.
 
     A command that depends on estimates, such as a place to go to, would follow readings that are
     wrong.
@@ -73,7 +73,7 @@ def confidence(sensors: Mapping[str, Sensor], values: Mapping[str, Tensor]) -> T
 def keep_finite(
     model: WorldModel, commands: Mapping[str, Tensor], new: Memory, old: Memory
 ) -> tuple[dict[str, Tensor], Memory]:
-    """Commands and memory, of which rows that are not finite rest, and begin anew.
+    """Commands and memory, in which rows that are not finite rest and begin anew.
 
     Args:
         model: The world model.

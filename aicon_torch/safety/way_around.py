@@ -89,48 +89,61 @@ class Around:
             safe: What the constraints made of that.
             memory: What was remembered.
         """
-        around, action = memory["escaping"], safe.action
+        is_around = memory["escaping"]
         asked = torch.linalg.vector_norm(nominal, dim=-1)
         is_asking = asked > ASKING * self.speed
 
-        # What is carried out of the proposal, and how far it has come along it.
-        ahead = (action * unit(nominal)).sum(-1)
-        share = torch.where(is_asking, ahead / asked.clamp(min=ASKING * self.speed), 1.0)
+        # 1. What share of the proposal is carried out, and how far it has come along it.
+        progress = (safe.action * unit(nominal)).sum(-1)
+        share = torch.where(is_asking, progress / asked.clamp(min=ASKING * self.speed), 1.0)
         kept = torch.lerp(memory["kept"], share, self.rate)
-        gained = memory["gained"] + ahead * self.dt
+        gained = memory["gained"] + progress * self.dt
 
-        # Where the constraint is now; where none is felt, around the corner.
-        push, effort = (torch.linalg.vector_norm(x, dim=-1) for x in (safe.force, tried))
+        # 2. Where the constraint is now, in the plane of the way, and how far that has turned.
+        push = torch.linalg.vector_norm(safe.force, dim=-1)
+        effort = torch.linalg.vector_norm(tried, dim=-1)
         is_felt = push > CONTACT * effort
-        along_normal = (safe.force * memory["normal"]).sum(-1)
-        along_tangent = (safe.force * memory["tangent"]).sum(-1)
-        onwards = memory["angle"] + asked / self.speed * self.dt / self.time
-        angle = torch.where(is_felt, torch.atan2(along_tangent, along_normal), onwards)
-        angle = torch.where(around, angle, 0.0)
+        angle = torch.where(is_around, self._angle(safe.force, is_felt, asked, memory), 0.0)
         turned = memory["turned"] + wrap_angle(angle - memory["angle"])
 
-        # From FREE to AROUND, and back.
-        begins = ~around & is_felt & is_asking & (kept < HELD)
+        # 3. From FREE to AROUND: a constraint is felt, and next to nothing was carried out.
+        begins = ~is_around & is_felt & is_asking & (kept < HELD)
+
+        # 4. Back to FREE: past what held it up, all around, or nothing is asked for any more.
         normal, _ = _turned({**memory, "angle": angle})
         is_open = (nominal * normal).sum(-1) >= 0.0
         has_passed = is_open & (gained > GAIN * self.speed * self.time)
         is_enclosed = turned.abs() > TURNS * 2.0 * math.pi
-        ends = around & (has_passed | is_enclosed | ~is_asking)
+        ends = is_around & (has_passed | is_enclosed | ~is_asking)
 
-        # The plane of the way; to either side alike, the sides of a sequence are tried.
-        entry = unit(safe.force)
+        # 5. The plane of a new way. Where the proposal favours no side, a sequence names one.
+        first_normal = unit(safe.force)
         sideways = unit(nominal) + ASIDE * spread(memory["escapes"], nominal)
         is_new = begins.unsqueeze(-1)
         return {
-            "escaping": (around | begins) & ~ends,
-            "normal": torch.where(is_new, entry, memory["normal"]),
-            "tangent": torch.where(is_new, unit(reject(sideways, entry)), memory["tangent"]),
+            "escaping": (is_around | begins) & ~ends,
+            "normal": torch.where(is_new, first_normal, memory["normal"]),
+            "tangent": torch.where(is_new, unit(reject(sideways, first_normal)), memory["tangent"]),
             "angle": angle,
-            "turned": torch.where(around, turned, 0.0),
-            "kept": torch.where(begins | around, 1.0, kept),
+            "turned": torch.where(is_around, turned, 0.0),
+            "kept": torch.where(begins | is_around, 1.0, kept),
             "gained": torch.where(begins, 0.0, gained),
             "escapes": memory["escapes"] + begins,
         }
+
+    def _angle(self, force: Tensor, is_felt: Tensor, asked: Tensor, memory: Memory) -> Tensor:
+        """The angle ``(*B,)`` of the constraint's normal, rad; it turns on where none is felt.
+
+        Args:
+            force: That of the constraints, ``(*B, n)``.
+            is_felt: Whether they push, ``(*B,)``.
+            asked: ‖w‖, ``(*B,)``.
+            memory: What was remembered.
+        """
+        along_normal = (force * memory["normal"]).sum(-1)
+        along_tangent = (force * memory["tangent"]).sum(-1)
+        onwards = memory["angle"] + asked / self.speed * self.dt / self.time
+        return torch.where(is_felt, torch.atan2(along_tangent, along_normal), onwards)
 
 
 def _turned(memory: Memory) -> tuple[Tensor, Tensor]:

@@ -1,4 +1,4 @@
-"""What is named as text, "module:name", and imported when it is needed."""
+"""Objects named as text, "module:name", and imported when they are needed."""
 
 import sys
 from collections.abc import Mapping

@@ -31,7 +31,7 @@ __all__ = ["PRESETS", "TASK", "Options", "build"]
 
 SPEED = 2.0  # rad/s, of a joint
 LEVER = 0.1  # m: a turn of the hand by 1 rad counts as much as a motion by this
-WORTH = 0.03  # m, the error of a place that a hand outweighs that is turned by 1 rad
+WORTH = 0.03  # m, the error of the place that counts as much as a hand turned by 1 rad
 DAMPING = 0.02  # m/rad, of the inverse kinematics
 
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll")

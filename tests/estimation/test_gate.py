@@ -38,26 +38,14 @@ def test_the_gate_refuses_outliers_row_by_row() -> None:
     torch.testing.assert_close(updated["P"], covariance)
 
 
-@pytest.mark.parametrize("keeps", [True, False])
-def test_the_gate_can_keep_the_gradient_of_the_covariance(keeps: bool) -> None:
-    refused, believed = beacon_values(z=REFUSED), beacon_values(z=BELIEVED)
-    node = beacon(correct=[Measurement(bearing, 0.04, gate=2.0, gate_keeps_gradient=keeps)])
-
-    torch.testing.assert_close(slopes(node, "P", believed), slopes(beacon(), "P", believed))
-
-    kept = slopes(node, "P", refused)
-    expected = slopes(beacon(), "P", refused) if keeps else torch.zeros_like(kept)
-    torch.testing.assert_close(kept, expected)
-
-
-@pytest.mark.parametrize("keeps", [True, False])
-@pytest.mark.parametrize("derivative", ["update", "detached_gain"])
-def test_a_refused_reading_shapes_the_mean_no_more_than_the_covariance(
-    derivative: Any, keeps: bool
+@pytest.mark.parametrize("reading", [REFUSED, BELIEVED])
+@pytest.mark.parametrize("derivative", ["model", "update", "detached_gain"])
+@pytest.mark.parametrize("output", ["x", "P"])
+def test_the_gate_leaves_the_gradients_as_they_are(
+    output: str, derivative: Any, reading: Tensor
 ) -> None:
-    refused = beacon_values(z=REFUSED)
-    measurement = Measurement(bearing, 0.04, gate=2.0, gate_keeps_gradient=keeps)
+    values = beacon_values(z=reading)
+    gated = beacon(correct=[Measurement(bearing, 0.04, gate=2.0)], derivative=derivative)
 
-    got = slopes(beacon(correct=[measurement], derivative=derivative), "x", refused)
-    expected = slopes(beacon(derivative=derivative if keeps else "model"), "x", refused)
-    torch.testing.assert_close(got, expected)
+    expected = slopes(beacon(derivative=derivative), output, values)
+    torch.testing.assert_close(slopes(gated, output, values), expected)

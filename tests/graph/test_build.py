@@ -56,13 +56,6 @@ def test_in_a_cycle_one_reads_the_value_of_the_last_step() -> None:
     assert {edge.source for edge in graph.edges[second]} == {"x", first}
 
 
-def test_paths_can_be_bounded() -> None:
-    graph = cyclic()
-    assert {len(path.quantities) for path in graph.paths()} == {2, 3}
-    assert all(len(path.quantities) == 2 for path in graph.paths(max_length=3))
-    assert len(graph.paths(max_length=2)) == 0
-
-
 def test_a_filter_that_nothing_moves_can_stand_in_a_graph() -> None:
     """A static landmark that is only measured, with a nonlinear prediction."""
 

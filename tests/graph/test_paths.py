@@ -71,12 +71,6 @@ def test_rows_multiply_the_count() -> None:
     assert str(next(iter(table))).endswith("x2[0] → x1[0] → x0[0] → a")
 
 
-def test_a_row_counts_as_its_quantity_in_the_length_of_a_path() -> None:
-    for bound, expected in ((1, 0), (2, 1), (3, 6), (4, 8)):
-        table = PathTable(ROWED, ("g",), ("a",), max_length=bound)
-        assert len(table) == len(list(table)) == expected
-
-
 def test_the_labels_of_an_edge_name_its_rows() -> None:
     assert Edge("y", "x").labels == ("y",)
     assert Edge("y", "x", 1).labels == ("y[0]",)
@@ -93,23 +87,3 @@ def test_enumeration_is_lazy() -> None:
     first = list(islice(ladder(60), 3))
     assert len(set(first)) == 3
     assert all(len(path.quantities) == 61 for path in first)
-
-
-def test_the_length_can_be_bounded() -> None:
-    edges = {
-        "g": (Edge("g", "x"), Edge("g", "a")),
-        "x": (Edge("x", "y"), Edge("x", "a")),
-        "y": (Edge("y", "a"),),
-    }
-    listed = {
-        1: ["g → a"],
-        2: ["g → x → a", "g → a"],
-        3: ["g → x → y → a", "g → x → a", "g → a"],
-    }
-
-    for bound, expected in listed.items():
-        table = PathTable(edges, ("g",), ("a",), max_length=bound)
-        assert [str(path) for path in table] == expected
-        assert len(table) == len(expected)
-
-    assert len(PathTable(edges, ("g",), ("a",))) == 3

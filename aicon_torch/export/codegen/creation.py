@@ -1,4 +1,4 @@
-"""What operators do that make tensors of constants."""
+"""Operators that make tensors of constants."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Functions of real numbers in C: series, and what brings every argument to where they converge.
+"""Functions of real numbers in C: series, and the reduction of arguments to where they converge.
 
 Sums, products, quotients, square roots and remainders are rounded alike on every processor (IEEE
 754). Sines and exponentials are not: each C library has its own, and some have others for

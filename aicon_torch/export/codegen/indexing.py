@@ -1,4 +1,4 @@
-"""What operators do that move the numbers of tensors around.
+"""Operators that move the numbers of tensors around.
 
 Where the places are known, numpy moves them here, and the program does nothing. Where an index is
 a number of the program, such as the gradient that leads, it chooses among all candidates.

@@ -1,4 +1,4 @@
-"""Layers of networks: loops over arrays with weights in tables, where lines would be thousands.
+"""Layers of networks, as loops over arrays with weights in tables, not as thousands of lines.
 
 A product with a matrix of constants, a convolution and pooling are calls of routines. What is done
 to each number of their results is one loop: an array stays an array until its numbers are needed

@@ -1,4 +1,4 @@
-"""The operations on tensors that run while a function does, in order."""
+"""Records the operations on tensors that a function runs, in order."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""What operators do that compare the numbers of a tensor: the largest, the order, running sums."""
+"""Operators that compare the numbers of a tensor: the largest, the order, running sums."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What operators do that solve linear systems: calls of routines, which pivot as LAPACK does."""
+"""Operators that solve linear systems, as calls of routines that pivot as LAPACK does."""
 
 from typing import Any
 

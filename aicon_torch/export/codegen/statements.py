@@ -1,4 +1,4 @@
-"""What computes the numbers of a program, in C."""
+"""The statements in C that compute the numbers of a program."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import chain

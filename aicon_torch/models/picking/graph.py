@@ -145,7 +145,7 @@ def block_names(count: int) -> list[str]:
 def wishes(name: str, others: list[str], options: Options, around: Surroundings) -> list[Goal]:
     """What is wanted of a block: at its place, and in no hand.
 
-    It is as far as it is, ‖Δ‖, by the way from above.
+    Its cost is that of its distance ‖Δ‖, whose gradient leads by the way from above.
 
     Args:
         name: What its quantities' names end with.
@@ -171,7 +171,7 @@ def wishes(name: str, others: list[str], options: Options, around: Surroundings)
 
 
 def free_hand(name: str, options: Options) -> Goal:
-    """That a hand holds a thing no longer, which counts as much as an error of its place."""
+    """The wish that no hand holds a thing, which counts as much as an error of its place."""
 
     def held(p_grasp: Tensor) -> Tensor:
         return options.free_hand**2 / 2 * p_grasp[..., 0]
