@@ -199,63 +199,86 @@ def block(
         options: What is set by hand.
         handle: How it moves, where it is a handle.
     """
-    x_object, x_rel, z_block = f"x_object{name}", f"x_rel{name}", f"z_block{name}"
+    x_object, x_rel = f"x_object{name}", f"x_rel{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
     carrying = Carrying(options.reach, rest=options.size / 2, rise=options.height)
-    moved: Carrying | Handle = carrying
-    goes, comes, side = carried, approached, options.size
-    if handle is not None:
-        # A bar is alike after half a turn, a block after a quarter.
-        moved, goes, comes, side = handle, handle.carried, handle.approached, 2 * options.size
 
-    # 1. How each drifts, and what is known at first.
-    def object_drift(p_held: Tensor) -> Tensor:
+    # 1. Where it is, and where the tip is from it: a bar is alike after half a turn, a block after
+    # a quarter.
+    if handle is None:
+        known = [
+            place_of(name, carried, size, options),
+            tip_from(name, approached, size, options, options.size),
+        ]
+    else:
+        known = [
+            place_of(name, handle.carried, size, options),
+            tip_from(name, handle.approached, size, options, 2 * options.size),
+        ]
+
+    # 2. How likely it comes to be held; a hand that is about another comes to hold no more.
+    grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
+    grasped = Deterministic(p_grasp, Interconnection(grasp.likelihood, grasped_by))
+
+    # 3. What may move it: a block that is free of the table, a handle that is unlocked.
+    moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
+    if handle is None:
+        free = Deterministic(p_free, Interconnection(carrying.free, [x_object]))
+        moved = Deterministic(f"x_obj{name}", Interconnection(carrying, moved_by))
+        return [*known, grasped, free, moved]
+    moved = Deterministic(f"x_obj{name}", Interconnection(handle, [*moved_by, f"z_way{name}"]))
+    return [*known, grasped, moved]
+
+
+def place_of(name: str, goes: Any, size: int, options: Options) -> EKF:
+    """x_object: where a thing is, which drifts while it is held; ``goes`` says how it moves."""
+    x_object, p_held, z_block = f"x_object{name}", f"p_held{name}", f"z_block{name}"
+
+    def drift(p_held: Tensor) -> Tensor:
         return (DRIFT**2 + (p_held * LAG) ** 2).expand(*p_held.shape[:-1], size)
 
-    def apart_drift(p_held: Tensor) -> Tensor:
-        return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], size)
-
-    def first_apart(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
-        return alike(z_tip - z_block, side), options.noise**2 * torch.eye(size).to(z_tip)
-
-    def seen_apart(x_rel: Tensor, x_tip: Tensor, x_object: Tensor) -> Tensor:
-        return alike(x_rel - x_tip + x_object, side)
-
-    # 2. Where it is, and where the tip is from it.
-    where = position(
+    return position(
         x_object,
         Interconnection(goes, [x_object, p_held, "tip", "dt"]),
-        Interconnection(object_drift, [p_held]),
+        Interconnection(drift, [p_held]),
         Affine(**{x_object: 1.0, z_block: -1.0}),
         read_first(z_block, size),
         size=size,
         noise=options.noise**2,
     )
-    apart = position(
+
+
+def tip_from(name: str, comes: Any, size: int, options: Options, side: float) -> EKF:
+    """x_rel: where the tip is from a thing, which drifts while it is not held.
+
+    Args:
+        name: What its quantities' names end with.
+        comes: How it changes as the tip moves.
+        size: How many components its place has.
+        options: What is set by hand.
+        side: Its width: after a quarter of a turn about it, it is alike, m.
+    """
+    x_object, x_rel, p_held = f"x_object{name}", f"x_rel{name}", f"p_held{name}"
+
+    def drift(p_held: Tensor) -> Tensor:
+        return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], size)
+
+    def first(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
+        return alike(z_tip - z_block, side), options.noise**2 * torch.eye(size).to(z_tip)
+
+    def residual(x_rel: Tensor, x_tip: Tensor, x_object: Tensor) -> Tensor:
+        return alike(x_rel - x_tip + x_object, side)
+
+    return position(
         x_rel,
         Interconnection(comes, [x_rel, p_held, "tip", "dt"]),
-        Interconnection(apart_drift, [p_held]),
-        Interconnection(seen_apart, [x_rel, "x_tip", x_object]),
-        Interconnection(first_apart, ["z_tip", z_block]),
+        Interconnection(drift, [p_held]),
+        Interconnection(residual, [x_rel, "x_tip", x_object]),
+        Interconnection(first, ["z_tip", f"z_block{name}"]),
         size=size,
         noise=TIP_NOISE**2,
         uncertain={"x_tip": "P_tip", x_object: covariance_name(x_object)},
     )
-
-    # 3. What may move it; a hand that has another between its fingers comes to hold no more.
-    grasped_by = [x_rel, "x_opening", *(f"x_rel{other}" for other in others)]
-    moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
-    if handle is not None:
-        moved_by.append(f"z_way{name}")
-    estimators = [
-        where,
-        apart,
-        Deterministic(p_grasp, Interconnection(grasp.likelihood, grasped_by)),
-        Deterministic(f"x_obj{name}", Interconnection(moved, moved_by)),
-    ]
-    if handle is None:
-        estimators.insert(3, Deterministic(p_free, Interconnection(carrying.free, [x_object])))
-    return estimators
 
 
 def position(
