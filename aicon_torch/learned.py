@@ -1,4 +1,4 @@
-"""Numbers that learn: constants of a model's parts that have become parameters, by name.
+"""Learned numbers: constants of a model's parts that have become parameters, by name.
 
 A model is built of numbers: variances, lengths, masses, gains, places. Each has a name, which says
 where it stands: ``x_pose.noise``, ``x_pose.measurements.0.noise``, ``x_pose.predict.radius``. What
@@ -25,7 +25,7 @@ FLOOR = 1e-6
 have a variance vanish stays finite. A start that is too large is safe, one too small is not."""
 
 LEARNED = "_learned"
-"""Attribute of a part that holds its numbers that learn."""
+"""Attribute of a part that holds its learned numbers."""
 
 
 class Learned(nn.Module):
@@ -88,7 +88,7 @@ class Number(NamedTuple):
         if start is not None:
             value = torch.as_tensor(start, dtype=like.dtype, device=like.device).expand_as(value)
         if diagonal is not None and not (value > 0).all():
-            raise GraphError(f"{self.field}: variances that learn are > 0, got {value.tolist()}.")
+            raise GraphError(f"{self.field}: learned variances are > 0, got {value.tolist()}.")
 
         # The constant goes, and its owner gets a class of its own, in which the name is a property
         # that computes the number from θ: who reads it need not know, even in a frozen dataclass.
@@ -115,7 +115,7 @@ def _is_covariance(owner: Any, field: str) -> bool:
 
 
 def numbers_of(parts: Mapping[str, Any]) -> dict[str, Number]:
-    """All numbers of some parts by name, also those that learn; weights of networks not."""
+    """All numbers of some parts by name, also learned ones; not the weights of networks."""
     found: dict[str, Number] = {}
     for name, part in parts.items():
         found.update(_numbers(name, part))

@@ -218,7 +218,7 @@ class Policy(nn.Module):
         return self.model.information(readings, actions)
 
     def named_parameters(self, *args: Any, **kwargs: Any) -> Iterator[tuple[str, nn.Parameter]]:
-        """Those that learn: see :meth:`learn`. No gradient reaches those of a perception."""
+        """Those that are learned: see :meth:`learn`. No gradient reaches those of a perception."""
         learning = set(self.model.parameters())
         for name, parameter in super().named_parameters(*args, **kwargs):
             if parameter in learning:

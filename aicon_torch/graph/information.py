@@ -1,4 +1,4 @@
-"""What a log tells of the numbers that learn, before anybody trains: their Fisher information."""
+"""What a log tells of the learned numbers, before anybody trains: their Fisher information."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -234,7 +234,7 @@ class WorldModel(nn.Module):
         return {name: torch.as_tensor(number.value) for name, number in numbers.items()}
 
     def named_parameters(self, *args: Any, **kwargs: Any) -> Iterator[tuple[str, nn.Parameter]]:
-        """Those that learn: see :meth:`learn`."""
+        """Those that are learned: see :meth:`learn`."""
         for name, parameter in super().named_parameters(*args, **kwargs):
             if parameter.requires_grad:
                 yield name, parameter
