@@ -6,8 +6,8 @@ own. By hand, in this folder:
     pip install 'aicon-torch[compare]' pyrvo==0.4.3
     aicon compare --task crowd:TASK --conditions circle10 circle10_blind --policies aicon orca
 
-Robot and people are discs of one size and speed. The robot sees where it is, its goal, and where the
-people are; an episode ends where it touches one. To those of a condition `_blind` it is not there.
+Robot and people are discs of one size and speed. The robot sees where it is, its goal, and where
+the people are; an episode ends where it touches one. Those of a condition `_blind` do not see it.
 """
 
 from dataclasses import dataclass, field
@@ -151,7 +151,7 @@ class Options:
     people: int = 10
     length: float = 0.06  # of the likelihood that one comes near, m
     drift: float = 0.1  # by how much longer it is for each second ahead, m/s
-    horizon: float = 2.0  # for how long people are followed, s
+    horizon: float = 3.0  # for how long people are followed, s
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
 
@@ -189,7 +189,7 @@ def build(options: Options) -> Policy:
 class Orca:
     """ORCA steers the robot, too; it tells velocities by where all were a step before."""
 
-    spare: float = SPARE  # m
+    spare: float = 0.1  # how much wider than they are it takes all to be, m
 
     def predict(
         self,
