@@ -25,14 +25,14 @@ class MovingDiscs:
         radius: r, of a disc and the robot together, m.
         dt: Time from one reading to the next, s.
         length: ℓ, m.
-        drift: σ, m/s.
+        spread: σ, m/s.
         horizon: T, for how long they are followed, s.
 
     Raises:
         OptionError: If a number is not what it may be.
 
     Example:
-        >>> people = MovingDiscs(radius=0.6, dt=0.1, length=0.06, drift=0.1, horizon=2.0)
+        >>> people = MovingDiscs(radius=0.6, dt=0.1, length=0.06, spread=0.1, horizon=2.0)
         >>> estimators = [Deterministic("p_robot", moved), Recent("z_people", 2)]
         >>> Goal("avoid", Interconnection(people, ["p_robot", "z_people_recent"]))
     """
@@ -40,13 +40,13 @@ class MovingDiscs:
     radius: float
     dt: float
     length: float
-    drift: float
+    spread: float
     horizon: float
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         check_positive(self, ("dt", "length"))
-        check_not_negative(self, ("radius", "drift", "horizon"))
+        check_not_negative(self, ("radius", "spread", "horizon"))
 
     def __call__(self, position: Tensor, recent: Tensor) -> Tensor:
         """The cost ``(*B,)``.
@@ -64,4 +64,4 @@ class MovingDiscs:
         nearest = stop(nearest.clamp(0.0, self.horizon))
 
         distance = norm(away + velocity * nearest.unsqueeze(-1)) - self.radius
-        return torch.exp(-distance / (self.length + self.drift * nearest)).sum(-1)
+        return torch.exp(-distance / (self.length + self.spread * nearest)).sum(-1)

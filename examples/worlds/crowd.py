@@ -56,6 +56,12 @@ def simulator(step: float) -> Any:
     )
 
 
+def wanted(places: Any, goals: Any) -> Any:
+    """The velocities of those who are alone on their ways, slower in the last metre."""
+    to_go = goals - places
+    return SPEED * to_go / np.maximum(SPEED, np.linalg.norm(to_go, axis=-1, keepdims=True))
+
+
 class Crowd(gymnasium.Env[Any, Any]):
     """A robot that goes where it is told, from the south to the north, among people.
 
@@ -120,9 +126,7 @@ class Crowd(gymnasium.Env[Any, Any]):
         if self.is_seen:
             self.world.set_agent_position(0, self.robot.tolist())
             self.world.set_agent_velocity(0, velocity.tolist())
-        to_go = self.goals - self.people
-        wanted = SPEED * to_go / np.maximum(SPEED, np.linalg.norm(to_go, axis=1, keepdims=True))
-        for number, way in enumerate(wanted.tolist(), first):
+        for number, way in enumerate(wanted(self.people, self.goals).tolist(), first):
             self.world.set_agent_pref_velocity(number, way)
         self.world.do_step()
         numbers = range(first, first + self.count)
@@ -150,18 +154,18 @@ class Options:
 
     people: int = 10
     length: float = 0.06  # of the likelihood that one comes near, m
-    drift: float = 0.1  # by how much longer it is for each second ahead, m/s
+    spread: float = 0.1  # by how much longer it is for each second ahead, m/s
     horizon: float = 3.0  # for how long people are followed, s
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
 
 
-PRESETS = hands.PRESETS | {"without_drift": {"drift": 0.0}}
+PRESETS = hands.PRESETS | {"without_spread": {"spread": 0.0}}
 
 
 def build(options: Options) -> Policy:
     """The robot: two goals meet at the place where an action leads."""
-    people = MovingDiscs(2 * RADIUS, STEP, options.length, options.drift, options.horizon)
+    people = MovingDiscs(2 * RADIUS, STEP, options.length, options.spread, options.horizon)
 
     def far(p_robot: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_robot - z_goal)
@@ -202,21 +206,21 @@ class Orca:
         places = np.concatenate([observation["z_robot"], observation["z_people"]], axis=-1)
         places = places.reshape(len(places), -1, 2)
         before = places if state is None else state
-        rows = []
-        for row, goal in enumerate(observation["z_goal"]):
-            world = simulator(STEP)
-            for place, moved in zip(places[row], places[row] - before[row], strict=True):
-                world.add_agent(
-                    place.tolist(), 2 * SIZE, NEIGHBOURS, AHEAD, AHEAD,
-                    RADIUS + self.spare, SPEED, (moved / STEP).tolist(),
-                )  # fmt: skip
-            to_go = goal - places[row, 0]
-            world.set_agent_pref_velocity(
-                0, (SPEED * to_go / max(SPEED, np.linalg.norm(to_go))).tolist()
-            )
-            world.do_step()
-            rows.append(world.get_agent_velocity(0).to_tuple())
-        return np.array(rows), places
+        if episode_start is not None:
+            before = np.where(np.asarray(episode_start)[:, None, None], places, before)
+        rows = zip(observation["z_goal"], places, (places - before) / STEP, strict=True)
+        return np.array([self._steered(*row) for row in rows]), places
+
+    def _steered(self, goal: Any, places: Any, velocities: Any) -> Any:
+        """The velocity of a robot, the first of all."""
+        world, radius = simulator(STEP), RADIUS + self.spare
+        for place, velocity in zip(places.tolist(), velocities.tolist(), strict=True):
+            world.add_agent(
+                place, 2 * SIZE, NEIGHBOURS, AHEAD, AHEAD, radius, SPEED, velocity
+            )  # fmt: skip
+        world.set_agent_pref_velocity(0, wanted(places[0], goal).tolist())
+        world.do_step()
+        return world.get_agent_velocity(0).to_tuple()
 
 
 # --- the task

@@ -30,6 +30,7 @@ def test_a_number_that_serves_nothing_is_not_counted() -> None:
     [
         ("PointMaze", 20, 4),
         ("OGBench's mazes", 20, 4),
+        ("A crowd", 20, 4),
         ("FetchReach", 20, 4),
         ("Meta-World: hand", 20, 4),
         ("FetchPush", 38, 4),  # above the twenty lines that were aimed for, as is all that picks up
