@@ -101,6 +101,7 @@ IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THR
 WORLD_POLICIES := aicon without_escape without_exploration weighted_sum without_foresight steepest
 HAND_POLICIES := aicon without_exploration weighted_sum without_foresight steepest
 MAZES := $(foreach maze,medium large giant teleport,$(maze)_task1 $(maze)_task2 $(maze)_task3 $(maze)_task4 $(maze)_task5)
+CROWDS := circle5 circle10 circle20 streams10
 
 .venv-worlds/.installed: Makefile $(INSTALLED)
 	rm -rf .venv-worlds
@@ -112,6 +113,11 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/,
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
 	$(IN_WORLDS) --task ogbench_mazes:TASK --conditions $(MAZES) --policies aicon rehearsed without_exploration weighted_sum \
 	  --episodes 20 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/ogbench_mazes
+	$(IN_WORLDS) --task crowd:TASK --conditions $(CROWDS) $(CROWDS:%=%_blind) --policies aicon orca \
+	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/crowd
+	$(IN_WORLDS) --task crowd:TASK --conditions circle10_blind circle20_blind streams10_blind \
+	  --policies without_exploration weighted_sum steepest without_spread \
+	  --episodes 50 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/crowd_without
 	$(IN_WORLDS) --task fetch:TASK --conditions reach push --policies $(HAND_POLICIES) \
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/fetch
 	$(IN_WORLDS) --task meta_world:TASK --conditions reach coffee-button drawer-close --policies aicon \

@@ -55,7 +55,7 @@ class MovingDiscs:
             position: x, ``(*B, 2)``, m.
             recent: Where N discs were and where they are, ``(*B, 4 N)``, m.
         """
-        before, now = recent.unflatten(-1, (2, -1, 2)).unbind(-3)
+        before, now = recent.reshape(*recent.shape[:-1], 2, -1, 2).unbind(-3)
         velocity, away = (now - before) / self.dt, now - position.unsqueeze(-2)
 
         # There the distance is stationary, or the time is an end of the horizon.

@@ -3,19 +3,20 @@
 After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures/draw_crowd.py
 """
 
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import crowd
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle
 
 EPISODES = {
-    "AICON, people who do not see it": ("circle10_blind", 400000, "aicon"),
-    "ORCA, the same people": ("circle10_blind", 400000, "orca"),
-    "AICON, two streams": ("streams10_blind", 400000, "aicon"),
+    "AICON, people who do not see it": ("circle10_blind", 400006, "aicon"),
+    "ORCA, the same people": ("circle10_blind", 400006, "orca"),
+    "AICON, two streams": ("streams10_blind", 400001, "aicon"),
 }
+crowd = import_module("crowd")
 IMAGE = Path(__file__).parents[1] / "images" / "crowd.png"
 
 
