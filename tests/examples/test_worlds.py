@@ -21,7 +21,6 @@ WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
         ("pointmaze", "umaze", 2),
         ("ogbench_mazes", "giant_task1", 2),
         ("ogbench_mazes", "teleport_task1", 2),
-        ("crowd", "circle10", 2),
         ("fetch", "reach", 1),
         ("fetch", "push", 4),  # how likely a contact is, where, how far it pushes; and low
         ("meta_world", "reach", 1),
@@ -219,42 +218,6 @@ def test_of_two_cubes_the_one_moves_that_is_not_at_its_place(
         succeeded = info["is_success"].tolist()
     env.close()
     assert succeeded == [True, True]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not find_spec("pyrvo"), reason="needs: make worlds")
-def test_among_people_who_do_not_see_it_a_robot_touches_nobody_and_arrives(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("crowd")
-
-    policy = world.build(world.Options(**world.policy_options("circle5_blind"))).compile()
-    env = world.make_env(2, "circle5_blind", world.HORIZON)
-    (observation, _), memory, ended = env.reset(seed=[1000, 1027]), None, False
-    while not ended:
-        action, memory = policy.predict(observation, memory)
-        observation, _, terminated, truncated, info = env.step(action)
-        ended = (terminated | truncated).all()
-    env.close()
-    assert info["is_success"].all() and not info["collision"].any()
-
-
-@pytest.mark.skipif(not find_spec("pyrvo"), reason="needs: make worlds")
-def test_people_make_way_for_a_robot_that_they_see(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    world = import_module("crowd")
-    nearest = {}
-
-    for is_seen in (True, False):
-        env, ended, gaps = world.Crowd("circle20", is_seen), False, []
-        env.reset(seed=1000)
-        while not ended and len(gaps) < 100:
-            _, _, ended, _, info = env.step(np.array([0.0, 1.0]))
-            gaps.append(np.linalg.norm(env.people - env.robot, axis=1).min() - 2 * world.RADIUS)
-        nearest[is_seen] = min(gaps)
-        assert ended == (info["collision"] or info["is_success"])
-    assert nearest[False] < 0 < nearest[True]
 
 
 @pytest.mark.slow
