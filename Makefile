@@ -113,7 +113,7 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/,
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/pointmaze
 	$(IN_WORLDS) --task ogbench_mazes:TASK --conditions $(MAZES) --policies aicon rehearsed without_exploration weighted_sum \
 	  --episodes 20 --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/ogbench_mazes
-	$(IN_WORLDS) --task crowd:TASK --conditions $(CROWDS) $(CROWDS:%=%_blind) --policies aicon orca \
+	$(IN_WORLDS) --task crowd:TASK --conditions $(CROWDS) $(CROWDS:%=%_blind) --policies aicon orca orca_close \
 	  --episodes $(EPISODES) --seed 400000 --jobs $(JOBS) --out $(abspath $(OUT))/crowd
 	$(IN_WORLDS) --task crowd:TASK --conditions circle10_blind circle20_blind streams10_blind \
 	  --policies without_exploration weighted_sum steepest without_spread \

@@ -223,6 +223,13 @@ class Orca:
         return world.get_agent_velocity(0).to_tuple()
 
 
+@dataclass
+class OrcaClose(Orca):
+    """With no more to spare than people have."""
+
+    spare: float = SPARE
+
+
 # --- the task
 
 
@@ -249,5 +256,5 @@ TASK = Task(
     noiseless=CONDITIONS,
     model=__name__,
     presets=tuple(PRESETS),
-    agents={"orca": f"{__name__}:Orca"},
+    agents={"orca": f"{__name__}:Orca", "orca_close": f"{__name__}:OrcaClose"},
 )
