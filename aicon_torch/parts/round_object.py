@@ -6,6 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import stop
+from aicon_torch.estimation import Deterministic
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.planar import norm, quarter_turn
@@ -36,7 +37,8 @@ class RoundObject:
 
     Example:
         >>> puck = RoundObject(0.02, pusher_radius=0.01, friction=1.0, contact=ContactOptions(0.4))
-        >>> Deterministic("x_slid", puck.slid)
+        >>> pusher = [Deterministic("d_pusher", way), Deterministic("x_pusher", place)]
+        >>> estimators = [*pusher, *puck.estimators()]
     """
 
     radius: float
@@ -47,6 +49,17 @@ class RoundObject:
     def __post_init__(self) -> None:
         """Check the numbers."""
         check_positive(self, ("radius", "pusher_radius", "friction"))
+
+    def estimators(self) -> list[Deterministic]:
+        """From its readings z_place and v_obj, and d_pusher and x_pusher, to x_obj."""
+        return [
+            Deterministic("x_slid", self.slid),
+            Deterministic("d_push", self.push),
+            Deterministic("x_rest", self.rest),
+            Deterministic("n_contact", self.normal),
+            Deterministic("p_contact", self.likelihood),
+            Deterministic("x_obj", self.moved),
+        ]
 
     def slid(self, z_place: Tensor, v_obj: Tensor, dt: Tensor) -> Tensor:
         """Where it is after a step in which nothing pushes it, ``(*B, 2)``, m.

@@ -15,6 +15,7 @@ from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import (
     Actuator,
+    Affine,
     Deterministic,
     DirectDescent,
     Foresight,
@@ -72,16 +73,13 @@ PRESETS: dict[str, dict[str, Any]] = {
 def reach_policy(hand: Hand, options: Options) -> Policy:
     """The hand goes to z_goal, from z_hand."""
 
-    def ahead(z_hand: Tensor, a: Tensor, dt: Tensor) -> Tensor:
-        return z_hand + a * dt
-
     def far(p_hand: Tensor, z_goal: Tensor) -> Tensor:
         return norm(p_hand - z_goal)
 
     model = WorldModel(
         sensors={name: Sensor(3, "m") for name in ("z_hand", "z_goal")},
         actuators={"a": hand.actuator("a", 3)},
-        estimators=[Deterministic("p_hand", ahead)],
+        estimators=[Deterministic("p_hand", Affine(z_hand=1.0, a="dt"))],
         goals=[Goal("reach", far)],
         dt=hand.time_step,
         dtype=torch.float64,
@@ -91,12 +89,10 @@ def reach_policy(hand: Hand, options: Options) -> Policy:
 
 def push_policy(hand: Hand, lag: Lag, body: RoundObject, options: Options) -> Policy:
     """The hand pushes a thing at z_place, moving at v_obj, so that it comes to rest at z_goal."""
+    level = torch.eye(3)[:2]
 
     def way(a: Tensor, v_hand: Tensor, dt: Tensor) -> Tensor:
         return lag.displacement(a, v_hand[..., :2], dt)
-
-    def place(z_hand: Tensor, d_pusher: Tensor) -> Tensor:
-        return z_hand[..., :2] + d_pusher
 
     def low(z_hand: Tensor, v_hand: Tensor, lift: Tensor, dt: Tensor) -> Tensor:
         return z_hand[..., 2:] + lag.displacement(lift, v_hand[..., 2:], dt)
@@ -113,14 +109,9 @@ def push_policy(hand: Hand, lag: Lag, body: RoundObject, options: Options) -> Po
         actuators={"a": hand.actuator("a", 2), "lift": hand.actuator("lift", 1)},
         estimators=[
             Deterministic("d_pusher", way),
-            Deterministic("x_pusher", place),
+            Deterministic("x_pusher", Affine(z_hand=level, d_pusher=1.0)),
             Deterministic("p_height", low),
-            Deterministic("x_slid", body.slid),
-            Deterministic("d_push", body.push),
-            Deterministic("x_rest", body.rest),
-            Deterministic("n_contact", body.normal),
-            Deterministic("p_contact", body.likelihood),
-            Deterministic("x_obj", body.moved),
+            *body.estimators(),
         ],
         goals=[Goal("push", far, tolerance=options.tolerance), Goal("low", high)],
         dt=hand.time_step,

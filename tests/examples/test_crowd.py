@@ -1,0 +1,61 @@
+"""A robot in a crowd of people, where the package that moves them is installed."""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
+
+
+@pytest.fixture
+def crowd(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The world."""
+    pytest.importorskip("pyrvo", reason="needs: make worlds")
+    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
+    return import_module("crowd")
+
+
+def test_orca_and_the_graph_read_the_same(crowd: Any) -> None:
+    env = crowd.make_env(2, "circle10", horizon=2)
+    policy = crowd.build(crowd.Options(**crowd.policy_options("circle10")))
+    observation, _ = env.reset(seed=[1000, 1001])
+    assert set(observation) == set(policy.model.sensors) and len(policy.model.paths()) == 2
+
+    for steered in (policy, crowd.Orca()):
+        action, _ = steered.predict(observation)
+        assert np.asarray(action).shape == (2, 2)
+        env.step(np.asarray(action))
+    env.close()
+
+
+@pytest.mark.slow
+def test_among_people_who_do_not_see_it_a_robot_touches_nobody_and_arrives(
+    crowd: Any,
+) -> None:
+    policy = crowd.build(crowd.Options(**crowd.policy_options("circle5_blind"))).compile()
+    env = crowd.make_env(2, "circle5_blind", crowd.HORIZON)
+    (observation, _), memory, ended = env.reset(seed=[1000, 1027]), None, False
+    while not ended:
+        action, memory = policy.predict(observation, memory)
+        observation, _, terminated, truncated, info = env.step(action)
+        ended = (terminated | truncated).all()
+    env.close()
+    assert info["is_success"].all() and not info["collision"].any()
+
+
+def test_people_make_way_for_a_robot_that_they_see(crowd: Any) -> None:
+    nearest = {}
+
+    for is_seen in (True, False):
+        env, ended, gaps = crowd.Crowd("circle20", is_seen), False, []
+        env.reset(seed=1000)
+        while not ended and len(gaps) < 100:
+            _, _, ended, _, info = env.step(np.array([0.0, 1.0]))
+            gaps.append(np.linalg.norm(env.people - env.robot, axis=1).min() - 2 * crowd.RADIUS)
+        nearest[is_seen] = min(gaps)
+        assert ended == (info["collision"] or info["is_success"])
+    assert nearest[False] < 0 < nearest[True]
