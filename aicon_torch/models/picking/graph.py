@@ -123,7 +123,7 @@ def tip(size: int) -> EKF:
 
 def room_among(name: str, others: list[str], options: Options) -> Deterministic:
     """p_room: how likely the place of a block takes it, by where the others are and belong."""
-    room = Room(options.size, options.size / 2, options.tolerance, clearance=options.rise)
+    room = Room(options.size, options.rest, options.tolerance, clearance=options.rise)
     read = [f"z_goal{name}"]
     for other in others:
         read += [f"x_obj{other}", f"z_goal{other}"]
@@ -201,7 +201,7 @@ def block(
     """
     x_object, x_rel = f"x_object{name}", f"x_rel{name}"
     p_grasp, p_held, p_free = f"p_grasp{name}", f"p_held{name}", f"p_free{name}"
-    carrying = Carrying(options.reach, rest=options.size / 2, rise=options.height)
+    carrying = Carrying(options.reach, rest=options.rest, rise=options.height)
 
     # 1. Where it is, and where the tip is from it: a bar is alike after half a turn, a block after
     # a quarter.

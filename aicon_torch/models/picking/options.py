@@ -52,18 +52,40 @@ class Hand:
 
 @dataclass(frozen=True)
 class Options:
-    """What is set by hand: four lengths, m; and what is known of blocks and their readings, m."""
+    """What is set by hand: four lengths, m; and what is known of blocks and their readings, m.
 
-    reach: float = 0.05  # from where a grasp draws, and how far it is taken to bring a block
-    rise: float = 0.055  # of the block, at which the table holds it back no more
-    tolerance: float = 0.012  # of the place
-    free_hand: float = 0.015  # the error of the place that an empty hand outweighs
-    noise: float = 0.0005  # of the block's readings
-    size: float = SIZE  # width and height of a block
-    clearance: float | None = None  # above a block, where nothing stands in the way; its own height
-    blocks: int = 1  # how many there are
+    Attributes:
+        reach: From where a grasp draws, and how far it is taken to bring a block.
+        rise: Of the block, at which the table holds it back no more.
+        tolerance: Of the place.
+        free_hand: The error of the place that an empty hand outweighs.
+        noise: Deviation of the block's readings.
+        size: Width of a block, and twice how high its middle rests above the table; by half of it
+            the tip may be beside the block as it comes down.
+        clearance: Height, from where the tip holds the block, at which nothing stands in the way;
+            the size if it is not told.
+        table: Height of the table, as the readings count heights.
+        blocks: How many there are.
+        resolution: How gradients that meet are resolved.
+        law: How the gradient becomes an action.
+    """
+
+    reach: float = 0.05
+    rise: float = 0.055
+    tolerance: float = 0.012
+    free_hand: float = 0.015
+    noise: float = 0.0005
+    size: float = SIZE
+    clearance: float | None = None
+    table: float = 0.0
+    blocks: int = 1
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
+
+    @property
+    def rest(self) -> float:
+        """Height of the middle of a block on the table, m."""
+        return self.table + self.size / 2
 
     @property
     def height(self) -> float:
