@@ -20,6 +20,7 @@ from tqdm import tqdm
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.tasks.reach import TASK
+from aicon_torch import Policy
 from aicon_torch.models import make_policy
 from aicon_torch.parts import Robot, TipPose
 
@@ -44,10 +45,9 @@ def targets(condition: str, seeds: range) -> dict[str, Tensor]:
     return {name: torch.from_numpy(np.concatenate([one[name] for one in seen])) for name in seen[0]}
 
 
-def reach(condition: str, seeds: range, preset: str) -> list[Row]:
+def reach(condition: str, seeds: range, policy: Policy) -> list[Row]:
     """What becomes of the targets of a condition within the horizon of the task."""
     options = TASK.policy_options(condition)
-    policy = make_policy("reach", preset=preset, **options).compile()
     robot = Robot.from_urdf(options["robot"], tip=options["tip"], srdf=options["srdf"])
     pose, seen = TipPose(options["orientation"], lever=1.0), targets(condition, seeds)
     place, turn = seen["target_position"], seen.get("target_orientation")
@@ -75,12 +75,17 @@ def run(arguments: argparse.Namespace) -> None:
     """Run the conditions, and report each."""
     torch.set_num_threads(1)
     arguments.out.mkdir(parents=True, exist_ok=True)
+    compiled: dict[str, Policy] = {}
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     with (arguments.out / f"{arguments.preset}.csv").open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(Row._fields)
         for condition in arguments.conditions:
-            rows = reach(condition, seeds, arguments.preset)
+            options = TASK.policy_options(condition)
+            if str(options) not in compiled:  # one for all starts
+                policy = make_policy("reach", preset=arguments.preset, **options)
+                compiled[str(options)] = policy.compile()
+            rows = reach(condition, seeds, compiled[str(options)])
             table.writerows(rows)
             file.flush()
             report(condition, rows)
@@ -101,7 +106,9 @@ def report(condition: str, rows: list[Row]) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
-    parser.add_argument("--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME")
+    parser.add_argument(
+        "--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME"
+    )
     parser.add_argument("--preset", choices=TASK.presets, default="aicon")
     add_option(parser, "--episodes", 200, "targets of each condition")
     add_option(parser, "--seed", 1000, "of the first target")

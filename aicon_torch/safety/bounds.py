@@ -101,8 +101,10 @@ class ActuatorSafety:
             escaping = own["escaping"][..., None, None]
             identity = torch.eye(nominal.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
-        aim = self.stalemate.aim(nominal, own)
-        aim = self.model.constrain(self.actuator, {**values, self.actuator: aim})
+        if isinstance(self.stalemate, Places):  # a detour leads to no target, and slows for none
+            aim = self.stalemate.aim(self._constrained(values, nominal), own)
+        else:
+            aim = self._constrained(values, self.stalemate.aim(nominal, own))
         safe = nearest_safe(aim, within, self.sweeps, inverse)
         action = self.model.actuators[self.actuator].clip(safe.action)  # its norm, if limited
 
@@ -112,6 +114,10 @@ class ActuatorSafety:
             cost = FollowedCost(self.model, self.actuator, values, goal_factors)
             remembered = self.stalemate.judge(cost, nominal, safe, self._room(values), own)
         return action, {start + key: value for key, value in remembered.items()}
+
+    def _constrained(self, values: Mapping[str, Tensor], action: Tensor) -> Tensor:
+        """An action within the constraints of the actuator, ``(*B, n)``."""
+        return self.model.constrain(self.actuator, {**values, self.actuator: action})
 
     def _inverse_metric(self, values: Mapping[str, Tensor]) -> Tensor | None:
         """M⁻¹ of the actuator's metric, ``(*B, n, n)``; None where all components count alike."""

@@ -8,6 +8,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
+from aicon_torch.safety.place_search import PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
@@ -41,7 +42,7 @@ def initial_places(size: int) -> Memory:
         "highest": torch.tensor(0.0),
         "escapes": torch.tensor(0),
         "before": torch.tensor(torch.inf),
-    }
+    } | initial_search(size)
 
 
 class Places:
@@ -72,6 +73,7 @@ class Places:
         share[:first] = 1.0
         share[max(len(limits) - last, 0) :] = 1.0
         self.share = share
+        self.search = PlaceSearch(limits, options.near, dt)
 
     def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
         """What it tries, ``(*B, n)``: the nominal action, or at full speed the way to its place.
@@ -117,7 +119,9 @@ class Places:
             stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
         escapes = torch.where(is_other, 0, memory["escapes"])
 
-        new = self._place(escapes, stops)
+        found = self.search(cost, room, memory)
+        blind = self._place(escapes, stops)
+        new = torch.where(found.knows.unsqueeze(-1), _place_at(found.known, room), blind)
         place = torch.where(begins.unsqueeze(-1), new, memory["place"])
         left = torch.where(
             begins.unsqueeze(-1), math.pi * new, memory["direction"] - self.dt * safe.action
@@ -131,6 +135,13 @@ class Places:
         is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
         ends = ~is_free & (is_over | is_other)
 
+        # The next place to imagine; one that it goes to is known no longer.
+        following = _mirrored(spread(memory["places"], stops), stops)
+        next_way = _way(following, room, math.pi * following)
+        found = found._replace(knows=found.knows & ~begins)
+        moved = self.dt * safe.action
+        searched = self.search.remembered(found, memory["places"], next_way, moved)
+
         restarts = begins | ends | is_other | is_lower
         return {
             "escaping": (~is_free | begins) & ~ends,
@@ -143,7 +154,7 @@ class Places:
             "highest": torch.where(restarts, now, highest),
             "escapes": escapes + begins,
             "before": now,
-        }
+        } | searched
 
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
@@ -166,8 +177,12 @@ class Places:
 
     def _place(self, number: Tensor, stops: Tensor) -> Tensor:
         """A place of the sequence, ``(*B, n)``: on the side that is left of a component's stop."""
-        new = self.share.to(stops) * spread(number, stops)
-        return torch.where(stops != 0, -stops * new.abs(), new)
+        return _mirrored(self.share.to(stops) * spread(number, stops), stops)
+
+
+def _mirrored(place: Tensor, stops: Tensor) -> Tensor:
+    """A place ``(*B, n)`` on the side that is left of each component's stop."""
+    return torch.where(stops != 0, -stops * place.abs(), place)
 
 
 def _way(place: Tensor, room: tuple[Tensor, Tensor], left: Tensor) -> Tensor:
@@ -184,6 +199,14 @@ def _way(place: Tensor, room: tuple[Tensor, Tensor], left: Tensor) -> Tensor:
     is_ranged = down.isfinite() & up.isfinite()
     down, up = (torch.where(is_ranged, side, 0.0) for side in room)
     return torch.where(is_ranged, (up - down) / 2.0 + place * (up + down) / 2.0, left)
+
+
+def _place_at(way: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
+    """The place to which a way leads: the inverse of :func:`_way`, ``(*B, n)``."""
+    down, up = room
+    is_ranged = down.isfinite() & up.isfinite()
+    down, up = (torch.where(is_ranged, side, math.pi) for side in room)
+    return (2.0 * way + torch.where(is_ranged, down - up, 0.0)) / (up + down)
 
 
 def _time_of(way: Tensor, limits: Tensor) -> Tensor:
