@@ -50,7 +50,7 @@ class Found(NamedTuple):
 
 
 class PlaceSearch:
-    """Improves two imagined places by a step each: the nearest that is known, and one of a sequence.
+    """Improves two imagined places: the nearest that is known, and the next of a sequence.
 
     The model says at present what the goals would cost if the actuator were elsewhere, G(x), and
     in which direction they fall. A step goes where they would cost nothing if they went on so

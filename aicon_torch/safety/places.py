@@ -51,9 +51,10 @@ class Places:
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
     3 % for a while, although the constraints oppose the nominal action or the cost is steady. (One
     that comes and goes while nothing is in the way is the noise of the readings.) Then it makes a
-    DETOUR at full speed, in the same bounds, to the next place of a sequence that fills the ranges
-    of the components evenly; it ends near the place, where the motion is blocked, or after some
-    time, and the goals are tried anew.
+    DETOUR at full speed, in the same bounds, to the place at which the goals are reached that its
+    search knows (:class:`aicon_torch.safety.place_search.PlaceSearch`), or else to the next of a
+    sequence that fills the ranges of the components evenly; it ends near the place, where the
+    motion is blocked, or after some time, and the goals are tried anew.
 
     *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
