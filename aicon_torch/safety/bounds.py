@@ -25,9 +25,6 @@ FARTHEST = 1e3
 LEAST_SPEED = 1e-6
 """A gap that the action can change by less than this, in its unit a second, is none of its own."""
 
-INITIAL = {PlaceEscape: initial_places, WayAround: initial_way}
-"""What an escape remembers before the first step, by its options."""
-
 
 class ActuatorSafety:
     """What keeps the safety goals at one actuator (see :class:`aicon_torch.Goal`).
@@ -275,7 +272,7 @@ def safety_memory(model: WorldModel) -> Memory:
         actuator = model.actuators[name]
         escape = actuator.dampers.escape
         if escape is not None:
-            for key, value in INITIAL[type(escape)](actuator.size).items():
+            for key, value in _initial(escape, actuator.size).items():
                 memory[f"{name}/escape/{key}"] = value
     return memory
 
@@ -310,3 +307,10 @@ def _upstream(model: WorldModel, inputs: tuple[str, ...]) -> tuple[str, ...]:
             found.extend(reversed(own))
             needed.update(estimator.inputs)
     return tuple(reversed(found))
+
+
+def _initial(escape: PlaceEscape | WayAround, size: int) -> Memory:
+    """What an escape remembers before the first step."""
+    if isinstance(escape, WayAround):
+        return initial_way(size)
+    return initial_places(size, escape.seeks)

@@ -8,7 +8,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.place_search import PlaceSearch, initial_search
+from aicon_torch.safety.place_search import Found, PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
@@ -25,13 +25,14 @@ BLOCKED = 0.15  # w of how long it must be that
 OTHER = 0.1  # by which a cost must jump, at least, to be that of other goals
 
 
-def initial_places(size: int) -> Memory:
+def initial_places(size: int, seeks: bool = True) -> Memory:
     """FREE, and no stop is known: what is remembered, without batch dimensions.
 
     Args:
         size: Number n of components of the actuator.
+        seeks: Whether a place is sought.
     """
-    return {
+    remembered = {
         "escaping": torch.tensor(False),
         "direction": torch.zeros(size),
         "place": torch.zeros(size),
@@ -42,7 +43,8 @@ def initial_places(size: int) -> Memory:
         "highest": torch.tensor(0.0),
         "escapes": torch.tensor(0),
         "before": torch.tensor(torch.inf),
-    } | initial_search(size)
+    }
+    return remembered | initial_search(size) if seeks else remembered
 
 
 class Places:
@@ -120,9 +122,10 @@ class Places:
             stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
         escapes = torch.where(is_other, 0, memory["escapes"])
 
-        found = self.search(cost, room, memory)
-        blind = self._place(escapes, stops)
-        new = torch.where(found.knows.unsqueeze(-1), _place_at(found.known, room), blind)
+        new = self._place(escapes, stops)
+        if self.options.seeks:
+            found = self.search(cost, room, memory)
+            new = torch.where(found.knows.unsqueeze(-1), _place_at(found.known, room), new)
         place = torch.where(begins.unsqueeze(-1), new, memory["place"])
         left = torch.where(
             begins.unsqueeze(-1), math.pi * new, memory["direction"] - self.dt * safe.action
@@ -136,15 +139,8 @@ class Places:
         is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
         ends = ~is_free & (is_over | is_other)
 
-        # The next place to imagine; one that it goes to is known no longer.
-        following = _mirrored(spread(memory["places"], stops), stops)
-        next_way = _way(following, room, math.pi * following)
-        found = found._replace(knows=found.knows & ~begins)
-        moved = self.dt * safe.action
-        searched = self.search.remembered(found, memory["places"], next_way, moved)
-
         restarts = begins | ends | is_other | is_lower
-        return {
+        remembered = {
             "escaping": (~is_free | begins) & ~ends,
             "direction": way,
             "place": place,
@@ -155,7 +151,24 @@ class Places:
             "highest": torch.where(restarts, now, highest),
             "escapes": escapes + begins,
             "before": now,
-        } | searched
+        }
+        if self.options.seeks:
+            found = found._replace(knows=found.knows & ~begins)  # one that it goes to is used up
+            remembered |= self._go_on_seeking(found, stops, room, self.dt * safe.action, memory)
+        return remembered
+
+    def _go_on_seeking(
+        self,
+        found: Found,
+        stops: Tensor,
+        room: tuple[Tensor, Tensor],
+        moved: Tensor,
+        memory: Memory,
+    ) -> Memory:
+        """What is remembered of the search, with the place that is imagined next."""
+        following = _mirrored(spread(memory["places"], stops), stops)
+        next_way = _way(following, room, math.pi * following)
+        return self.search.remembered(found, memory["places"], next_way, moved)
 
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
