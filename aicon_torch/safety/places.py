@@ -8,7 +8,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.place_search import PlaceSearch, initial_search
+from aicon_torch.safety.place_search import Found, PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
@@ -136,12 +136,9 @@ class Places:
         is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
         ends = ~is_free & (is_over | is_other)
 
-        # The next place to imagine; one that it goes to is known no longer.
-        following = _mirrored(spread(memory["places"], stops), stops)
-        next_way = _way(following, room, math.pi * following)
+        # One that it goes to is known no longer.
         found = found._replace(knows=found.knows & ~begins)
-        moved = self.dt * safe.action
-        searched = self.search.remembered(found, memory["places"], next_way, moved)
+        searched = self._searched(found, safe.action, room, stops, memory)
 
         restarts = begins | ends | is_other | is_lower
         return {
@@ -156,6 +153,19 @@ class Places:
             "escapes": escapes + begins,
             "before": now,
         } | searched
+
+    def _searched(
+        self,
+        found: Found,
+        action: Tensor,
+        room: tuple[Tensor, Tensor],
+        stops: Tensor,
+        memory: Memory,
+    ) -> Memory:
+        """What is remembered of the search, whose next place may be anywhere in the ranges."""
+        following = _mirrored(spread(memory["places"], stops), stops)
+        next_way = _way(following, room, math.pi * following)
+        return self.search.remembered(found, memory["places"], next_way, self.dt * action)
 
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
