@@ -154,21 +154,21 @@ class Places:
         }
         if self.options.seeks:
             found = found._replace(knows=found.knows & ~begins)  # one that it goes to is used up
-            remembered |= self._go_on_seeking(found, stops, room, self.dt * safe.action, memory)
+            remembered |= self._searched(found, safe.action, room, stops, memory)
         return remembered
 
-    def _go_on_seeking(
+    def _searched(
         self,
         found: Found,
-        stops: Tensor,
+        action: Tensor,
         room: tuple[Tensor, Tensor],
-        moved: Tensor,
+        stops: Tensor,
         memory: Memory,
     ) -> Memory:
-        """What is remembered of the search, with the place that is imagined next."""
+        """What is remembered of the search, whose next place may be anywhere in the ranges."""
         following = _mirrored(spread(memory["places"], stops), stops)
         next_way = _way(following, room, math.pi * following)
-        return self.search.remembered(found, memory["places"], next_way, moved)
+        return self.search.remembered(found, memory["places"], next_way, self.dt * action)
 
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
