@@ -223,7 +223,8 @@ class ActuatorSafety:
     def _is_box(self, goal: Goal) -> bool:
         """Whether each of a goal's gaps depends on one component of the action, as joint stops do.
 
-        Then the components can be bounded one by one, which no sweep needs to approach.
+        Then the components can be bounded one by one, which no sweep needs to approach. A joint
+        without a stop has a gap that depends on none.
         """
         generator, like = torch.Generator("cpu").manual_seed(0), self.model.like
         readings: dict[str, Tensor] = {}
@@ -236,7 +237,8 @@ class ActuatorSafety:
 
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _, _ = self.rows_of(goal, values)
-        return bool(((slopes != 0).sum(-1) == 1).all())
+        components = (slopes != 0).sum(-1)
+        return bool((components <= 1).all() and (components == 1).any())
 
 
 def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:
