@@ -9,9 +9,10 @@ from aicon_torch.errors import OptionError
 class PlaceEscape:
     """What is done where constraints bring an actuator to rest: it goes elsewhere and tries anew.
 
-    It goes to a place in the middle half of its range that a sequence names, mirrored where a
-    component was at its stop when it was held up before: :class:`aicon_torch.safety.places.Places`
-    has the rules.
+    It goes to a place at which the goals would be reached, which it seeks while it moves. While it
+    knows none, or does not seek, it goes to one in the middle half of its range that a sequence
+    names, mirrored where a component was at its stop when it was held up before:
+    :class:`aicon_torch.safety.places.Places` has the rules.
 
     Attributes:
         near: A cost below this, in its unit, is near enough to stay.
@@ -19,6 +20,7 @@ class PlaceEscape:
             this time, rad for an arm.
         remembers: Whether it remembers at which stops its components were held up.
         whole: So many components, the first and the last ones, go anywhere in their ranges.
+        seeks: Whether it seeks.
 
     Raises:
         OptionError: If one of the first two is not positive.
@@ -28,6 +30,7 @@ class PlaceEscape:
     patience: float = 0.45
     remembers: bool = True
     whole: tuple[int, int] = (0, 0)
+    seeks: bool = True
 
     def __post_init__(self) -> None:
         """Check the numbers."""

@@ -39,7 +39,7 @@ from aicon_torch.ways import OtherPlaces
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
     "rehearsed": {},
-    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False)},
+    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False, seeks=False)},
     "without_escape": {"dampers.escape": None},
 }
 """What differs from the preset "clutter"."""

@@ -419,7 +419,6 @@ class WorldModel(nn.Module):
             connected.update(ahead)  # together: its outputs start from the same belief
         return self.costs(connected)
 
-    @values_only
     def displaced_cost(
         self, goal: str, quantity: str, displacement: Tensor, values: Mapping[str, Tensor]
     ) -> Tensor:

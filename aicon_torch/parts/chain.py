@@ -141,7 +141,8 @@ class Chain(nn.Module):
         Joints without limits turn within ±π, or slide within ±1 m.
         """
         widest = torch.where(self.turns.squeeze(-1), torch.pi, 1.0).to(self.low)
-        low, high = torch.maximum(self.low, -widest), torch.minimum(self.high, widest)
+        low = torch.where(self.low.isfinite(), self.low, -widest)
+        high = torch.where(self.high.isfinite(), self.high, widest)
 
         generator = torch.Generator().manual_seed(0)
         share = torch.rand(count, len(self.names), generator=generator, dtype=torch.float64)

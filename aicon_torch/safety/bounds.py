@@ -25,9 +25,6 @@ FARTHEST = 1e3
 LEAST_SPEED = 1e-6
 """A gap that the action can change by less than this, in its unit a second, is none of its own."""
 
-INITIAL = {PlaceEscape: initial_places, WayAround: initial_way}
-"""What an escape remembers before the first step, by its options."""
-
 
 class ActuatorSafety:
     """What keeps the safety goals at one actuator (see :class:`aicon_torch.Goal`).
@@ -101,8 +98,10 @@ class ActuatorSafety:
             escaping = own["escaping"][..., None, None]
             identity = torch.eye(nominal.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
-        aim = self.stalemate.aim(nominal, own)
-        aim = self.model.constrain(self.actuator, {**values, self.actuator: aim})
+        if isinstance(self.stalemate, Places):  # a detour leads to no target, and slows for none
+            aim = self.stalemate.aim(self._constrained(values, nominal), own)
+        else:
+            aim = self._constrained(values, self.stalemate.aim(nominal, own))
         safe = nearest_safe(aim, within, self.sweeps, inverse)
         action = self.model.actuators[self.actuator].clip(safe.action)  # its norm, if limited
 
@@ -112,6 +111,10 @@ class ActuatorSafety:
             cost = FollowedCost(self.model, self.actuator, values, goal_factors)
             remembered = self.stalemate.judge(cost, nominal, safe, self._room(values), own)
         return action, {start + key: value for key, value in remembered.items()}
+
+    def _constrained(self, values: Mapping[str, Tensor], action: Tensor) -> Tensor:
+        """An action within the constraints of the actuator, ``(*B, n)``."""
+        return self.model.constrain(self.actuator, {**values, self.actuator: action})
 
     def _inverse_metric(self, values: Mapping[str, Tensor]) -> Tensor | None:
         """M⁻¹ of the actuator's metric, ``(*B, n, n)``; None where all components count alike."""
@@ -220,7 +223,8 @@ class ActuatorSafety:
     def _is_box(self, goal: Goal) -> bool:
         """Whether each of a goal's gaps depends on one component of the action, as joint stops do.
 
-        Then the components can be bounded one by one, which no sweep needs to approach.
+        Then the components can be bounded one by one, which no sweep needs to approach. A joint
+        without a stop has a gap that depends on none.
         """
         generator, like = torch.Generator("cpu").manual_seed(0), self.model.like
         readings: dict[str, Tensor] = {}
@@ -233,7 +237,8 @@ class ActuatorSafety:
 
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _, _ = self.rows_of(goal, values)
-        return bool(((slopes != 0).sum(-1) == 1).all())
+        components = (slopes != 0).sum(-1)
+        return bool((components <= 1).all() and (components == 1).any())
 
 
 def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:
@@ -269,7 +274,7 @@ def safety_memory(model: WorldModel) -> Memory:
         actuator = model.actuators[name]
         escape = actuator.dampers.escape
         if escape is not None:
-            for key, value in INITIAL[type(escape)](actuator.size).items():
+            for key, value in _initial(escape, actuator.size).items():
                 memory[f"{name}/escape/{key}"] = value
     return memory
 
@@ -304,3 +309,10 @@ def _upstream(model: WorldModel, inputs: tuple[str, ...]) -> tuple[str, ...]:
             found.extend(reversed(own))
             needed.update(estimator.inputs)
     return tuple(reversed(found))
+
+
+def _initial(escape: PlaceEscape | WayAround, size: int) -> Memory:
+    """What an escape remembers before the first step."""
+    if isinstance(escape, WayAround):
+        return initial_way(size)
+    return initial_places(size, escape.seeks)

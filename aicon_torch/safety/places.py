@@ -8,6 +8,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
+from aicon_torch.safety.place_search import Found, PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
@@ -24,13 +25,14 @@ BLOCKED = 0.15  # w of how long it must be that
 OTHER = 0.1  # by which a cost must jump, at least, to be that of other goals
 
 
-def initial_places(size: int) -> Memory:
+def initial_places(size: int, seeks: bool = True) -> Memory:
     """FREE, and no stop is known: what is remembered, without batch dimensions.
 
     Args:
         size: Number n of components of the actuator.
+        seeks: Whether a place is sought.
     """
-    return {
+    remembered = {
         "escaping": torch.tensor(False),
         "direction": torch.zeros(size),
         "place": torch.zeros(size),
@@ -42,6 +44,7 @@ def initial_places(size: int) -> Memory:
         "escapes": torch.tensor(0),
         "before": torch.tensor(torch.inf),
     }
+    return remembered | initial_search(size) if seeks else remembered
 
 
 class Places:
@@ -50,9 +53,10 @@ class Places:
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
     3 % for a while, although the constraints oppose the nominal action or the cost is steady. (One
     that comes and goes while nothing is in the way is the noise of the readings.) Then it makes a
-    DETOUR at full speed, in the same bounds, to the next place of a sequence that fills the ranges
-    of the components evenly; it ends near the place, where the motion is blocked, or after some
-    time, and the goals are tried anew.
+    DETOUR at full speed, in the same bounds, to the place at which the goals are reached that its
+    search knows (:class:`aicon_torch.safety.place_search.PlaceSearch`), or else to the next of a
+    sequence that fills the ranges of the components evenly; it ends near the place, where the
+    motion is blocked, or after some time, and the goals are tried anew.
 
     *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
@@ -72,6 +76,7 @@ class Places:
         share[:first] = 1.0
         share[max(len(limits) - last, 0) :] = 1.0
         self.share = share
+        self.search = PlaceSearch(limits, options.near, dt)
 
     def aim(self, nominal: Tensor, memory: Memory) -> Tensor:
         """What it tries, ``(*B, n)``: the nominal action, or at full speed the way to its place.
@@ -118,6 +123,9 @@ class Places:
         escapes = torch.where(is_other, 0, memory["escapes"])
 
         new = self._place(escapes, stops)
+        if self.options.seeks:
+            found = self.search(cost, room, memory)
+            new = torch.where(found.knows.unsqueeze(-1), _place_at(found.known, room), new)
         place = torch.where(begins.unsqueeze(-1), new, memory["place"])
         left = torch.where(
             begins.unsqueeze(-1), math.pi * new, memory["direction"] - self.dt * safe.action
@@ -132,7 +140,7 @@ class Places:
         ends = ~is_free & (is_over | is_other)
 
         restarts = begins | ends | is_other | is_lower
-        return {
+        remembered = {
             "escaping": (~is_free | begins) & ~ends,
             "direction": way,
             "place": place,
@@ -144,6 +152,23 @@ class Places:
             "escapes": escapes + begins,
             "before": now,
         }
+        if self.options.seeks:
+            found = found._replace(knows=found.knows & ~begins)  # one that it goes to is used up
+            remembered |= self._searched(found, safe.action, room, stops, memory)
+        return remembered
+
+    def _searched(
+        self,
+        found: Found,
+        action: Tensor,
+        room: tuple[Tensor, Tensor],
+        stops: Tensor,
+        memory: Memory,
+    ) -> Memory:
+        """What is remembered of the search, whose next place may be anywhere in the ranges."""
+        following = _mirrored(spread(memory["places"], stops), stops)
+        next_way = _way(following, room, math.pi * following)
+        return self.search.remembered(found, memory["places"], next_way, self.dt * action)
 
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
@@ -166,8 +191,12 @@ class Places:
 
     def _place(self, number: Tensor, stops: Tensor) -> Tensor:
         """A place of the sequence, ``(*B, n)``: on the side that is left of a component's stop."""
-        new = self.share.to(stops) * spread(number, stops)
-        return torch.where(stops != 0, -stops * new.abs(), new)
+        return _mirrored(self.share.to(stops) * spread(number, stops), stops)
+
+
+def _mirrored(place: Tensor, stops: Tensor) -> Tensor:
+    """A place ``(*B, n)`` on the side that is left of each component's stop."""
+    return torch.where(stops != 0, -stops * place.abs(), place)
 
 
 def _way(place: Tensor, room: tuple[Tensor, Tensor], left: Tensor) -> Tensor:
@@ -184,6 +213,14 @@ def _way(place: Tensor, room: tuple[Tensor, Tensor], left: Tensor) -> Tensor:
     is_ranged = down.isfinite() & up.isfinite()
     down, up = (torch.where(is_ranged, side, 0.0) for side in room)
     return torch.where(is_ranged, (up - down) / 2.0 + place * (up + down) / 2.0, left)
+
+
+def _place_at(way: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
+    """The place to which a way leads: the inverse of :func:`_way`, ``(*B, n)``."""
+    down, up = room
+    is_ranged = down.isfinite() & up.isfinite()
+    down, up = (torch.where(is_ranged, side, math.pi) for side in room)
+    return (2.0 * way + torch.where(is_ranged, down - up, 0.0)) / (up + down)
 
 
 def _time_of(way: Tensor, limits: Tensor) -> Tensor:

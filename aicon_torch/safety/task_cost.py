@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import hop_from, pull
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import copied
 
@@ -31,18 +32,27 @@ class FollowedCost:
     ) -> None:
         self.model, self.actuator = model, actuator
         self.values, self.goal_factors = values, goal_factors
+        self._goals = list(model.goals.items())
         self.at_rest = self.ahead(torch.zeros_like(values[actuator]))
 
     def ahead(self, action: Tensor) -> Tensor:
         """G(a) ``(*B,)`` of an action ``(*B, n)``, or ``(m, *B)`` of m for each row."""
-        copies = action.shape[: action.dim() - self.goal_factors.dim()]
-        values = copied(self.values, *copies)
-        total = torch.zeros_like(action[..., 0])
-        for index, (name, goal) in enumerate(self.model.goals.items()):
-            if not goal.safety:
-                cost = self.model.displaced_cost(name, self.actuator, action, values)
-                total = total + self.goal_factors[..., index] * cost
-        return total
+        return self._total(action, [name for name, goal in self._goals if not goal.safety])
+
+    def of_safety(self, action: Tensor) -> Tensor:
+        """The same of the safety goals, but for ranges: above 0 where a gap would be closed."""
+        closing = [name for name, goal in self._goals if goal.safety and not goal.has_room]
+        return self._total(action, closing)
+
+    def slope(self, action: Tensor) -> tuple[Tensor, Tensor]:
+        """G(a) and ∂G/∂a, as the model hands it back; 0 where it is not finite."""
+        with torch.enable_grad():
+            action = hop_from(action).requires_grad_()
+            cost = self.ahead(action)
+            if not cost.requires_grad:
+                return cost, torch.zeros_like(action)
+            (gradient,) = pull(cost.sum(), action)
+        return hop_from(cost), torch.where(gradient.isfinite(), gradient, 0.0)
 
     def steepness(self, steps: Tensor) -> Tensor:
         """‖∂G/∂a‖ by differences, ``(*B,)``: by how much it falls along its steepest descent.
@@ -60,6 +70,17 @@ class FollowedCost:
         slopes = change / steps.reshape(-1, *own_dimensions)
         steepness: Tensor = torch.linalg.vector_norm(slopes, dim=0)
         return steepness
+
+    def _total(self, action: Tensor, names: list[str]) -> Tensor:
+        """Σ wᵢ gᵢ of some goals, ``(*B,)`` or ``(m, *B)``."""
+        copies = action.shape[: action.dim() - self.goal_factors.dim()]
+        values = copied(self.values, *copies)
+        total = torch.zeros_like(action[..., 0])
+        for index, (name, _) in enumerate(self._goals):
+            if name in names:
+                cost = self.model.displaced_cost(name, self.actuator, action, values)
+                total = total + self.goal_factors[..., index] * cost
+        return total
 
 
 def is_of_other_goals(cost: FollowedCost, before: Tensor, limits: Tensor, least: float) -> Tensor:

@@ -78,7 +78,8 @@ def mujoco_model(urdf: Path, keep_collisions: bool = False) -> Any:
 
 def random_postures(chain: Chain, count: int, seed: int = 0) -> Tensor:
     """Within the limits, ``(count, n)``; without limits within ±π."""
-    low, high = chain.low.clamp(min=-torch.pi), chain.high.clamp(max=torch.pi)
+    low = torch.where(chain.low.isfinite(), chain.low, -torch.pi)
+    high = torch.where(chain.high.isfinite(), chain.high, torch.pi)
     generator = torch.Generator().manual_seed(seed)
     share = torch.rand(count, len(low), generator=generator, dtype=torch.float64)
     return low + share * (high - low)

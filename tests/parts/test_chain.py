@@ -5,7 +5,7 @@ import torch
 from _inputs.arm import HOME, panda_chain, postures
 
 from aicon_torch.models.arm_push.robot import PANDA_FRAMES, PANDA_TOOL
-from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.chain import Chain, Joint
 
 IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
 ONE_AHEAD = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
@@ -51,3 +51,10 @@ def test_a_fourth_row_of_a_transform_is_left_out():
     q = torch.tensor([0.3, 0.5])
     with_it, without = Chain([whole, whole], whole), Chain([ONE_AHEAD, ONE_AHEAD], ONE_AHEAD)
     torch.testing.assert_close(with_it.frames(q), without.frames(q))
+
+
+def test_random_postures_fill_the_ranges_and_half_a_turn_to_both_sides_without():
+    joints = [Joint("beyond", low=1.0, high=5.0), Joint("free")]
+    q = Chain([IDENTITY, ONE_AHEAD], ONE_AHEAD, joints).postures(4096)
+    ends = torch.tensor([[1.0, 5.0], [-math.pi, math.pi]], dtype=torch.float64)
+    torch.testing.assert_close(torch.stack((q.amin(0), q.amax(0)), -1), ends, atol=0.02, rtol=0.0)

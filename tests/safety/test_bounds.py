@@ -1,14 +1,16 @@
 """Safety goals bound the actions: nothing violates them, and they meet no gradient."""
 
+import math
+
 import pytest
 import torch
 from _inputs import normal
 from _inputs.walls import DT, drive, left_of_wall, place, point_policy, wall
 from torch import Tensor
 
-from aicon_torch import Actuator, Goal, GraphError, Sensor, WorldModel
+from aicon_torch import Actuator, Goal, GraphError, Interconnection, Sensor, WorldModel
 from aicon_torch.dampers import VelocityDampers
-from aicon_torch.parts import moving_point
+from aicon_torch.parts import JointLimits, SquaredHinge, moving_point
 
 STILL = VelocityDampers(escape=None)
 
@@ -33,6 +35,13 @@ def test_a_safety_goal_is_no_gradient_that_another_meets() -> None:
     assert all(
         trace.paths == (("reach", "x", "a"),) for trace in policy.trace(memory).quantities.values()
     )
+
+
+def test_a_component_without_a_stop_leaves_the_others_their_ranges() -> None:
+    limits = JointLimits((-1.0, -math.inf), (1.0, math.inf), SquaredHinge(0.02, 1.0))
+    stops = Goal("stops", Interconnection(limits, inputs=["x"]), safety=True)
+    _, memory = drive(point_policy([stops]), place(0.5, 0.0), place(3.0, 0.0), steps=120)
+    assert memory["a/escape/stops"].tolist() == [1.0, 0.0]
 
 
 def test_a_safety_goal_that_is_switched_off_asks_for_nothing() -> None:

@@ -24,6 +24,12 @@ class Cost:
     def steepness(self, limits: Tensor) -> Tensor:
         return torch.tensor(0.01, dtype=torch.float64)
 
+    def slope(self, action: Tensor) -> tuple[Tensor, Tensor]:
+        return self.at_rest.expand(action.shape[:-1]), torch.zeros_like(action)
+
+    def of_safety(self, action: Tensor) -> Tensor:
+        return torch.zeros_like(action[..., 0])
+
 
 def remembered(
     costs: list[float], down: list[float], up: list[float], **options: Any

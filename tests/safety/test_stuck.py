@@ -35,7 +35,9 @@ def angle_to_target(q: Tensor, z_target: Tensor) -> Tensor:
 
 
 @functools.cache
-def hand(escape: PlaceEscape | None, speed: float = 1.0, dt: float = DT) -> Policy:
+def hand(
+    escape: PlaceEscape | None, speed: float = 1.0, dt: float = DT, slowed: bool = False
+) -> Policy:
     """A hand that turns between two stops, so that one of the two ways to a target is closed."""
     stops = JointLimits((-STOP,), (STOP,), SquaredHinge(0.02, 1.0))
     joint = KalmanFilter(
@@ -51,7 +53,13 @@ def hand(escape: PlaceEscape | None, speed: float = 1.0, dt: float = DT) -> Poli
     model = WorldModel(
         sensors={"z": Sensor(1, "rad"), "z_target": Sensor(1, "rad")},
         actuators={
-            "a": Actuator(1, "rad/s", limit=(speed,), dampers=VelocityDampers(escape=escape))
+            "a": Actuator(
+                1,
+                "rad/s",
+                limit=(speed,),
+                constraints=[lambda a: a / 2.0] if slowed else [],
+                dampers=VelocityDampers(escape=escape),
+            )
         },
         estimators=[joint],
         goals=[Goal("point", angle_to_target, tolerance=0.02), limits],
@@ -78,6 +86,14 @@ def test_behind_a_stop_it_goes_the_other_way_round() -> None:
     assert way[-1] == pytest.approx(-2.8, abs=0.05)
     assert escaping.any()
     assert not escaping[-1]
+
+
+def test_a_detour_leads_to_no_target_and_is_slowed_by_none() -> None:
+    way, escaping = turn(hand(PlaceEscape(), slowed=True), start=2.5, target=-2.8, steps=200)
+    speeds = (way.diff() / DT).abs()
+    was, now = escaping[:-1], escaping[1:]  # what a step decides is done in the next one
+    assert speeds[1:][was & now].amax() == pytest.approx(1.0)
+    assert speeds[1:][~was & ~now].amax() < 0.6
 
 
 @pytest.mark.parametrize("first", [0.5, -2.8])

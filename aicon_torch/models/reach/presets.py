@@ -21,7 +21,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "clutter": {
             "dampers.braking": 0.15,
             "dampers.sweeps": 40,
-            "dampers.escape": PlaceEscape(whole=(1, 3)),
+            "dampers.escape": PlaceEscape(whole=(1, 3), seeks=False),
             "self_collision": SquaredHinge(0.0025, 1.0),
             "damping": 0.05,
             "turns_within": 0.2,

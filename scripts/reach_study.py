@@ -1,0 +1,120 @@
+"""Reaching without physics: joints move as they are told to, hundreds of targets side by side.
+
+What the escape of an arm is worth is found out here in seconds, on the targets of the environment
+at the same seeds; what counts is the environment (`aicon compare --task reach`).
+
+Example: python scripts/reach_study.py --conditions ur5_pose_home --out runs/reach_study
+"""
+
+import argparse
+import csv
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+from tqdm import tqdm
+
+from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.tasks.reach import TASK
+from aicon_torch import Policy
+from aicon_torch.models import make_policy
+from aicon_torch.parts import Robot, TipPose
+
+NEAR, STRAIGHT = 0.010, 0.05
+"""Success: m and rad of the tip, the environment's."""
+
+
+class Row(NamedTuple):
+    """What became of a target."""
+
+    condition: str
+    seed: int
+    time: float  # s; NaN where it did not arrive
+    detours: int
+
+
+def targets(condition: str, seeds: range) -> dict[str, Tensor]:
+    """The first observations of the environment, ``(seeds, size)`` each."""
+    env = TASK.make_env(1, condition, TASK.horizon)
+    seen = [env.reset(seed=seed)[0] for seed in tqdm(seeds, desc=f"{condition}, targets")]
+    env.close()
+    return {name: torch.from_numpy(np.concatenate([one[name] for one in seen])) for name in seen[0]}
+
+
+def reach(condition: str, seeds: range, policy: Policy) -> list[Row]:
+    """What becomes of the targets of a condition within the horizon of the task."""
+    options = TASK.policy_options(condition)
+    robot = Robot.from_urdf(options["robot"], tip=options["tip"], srdf=options["srdf"])
+    pose, seen = TipPose(options["orientation"], lever=1.0), targets(condition, seeds)
+    place, turn = seen["target_position"], seen.get("target_orientation")
+    target = place if turn is None else pose.target(place, turn)
+
+    memory: Any = None
+    times = torch.full((len(seeds),), math.nan, dtype=torch.float64)
+    detours = torch.zeros(len(seeds), dtype=torch.long)
+    for step in tqdm(range(TASK.horizon + 1), desc=condition):
+        missing, angle = pose.distance(pose.of_frame(robot.chain(seen["q"])), target)
+        going = times.isnan()
+        arrives = going & (missing < NEAR) & (angle < STRAIGHT)
+        times[arrives] = step * TASK.time_step
+        if not times.isnan().any():
+            break
+
+        action, memory = policy.predict(seen, memory)
+        seen = seen | {"q": seen["q"] + TASK.time_step * action}
+        detours = torch.where(times.isnan(), memory.get("a/escape/escapes", detours), detours)
+    rows = zip(seeds, times.tolist(), detours.tolist(), strict=True)
+    return [Row(condition, seed, time, count) for seed, time, count in rows]
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run the conditions, and report each."""
+    torch.set_num_threads(1)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    compiled: dict[str, Policy] = {}
+    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+    with (arguments.out / f"{arguments.preset}.csv").open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(Row._fields)
+        for condition in arguments.conditions:
+            options = TASK.policy_options(condition)
+            if str(options) not in compiled:  # one for all starts
+                policy = make_policy("reach", preset=arguments.preset, **options)
+                compiled[str(options)] = policy.compile()
+            rows = reach(condition, seeds, compiled[str(options)])
+            table.writerows(rows)
+            file.flush()
+            report(condition, rows)
+
+
+def report(condition: str, rows: list[Row]) -> None:
+    """How many arrived (95 %, Wilson), how soon, and which did not."""
+    times = np.array([row.time for row in rows])
+    arrived = np.isfinite(times)
+    low, high = wilson_interval(int(arrived.sum()), len(rows))
+    failed = [str(row.seed) for row in rows if math.isnan(row.time)]
+    print(
+        f"{condition}: {arrived.sum()} of {len(rows)} ({100 * low:.1f} to {100 * high:.1f}), "
+        f"median {np.median(times[arrived]):.1f} s; failed: {', '.join(failed) or 'none'}"
+    )
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is run."""
+    parser.add_argument(
+        "--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME"
+    )
+    parser.add_argument("--preset", choices=TASK.presets, default="aicon")
+    add_option(parser, "--episodes", 200, "targets of each condition")
+    add_option(parser, "--seed", 1000, "of the first target")
+    parser.add_argument("--out", type=Path, default=Path("runs/reach_study"))
+
+
+COMMAND = Command(__doc__, add_arguments, run, "stopped")
+
+if __name__ == "__main__":
+    run_command(COMMAND)

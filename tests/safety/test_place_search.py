@@ -1,0 +1,91 @@
+"""While an actuator moves, a place is sought at which its goals are reached, and kept."""
+
+from typing import Any, cast
+
+import torch
+from torch import Tensor
+
+from aicon_torch.dampers import PlaceEscape
+from aicon_torch.safety import SafeAction
+from aicon_torch.safety.place_search import Found, PlaceSearch, initial_search
+from aicon_torch.safety.places import Places, initial_places
+
+DT, NEAR = 0.02, 0.005
+LIMITS = torch.full((2,), 1.5, dtype=torch.float64)
+RANGE = (torch.tensor([2.0, 2.0]).double(), torch.tensor([2.0, 2.0]).double())
+TARGET = torch.tensor([1.2, -0.7], dtype=torch.float64)
+
+
+class Distance:
+    """G = ‖x − target‖ from x = 0; within a metre of a place a gap is closed."""
+
+    def __init__(self, target: Tensor, closed: Tensor | None = None) -> None:
+        self.target, self.closed = target, closed
+        self.at_rest = target.norm()
+
+    def steepness(self, limits: Tensor) -> Tensor:
+        return torch.tensor(1.0).double()
+
+    def slope(self, action: Tensor) -> tuple[Tensor, Tensor]:
+        offset = DT * action - self.target
+        distance = offset.norm(dim=-1)
+        return distance, DT * offset / distance.clamp(min=1e-9).unsqueeze(-1)
+
+    def of_safety(self, action: Tensor) -> Tensor:
+        if self.closed is None:
+            return torch.zeros_like(action[..., 0])
+        return (1.0 - (DT * action - self.closed).norm(dim=-1)).clamp(min=0.0)
+
+
+def doubled(memory: dict[str, Tensor]) -> dict[str, Tensor]:
+    """A memory in double precision."""
+    return {k: v.double() if v.is_floating_point() else v for k, v in memory.items()}
+
+
+def searched(cost: Distance, steps: int = 8, moved: float = 0.0) -> Found:
+    """What is found after some steps, in each of which the actuator moves by so much."""
+    search, memory = PlaceSearch(LIMITS, NEAR, DT), doubled(initial_search(2))
+    found = search(cast(Any, cost), RANGE, memory)
+    for _ in range(steps):
+        shift = torch.full((2,), moved, dtype=torch.float64)
+        elsewhere = torch.tensor([-1.9, 1.9], dtype=torch.float64)
+        memory = search.remembered(found, memory["places"], elsewhere, shift)
+        cost.target = cost.target - shift
+        found = search(cast(Any, cost), RANGE, memory)
+    return found
+
+
+def test_a_place_is_known_where_the_goals_are_reached() -> None:
+    found = searched(Distance(TARGET))
+    assert found.knows
+    torch.testing.assert_close(found.known, TARGET)
+
+
+def test_a_place_is_the_way_from_where_the_actuator_is() -> None:
+    found = searched(Distance(TARGET), moved=0.01)
+    torch.testing.assert_close(found.known, TARGET - 0.08)
+
+
+def test_no_place_is_known_where_a_gap_is_closed_or_beyond_the_range() -> None:
+    assert not searched(Distance(TARGET, closed=TARGET + 0.3)).knows
+    assert not searched(Distance(torch.tensor([2.5, 0.0]).double())).knows
+
+
+def test_a_hopeless_place_is_given_up() -> None:
+    search, memory = PlaceSearch(LIMITS, NEAR, DT), doubled(initial_search(2))
+    cost, elsewhere = Distance(torch.tensor([2.5, 0.0]).double()), -torch.ones(2).double()
+    for _ in range(16):
+        found = search(cast(Any, cost), RANGE, memory)
+        memory = search.remembered(found, memory["places"], elsewhere, torch.zeros(2).double())
+    assert int(memory["places"]) in (1, 2)
+
+
+def test_where_it_is_held_up_it_goes_to_the_place_that_it_knows() -> None:
+    places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2))
+    nominal, still = torch.ones(2).double(), torch.zeros(2).double()
+    for _ in range(20):
+        cost = cast(Any, Distance(TARGET))
+        memory = places.judge(cost, nominal, SafeAction(still, nominal), RANGE, memory)
+    assert memory["escaping"]
+    torch.testing.assert_close(memory["direction"], TARGET)
+    assert int(memory["escapes"]) == 1
