@@ -123,5 +123,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     "without_exploration": {"resolution.exploration": None},
     "weighted_sum": {"resolution.projector": "none"},
     "steepest": {"resolution": SteepestPath()},
+    "one_gradient": {"law.iterations": 1},
 }
-"""Options by preset: ours, ours without exploration, a sum that explores, and the steepest path."""
+"""Options by preset: ours, ours without exploration, a sum that explores, the steepest path, and
+ours with one gradient a step."""
