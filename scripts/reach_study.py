@@ -77,6 +77,7 @@ def run(arguments: argparse.Namespace) -> None:
     arguments.out.mkdir(parents=True, exist_ok=True)
     compiled: dict[str, Policy] = {}
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+
     with (arguments.out / f"{arguments.preset}.csv").open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(Row._fields)
@@ -85,6 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
             if str(options) not in compiled:  # one for all starts
                 policy = make_policy("reach", preset=arguments.preset, **options)
                 compiled[str(options)] = policy.compile()
+
             rows = reach(condition, seeds, compiled[str(options)])
             table.writerows(rows)
             file.flush()

@@ -32,17 +32,18 @@ class FollowedCost:
     ) -> None:
         self.model, self.actuator = model, actuator
         self.values, self.goal_factors = values, goal_factors
-        self._goals = list(model.goals.items())
+        goals = list(enumerate(model.goals.items()))
+        self._followed = [(i, name) for i, (name, goal) in goals if not goal.safety]
+        self._closing = [(i, name) for i, (name, g) in goals if g.safety and not g.has_room]
         self.at_rest = self.ahead(torch.zeros_like(values[actuator]))
 
     def ahead(self, action: Tensor) -> Tensor:
         """G(a) ``(*B,)`` of an action ``(*B, n)``, or ``(m, *B)`` of m for each row."""
-        return self._total(action, [name for name, goal in self._goals if not goal.safety])
+        return self._total(action, self._followed)
 
     def of_safety(self, action: Tensor) -> Tensor:
         """The same of the safety goals, but for ranges: above 0 where a gap would be closed."""
-        closing = [name for name, goal in self._goals if goal.safety and not goal.has_room]
-        return self._total(action, closing)
+        return self._total(action, self._closing)
 
     def slope(self, action: Tensor) -> tuple[Tensor, Tensor]:
         """G(a) and ∂G/∂a, as the model hands it back; 0 where it is not finite."""
@@ -71,15 +72,14 @@ class FollowedCost:
         steepness: Tensor = torch.linalg.vector_norm(slopes, dim=0)
         return steepness
 
-    def _total(self, action: Tensor, names: list[str]) -> Tensor:
+    def _total(self, action: Tensor, goals: list[tuple[int, str]]) -> Tensor:
         """Σ wᵢ gᵢ of some goals, ``(*B,)`` or ``(m, *B)``."""
         copies = action.shape[: action.dim() - self.goal_factors.dim()]
         values = copied(self.values, *copies)
         total = torch.zeros_like(action[..., 0])
-        for index, (name, _) in enumerate(self._goals):
-            if name in names:
-                cost = self.model.displaced_cost(name, self.actuator, action, values)
-                total = total + self.goal_factors[..., index] * cost
+        for index, name in goals:
+            cost = self.model.displaced_cost(name, self.actuator, action, values)
+            total = total + self.goal_factors[..., index] * cost
         return total
 
 

@@ -11,6 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle
 
+from episodes import moments
+
 EPISODES = {
     "AICON, people who do not see it": ("circle10_blind", 400006, "aicon"),
     "ORCA, the same people": ("circle10_blind", 400006, "orca"),
@@ -22,22 +24,16 @@ IMAGE = Path(__file__).parents[1] / "images" / "crowd.png"
 
 def episode(condition: str, seed: int, name: str) -> tuple[Any, Any, Any]:
     """Where all were, the robot first, ``(T, 1 + N, 2)``, m, whether it explored, and the end."""
-    env = crowd.make_env(1, condition, crowd.HORIZON)
-    options = crowd.Options(**crowd.policy_options(condition))
-    policy = crowd.Orca() if name == "orca" else crowd.build(options).compile()
-    (observation, _), memory, ended = env.reset(seed=[seed]), None, False
     places, explored = [], []
-    while True:
-        seen = [observation["z_robot"][0], observation["z_people"][0]]
-        places.append(np.concatenate(seen).reshape(-1, 2))
-        if ended:
-            break
-        action, memory = policy.predict(observation, memory)
-        explored.append(name == "aicon" and bool(memory["p_robot/exploring"]))
-        observation, _, arrived, late, info = env.step(action)
-        ended = bool((arrived | late).all())
-    env.close()
-    return np.array(places), np.array([*explored, False]), info
+    policy = crowd.Orca() if name == "orca" else None
+    for moment in moments("crowd:TASK", condition, seed, policy):
+        seen = moment.observation
+        everybody = np.concatenate([seen["z_robot"][0], seen["z_people"][0]])
+        places.append(everybody.reshape(-1, 2))
+
+        is_exploring = policy is None and bool(moment.memory["p_robot/exploring"])
+        explored.append(is_exploring and not moment.is_last)
+    return np.array(places), np.array(explored), moment.info
 
 
 def draw(axis: Any, title: str, condition: str, seed: int, name: str) -> None:

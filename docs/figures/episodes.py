@@ -14,6 +14,7 @@ class Moment(NamedTuple):
         info: What the world tells beside that.
         policy: The policy.
         memory: What it made of what is seen; at the end, what it made of the step before.
+        is_last: Whether it is the end.
     """
 
     world: Any
@@ -21,22 +22,24 @@ class Moment(NamedTuple):
     info: Any
     policy: Any
     memory: Any
+    is_last: bool = False
 
 
-def moments(task_name: str, condition: str, seed: int) -> Iterator[Moment]:
-    """Every step of an episode of the shipped policy, compiled, in a task MODULE:TASK."""
+def moments(task_name: str, condition: str, seed: int, policy: Any = None) -> Iterator[Moment]:
+    """Every step of an episode in a task MODULE:TASK, of the shipped policy, or of another one."""
     module, name = task_name.split(":")
     world = import_module(module)
     task = getattr(world, name)
     env = task.make_env(1, condition, task.horizon)
-    policy = world.build(world.Options(**task.policy_options(condition))).compile()
-    scene = env.envs[0].unwrapped.world
+    if policy is None:
+        policy = world.build(world.Options(**task.policy_options(condition))).compile()
 
     (observation, info), memory, ended = env.reset(seed=[seed]), None, False
+    scene = env.envs[0].unwrapped.world
     while not ended:
         action, memory = policy.predict(observation, memory)
         yield Moment(scene, observation, info, policy, memory)
         observation, _, arrived, late, info = env.step(action)
         ended = bool((arrived | late).all())
-    yield Moment(scene, observation, info, policy, memory)
+    yield Moment(scene, observation, info, policy, memory, is_last=True)
     env.close()

@@ -1,22 +1,18 @@
 """A robot in a crowd of people, where the package that moves them is installed."""
 
-import sys
-from importlib import import_module
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-
-WORLDS = Path(__file__).parents[2] / "examples" / "worlds"
+from _worlds import episodes
 
 
 @pytest.fixture
-def crowd(monkeypatch: pytest.MonkeyPatch) -> Any:
+def crowd(world_of: Callable[[str], Any]) -> Any:
     """The world."""
     pytest.importorskip("pyrvo", reason="needs: make worlds")
-    monkeypatch.setattr(sys, "path", [str(WORLDS), *sys.path])
-    return import_module("crowd")
+    return world_of("crowd")
 
 
 def test_orca_and_the_graph_read_the_same(crowd: Any) -> None:
@@ -36,14 +32,7 @@ def test_orca_and_the_graph_read_the_same(crowd: Any) -> None:
 def test_among_people_who_do_not_see_it_a_robot_touches_nobody_and_arrives(
     crowd: Any,
 ) -> None:
-    policy = crowd.build(crowd.Options(**crowd.policy_options("circle5_blind"))).compile()
-    env = crowd.make_env(2, "circle5_blind", crowd.HORIZON)
-    (observation, _), memory, ended = env.reset(seed=[1000, 1027]), None, False
-    while not ended:
-        action, memory = policy.predict(observation, memory)
-        observation, _, terminated, truncated, info = env.step(action)
-        ended = (terminated | truncated).all()
-    env.close()
+    *_, (_, info) = episodes(crowd, "circle5_blind", [1000, 1027])
     assert info["is_success"].all() and not info["collision"].any()
 
 
