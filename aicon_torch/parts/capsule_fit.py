@@ -17,6 +17,10 @@ STANDS_OUT = 0.02
 WORTH_A_SPLIT = 0.95
 """They do if both stand out by less than this share of what the one did."""
 
+HOLLOW = 0.005
+"""The hull of a surface may stand out of its capsules by so much, m, which is half the gap that is
+kept; where it does by more, they cover the hull as well: physics take meshes for their hulls."""
+
 CUTS = (0.25, 0.375, 0.5, 0.625, 0.75)
 """Where a surface is cut in two, as shares of its extent."""
 
@@ -107,17 +111,32 @@ def around_points(points: NDArray[Any], directions: int = 64, rounds: int = 12) 
 
 
 def around_surfaces(surfaces: Sequence[NDArray[Any]], count: int) -> list[Segment]:
-    """A few capsules that cover some surfaces.
+    """A few capsules that cover some surfaces, and the convex hull of each up to :data:`HOLLOW`.
 
-    Again and again the capsule that stands out most, by more than :data:`STANDS_OUT`, is replaced
-    by two: what it covers is cut across, where both stand out least.
+    A bent or waisted surface has a hull that is wider than itself, and wider than the capsules that
+    follow it.
 
     Args:
         surfaces: ``(T, 3, 3)`` each, triangles, m.
         count: At most so many capsules.
     """
     hulls = _Hulls(surfaces)
-    pieces = [_small_triangles(np.concatenate(surfaces))]
+    triangles = np.concatenate(surfaces)
+    segments = _cover(triangles, hulls, count)
+
+    corners = _small_triangles(hulls.faces).reshape(-1, 3)
+    if _out_of(segments, corners).max() > HOLLOW:
+        segments = _cover(np.concatenate((triangles, hulls.faces)), hulls, count)
+    return segments
+
+
+def _cover(triangles: NDArray[Any], hulls: "_Hulls", count: int) -> list[Segment]:
+    """A few capsules that cover triangles ``(T, 3, 3)``.
+
+    Again and again the capsule that stands out most, by more than :data:`STANDS_OUT`, is replaced
+    by two: what it covers is cut across, where both stand out least.
+    """
+    pieces = [_small_triangles(triangles)]
     segments = [around_points(pieces[0].reshape(-1, 3))]
     heights = [hulls.height(segments[0])]  # 0 where nothing is to be gained any more
 
@@ -143,20 +162,39 @@ def around_surfaces(surfaces: Sequence[NDArray[Any]], count: int) -> list[Segmen
     return segments
 
 
+def _out_of(segments: Sequence[Segment], points: NDArray[Any]) -> NDArray[Any]:
+    """How far points ``(N, 3)`` are out of the nearest capsule, ``(N,)``, m; negative inside."""
+    distances: list[NDArray[Any]] = []
+    for segment in segments:
+        along, offset = segment.end - segment.start, points - segment.start
+        square = max(float(along @ along), 1e-12)
+        share = (offset @ along / square).clip(0.0, 1.0)
+        gap = np.linalg.norm(offset - share[:, None] * along, axis=1)
+        distances.append(gap - segment.radius)
+    return np.asarray(np.min(distances, axis=0))
+
+
 class _Hulls:
     """The convex hulls of surfaces: how far something stands out of all of them.
 
     Args:
         surfaces: ``(T, 3, 3)`` each, triangles, m.
+
+    Attributes:
+        faces: Of all of them, ``(F, 3, 3)``, m.
     """
 
     def __init__(self, surfaces: Sequence[NDArray[Any]]) -> None:
         spatial = import_extra("scipy.spatial", "robots")
         self._planes: list[NDArray[Any]] = []
+        faces: list[NDArray[Any]] = []
         for surface in surfaces:
             corners = _with_volume(_extreme_points(surface.reshape(-1, 3)))
             # Shaken a little (QJ), since what lies in a plane has no hull.
-            self._planes.append(spatial.ConvexHull(corners, qhull_options="QJ").equations)
+            hull = spatial.ConvexHull(corners, qhull_options="QJ")
+            self._planes.append(hull.equations)
+            faces.append(corners[hull.simplices])
+        self.faces = np.concatenate(faces)
 
     def height(self, segment: Segment) -> float:
         """By how much a capsule stands out, beyond the planes of the hulls' faces, m."""
