@@ -82,6 +82,25 @@ def test_capsules_cover_the_whole_surface(count: int) -> None:
     assert gaps.min(axis=0).max() <= 1e-9
 
 
+def test_the_hull_of_a_bent_surface_is_covered() -> None:
+    """Physics take one mesh for its hull, and two for two hulls."""
+    inside = np.array([[0.3, 0.0, 0.0], [0.5, 0.05, -0.1]])  # between the ends of the L
+    bent = around_surfaces([np.concatenate(bars())], 4)
+    assert min(gap(part, inside).max() for part in bent) < capsule_fit.HOLLOW
+    assert min(gap(part, inside).min() for part in around_surfaces(bars(), 4)) > 0.05
+
+
+def test_a_surface_whose_hull_is_covered_keeps_its_capsules(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two bars that are two surfaces have each a hull of their own."""
+    found = around_surfaces(bars(), 2)
+    monkeypatch.setattr(capsule_fit, "HOLLOW", np.inf)
+    for segment, other in zip(found, around_surfaces(bars(), 2), strict=True):
+        assert np.array_equal(segment.start, other.start)
+        assert segment.radius == other.radius
+
+
 def test_a_single_triangle_is_covered() -> None:
     triangle = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
     segments = around_surfaces([triangle], count=2)

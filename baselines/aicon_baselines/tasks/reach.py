@@ -16,7 +16,7 @@ from aicon_envs.reach import ReachEnv
 
 ROBOTS = ("panda", "ur5", "xarm7")
 
-OTHERS = ("kinova", "tiago", "ur10", "z1")
+OTHERS = ("kinova", "ur3", "ur10", "z1")
 """Robots that reach for poses alone, as slowly as all, with nothing about."""
 
 _VARIANTS: dict[str, dict[str, Any]] = {
@@ -85,7 +85,7 @@ TASK = Task(
     conditions=tuple(_ARGUMENTS),
     patterns=(
         "{panda,ur5,xarm7}_{pose,position}_{home,random}{,_fast,_ball,_moving_ball}",
-        "{kinova,tiago,ur10,z1}_pose_{home,random}",
+        "{kinova,ur3,ur10,z1}_pose_{home,random}",
         "so101_axis_{home,random}",
     ),
     make_env=_make_env,

@@ -58,6 +58,12 @@ ROBOTS = {
         "ur_description/srdf/ur5_joint_limited_robot.srdf",
         (0.0, -1.571, 1.571, -1.571, -1.571, 0.0),
     ),
+    "ur3": Robot(
+        "ur_description/urdf/ur3_joint_limited_robot.urdf",
+        "tool0",
+        "ur_description/srdf/ur5_joint_limited_robot.srdf",
+        (0.0, -1.571, 1.571, -1.571, -1.571, 0.0),
+    ),
     "ur10": Robot(
         "ur_description/urdf/ur10_joint_limited_robot.urdf",
         "tool0",
