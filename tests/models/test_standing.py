@@ -36,13 +36,13 @@ def reaching_readings(count: int) -> list[Reading]:
 
 
 MODELS = {
-    "nav2d": (lean("nav2d"), drifting(24, (1,)), 6),
-    "nav2d, late": (lean("nav2d", delay=10), drifting(24, (1,)), 6),
+    "nav2d": (lean("nav2d"), drifting(14, (1,)), 6),
+    "nav2d, late": (lean("nav2d", delay=10), drifting(14, (1,)), 6),
     "pusht": (lean("pusht"), wandering(12, 1), 3),
     "pusht, late": (lean("pusht", delay=3), wandering(12, 1), 3),
-    "arm_push": (lean("arm_push", sensing="pose"), arm_readings(24), 10),
-    "reach": (lean("reach", robot=planar_arm(), balls=1), reaching_readings(24), 6),
-    "arm_push, late": (lean("arm_push", sensing="pose", delay=10), arm_readings(24), 10),
+    "arm_push": (lean("arm_push", sensing="pose"), arm_readings(18), 10),
+    "reach": (lean("reach", robot=planar_arm(), balls=1), reaching_readings(14), 6),
+    "arm_push, late": (lean("arm_push", sensing="pose", delay=10), arm_readings(18), 10),
 }
 """A policy, readings, and the number of steps after which it must stand."""
 

@@ -85,9 +85,9 @@ def test_no_direction_is_special_to_an_object_with_its_centre_beside_its_corners
 def test_the_order_of_the_keypoints_does_not_matter(options: dict[str, Any], first: int) -> None:
     """Nor on which corner the outline begins."""
     order = [3, 6, 1, 0, 7, 5, 2, 4]
-    outline = [order.index(corner) for corner in benchmark.T_OUTLINE_ORDER]
+    outline = tuple(order.index(corner) for corner in benchmark.T_OUTLINE_ORDER)
     shuffled = without_dither(
-        keypoints=[benchmark.T_KEYPOINTS[corner] for corner in order],
+        keypoints=tuple(benchmark.T_KEYPOINTS[corner] for corner in order),
         outline_order=outline[first:] + outline[:first],
         center_of_mass=benchmark.T_CENTER_OF_MASS,
         radius_of_gyration=benchmark.T_RADIUS_OF_GYRATION,
