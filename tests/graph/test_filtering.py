@@ -2,7 +2,7 @@
 
 import pytest
 import torch
-from _inputs.logs import LOGS, STEPS, Log, random_actions, slope_off, stacked
+from _inputs.logs import AGREES, LOGS, STEPS, Log, random_actions, slope_off, stacked
 from _inputs.random_numbers import normal
 
 from aicon_torch import EKF, Actuator, Affine, Goal, Measurement, Policy, Sensor, WorldModel
@@ -52,7 +52,7 @@ def test_likelihood_has_the_gradient_of_finite_differences(log: Log) -> None:
             continue
         found += 1
         assert slope.abs().max() > 0, name
-        assert slope_off(likelihood, parameter, slope.sum()) <= 1e-6, name
+        assert slope_off(likelihood, parameter, slope.sum()) <= AGREES, name
     assert found >= 2
 
 
