@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from _inputs import quick
 
 import doorway
 import doorway_world
@@ -18,7 +19,7 @@ def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
 
     behind = {}
     for rule in ("sum", "projection"):
-        policy = retarget_world.make_policy(retarget.rules()[rule], 4)
+        policy = quick(retarget_world.make_policy(retarget.rules()[rule], 4))
         depths, errors, _ = retarget_world.follow(
             policy, joints, points, walls, np.full((2, 1), 2.0)
         )

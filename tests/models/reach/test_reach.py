@@ -94,7 +94,7 @@ def test_an_arm_as_many_times_as_fast_takes_the_same_way() -> None:
     ways = []
     for factor in (1, 3):
         policy = lean("reach", robot=planar_arm(1.5 * factor), dt=DT / factor)
-        way, _ = reach(policy, start, 1.5 / factor, DT / factor, target_position=target)
+        way, _ = reach(policy, start, 0.6 / factor, DT / factor, target_position=target)
         ways.append(way)
     torch.testing.assert_close(*ways, rtol=0, atol=1e-5)
 
