@@ -16,7 +16,7 @@ from _inputs.shipped import lean
 from _inputs.tracking import MOVE, tracked_point, tracking_model
 from aicon_torch import Actuator, DirectDescent, Measurement, Policy, Sum
 
-STEPS, ROWS = 8, 2
+STEPS, ROWS = 11, 2
 
 
 AGREES = 1e-6

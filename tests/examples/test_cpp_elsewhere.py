@@ -2,13 +2,14 @@
 
 import shutil
 import subprocess
-import sys
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
+import record_replay
+from aicon_baselines.cli.command_line import run_command
 from aicon_torch.export.codegen.targets import this_machine
 
 pytestmark = [
@@ -21,7 +22,6 @@ pytestmark = [
 Replay = Callable[[str, Path, int], "subprocess.CompletedProcess[str]"]
 
 ROOT = Path(__file__).parents[2]
-RECORD = [sys.executable, str(ROOT / "scripts/record_replay.py")]
 STEPS = 300
 
 # Emulator, compiler, and where the loader and the C library of that processor are.
@@ -52,6 +52,7 @@ def replay_on(tmp_path_factory: pytest.TempPathFactory) -> Replay:
     return replay
 
 
+@pytest.mark.usefixtures("optimized_elsewhere")
 @pytest.mark.parametrize(
     ("target", "task", "condition"),
     [
@@ -64,7 +65,7 @@ def test_every_command_is_that_of_this_processor(
     target: str, task: str, condition: str, tmp_path: Path, replay_on: Replay
 ) -> None:
     what = [task, str(tmp_path), "--condition", condition, "--target", target]
-    subprocess.run([*RECORD, *what, "--steps", str(STEPS)], check=True)
+    run_command(record_replay.COMMAND, [*what, "--steps", str(STEPS)])
 
     done = replay_on(target, tmp_path, STEPS)
     assert done.returncode == 0, done.stderr
@@ -76,7 +77,7 @@ def test_every_command_is_that_of_this_processor(
 def of_this_processor(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A policy, and a step that it took."""
     folder = tmp_path_factory.mktemp("here")
-    subprocess.run([*RECORD, "nav2d", str(folder), "--steps", "1"], check=True)
+    run_command(record_replay.COMMAND, ["nav2d", str(folder), "--steps", "1"])
     return folder
 
 
