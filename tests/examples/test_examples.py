@@ -36,6 +36,7 @@ def test_every_example_has_a_claim_here() -> None:
 
 
 LONG = (
+    "01_own_graph",
     "03_compare_resolutions",
     "04_many_robots",
     "05_own_arm",

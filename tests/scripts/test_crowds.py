@@ -11,6 +11,7 @@ import retarget_film
 import retarget_world
 
 
+@pytest.mark.slow
 def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
     """Four points against a wall of slope 2: 4 > 2 > 1.1."""
     joints, points = retarget_world.references(4, 2, seconds=4.0, seed=1000)
