@@ -9,7 +9,7 @@ from aicon_torch import EKF, Actuator, Affine, Goal, Measurement, Policy, Sensor
 from aicon_torch.errors import ObservationError
 
 LOG = pytest.mark.parametrize("log", LOGS.values(), ids=LOGS)
-MANY = ("arm_push", "pusht", "pusht, with a noise that grows with the push")
+MANY = ("nav2d", "arm_push", "pusht", "pusht, with a noise that grows with the push")
 SOME_LOGS_AT_FIRST = pytest.mark.parametrize(
     "log",
     [
