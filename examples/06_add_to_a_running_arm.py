@@ -60,7 +60,7 @@ def with_ball(policy: Policy, arm: Robot) -> Policy:
 def run(adds_goal: bool) -> tuple[float, float]:
     """The least gap to the ball, and how far the tip is from its target in the end, m."""
     arm = small_arm()
-    policy = make_policy("reach", robot=arm, speed=2.0, dt=DT)
+    policy = make_policy("reach", robot=arm, speed=2.0, dt=DT).compile()  # the same, much faster
     q = torch.tensor([0.6, 0.8, 0.6], dtype=torch.float64)
     target = arm.chain(q)[:3, 3]
     checked = Obstacle(Sphere(RADIUS), small_arm().shape.capsules, SquaredHinge(0.02, 1.0))

@@ -62,6 +62,19 @@ def optimized(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiler, "FLAGS", SHIPPED_FLAGS)
 
 
+@pytest.fixture
+def optimized_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """C for another machine is optimized, as it is shipped; C for this one is not."""
+    compiled = compiler.compiled
+
+    def with_flags(source: str, target: str | None = None) -> bytes:
+        with monkeypatch.context() as patch:
+            patch.setattr(compiler, "FLAGS", compiler.FLAGS if target is None else SHIPPED_FLAGS)
+            return compiled(source, target)
+
+    monkeypatch.setattr(compiler, "compiled", with_flags)
+
+
 @pytest.fixture(scope="session")
 def made_once(
     worker_id: str, tmp_path_factory: pytest.TempPathFactory

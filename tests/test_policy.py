@@ -47,7 +47,7 @@ def test_to_first_order_the_motion_never_raises_what_leads(projector: str) -> No
     policy = with_law(policy, accumulate=False, smoothing=0.0)
     explored = []
 
-    for memory in rollout(policy, drifting(150, (4,))):
+    for memory in rollout(policy, drifting(50, (4,))):
         gradients, exploring = memory["x_rob/gradients"], memory["x_rob/exploring"]
         units = gradients / lengths(gradients).clamp(min=1e-300).unsqueeze(-1)
         first, second = units.take_along_dim(memory["x_rob/rank"][..., None], dim=-2).unbind(-2)
@@ -119,7 +119,7 @@ def test_actions_are_of_the_kind_of_the_observation() -> None:
 
 @pytest.mark.parametrize("dtype", DTYPES, ids=str)
 def test_every_value_has_the_precision_of_the_model(dtype: torch.dtype) -> None:
-    memory = rollout(lean("nav2d", dtype=dtype), drifting(30))[-1]
+    memory = rollout(lean("nav2d", dtype=dtype), drifting(5))[-1]
     assert {value.dtype for value in memory.values() if value.is_floating_point()} == {dtype}
 
 

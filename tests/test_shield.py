@@ -111,7 +111,8 @@ def test_a_batch_is_its_rows_compiled_or_not_and_so_is_what_it_exports(tmp_path:
     compiled, _ = drive(shield.compile(), starts, 60)
     np.testing.assert_allclose(compiled, together, atol=1e-6)
     for row, start in enumerate(starts):
-        np.testing.assert_allclose(drive(shield, start, 60)[0], together[:, row], atol=1e-6)
+        form = shield if row == 1 else shield.compile()
+        np.testing.assert_allclose(drive(form, start, 60)[0], together[:, row], atol=1e-6)
 
     shield.export(tmp_path / "shield.so")
     exported, position, memory = load_exported(tmp_path / "shield.so"), starts[0], None

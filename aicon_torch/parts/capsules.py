@@ -1,5 +1,6 @@
 """The capsules of a robot, fitted to the collision geometry of its description."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,9 @@ MOST_PAIRS = 20_000
 
 APART = 0.01
 """Links that were never further apart than this in any of them, m, are taken for neighbours."""
+
+_FITTED: dict[bytes, tuple[Segment, ...]] = {}
+"""The capsules of surfaces that were fitted before."""
 
 
 @dataclass(frozen=True)
@@ -168,8 +172,22 @@ def _fit(geometry: CollisionGeometry, per_link: int) -> list[Segment]:
         segments.append(segment.moved(cylinder.pose))
 
     if geometry.triangles:
-        segments += around_surfaces(geometry.triangles, per_link)
+        segments += _around(geometry.triangles, per_link)
     return segments
+
+
+def _around(surfaces: Sequence[NDArray[Any]], count: int) -> tuple[Segment, ...]:
+    """A few capsules about some surfaces; the same surfaces are fitted once in a process.
+
+    A link takes about a second, and a robot is often read again: by a policy, a shield, a world.
+    """
+    digest = hashlib.sha256(str(count).encode())
+    for surface in surfaces:
+        digest.update(surface.tobytes())
+    key = digest.digest()
+    if key not in _FITTED:
+        _FITTED[key] = tuple(around_surfaces(surfaces, count))
+    return _FITTED[key]
 
 
 def _placed(segment: Segment, number: int, transform: NDArray[Any]) -> Capsule:

@@ -45,7 +45,7 @@ from _inputs.rules import (
     unweighted,
     weighted,
 )
-from _inputs.shipped import driven, lean, quick
+from _inputs.shipped import driven, lean, lean_anew, quick
 from _inputs.steered import (
     off_the_wall,
     point,
@@ -120,6 +120,7 @@ __all__ = [
     "graphs",
     "in_motion",
     "lean",
+    "lean_anew",
     "lengths",
     "literal",
     "match",

@@ -36,13 +36,13 @@ def bold_when_far(p: Tensor) -> Tensor:
     return distance(p) if float(p.detach()[..., 0].mean()) > 1.0 else 2.0 * distance(p)
 
 
-def follower(cost: Callable[..., Tensor] = distance) -> Policy:
+def follower(cost: Callable[..., Tensor] = distance, limit: float = 1.0) -> Policy:
     """A point that follows what it sees now and then."""
     seen = Measurement(Affine(p=1.0, z=-1.0), noise=0.01, size=2)
 
     model = WorldModel(
         sensors={"z": Sensor(2, "m", optional=True)},
-        actuators={"a": Actuator(2, "m/s", limit=1.0)},
+        actuators={"a": Actuator(2, "m/s", limit=limit)},
         estimators=[
             Deterministic("x", moved, is_motion=True),
             EKF(

@@ -19,6 +19,10 @@ from aicon_torch import Actuator, DirectDescent, Measurement, Policy, Sum
 STEPS, ROWS = 11, 2
 
 
+AGREES = 1e-6
+"""How well a slope and its finite differences agree."""
+
+
 class Log(NamedTuple):
     """A policy, what it read step by step, the names of numbers of each kind, and where some start.
 
@@ -174,6 +178,6 @@ def slope_off(function: Callable[[], Tensor], parameter: Tensor, wanted: Tensor)
                     slope += side * weight * function() / (60 * width)
                     parameter.copy_(before)
         off = min(off, float((slope - wanted).abs().max()) / scale)
-        if off <= 1e-7:
+        if off <= AGREES:
             break
     return off

@@ -33,7 +33,7 @@ def test_a_goal_that_asks_for_nothing_changes_nothing(quantity: str) -> None:
     memory = other = None
     explored = False
 
-    for readings in drifting(60):
+    for readings in drifting(24):
         # Compared step by step: rounding errors must not add up.
         if memory is not None and other is not None:
             other |= {name: memory[name] for name in plain.model.quantities}

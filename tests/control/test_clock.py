@@ -26,7 +26,7 @@ def timed(reading: Reading, *elapsed: float) -> Reading:
 @pytest.mark.parametrize("policy", [navigation(), LATE], ids=["prompt", "late"])
 def test_who_does_not_tell_took_as_long_as_usual(policy: Policy) -> None:
     memory = told_memory = None
-    for reading in drifting(20):
+    for reading in drifting(8):
         action, memory = policy.predict(reading, memory)
         told, told_memory = policy.predict(timed(reading, DT), told_memory)
         assert np.array_equal(action, told)

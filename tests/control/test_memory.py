@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_rows_stand_alone, assert_same_memory, rollout
-from _inputs import as_arrays, drifting, lean, navigation, observation_with, with_rule
+from _inputs import as_arrays, drifting, lean, lean_anew, navigation, observation_with, with_rule
 from torch import Tensor
 
 from aicon_torch import ObservationError
@@ -16,12 +16,12 @@ from aicon_torch.models import presets
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
 def test_singles_are_rows_of_a_batch(preset: str) -> None:
-    assert_rows_stand_alone(navigation(preset), drifting(40, (3,)), rows=(0, 2))
+    assert_rows_stand_alone(navigation(preset), drifting(20, (3,)), rows=(0, 2))
 
 
 def test_singles_are_rows_of_a_batch_without_a_softmax() -> None:
     policy = with_rule(navigation(), temperature=None)
-    assert_rows_stand_alone(policy, drifting(40, (3,)), rows=(0, 2))
+    assert_rows_stand_alone(policy, drifting(20, (3,)), rows=(0, 2))
 
 
 def test_the_batch_may_have_any_number_of_dimensions() -> None:
@@ -33,23 +33,23 @@ def test_the_batch_may_have_any_number_of_dimensions() -> None:
 
 def test_the_recorded_readings_make_it_explore() -> None:
     """Else the tests above and below would show little."""
-    memories = rollout(navigation(), drifting(120, (3,)))
+    memories = rollout(navigation(), drifting(20, (3,)))
     exploring = torch.stack([memory["x_rob/exploring"] for memory in memories])
     assert 0.05 < exploring.double().mean() < 0.95
 
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest"])
 def test_an_episode_goes_on_after_saving_and_loading(preset: str) -> None:
-    policy, recorded = navigation(preset), drifting(40)
+    policy, recorded = navigation(preset), drifting(24)
     straight = rollout(policy, recorded)
 
     saved = io.BytesIO()
-    torch.save(straight[19], saved)
+    torch.save(straight[15], saved)
     saved.seek(0)
     memory = torch.load(saved, weights_only=True)
 
-    other = lean("nav2d", preset=preset)
-    for reading, expected in zip(recorded[20:], straight[20:], strict=True):
+    other = lean_anew("nav2d", preset=preset)
+    for reading, expected in zip(recorded[16:], straight[16:], strict=True):
         _, memory = other.predict(reading, memory)
         assert_same_memory(memory, expected, 0.0)
 
@@ -63,7 +63,7 @@ def test_the_memory_is_flat_and_carries_no_graph(preset: str) -> None:
 
 
 def test_predict_does_not_change_what_it_is_given() -> None:
-    recorded = drifting(30, (2,))
+    recorded = drifting(15, (2,))
     memory = rollout(navigation(), recorded)[-1]
     before = {key: value.clone() for key, value in memory.items()}
 
@@ -78,7 +78,7 @@ def test_act_and_reset_are_predict_with_the_memory_kept() -> None:
 
     for _ in range(2):
         memory = None
-        for reading in drifting(30):
+        for reading in drifting(14):
             action, memory = policy.predict(as_arrays(reading), memory)
             assert np.array_equal(policy.act(as_arrays(reading)), action)
 
@@ -87,11 +87,11 @@ def test_act_and_reset_are_predict_with_the_memory_kept() -> None:
 
 def test_one_policy_serves_several_episodes_at_once() -> None:
     """No step leaves anything behind in the policy."""
-    policy, first, second = navigation(), drifting(40, seed=1), drifting(40, seed=5)
+    policy, first, second = navigation(), drifting(26, seed=1), drifting(26, seed=5)
     alone = rollout(policy, first)
     memories: list[Any] = [None, None]
 
-    for step in range(40):
+    for step in range(26):
         for episode, recorded in enumerate((first, second)):
             _, memories[episode] = policy.predict(recorded[step], memories[episode])
         assert_same_memory(memories[0], alone[step], 0.0)

@@ -53,7 +53,7 @@ def test_no_finite_readings_make_a_bad_action(
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal"])
 @every_precision
-@given(recorded=st.lists(PLAUSIBLE, min_size=10, max_size=20))
+@given(recorded=st.lists(PLAUSIBLE, min_size=6, max_size=12))
 def test_no_plausible_readings_make_a_bad_action(
     preset: str, dtype: torch.dtype, recorded: Readings
 ) -> None:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import pytest
 import torch
 from _asserts import assert_same_memory, rollout
-from _inputs import drifting, driven, lean
+from _inputs import drifting, driven, lean, lean_anew
 from _inputs.pushing import wandering
 from _inputs.reaching import planar_arm
 from torch import Tensor
@@ -26,9 +26,9 @@ def arm(count: int) -> list[dict[str, Tensor]]:
 
 
 POLICIES: dict[str, tuple[Callable[[], Policy], list[dict[str, Tensor]]]] = {
-    "nav2d": (lambda: lean("nav2d", max_speed=0.3), drifting(4, (2,))),
-    "pusht": (lambda: lean("pusht"), wandering(2, 2)),
-    "reach": (lambda: lean("reach", robot=ARM, balls=1), arm(2)),
+    "nav2d": (lambda: lean_anew("nav2d", max_speed=0.3), drifting(4, (2,))),
+    "pusht": (lambda: lean_anew("pusht"), wandering(2, 2)),
+    "reach": (lambda: lean_anew("reach", robot=ARM, balls=1), arm(2)),
 }
 
 

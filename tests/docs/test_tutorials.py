@@ -7,9 +7,7 @@ import os
 import re
 import sys
 import types
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from _documents import ROOT
@@ -43,15 +41,8 @@ def test_each_tutorial_is_on_the_site_and_runs_one_way_or_the_other() -> None:
         assert f"tutorials/{name}\n" in contents
 
 
-QUICK = ("shield",)
-"""The others take longer, and run with the slow tests."""
-
-
-def marked(names: Iterable[str]) -> list[Any]:
-    return [pytest.param(n, marks=[] if n in QUICK else pytest.mark.slow) for n in names]
-
-
-@pytest.mark.parametrize("name", marked(NEEDED))
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NEEDED)
 def test_the_program_of_a_tutorial_runs_and_prints_what_it_says(name: str) -> None:
     for module in NEEDED[name]:
         pytest.importorskip(module)
@@ -118,7 +109,8 @@ def run_page(page: Path) -> str:
     return printed.getvalue()
 
 
-@pytest.mark.parametrize("name", marked(NOTEBOOKS))
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NOTEBOOKS)
 def test_a_notebook_runs_and_prints_what_its_page_says(name: str, tmp_path: Path) -> None:
     for module in ("jupytext", "nbclient", "ipykernel", "matplotlib"):
         if importlib.util.find_spec(module) is None:

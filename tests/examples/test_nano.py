@@ -70,7 +70,7 @@ def difference(first: Any, second: Any) -> float:
 
 
 @pytest.mark.parametrize(
-    "steps", [40, pytest.param(1000, marks=pytest.mark.slow, id="whole_episode")]
+    "steps", [15, pytest.param(1000, marks=pytest.mark.slow, id="whole_episode")]
 )
 def test_every_step_in_the_first_trap_is_the_librarys(
     nano: Any, policy: Policy, steps: int

@@ -3,7 +3,6 @@
 import json
 import shutil
 import subprocess
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+import record_replay
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.bench import record_episodes
+from aicon_baselines.cli.command_line import run_command
 from aicon_torch import Foresight, OptionError, load_exported, make_policy
 from aicon_torch.export.codegen import compile_library, has_compiler
 from aicon_torch.export.codegen.targets import WEB
@@ -108,10 +109,10 @@ def test_every_step_is_the_readable_one(task: str, tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 @pytest.mark.slow
+@pytest.mark.usefixtures("optimized_elsewhere")
 def test_what_was_recorded_is_replayed_and_timed(tmp_path: Path) -> None:
-    root, folder = MODULE.parents[2], str(tmp_path)
-    record = [sys.executable, str(root / "scripts/record_replay.py"), "nav2d", folder]
-    subprocess.run([*record, "--target", "wasm32-web"], check=True)
+    folder = str(tmp_path)
+    run_command(record_replay.COMMAND, ["nav2d", folder, "--target", "wasm32-web"])
 
     # Each command is the one of the library, or the program fails.
     replay = ["node", str(MODULE.with_name("replay.mjs")), folder, "1000"]

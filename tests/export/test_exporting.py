@@ -56,7 +56,7 @@ def pair(good: Path) -> Pair:
 
 
 def test_it_takes_the_same_steps(pair: Pair) -> None:
-    assert_same_steps(*pair, drifting(40))
+    assert_same_steps(*pair, drifting(20))
 
 
 def test_it_takes_them_for_any_batch(pair: Pair) -> None:

@@ -28,7 +28,7 @@ from aicon_torch import (
 @functools.cache
 def memories() -> tuple[dict[str, Tensor], ...]:
     """Memories of some steps, among them such that explore."""
-    return tuple(rollout(navigation_in_text(), drifting(100)))
+    return tuple(rollout(navigation_in_text(), drifting(30)))
 
 
 # --- what the action does to the goals
@@ -87,7 +87,7 @@ def test_magnitudes_ranks_and_cosine_are_those_of_the_step() -> None:
     complete = {str(path).removesuffix(" → a") for path in policy.model.paths()}
     ranks: set[tuple[int | None, ...]] = set()
 
-    for memory in memories()[::5]:
+    for memory in memories()[::2]:
         report = policy.explain(memory).quantities["x_rob"]
         gradients = memory["x_rob/gradients"]
         norms = lengths(gradients)
@@ -127,7 +127,7 @@ def test_it_reads_as_a_few_lines() -> None:
 
 
 def test_a_row_of_a_batch_is_explained_as_alone() -> None:
-    policy, recorded = navigation_in_text(), drifting(30, (2, 3))
+    policy, recorded = navigation_in_text(), drifting(10, (2, 3))
     memory = rollout(policy, recorded)[-1]
     row = [{key: value[1, 2] for key, value in reading.items()} for reading in recorded]
     alone = rollout(policy, row)[-1]

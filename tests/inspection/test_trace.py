@@ -81,7 +81,7 @@ def test_values_and_costs_are_those_of_the_step() -> None:
 def test_gradients_ranks_and_conflicts_are_those_of_the_memory() -> None:
     policy = navigation()
 
-    for memory in rollout(policy, drifting(60, (3,))):
+    for memory in rollout(policy, drifting(20, (3,))):
         there = policy.trace(memory).quantities["x_rob"]
         assert torch.equal(there.gradients, memory["x_rob/gradients"])
         assert torch.equal(there.exploring, memory["x_rob/exploring"])
@@ -100,7 +100,7 @@ def test_a_leading_path_goes_from_a_goal_to_the_actuator_over_what_dominates_eac
     policy = navigation()
     complete = {tuple(str(path).split(" → ")) for path in policy.model.paths()}
 
-    for memory in rollout(policy, drifting(20, (3,))):
+    for memory in rollout(policy, drifting(10, (3,))):
         trace = policy.trace(memory)
         there = trace.quantities["x_rob"]
         for row in range(3):
@@ -113,7 +113,7 @@ def test_the_cosine_is_that_of_the_dominant_gradient_and_its_opponent() -> None:
     policy = navigation_in_text()
     explored = 0
 
-    for memory in rollout(policy, drifting(100)):
+    for memory in rollout(policy, drifting(30)):
         there = policy.trace(memory).quantities["x_rob"]
         dominant, opponent = int(there.dominant), int(there.opponent)
         assert dominant != opponent

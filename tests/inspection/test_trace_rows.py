@@ -36,7 +36,7 @@ def assert_row_of_quantity(whole: QuantityTrace, alone: QuantityTrace, row: int)
 
 @pytest.mark.parametrize("preset", ["aicon", "paper_literal", "steepest", "potential_field"])
 def test_a_batched_trace_is_the_traces_of_its_rows(preset: str) -> None:
-    policy, recorded = navigation(preset), drifting(15, (3,))
+    policy, recorded = navigation(preset), drifting(6, (3,))
     whole = policy.trace(rollout(policy, recorded)[-1])
 
     for row in range(3):
@@ -49,7 +49,7 @@ def test_a_batched_trace_is_the_traces_of_its_rows(preset: str) -> None:
 
 def test_an_explanation_is_a_row_of_the_trace() -> None:
     policy = navigation()
-    memory = rollout(policy, drifting(50, (3,)))[-1]
+    memory = rollout(policy, drifting(20, (3,)))[-1]
     trace = policy.trace(memory)
 
     for row in range(3):

@@ -51,7 +51,9 @@ def test_a_step_is_traced_into_one_graph(batch: tuple[int, ...]) -> None:
         torch.testing.assert_close(found, wanted)
 
 
-@pytest.mark.parametrize("batch", [(), (3,), (2, 3)], ids=str)
+@pytest.mark.parametrize(
+    "batch", [*(pytest.param(b, marks=pytest.mark.slow) for b in ((), (3,))), (2, 3)], ids=str
+)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_traced_step_of_every_robot_is_the_untraced(name: str, batch: tuple[int, ...]) -> None:
     chain = read_chain(name)

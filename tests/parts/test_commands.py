@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import pytest
 import torch
+from _inputs import quick
 from torch import Tensor
 
 from aicon_torch import Actuator, Deterministic, Goal, OptionError, Policy, Sensor, WorldModel
@@ -80,7 +81,7 @@ def test_a_mass_that_is_commanded_forces_comes_to_its_target_and_rests_there() -
         goals=[Goal("reach", target.expected_distance())],
         dt=DT,
     )
-    policy = Policy(model, NullspaceProjection(), Foresight())
+    policy = quick(Policy(model, NullspaceProjection(), Foresight()))
 
     place, mass, memory = at(1.0, -0.6), Mass(at(0.0, 0.0), at(0.0, 0.0)), None
     for _ in range(100):
@@ -102,7 +103,7 @@ def test_a_robot_that_is_commanded_displacements_comes_to_its_target() -> None:
         goals=[Goal("reach", target.expected_distance())],
         dt=DT,
     )
-    policy = Policy(model, NullspaceProjection(), Foresight())
+    policy = quick(Policy(model, NullspaceProjection(), Foresight()))
 
     left, memory = at(0.7, -0.4), None
     for _ in range(60):

@@ -17,6 +17,7 @@ from aicon_torch import DirectDescent, ObservationError, Policy
 ANYTHING = st.floats(allow_nan=True, allow_infinity=True, width=64) | st.sampled_from(
     [np.nan, np.inf, -np.inf, 5e-324, 1e38, 1e308, -1e308, 0.13, 20.0]
 )
+MOST = settings.default.max_examples
 STEPS = st.lists(st.tuples(ANYTHING, ANYTHING), min_size=1, max_size=6)
 
 PROMPT = Policy(navigation().model, navigation().resolution, DirectDescent())
@@ -58,14 +59,14 @@ def check_rows(policy: Policy, hostile: list[tuple[float, float]], kind: Any) ->
 
 
 @pytest.mark.parametrize("kind", [np.asarray, torch.as_tensor])
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=MOST, deadline=None)
 @given(hostile=STEPS)
 def test_one_bad_row_touches_no_other(kind: Any, hostile: list[tuple[float, float]]) -> None:
     check_rows(PROMPT, hostile, kind)
 
 
 @with_compiler
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=2 * MOST, deadline=None)
 @given(hostile=STEPS)
 def test_nor_does_it_compiled(compiled: Policy, hostile: list[tuple[float, float]]) -> None:
     check_rows(compiled, hostile, torch.as_tensor)
@@ -90,7 +91,7 @@ def test_a_memory_that_is_not_finite_heals_by_row() -> None:
 ARGUMENTS = st.none() | st.integers() | st.text(max_size=3) | st.lists(st.floats(), max_size=3)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=2 * MOST, deadline=None)
 @given(bearing=ARGUMENTS, state=ARGUMENTS | st.dictionaries(st.text(max_size=2), st.integers()))
 def test_wrong_arguments_are_named(bearing: Any, state: Any) -> None:
     """What is no observation or no memory is an error of the library, never a bare one."""

@@ -1,5 +1,6 @@
 """Where an actuator is held up it goes elsewhere, on the other side of the stops where it was."""
 
+from collections.abc import Iterator
 from typing import Any, cast
 
 import pytest
@@ -35,6 +36,13 @@ def remembered(
     costs: list[float], down: list[float], up: list[float], **options: Any
 ) -> dict[str, Tensor]:
     """What is remembered after some steps with these costs, at rest in the middle of a step."""
+    return list(remembering(costs, down, up, **options))[-1]
+
+
+def remembering(
+    costs: list[float], down: list[float], up: list[float], **options: Any
+) -> Iterator[dict[str, Tensor]]:
+    """What is remembered after each of them."""
     places = Places(PlaceEscape(**options), LIMITS, DT)
     memory = {
         key: value.double() if value.is_floating_point() else value
@@ -45,7 +53,7 @@ def remembered(
     for cost in costs:
         safe = SafeAction(torch.zeros(5, dtype=torch.float64), nominal)
         memory = places.judge(cast(Any, Cost(cost)), nominal, safe, room, memory)
-    return memory
+        yield memory
 
 
 MIDDLE, ANY = [2.0] * 5, [torch.inf] * 5
@@ -67,12 +75,11 @@ def test_the_next_places_are_on_the_other_side_of_a_stop(side: float) -> None:
     (down if side < 0 else up)[1] = 0.05
     (up if side < 0 else down)[1] = 4.0
 
-    for count in range(20, 400, 40):
-        memory = remembered([0.5] * count, down, up)
+    for memory in list(remembering([0.5] * 200, down, up))[19::40]:
         assert memory["stops"][1] == side
         assert memory["place"][1] * side < 0
 
-    forgetful = remembered([0.5] * 400, down, up, remembers=False)
+    forgetful = remembered([0.5] * 200, down, up, remembers=False)
     assert (forgetful["stops"] == 0).all()
 
 
@@ -111,8 +118,8 @@ def test_other_goals_forget_the_stops() -> None:
 
 
 def test_what_is_remembered_is_finite() -> None:
-    for count in (1, 20, 50, 100, 200):
-        for value in remembered([0.5] * count, MIDDLE, MIDDLE).values():
+    for memory in list(remembering([0.5] * 200, MIDDLE, MIDDLE))[::20]:
+        for value in memory.values():
             assert torch.isfinite(value.double()).all()
 
 

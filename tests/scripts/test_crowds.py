@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from _inputs import quick
 
 import doorway
 import doorway_world
@@ -10,6 +11,7 @@ import retarget_film
 import retarget_world
 
 
+@pytest.mark.slow
 def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
     """Four points against a wall of slope 2: 4 > 2 > 1.1."""
     joints, points = retarget_world.references(4, 2, seconds=4.0, seed=1000)
@@ -18,7 +20,7 @@ def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
 
     behind = {}
     for rule in ("sum", "projection"):
-        policy = retarget_world.make_policy(retarget.rules()[rule], 4)
+        policy = quick(retarget_world.make_policy(retarget.rules()[rule], 4))
         depths, errors, _ = retarget_world.follow(
             policy, joints, points, walls, np.full((2, 1), 2.0)
         )

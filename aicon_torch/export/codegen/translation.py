@@ -1,10 +1,9 @@
 """From a traced graph of tensor operations to a program of numbers."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from torch import Tensor
-from torch.utils._pytree import tree_map_only
 
 from aicon_torch.errors import GraphError
 from aicon_torch.export.codegen.arrays import Array, Writer, kind_of
@@ -59,8 +58,9 @@ def translate(
 
     # Tensors are told apart by identity: the operations were recorded while all of them lived.
     for operation in operations:
-        arguments = tree_map_only(Tensor, numbers_of, (operation.args, operation.kwargs))
-        found = _apply(operation, writer, *arguments)
+        arguments = [_replaced(value, numbers_of) for value in operation.args]
+        named = {key: _replaced(value, numbers_of) for key, value in operation.kwargs.items()}
+        found = _apply(operation, writer, arguments, named)
         if isinstance(operation.result, Tensor):
             found = (found,)
 
@@ -70,6 +70,15 @@ def translate(
             for tensor, numbers in zip(operation.returned, found, strict=False)
         )
     return [writer.array(numbers_of(output)) for output in outputs]
+
+
+def _replaced(value: Any, numbers_of: Callable[[Tensor], Any]) -> Any:
+    """An argument with the numbers of tensors instead of tensors, also in a list."""
+    if isinstance(value, Tensor):
+        return numbers_of(value)
+    if isinstance(value, list | tuple):
+        return [_replaced(each, numbers_of) for each in value]
+    return value
 
 
 def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:

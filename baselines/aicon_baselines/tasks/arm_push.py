@@ -7,6 +7,7 @@ The environment's seed is the episode's seed. Repeats have other noise, start an
 their own.
 """
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -64,14 +65,19 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
+    arguments = _ARGUMENTS[at_once(condition)[0]]
+    late = _FAULTS.policy_options(condition) if are_faults(condition) else {}
+    delay = round(arguments.get("image_delay", 0.0) / _FAULTS.dt)
+    return {**late, "camera.delay": delay, **_of_the_world(**arguments)}
+
+
+@functools.cache
+def _of_the_world(**arguments: Any) -> dict[str, Any]:
+    """What a policy is told of the environment with these arguments."""
     from aicon_torch.models.arm_push import PushingRobot
 
-    arguments = _ARGUMENTS[at_once(condition)[0]]
     env = ArmPushEnv(**arguments)
-    late = _FAULTS.policy_options(condition) if are_faults(condition) else {}
     return {
-        **late,
-        "camera.delay": round(arguments.get("image_delay", 0.0) / _FAULTS.dt),
         "robot": PushingRobot.from_description(env.description()),
         "corners": tuple((float(x), float(y)) for x, y in env.object.corners),
         "sensing": "pose" if env.obs_type == "pose" else "camera",

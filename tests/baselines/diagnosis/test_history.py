@@ -11,6 +11,7 @@ from aicon_baselines.diagnosis import History, Recording, diagnose
 from aicon_torch import (
     Actuator,
     Affine,
+    Foresight,
     Goal,
     KalmanFilter,
     Measurement,
@@ -52,7 +53,7 @@ def torn_policy() -> Policy:
         clock="z_elapsed",
         dtype=torch.float64,
     )
-    return Policy(model)
+    return Policy(model, law=Foresight(iterations=2))
 
 
 def run(read: Callable[[Tensor, int], Tensor]) -> Recording:

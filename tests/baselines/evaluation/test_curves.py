@@ -69,9 +69,10 @@ def test_no_two_policies_look_the_same() -> None:
     assert len(set(STYLES)) == len(STYLES) == 28
 
 
-@pytest.mark.parametrize("task", [POINTS, STEPS], ids=["seconds", "steps"])
 @pytest.mark.parametrize(
-    "rows", [handmade_rows(), handmade_rows()[4:]], ids=["some succeed", "none succeeds"]
+    ("rows", "task"),
+    [(handmade_rows(), POINTS), (handmade_rows()[4:], STEPS)],
+    ids=["some succeed, in seconds", "none succeeds, in steps"],
 )
 def test_report_files(tmp_path: Path, rows: list[Row], task: Task) -> None:
     # More than one line of panels.

@@ -25,10 +25,13 @@ def slow(condition):
 FILES = ("episodes.csv", "summary.json", "config.json")
 
 
-@pytest.fixture
-def here(tmp_path: Path) -> Path:
-    (tmp_path / "policies_here.py").write_text(POLICY)
-    return tmp_path
+@pytest.fixture(scope="module")
+def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where comparisons run, among them one that nobody disturbed."""
+    folder = tmp_path_factory.mktemp("runs")
+    (folder / "policies_here.py").write_text(POLICY)
+    finish(start(folder, "undisturbed"))
+    return folder
 
 
 def start(here: Path, out: str) -> "subprocess.Popen[str]":
@@ -61,7 +64,6 @@ def check_same(folder: Path, undisturbed: Path) -> None:
 
 
 def test_runs_that_are_killed_lose_no_row_and_end_with_the_same_files(here: Path) -> None:
-    finish(start(here, "undisturbed"))
     generator, kept = random.Random(0), set[str]()
 
     for _ in range(2):
@@ -82,7 +84,6 @@ def test_runs_that_are_killed_lose_no_row_and_end_with_the_same_files(here: Path
 def test_of_runs_that_start_at_once_in_one_folder_one_works_and_the_others_say_so(
     here: Path,
 ) -> None:
-    finish(start(here, "undisturbed"))
     processes = [start(here, "at_once") for _ in range(2)]
     for process in processes:
         _, errors = process.communicate()

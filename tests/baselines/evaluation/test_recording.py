@@ -9,7 +9,7 @@ import pytest
 import torch
 from gymnasium.wrappers import TimeLimit
 
-from aicon_baselines.agents.registry import make
+from aicon_baselines.agents.registry import factory
 from aicon_baselines.evaluation.recording import Recording, record, to_array, true_intervals
 from aicon_baselines.tasks import load
 
@@ -94,7 +94,7 @@ def test_who_filters_the_log_of_a_recording_believes_what_the_policy_believed(
     condition: str,
 ) -> None:
     pytest.importorskip("pymunk")
-    task, policy = load("pusht"), make("pusht", "aicon", condition)
+    task, policy = load("pusht"), factory("pusht", "aicon", **{"law.iterations": 2})(condition)
     env, reset = task.make_env(1, condition, 12), task.reset_arguments([task.episode(1001)])
     recording = record(Recording, policy, env, reset, 12)
     assert bool(recording.log[0]["z_keypoints"].isnan().any()) == (condition == "dropout")

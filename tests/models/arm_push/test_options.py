@@ -1,4 +1,5 @@
 import pytest
+from _inputs import lean
 
 from aicon_baselines import agents
 from aicon_torch import NullspaceProjection, OptionError, SteepestPath, Sum, make_policy
@@ -21,7 +22,7 @@ UNSEEN = {
 def test_the_presets_are_ours_and_the_baselines():
     resolutions = {"aicon": NullspaceProjection, "steepest": SteepestPath, "potential_field": Sum}
     for preset, kind in resolutions.items():
-        policy = make_policy("arm_push", preset=preset, sensing="pose")
+        policy = lean("arm_push", preset=preset, sensing="pose")
         assert type(policy.resolution) is kind
 
 
@@ -32,7 +33,7 @@ ABLATIONS = agents.ablations("arm_push")
 def test_every_ablation_can_be_built_and_differs_from_ours(name):
     policy = make_policy("arm_push", **ABLATIONS[name])
     assert policy.model.paths()
-    ours = make_policy("arm_push")
+    ours = lean("arm_push")
     if name.startswith("without_"):
         fewer = len(policy.model.paths()) < len(ours.model.paths())
         assert fewer or policy.resolution != ours.resolution or name in UNSEEN

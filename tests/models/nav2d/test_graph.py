@@ -40,7 +40,7 @@ def uncertainty(action: Tensor, start: dict[str, Tensor]) -> Tensor:
 
 def test_the_gradients_have_the_closed_forms_of_the_paper() -> None:
     """p₁ = −μ/‖μ‖, p₃ = ∇exp(−d/ℓ) = −exp(−d/ℓ)/ℓ·∇d, p₂ by finite differences; all times dt."""
-    for memory in rollout(lean("nav2d"), drifting(120))[::20]:
+    for memory in rollout(lean("nav2d"), drifting(60))[::10]:
         start = MODEL.values(memory)
         local = MODEL.record(start)
         slopes = {str(path): along(path, MODEL, local) for path in MODEL.paths()}

@@ -50,7 +50,7 @@ def test_the_compiled_step_is_the_readable_one() -> None:
     readable = make_policy("reach", preset="clutter", **robot)
     compiled, q = policy(), START
     state = other = None
-    for _ in range(20):
+    for _ in range(8):
         seen = {"q": q, "target_position": TARGET, "obstacles": reading_of([POST], 2)}
         action, state = readable.predict(seen, state)
         same, other = compiled.predict(seen, other)

@@ -4,6 +4,7 @@ import functools
 
 import pytest
 import torch
+from _inputs import lean, quick
 from _inputs.reaching import DT, planar_arm, reach, targets_of
 
 from aicon_torch import make_policy
@@ -26,7 +27,7 @@ def arm(name: str) -> Robot:
 def test_an_arm_reaches_positions_within_its_limits(name: str) -> None:
     pytest.importorskip("pytorch_kinematics")
     robot, targets = arm(name), targets_of(arm(name), 6, seed=3)[:, :3, 3]
-    policy = make_policy("reach", robot=robot, speed=1.5)
+    policy = quick(make_policy("reach", robot=robot, speed=1.5))
     start = (robot.chain.low.clamp(min=-3) + robot.chain.high.clamp(max=3)) / 2
 
     way, _ = reach(policy, start.expand(6, -1), seconds=8, target_position=targets)
@@ -44,7 +45,7 @@ def test_an_arm_reaches_a_pose_near_by(name: str) -> None:
     start = torch.tensor([0.1, -0.8, 0.4, -2.0, 0.3, 1.5, 0.2][: len(robot.chain.names)])
     target = robot.chain(start.double() + 0.3)
 
-    policy = make_policy("reach", robot=robot, orientation="axis", speed=1.5)
+    policy = quick(make_policy("reach", robot=robot, orientation="axis", speed=1.5))
     way, _ = reach(
         policy,
         start.double(),
@@ -59,7 +60,7 @@ def test_an_arm_reaches_a_pose_near_by(name: str) -> None:
 
 def test_a_pose_is_a_position_and_a_quaternion() -> None:
     robot = planar_arm(links=4, shape=False)
-    policy = make_policy("reach", robot=robot, orientation="full")
+    policy = quick(make_policy("reach", robot=robot, orientation="full"))
     angle = torch.tensor(1.2, dtype=torch.float64)
     zero = torch.zeros_like(angle)
     quaternion = torch.stack((torch.cos(angle / 2), zero, zero, torch.sin(angle / 2)))
@@ -79,7 +80,7 @@ def test_an_arm_never_touches_itself() -> None:
     assert robot.shape is not None
     segments = CapsuleSegments(robot.chain, robot.shape.capsules)
     distance = SelfCollision(robot.shape.capsules, SquaredHinge(1.0, 1.0), robot.shape.pairs)
-    policy = make_policy("reach", robot=robot)
+    policy = quick(make_policy("reach", robot=robot))
 
     start = torch.full((12, 5), 0.3, dtype=torch.float64)
     targets = targets_of(robot, 12, seed=1)[:, :3, 3]
@@ -92,8 +93,8 @@ def test_an_arm_as_many_times_as_fast_takes_the_same_way() -> None:
     start = torch.tensor([0.5, 0.5, 0.5], dtype=torch.float64)
     ways = []
     for factor in (1, 3):
-        policy = make_policy("reach", robot=planar_arm(1.5 * factor), dt=DT / factor)
-        way, _ = reach(policy, start, 1.5 / factor, DT / factor, target_position=target)
+        policy = lean("reach", robot=planar_arm(1.5 * factor), dt=DT / factor)
+        way, _ = reach(policy, start, 0.6 / factor, DT / factor, target_position=target)
         ways.append(way)
     torch.testing.assert_close(*ways, rtol=0, atol=1e-5)
 
@@ -102,7 +103,7 @@ def test_an_arm_as_many_times_as_fast_takes_the_same_way() -> None:
 def test_an_arm_gives_way_to_a_ball(ball_speed: float) -> None:
     robot = planar_arm()
     assert robot.shape is not None
-    policy = make_policy("reach", robot=robot, balls=1, ball_radius=0.05)
+    policy = quick(make_policy("reach", robot=robot, balls=1, ball_radius=0.05))
     segments = CapsuleSegments(robot.chain, robot.shape.capsules)
     distance = Obstacle(Sphere(0.05), robot.shape.capsules, SquaredHinge(1.0, 1.0))
 

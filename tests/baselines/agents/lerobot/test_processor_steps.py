@@ -12,7 +12,7 @@ pytest.importorskip("lerobot")
 pytest.importorskip("mujoco")
 pytest.importorskip("lerobot_robot_aicon")
 
-from _so101 import AboveTable, described, joints, to_action
+from _so101 import AboveTable, arm, joints, to_action
 from lerobot.configs.types import PipelineFeatureType
 from lerobot.processor import RobotProcessorPipeline
 from lerobot.processor.converters import (
@@ -21,7 +21,6 @@ from lerobot.processor.converters import (
 )
 from scipy.spatial.transform import Rotation
 
-from aicon_torch.parts import Robot
 from lerobot_robot_aicon import AiconSimulated, AiconSimulatedConfig, EndEffectorStep, ShieldStep
 
 pytestmark = pytest.mark.slow
@@ -51,8 +50,7 @@ def robot() -> AiconSimulated:
 
 def tip_of(posture: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """Place of the tip ``(3,)``, m, and its rotation ``(3, 3)``."""
-    chain = Robot.from_urdf(described()["urdf"], tip=described()["tip"]).chain
-    pose = chain.forward(torch.tensor(posture))
+    pose = arm().chain.forward(torch.tensor(posture))
     return pose[:3, 3].numpy(), pose[:3, :3].numpy()
 
 

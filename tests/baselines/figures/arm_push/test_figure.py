@@ -23,7 +23,7 @@ from aicon_baselines.figures.arm_push import (
 )
 from aicon_baselines.tasks.arm_push import TASK
 
-SEED, HORIZON = 1000, 81
+SEED, HORIZON = 1000, 61
 
 
 @pytest.fixture(scope="module")
@@ -36,10 +36,10 @@ def episode() -> ArmRecording:
 
 
 def test_every_tenth_step_is_recorded(episode: ArmRecording) -> None:
-    np.testing.assert_allclose(episode.times, 0.1 * np.arange(9))
+    np.testing.assert_allclose(episode.times, 0.1 * np.arange(7))
     assert episode.ending == "time limit"
-    assert len(episode.distance) == 9 and episode.exploring.shape == (9,)
-    assert episode.side_by_side(8).shape == (360, 960, 3)
+    assert len(episode.distance) == 7 and episode.exploring.shape == (7,)
+    assert episode.side_by_side(6).shape == (360, 960, 3)
 
 
 def test_gradients_come_by_the_end_effector_or_straight_to_the_joints(
@@ -52,7 +52,7 @@ def test_gradients_come_by_the_end_effector_or_straight_to_the_joints(
     } <= episode.strengths.keys()
     assert not any("x_ee" in label for label in episode.strengths)
     for strengths in episode.strengths.values():
-        assert strengths.shape == (9,)
+        assert strengths.shape == (7,)
 
 
 def test_no_colour_stands_for_two_curves_and_none_is_left_out(episode: ArmRecording) -> None:
@@ -74,7 +74,7 @@ def test_all_files_are_written(
         assert image.width == 1820
     assert imageio.mimread(tmp_path / "arm_push_film.webp")[0].shape[1] == 480
     assert all(path.exists() for path in summary.files)
-    assert str(summary).startswith("time limit after 0.9 s")
+    assert str(summary).startswith("time limit after 0.7 s")
 
 
 def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:

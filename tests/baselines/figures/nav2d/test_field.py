@@ -19,7 +19,7 @@ def test_field_where_the_agent_is_is_what_it_followed(
     assert recording.exploring.any()
     assert not recording.exploring.all()
 
-    for step in range(1, recording.steps, 3):
+    for step in range(1, recording.steps, 10):
         field = sample(recording, step, recording.positions[[step]], obstacle="remembered")
         np.testing.assert_allclose(-field.descent[0], gradients[step], rtol=0, atol=1e-9)
         assert field.exploring[0] == recording.exploring[step]

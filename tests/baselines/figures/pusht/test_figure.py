@@ -13,18 +13,18 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.figures import rollout
 from aicon_baselines.figures.pusht import PushRecording, PushRollout, figure, make_figure, record
 from aicon_baselines.figures.rollout import RolloutFilm, draw_film
 
 SEED = 1043
 
 
-def record_briefly(policy: Any, seed: int) -> PushRecording:
-    return record(policy, seed, limit=8)
-
-
-def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(figure, "record", record_briefly)
+def test_all_files_are_written_and_the_summary_says_what_they_show(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, episode: PushRecording
+) -> None:
+    monkeypatch.setattr(figure, "record", lambda policy, seed: episode)
+    monkeypatch.setattr(rollout, "DURATION", 1.0)
     folder = tmp_path / "figures"
     summary = make_figure(folder, video="webp", progress=False)
     numbers = summary.numbers
@@ -38,16 +38,8 @@ def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert (folder / "pusht_rollout.png").stat().st_size < 3e5
     assert len(imageio.mimread(folder / "pusht_rollout.webp")) > 3
     assert all(path.exists() for path in summary.files)
-
-
-def test_summary_says_what_the_figure_shows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, episode: PushRecording
-) -> None:
-    monkeypatch.setattr(figure, "record", lambda policy, seed: episode)
-    summary = str(make_figure(tmp_path, video="none", progress=False))
-    assert summary.startswith("arrival after")
-    assert "(f)" in summary
-    assert (tmp_path / "pusht_rollout.png").stat().st_size < 3e5
+    assert str(summary).startswith("arrival after")
+    assert "(f)" in str(summary)
 
 
 def test_a_film_holds_its_last_frame(episode: PushRecording) -> None:
