@@ -36,11 +36,18 @@ class Graph(NamedTuple):
         module: Where it is made.
         maker: The function that makes it of options.
         constants: What is set by hand beside its options.
+        told: Options that say what there is.
     """
 
     module: str
     maker: str = "build"
     constants: tuple[str, ...] = ()
+    told: tuple[str, ...] = ()
+
+
+def picking(module: str, *constants: str) -> Graph:
+    """A graph that picks up: told are how large a block is, and how well it is read."""
+    return Graph(module, constants=constants, told=("size", "noise"))
 
 
 AT_ONCE = "meta_world.AT_ONCE"
@@ -53,34 +60,24 @@ GRAPHS = {
     "FetchReach": Graph("fetch", "reach"),
     "FetchPush": Graph("fetch", "push"),
     "Meta-World: hand": Graph("meta_world", constants=(AT_ONCE,)),
-    "Meta-World: puck": Graph(
-        "meta_world_puck",
-        constants=(AT_ONCE, "meta_world_puck.EFFORT", "meta_world_puck.HAND.speed"),
+    "Meta-World: puck": picking(
+        "meta_world_puck", AT_ONCE, "meta_world_puck.EFFORT", "meta_world_puck.HAND.speed"
     ),
-    "SO-101: pick and place": Graph("so101_pick_place", constants=(HEIGHT,)),
-    "SO-101: pick-cube": Graph("so101_pick_place", constants=(HEIGHT, "so101_pick_cube.LIFT")),
-    "SO-101: by its joints": Graph(
+    "SO-101: pick and place": picking("so101_pick_place", HEIGHT),
+    "SO-101: pick-cube": picking("so101_pick_place", HEIGHT, "so101_pick_cube.LIFT"),
+    "SO-101: by its joints": picking(
         "so101_by_joints",
-        constants=(
-            HEIGHT,
-            "so101_pick_cube.LIFT",
-            *(f"so101_by_joints.{name}" for name in ("SPEED", "LEVER", "WORTH", "DAMPING")),
-        ),
+        HEIGHT,
+        "so101_pick_cube.LIFT",
+        *(f"so101_by_joints.{name}" for name in ("SPEED", "LEVER", "WORTH", "DAMPING")),
     ),
-    "SO-101: in the way": Graph(
+    "SO-101: in the way": picking(
         "so101_in_the_way",
-        constants=(
-            HEIGHT,
-            *(f"so101_in_the_way.{name}" for name in ("LENGTH", "NEGLIGIBLE", "WORTH")),
-        ),
+        HEIGHT,
+        *(f"so101_in_the_way.{name}" for name in ("LENGTH", "NEGLIGIBLE", "WORTH")),
     ),
-    "OGBench's cubes": Graph("ogbench_cubes"),
-    "OGBench: scene": Graph(
-        "ogbench_scene",
-        constants=tuple(
-            f"ogbench_scene.{name}" for name in ("CLEARANCE", "DEPTH", "ASIDE", "DOWN")
-        ),
-    ),
+    "OGBench's cubes": picking("ogbench_cubes"),
+    "OGBench: scene": picking("ogbench_scene", "ogbench_scene.ASIDE", "ogbench_scene.DOWN"),
 }
 """Other people's worlds, in examples/worlds."""
 
@@ -169,7 +166,7 @@ def numbers_of_graph(graph: Graph) -> dict[str, int]:
     used = options_of(functions_of(graph.module, graph.maker))
     numbers = {}
     for name, count in numbers_in(import_module(graph.module).Options()).by_hand.items():
-        if name.split(".")[0] in used:
+        if name.split(".")[0] in used and name not in graph.told:
             numbers[name] = count
 
     for constant in graph.constants:

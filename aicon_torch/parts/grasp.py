@@ -6,7 +6,6 @@ what moves it. A contact moves an object along its normal; a grasp moves it anyw
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -84,9 +83,13 @@ class Grasp:
     So it rises before it comes, does not push, and does not close on the object's upper edge.
 
     Letting go is the other sign of the same path. Where p_grasp is to be reduced, the fingers open;
-    as long as they are closed, the tip stays in the middle, and as they open, it rises:
+    as long as they are closed, the tip stays in the middle, and as they open, it rises until they
+    are about the object no longer, a = exp(−(‖Δ‖/s)⁶), since they would drag it along:
 
-        D = o + b ((1 − t) Δ_z − t ‖Δ‖),    t = (o_max − o)/(o_max − o_min).
+        D = o + a ((1 − t) Δ_z − t ‖Δ‖),    t = (o_max − o)/(o_max − o_min).
+
+    A hand that is about another object does not come to hold this one, either: p_grasp counts by
+    Π (1 − a) over the others.
 
     Fingers that turn have a fourth component: how far they are turned from the object's side, as
     the way rψ of a point at its edge.
@@ -135,26 +138,26 @@ class Grasp:
         # To let go has a way of its own: the fingers open in the middle, and then the tip rises.
         shut = (too_narrow / self.gripper.range).detach()  # stops the gradient: it weighs
         leave = (1 - shut) * offset[..., 2] - shut * norm(offset)
-        let_go = straight_through(way, opening + between * leave)
+        let_go = straight_through(way, opening + self.about(x_rel).squeeze(-1) * leave)
 
         # p_grasp in value; whether it is to grow or to fall decides which way leads there.
         grasped, released = (likelihood_across(gap, self.reach) for gap in (way, let_go))
-        return self.empty_handed(by_sign(released, grasped).unsqueeze(-1), others)
-
-    def empty_handed(self, likelihood: Tensor, others: Sequence[Tensor]) -> Tensor:
-        """The likelihood of what only an empty hand does, p ∏ (1 − b), ``(*B, 1)``.
-
-        Args:
-            likelihood: p, of a hand that is empty, ``(*B, 1)``.
-            others: The tip from what else may be between the fingers, like x_rel, m.
-        """
-        for x_rel in others:
-            likelihood = likelihood * (1 - self.between(x_rel))
+        likelihood = by_sign(released, grasped).unsqueeze(-1)
+        for other in others:
+            likelihood = likelihood * (1 - self.about(other))
         return likelihood
 
     def between(self, x_rel: Tensor) -> Tensor:
         """b, how surely the object is between the fingers, ``(*B, 1)``."""
-        share = norm(self._offset(x_rel)) / (self.size / 2)
+        return self._within(x_rel, self.size / 2)
+
+    def about(self, x_rel: Tensor) -> Tensor:
+        """a, how surely the fingers are about the object, and would drag it along, ``(*B, 1)``."""
+        return self._within(x_rel, self.size)
+
+    def _within(self, x_rel: Tensor, length: float) -> Tensor:
+        """exp(−(‖Δ‖/l)⁶), ``(*B, 1)``."""
+        share = norm(self._offset(x_rel)) / length
         likely = torch.exp(-(share**6))
         return likely.detach().unsqueeze(-1)  # stops the gradient: it weighs, and is no goal
 

@@ -99,8 +99,8 @@ class Button:
 
     p_press = exp(−D/ℓ) with the way D that is left: D = ‖Δ − h e_z‖ + o − o_min, where Δ is the tip
     from where the button is pressed down, and ℓ and h as for a grasp: closed fingers come to it
-    from above, unless they hold something. If it is to stay as it is, the way leads upward instead:
-    D = ‖Δ_xy‖ + Δ_z, of which the height alone has a gradient.
+    from above, unless something is between them. If it is to stay as it is, the way leads upward
+    instead: D = ‖Δ_xy‖ + Δ_z, of which the height alone has a gradient.
 
     Attributes:
         grasp: That of the same hand.
@@ -136,5 +136,7 @@ class Button:
         let_go = straight_through(way, upward)
 
         press = by_sign(*(likelihood_across(gap, self.grasp.reach) for gap in (let_go, way)))
-        press = self.grasp.empty_handed(press.unsqueeze(-1), others)
+        press = press.unsqueeze(-1)
+        for other in others:
+            press = press * (1 - self.grasp.between(other))
         return straight_through(z_state, (1 - 2 * z_state) * press)

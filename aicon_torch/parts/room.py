@@ -11,6 +11,10 @@ from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import straight_through
 
 
+Thing = tuple[Tensor, Tensor]
+"""Of an object its centre ``(*B, n)`` and the place where it belongs ``(*B, 3)``, m."""
+
+
 @dataclass(frozen=True)
 class Room:
     """p_room: how likely a place takes an object, because it is vacant and carries it.
@@ -18,9 +22,10 @@ class Room:
     With how near another object is that is a gap d away, n(d) = clip(2 − d/s, 0, 1), a place is
     vacant by Π (1 − n(d_xy)) over those that are no lower than it, as one comes from above; those
     that belong below it take no place from it. It carries by 1 where the table does, and elsewhere
-    by the largest n(d) of those that belong right below it, with the way d from above
-    (:func:`way_from_above`) to g − s e_z. Nothing says which object goes first: a place that is
-    taken, or carried by nothing yet, makes its goal worth less, and worth clearing.
+    by c n(d) of the one that belongs right below it, with the way d from above
+    (:func:`way_from_above`) to g − s e_z, and with c, by how much the place of that one carries it.
+    Nothing says which object goes first: a place that is taken, or carried by nothing yet, makes
+    its goal worth less, and worth clearing, or building from the lowest on.
 
     Attributes:
         size: s, width and height of an object, m.
@@ -49,26 +54,47 @@ class Room:
             *others: Of each other object in turn its centre x, ``(*B, n)``, m, with x, y and z
                 first, and the place where it belongs, ``(*B, 3)``, m.
         """
+        things = list(zip(others[::2], others[1::2], strict=True))
+        return (self._vacant(place, things) * self._carried(place, things)).unsqueeze(-1)
+
+    def _vacant(self, place: Tensor, things: list[Thing]) -> Tensor:
+        """How surely nothing takes a place, ``(*B,)``."""
+        vacant = torch.ones_like(place[..., 0])
+        for thing, its_place in things:
+            # What is wholly in a place can still be moved out of it.
+            beside = norm(thing[..., :2] - place[..., :2])
+            takes = straight_through(self._near(beside), (2 - beside / self.size).clamp(min=0.0))
+
+            is_lower = thing[..., 2] < place[..., 2] - self.size / 2
+            belongs_below = self._depth(place, its_place) > 0
+            vacant = vacant * (1 - torch.where(is_lower | belongs_below, 0.0, takes))
+        return vacant
+
+    def _carried(self, place: Tensor, things: list[Thing]) -> Tensor:
+        """How surely a place is carried, ``(*B,)``: by the table, or by what is carried itself."""
         on_table = place[..., 2] < self.rest + self.size / 2
-        vacant, carried = torch.ones_like(place[..., 0]), on_table.to(place)
+        carried = on_table.to(place)
         below = place - self.size * upward(place)
 
-        for other, other_place in zip(others[::2], others[1::2], strict=True):
-            # 1. What belongs right below, and is there, carries.
-            in_column = norm((other_place - place)[..., :2]) < self.size
-            depth = place[..., 2] - other_place[..., 2]
-            belongs_below = in_column & (depth > 0)
-            belongs_next = belongs_below & (depth < 1.5 * self.size)
-            way = way_from_above(other[..., :3] - below, self.slack, self.clearance)
-            carries = self._near(way)
-            carried = torch.maximum(carried, torch.where(belongs_next, carries, 0.0))
+        for number, (thing, its_place) in enumerate(things):
+            # How near it is; however far away, it can come nearer.
+            way = way_from_above(thing[..., :3] - below, self.slack, self.clearance)
+            near = straight_through(self._near(way), (2 - way / self.size).clamp(max=1.0))
 
-            # 2. What is there, or above, takes the place. What is wholly in it can still be moved.
-            beside = norm(other[..., :2] - place[..., :2])
-            takes = straight_through(self._near(beside), (2 - beside / self.size).clamp(min=0.0))
-            is_lower = other[..., 2] < place[..., 2] - self.size / 2
-            vacant = vacant * (1 - torch.where(is_lower | belongs_below, 0.0, takes))
-        return (vacant * carried).unsqueeze(-1)
+            # It counts as far as its own place carries it; what is missing there counts in full.
+            rest = things[:number] + things[number + 1 :]
+            support = self._carried(its_place, rest)
+            carries = straight_through(near * support, near * support.detach() + support)
+
+            depth = self._depth(place, its_place)
+            belongs_right_below = (depth > 0) & (depth < 1.5 * self.size)
+            carried = torch.where(belongs_right_below & ~on_table, carries, carried)
+        return carried
+
+    def _depth(self, place: Tensor, other: Tensor) -> Tensor:
+        """How far below a place another one of its column is, ``(*B,)``, m; 0 of another column."""
+        in_column = norm((other - place)[..., :2]) < self.size
+        return torch.where(in_column, place[..., 2] - other[..., 2], 0.0)
 
     def _near(self, gap: Tensor) -> Tensor:
         """n(d), ``(*B,)``."""

@@ -15,6 +15,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import load_env_creator
 from gymnasium.spaces import Box, Dict
 from others import World, needed, readings
 
@@ -28,6 +29,17 @@ from aicon_torch.models.picking import PRESETS, SIZE, Hand, Options, block_names
 NAMES = ("single", "double", "triple")
 EDGE = SIZE / 2  # m, from a cube's axis to its side: what a turn is told at
 GOAL, CUBE, CENTRE = 19, 9, (0.425, 0.0, 0.0)  # where goals begin, how long one is; decimetres
+
+
+def made(name: str) -> Any:
+    """The world of a name, whose actions, with which an episode begins, can be seeded.
+
+    As it is, it makes another space of actions at each look, and none of them is seeded.
+    """
+    spec = gymnasium.spec(name)
+    kind = load_env_creator(spec.entry_point)
+    space = Box(-1.0, 1.0, (5,), np.float32)
+    return type(kind.__name__, (kind,), {"action_space": space})(**spec.kwargs)
 
 
 class Cubes(World):
@@ -49,8 +61,7 @@ class Cubes(World):
     def _open(self, name: str, count: int, task: int, render_mode: str | None) -> None:
         """Make the world of a name, in which so many cubes are."""
         needed("ogbench.manipspace", "ogbench")
-        made = gymnasium.make(name, disable_env_checker=True)
-        self.world, self.task, self.render_mode = made.unwrapped, task, render_mode
+        self.world, self.task, self.render_mode = made(name), task, render_mode
         self.count, self.names = count, block_names(count)
 
     def _sizes(self) -> dict[str, int]:

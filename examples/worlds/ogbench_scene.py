@@ -36,8 +36,7 @@ __all__ = ["PRESETS", "TASK", "Options", "build"]
 # Which way they open, and how far, m.
 HANDLES = {"_drawer": ((0.0, 1.0, 0.0), 0.16), "_window": ((1.0, 0.0, 0.0), 0.2)}
 CLEARANCE = 0.16  # m, above which nothing stands in the way, from a cube or a handle on
-DEPTH = 0.15  # m, by which the drawer is open
-ASIDE = 0.025  # m, from the cube's place to where it touches the drawer's front no more
+ASIDE = 0.035  # m, from the cube's place to where it touches the drawer's front no more
 DOWN = 0.03  # m, from the top of a button to where the tip has pressed it
 
 
@@ -142,7 +141,7 @@ def place_in_drawer(
 
 def room_in_drawer(z_inside: Tensor, x_obj_drawer: Tensor, z_shut: Tensor) -> Tensor:
     """p_room: how likely that place can be come to, (*B, 1), as far as the drawer is open."""
-    share = (x_obj_drawer[..., 1:2] - z_shut[..., 1:2]) / DEPTH
+    share = (x_obj_drawer[..., 1:2] - z_shut[..., 1:2]) / HANDLES["_drawer"][1]
     is_open = straight_through(share.clamp(0.0, 1.0), share)
     return 1 - z_inside * (1 - is_open)
 

@@ -28,6 +28,12 @@ class World(gymnasium.Env[Any, Any]):
 
     world: Any
 
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        """Begin what is drawn; some worlds draw actions of their own, to come to rest."""
+        if seed is not None:
+            self.world.action_space.seed(seed)
+        return super().reset(seed=seed)
+
     def render(self) -> Any:
         """A picture."""
         return self.world.render()

@@ -1,5 +1,7 @@
 """A hand that picks up and places: what it is told, and what that changes."""
 
+from dataclasses import replace
+
 import torch
 
 from aicon_torch.models.picking import Hand, Options, build_policy
@@ -30,3 +32,15 @@ def test_where_heights_begin_changes_nothing_once_the_table_is_told() -> None:
 def test_three_paths_lead_from_the_place_to_the_tip() -> None:
     paths = [str(path) for path in build_policy(HAND).model.paths()]
     assert sum(path.startswith("place") and path.endswith("tip") for path in paths) == 3
+
+
+def test_fingers_turn_to_the_nearest_side_however_far_the_hand_has_turned() -> None:
+    edge, quarter = 0.02, 0.02 * torch.pi / 2  # m; the way of a point there in a quarter of a turn
+    policy = build_policy(replace(HAND, steps=(0.025, 0.025, 0.025, 0.067 * edge)))
+    block, goal = torch.tensor([0.25, 0.0, 0.02, 0.0]), torch.tensor([0.3, 0.1, 0.02])
+
+    memory = None
+    for turn in torch.linspace(0.0, 3 * quarter, 40):
+        tip = torch.tensor([0.2, 0.1, 0.15, turn])
+        _, memory = policy.predict({"z_tip": tip, "z_block": block, "z_goal": goal}, memory)
+        assert abs(memory["x_rel"][3]) <= quarter / 2 + 3 * quarter / 40  # and a step

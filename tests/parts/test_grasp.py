@@ -73,6 +73,21 @@ def test_letting_go_opens_the_fingers_in_the_middle_and_rises_once_they_are_open
     assert motion[0, 2] < 0 and not motion[0, :2].any()
 
 
+def test_open_fingers_rise_until_they_are_about_the_object_no_longer() -> None:
+    widest = leaf(GRIPPER.widest)
+    among, clear = (slopes(leaf(0.0, 0.0, 0.01 + rise), widest, 1.0)[0] for rise in (0.02, 0.08))
+    assert among[0, 2] < 0 and clear[0, 2] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_fingers_about_one_object_come_to_hold_no_other() -> None:
+    beside, opening = leaf(0.3, 0.0, 0.03), leaf(GRIPPER.widest)
+    alone = GRASP.likelihood(beside, opening)
+    about, clear = (
+        GRASP.likelihood(beside, opening, leaf(0.0, 0.0, 0.01 + rise)) for rise in (0.015, 0.08)
+    )
+    assert about < 0.01 * alone and clear.item() == pytest.approx(alone.item(), abs=1e-6)
+
+
 def test_the_likelihood_is_largest_where_the_object_is_held() -> None:
     held = GRASP.likelihood(leaf(0.0, 0.0, 0.01), leaf(0.02))
     assert held.item() == pytest.approx(1.0, abs=1e-3)

@@ -44,6 +44,14 @@ def test_of_a_stack_the_highest_is_carried_by_the_one_right_below_it_alone() -> 
     assert not slope.any()  # it is where it belongs
 
 
+def test_a_stack_is_worth_building_from_the_lowest_on() -> None:
+    highest, beside = leaf(0.0, 0.0, 0.10), leaf(0.08, 0.0, 0.02)
+    for lowest, low_counts in ((leaf(0.3, 0.0, 0.02), True), (leaf(0.0, 0.0, 0.02), False)):
+        room = ROOM(highest, lowest, LOW, beside, HIGH)
+        by_lowest, by_middle = torch.autograd.grad(room.sum(), (lowest, beside))
+        assert room.item() == 0 and by_lowest.any() == low_counts != by_middle.any()
+
+
 def test_what_carries_comes_from_above_as_well() -> None:
     other = leaf(0.05, 0.0, 0.02)
     (slope,) = torch.autograd.grad(ROOM(HIGH, other, LOW), other)

@@ -9,6 +9,7 @@ adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import torch
@@ -49,6 +50,9 @@ LAG = 0.01
 
 DRIFT = 0.001
 """Of what nothing moves, in a step, m."""
+
+Moves = Callable[[Tensor, Tensor, Tensor, Tensor, Tensor], Tensor]
+"""How a block moves, as :class:`~aicon_torch.parts.grasp.Carrying`."""
 
 DEFAULTS, NOTHING_ELSE = Options(), Surroundings()
 
@@ -224,10 +228,22 @@ def block(
     moved_by = [x_object, "x_tip", p_grasp, p_held, p_free]
     if handle is None:
         free = Deterministic(p_free, Interconnection(carrying.free, [x_object]))
-        moved = Deterministic(f"x_obj{name}", Interconnection(carrying, moved_by))
+        moves = carrying if options.grasp_path else without_grasp(carrying)
+        moved = Deterministic(f"x_obj{name}", Interconnection(moves, moved_by))
         return [*known, grasped, free, moved]
     moved = Deterministic(f"x_obj{name}", Interconnection(handle, [*moved_by, f"z_way{name}"]))
     return [*known, grasped, moved]
+
+
+def without_grasp(carrying: Carrying) -> Moves:
+    """What moves a block that is held already: no path leads over the grasp that is to come."""
+
+    def moves(
+        x_object: Tensor, x_tip: Tensor, p_grasp: Tensor, p_held: Tensor, p_free: Tensor
+    ) -> Tensor:
+        return carrying(x_object, x_tip, p_grasp.detach(), p_held, p_free)  # stops that path
+
+    return moves
 
 
 def place_of(name: str, goes: Any, size: int, options: Options) -> EKF:
@@ -263,6 +279,9 @@ def tip_from(name: str, comes: Any, size: int, options: Options, side: float) ->
     def drift(p_held: Tensor) -> Tensor:
         return (DRIFT**2 + ((1 - p_held) * LAG) ** 2).expand(*p_held.shape[:-1], size)
 
+    def predict(x_rel: Tensor, p_held: Tensor, tip: Tensor, dt: Tensor) -> Tensor:
+        return alike(comes(x_rel, p_held, tip, dt), side)
+
     def first(z_tip: Tensor, z_block: Tensor) -> tuple[Tensor, Tensor]:
         return alike(z_tip - z_block, side), options.noise**2 * torch.eye(size).to(z_tip)
 
@@ -271,7 +290,7 @@ def tip_from(name: str, comes: Any, size: int, options: Options, side: float) ->
 
     return position(
         x_rel,
-        Interconnection(comes, [x_rel, p_held, "tip", "dt"]),
+        Interconnection(predict, [x_rel, p_held, "tip", "dt"]),
         Interconnection(drift, [p_held]),
         Interconnection(residual, [x_rel, "x_tip", x_object]),
         Interconnection(first, ["z_tip", f"z_block{name}"]),

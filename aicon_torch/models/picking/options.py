@@ -66,6 +66,7 @@ class Options:
             the size if it is not told.
         table: Height of the table, as the readings count heights.
         blocks: How many there are.
+        grasp_path: Whether a place leads to the tip over the grasp that is to come as well.
         resolution: How gradients that meet are resolved.
         law: How the gradient becomes an action.
     """
@@ -79,6 +80,7 @@ class Options:
     clearance: float | None = None
     table: float = 0.0
     blocks: int = 1
+    grasp_path: bool = True
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=Foresight)
 
@@ -124,6 +126,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     "weighted_sum": {"resolution.projector": "none"},
     "steepest": {"resolution": SteepestPath()},
     "one_gradient": {"law.iterations": 1},
+    "without_grasp": {"grasp_path": False},
 }
-"""Options by preset: ours, ours without exploration, a sum that explores, the steepest path, and
-ours with one gradient a step."""
+"""Options by preset: ours, ours without exploration, a sum that explores, the steepest path, ours
+with one gradient a step, and without the path over the grasp."""
