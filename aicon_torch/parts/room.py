@@ -10,7 +10,6 @@ from aicon_torch.parts.planar import norm
 from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import straight_through
 
-
 Thing = tuple[Tensor, Tensor]
 """Of an object its centre ``(*B, n)`` and the place where it belongs ``(*B, 3)``, m."""
 

@@ -2,8 +2,8 @@
 
 After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures/draw_picking.py
 
-It saves picking.png, and the films so101_knocked.webp, cube_single.webp, cube_triple.webp and
-scene.webp, with the path from a goal along which tip and jaw are led.
+It saves picking.png, and the film of each of FILMS, with the path from a goal along which tip and
+jaw are led.
 """
 
 from importlib import import_module
@@ -28,8 +28,10 @@ WORLDS = {
 }
 FILMS = {
     "so101_knocked": ("so101_pick_place:TASK", "knocked", 400601),
+    "so101_pick_cube": ("so101_pick_cube:TASK", "near", 404250),
     "cube_single": ("ogbench_cubes:SINGLE", "task1", 400001),
-    "cube_triple": ("ogbench_cubes:TRIPLE", "task5", 404000),
+    "cube_double": ("ogbench_cubes:DOUBLE", "task4", 406000),
+    "cube_triple": ("ogbench_cubes:TRIPLE", "task5", 406000),
     "scene": ("ogbench_scene:TASK", "task4", 403000),
 }
 IMAGES = Path(__file__).parents[1] / "images"
