@@ -123,10 +123,10 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/;
 	$(call world,so101_in_the_way:TASK,board,aicon script,$(EPISODES),404000,so101_board)
 	$(call world,so101_pick_cube:TASK,near,aicon script,$(EPISODES),402000,so101_cube)
 	$(call world,so101_by_joints:TASK,anywhere,aicon,$(EPISODES),404000,so101_joints)
-	$(call world,ogbench_cubes:SINGLE,$(TASKS),aicon oracle,20,400000,cube_single)
-	$(call world,ogbench_cubes:DOUBLE,$(TASKS),aicon oracle,10,400020,cube_double)
-	$(call world,ogbench_cubes:TRIPLE,$(TASKS),aicon,10,404000,cube_triple)
-	$(call world,ogbench_scene:TASK,$(TASKS),aicon,10,404000,scene)
+	$(call world,ogbench_cubes:SINGLE,$(TASKS),aicon oracle,20,406000,cube_single)
+	$(call world,ogbench_cubes:DOUBLE,$(TASKS),aicon oracle,10,406000,cube_double)
+	$(call world,ogbench_cubes:TRIPLE,$(TASKS),aicon,10,406000,cube_triple)
+	$(call world,ogbench_scene:TASK,$(TASKS),aicon,10,406000,scene)
 
 worlds-rules: worlds ## The same worlds with parts left out and other rules: what carries each
 	$(call world,pointmaze:TASK,umaze medium large,without_escape $(HAND_RULES),$(EPISODES),400000,pointmaze_rules)
@@ -134,8 +134,8 @@ worlds-rules: worlds ## The same worlds with parts left out and other rules: wha
 	$(call world,crowd:TASK,$(CROWDS:%=%_blind),without_exploration weighted_sum steepest without_spread,50,400000,crowd_rules)
 	$(call world,fetch:TASK,reach push,$(HAND_RULES),$(EPISODES),400000,fetch_rules)
 	$(call world,meta_world_puck:TASK,push pick-place,steepest weighted_sum without_exploration,$(EPISODES),400050,meta_world_rules)
-	$(call world,ogbench_cubes:DOUBLE,$(TASKS),steepest weighted_sum without_exploration,10,400020,cube_double_rules)
-	$(call world,ogbench_scene:TASK,$(TASKS),steepest weighted_sum without_exploration,10,404000,scene_rules)
+	$(call world,ogbench_cubes:DOUBLE,$(TASKS),steepest weighted_sum without_exploration,10,406000,cube_double_rules)
+	$(call world,ogbench_scene:TASK,$(TASKS),steepest weighted_sum without_exploration,10,406000,scene_rules)
 
 docs: $(INSTALLED) ## Build the site of these documents in docs/_build; warnings are errors
 	$(RUN) -m sphinx -W --keep-going -q -b html docs docs/_build

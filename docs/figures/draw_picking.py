@@ -32,7 +32,7 @@ FILMS = {
     "cube_single": ("ogbench_cubes:SINGLE", "task1", 400001),
     "cube_double": ("ogbench_cubes:DOUBLE", "task4", 406000),
     "cube_triple": ("ogbench_cubes:TRIPLE", "task5", 406000),
-    "scene": ("ogbench_scene:TASK", "task4", 403000),
+    "scene": ("ogbench_scene:TASK", "task4", 406000),
 }
 IMAGES = Path(__file__).parents[1] / "images"
 
