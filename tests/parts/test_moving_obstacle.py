@@ -63,7 +63,7 @@ def crossing(count: int, seed: int = 1000) -> tuple[Tensor, Tensor, Tensor]:
     ],
 )
 def test_a_robot_arrives_and_touches_nobody_who_crosses_its_way(wheels: Wheels) -> None:
-    poses, people, velocity = crossing(24)
+    poses, people, velocity = crossing(64)
     is_clear = spine_gap(wheels, poses, people) > 0.5
     poses, people, velocity = poses[is_clear], people[is_clear], velocity[is_clear]
 
