@@ -6,8 +6,8 @@ a folder of its own. By hand, in this folder:
     pip install 'aicon-torch[compare]' gymnasium-robotics==1.4.2 mujoco==3.10.0
     aicon compare --task fetch:TASK --conditions reach push --policies aicon steepest
 
-The graphs are those of hands.py. An episode counts as solved where the world says so at its last
-step.
+The graph that reaches is that of hands.py, the one that pushes aicon_torch.models.pushing. An
+episode counts as solved where the world says so at its last step.
 """
 
 import math
@@ -16,11 +16,12 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
-from hands import PRESETS, Hand, Options, hand_task, push_policy, reach_policy
+from hands import PRESETS, Hand, Options, hand_task, reach_policy
 from others import World, needed, readings
 
 from aicon_torch import Policy
-from aicon_torch.parts import ContactOptions, Lag, RoundObject
+from aicon_torch.models.pushing import build_policy
+from aicon_torch.parts import ContactOptions, RoundObject
 
 # --- the world
 
@@ -45,7 +46,7 @@ class Fetch(World):
         self.pushes, self.render_mode = task == "push", render_mode
 
         sizes = {"z_hand": 3, "z_goal": 3}
-        sizes |= {"v_hand": 3, "z_place": 2, "v_obj": 2} if self.pushes else {}
+        sizes |= {"z_place": 2, "v_obj": 2} if self.pushes else {}
         self.observation_space = readings(sizes)
         plane, line = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (1,))
         self.action_space = (
@@ -70,9 +71,8 @@ class Fetch(World):
         read, goal = state["observation"], state["desired_goal"]
         observation = {"z_hand": read[:3], "z_goal": goal}
         if self.pushes:
-            velocity = read[20:23]
-            observation |= {"v_hand": velocity / STEP, "z_place": read[3:5]}
-            observation["v_obj"] = (read[14:16] + velocity[:2]) / STEP  # read from the hand
+            from_hand, of_hand = read[14:16], read[20:22]  # how far in a step
+            observation |= {"z_place": read[3:5], "v_obj": (from_hand + of_hand) / STEP}
 
         # What counts is where it is at the end.
         distance = float(np.linalg.norm(state["achieved_goal"] - goal))
@@ -82,7 +82,7 @@ class Fetch(World):
 
 # --- the policies
 
-HAND, LAG = Hand(time_step=STEP, stride=0.033), Lag(0.001)  # of 5 cm it goes 3.3, at once
+HAND = Hand(time_step=STEP, stride=0.033)  # of 5 cm it goes 3.3, at once
 FINGER, RADIUS = 0.015, EDGE / math.sqrt(math.pi)  # m, of a round block as large as this one
 FRICTION = 1.0  # between block, table and finger: what MuJoCo assumes
 
@@ -100,7 +100,7 @@ def reach(options: Options) -> Policy:
 def push(options: Options) -> Policy:
     """The graph of one that pushes a block."""
     block = RoundObject(RADIUS, FINGER, FRICTION, ContactOptions(options.size))
-    return push_policy(HAND, LAG, block, options)
+    return build_policy(HAND, block, options)
 
 
 TASK = hand_task(__name__, HAND.time_step, HORIZON, ("reach", "push"), PRESETS, Fetch)

@@ -1,10 +1,11 @@
-"""The graphs of hands that are told how far to go: to reach a place, and to push a thing to one.
+"""Hands that are told how far to go: the graph of one that reaches a place, and their tasks.
 
 What a world adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in all.
+One that pushes a thing has the library's graph, :mod:`aicon_torch.models.pushing`.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import gymnasium
@@ -13,61 +14,19 @@ from torch import Tensor
 
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.tasks.side_by_side import side_by_side
-from aicon_torch import (
-    Actuator,
-    Affine,
-    Deterministic,
-    DirectDescent,
-    Foresight,
-    Goal,
-    Interconnection,
-    NullspaceProjection,
-    Policy,
-    Sensor,
-    WorldModel,
-)
-from aicon_torch.control import ActionLaw
-from aicon_torch.parts import DisplacementCommand, Lag, RoundObject, norm
-from aicon_torch.resolution import Resolution, SteepestPath
+from aicon_torch import Affine, Deterministic, Goal, Policy, Sensor, WorldModel
+from aicon_torch.models import pushing
+from aicon_torch.models.pushing import PRESETS, Hand
+from aicon_torch.parts import norm
+
+__all__ = ["PRESETS", "Hand", "Options", "hand_task", "reach_policy"]
 
 
 @dataclass(frozen=True)
-class Hand:
-    """What is told to go.
+class Options(pushing.Options):
+    """What is set by hand, and what there is to do."""
 
-    Attributes:
-        time_step: s.
-        stride: How far a command of 1 brings it in a step, m.
-    """
-
-    time_step: float
-    stride: float
-
-    def actuator(self, name: str, size: int) -> Actuator:
-        """Its velocity in some directions, sent as a displacement."""
-        command = Interconnection(DisplacementCommand(self.stride), [name, "dt"])
-        speed = self.stride / self.time_step
-        return Actuator(size, "m/s", limit=speed, command=command, command_range=(-1.0, 1.0))
-
-
-@dataclass(frozen=True)
-class Options:
-    """What is set by hand."""
-
-    task: str = "reach"  # what there is to do
-    size: float = 0.4  # of which the ranges of a contact are shares, m
-    tolerance: float = 0.03  # of the place to which a thing is pushed, m
-    resolution: Resolution = field(default_factory=NullspaceProjection)
-    law: ActionLaw = field(default_factory=Foresight)
-
-
-PRESETS: dict[str, dict[str, Any]] = {
-    "aicon": {},
-    "without_exploration": {"resolution.exploration": None},
-    "weighted_sum": {"resolution.projector": "none"},
-    "without_foresight": {"law": DirectDescent()},
-    "steepest": {"resolution": SteepestPath()},
-}
+    task: str = "reach"
 
 
 def reach_policy(hand: Hand, options: Options) -> Policy:
@@ -81,39 +40,6 @@ def reach_policy(hand: Hand, options: Options) -> Policy:
         actuators={"a": hand.actuator("a", 3)},
         estimators=[Deterministic("p_hand", Affine(z_hand=1.0, a="dt"))],
         goals=[Goal("reach", far)],
-        dt=hand.time_step,
-        dtype=torch.float64,
-    )
-    return Policy(model, options.resolution, options.law)
-
-
-def push_policy(hand: Hand, lag: Lag, body: RoundObject, options: Options) -> Policy:
-    """The hand pushes a thing at z_place, moving at v_obj, so that it comes to rest at z_goal."""
-    level = torch.eye(3)[:2]
-
-    def way(a: Tensor, v_hand: Tensor, dt: Tensor) -> Tensor:
-        return lag.displacement(a, v_hand[..., :2], dt)
-
-    def low(z_hand: Tensor, v_hand: Tensor, lift: Tensor, dt: Tensor) -> Tensor:
-        return z_hand[..., 2:] + lag.displacement(lift, v_hand[..., 2:], dt)
-
-    def far(x_obj: Tensor, z_goal: Tensor) -> Tensor:
-        return norm(x_obj - z_goal[..., :2])
-
-    def high(p_height: Tensor, z_goal: Tensor) -> Tensor:
-        return norm(p_height - z_goal[..., 2:])
-
-    sizes = {"z_hand": 3, "v_hand": 3, "z_place": 2, "v_obj": 2, "z_goal": 3}
-    model = WorldModel(
-        sensors={name: Sensor(size, "SI") for name, size in sizes.items()},
-        actuators={"a": hand.actuator("a", 2), "lift": hand.actuator("lift", 1)},
-        estimators=[
-            Deterministic("d_pusher", way),
-            Deterministic("x_pusher", Affine(z_hand=level, d_pusher=1.0)),
-            Deterministic("p_height", low),
-            *body.estimators(),
-        ],
-        goals=[Goal("push", far, tolerance=options.tolerance), Goal("low", high)],
         dt=hand.time_step,
         dtype=torch.float64,
     )
