@@ -13,6 +13,10 @@ from aicon_torch.quantities import Actuator
 PRIME = 4093
 """p, after how many steps the dither repeats itself."""
 
+ROUNDED = 64
+"""How many times the machine's precision a component's share of a gradient is that nothing pulls:
+what is left of a sum that vanishes, as for a joint whose axis goes through the tip."""
+
 
 @dataclass(frozen=True)
 class Foresight:
@@ -104,7 +108,7 @@ class Foresight:
 
         # A component that nothing pulls, or a cost that overflows, goes back to rest.
         to_rest = -torch.minimum(torch.maximum(action, -longest), longest)
-        pulls = (down != 0) & down.isfinite()
+        pulls = (down.abs() > ROUNDED * torch.finfo(down.dtype).eps * longest) & down.isfinite()
         return actuator.clip(action + torch.where(pulls, down, to_rest))
 
     def finish(self, action: Tensor, last: Tensor, actuator: Actuator, dt: float) -> Tensor:

@@ -68,8 +68,8 @@ class Library:
             function.restype = None
         if not library["aicon_test"]():
             raise OptionError(
-                f"{name} does not compute here what it did when it was exported: export it again "
-                "on this machine."
+                f"{name} does not compute here what it did when it was made: export it again on "
+                "this machine. If it was made here, something in its graph hangs on rounding."
             )
 
     @classmethod

@@ -66,6 +66,16 @@ def test_a_component_that_nothing_pulls_goes_back_to_rest() -> None:
     torch.testing.assert_close(nearer, torch.tensor([0.2, 0.0], dtype=torch.float64))
 
 
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_what_rounding_leaves_of_a_gradient_pulls_nothing(dtype: torch.dtype) -> None:
+    law, actuator = Foresight(), Actuator(2, "rad/s", limit=1.0)
+    first, action = torch.tensor(1.0, dtype=dtype), torch.tensor([0.0, 0.3], dtype=dtype)
+    left = 4 * torch.finfo(dtype).eps
+    for sign in (-1.0, 1.0):
+        gradient = torch.tensor([1.0, sign * left], dtype=dtype)
+        assert law.descend(action, gradient, first, actuator)[1] == 0.0
+
+
 def test_a_robot_that_nothing_pulls_rests() -> None:
     policy = Policy(steered(goal=(3.0, -1.0)).model, Sum(), Foresight(smoothing=0.0))
     readings = walled(60)
