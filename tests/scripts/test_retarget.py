@@ -1,11 +1,9 @@
-"""The studies of where projection matters: retargeting and the doorway, cut short."""
+"""The study of where projection matters, cut short."""
 
 import numpy as np
 import pytest
 from _inputs import quick
 
-import doorway
-import doorway_world
 import retarget
 import retarget_film
 import retarget_world
@@ -27,16 +25,6 @@ def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
         assert errors[0].max() < 0.01  # it begins where the reference does
         behind[rule] = depths[50:].max()
     assert behind["projection"] < retarget.BEHIND < behind["sum"]
-
-
-def test_discs_that_do_not_explore_never_touch() -> None:
-    discs, targets = doorway_world.starts(2, 2, seed=1000)
-    path = doorway_world.drive(doorway.rules()["projection"], discs, targets, steps=60)
-    assert np.linalg.norm(path[:, :, 0] - path[:, :, 1], axis=-1).min() > 2 * doorway_world.RADIUS
-    assert (
-        np.linalg.norm(np.diff(path, axis=0), axis=-1).max()
-        <= 1.001 * doorway_world.SPEED * doorway_world.DT
-    )
 
 
 def test_a_film_shows_an_arm_whose_points_are_behind_the_wall_in_red() -> None:
