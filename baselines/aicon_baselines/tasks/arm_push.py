@@ -14,7 +14,7 @@ from typing import Any
 
 from gymnasium.vector import VectorEnv
 
-from aicon_baselines.ablations.arm_push import ABLATIONS
+from aicon_baselines.ablations import ARM_PUSH
 from aicon_baselines.evaluation.task import Episode, Look, Measure, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -109,7 +109,7 @@ TASK = Task(
     ),
     model="arm_push",
     presets=("aicon", "steepest", "potential_field"),
-    ablations=ABLATIONS,
+    ablations=ARM_PUSH,
     timed_condition="true_pose",  # so that no image is read
     look=Look(
         scene="aicon_baselines.view.arm_push:ArmPushScene",

@@ -13,7 +13,7 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import VectorEnv
 
-from aicon_baselines.ablations.pusht import ABLATIONS, PIXEL
+from aicon_baselines.ablations import PIXEL, PUSHT
 from aicon_baselines.evaluation.task import Episode, Lesson, Look, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import side_by_side
@@ -153,7 +153,7 @@ TASK = Task(
     milestones=(200, 250, 300),
     model="pusht",
     presets=("aicon", "paper_literal", "steepest", "potential_field"),
-    ablations=ABLATIONS,
+    ablations=PUSHT,
     # Where the goal can be dragged, the policy has to see it.
     look=Look(
         scene="aicon_baselines.view.pusht:PushScene",
