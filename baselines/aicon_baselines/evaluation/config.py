@@ -8,7 +8,7 @@ from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.files import read_json, write_json
+from aicon_baselines.files import check_same_config, read_json, write_json
 
 
 @dataclass(frozen=True)
@@ -84,16 +84,8 @@ class Config:
 
         # Both are compared as JSON has them: tuples are lists there.
         saved, wanted = _read(path), json.loads(json.dumps(asdict(self)))
-        differences = [
-            f"{name} is {saved.get(name)} there and {wanted.get(name)} here"
-            for name in sorted(saved.keys() | wanted.keys())
-            if saved.get(name) != wanted.get(name)
-        ]
-        if differences:
-            raise ComparisonError(
-                f"{path.parent} holds another comparison: {'; '.join(differences)}. "
-                "Choose another folder."
-            )
+        wanted = {**dict.fromkeys(saved), **wanted}
+        check_same_config(path.parent, "another comparison", saved, wanted)
 
 
 def _read(path: Path) -> dict[str, Any]:

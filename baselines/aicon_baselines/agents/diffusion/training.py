@@ -26,9 +26,8 @@ from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.agents.diffusion.dataset import read_frames, together
 from aicon_baselines.agents.diffusion.learner import Learner
 from aicon_baselines.agents.diffusion.loss_logger import LossLogger
-from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.files import only_writer, read_json, write_json
+from aicon_baselines.files import check_same_config, only_writer, read_json, write_json
 
 POLICY = "policy"
 LOSS = "loss.csv"
