@@ -133,6 +133,15 @@ def configure(
     )
 
 
+def one_episode(
+    task: Task, condition: str | None, seed: int, horizon: int | None = None
+) -> tuple[Task, str]:
+    """Check a single episode as a comparison would; return its task and its condition."""
+    conditions = [condition] if condition else None
+    config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=horizon)
+    return config.apply(task), config.conditions[0]
+
+
 def _check_conditions(names: Sequence[str], task: Task) -> tuple[str, ...]:
     """Return the conditions, each once; faults of the task may be joined by a plus."""
     for name in names:
