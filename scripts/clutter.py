@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 from torch import Tensor
 from tqdm import tqdm
 
@@ -145,12 +146,8 @@ class World:
 
 def _frames(solids: Sequence[Solid]) -> tuple[Array, Array]:
     """Where objects are, and how they are turned."""
-    rotations = []
-    for solid in solids:
-        w, x, y, z = np.array(solid.orientation) / np.linalg.norm(solid.orientation)
-        skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        rotations.append(np.eye(3) + 2.0 * w * skew + 2.0 * skew @ skew)
-    return np.array([solid.position for solid in solids]), np.array(rotations)
+    turned = Rotation.from_quat([solid.orientation for solid in solids], scalar_first=True)
+    return np.array([solid.position for solid in solids]), turned.as_matrix()
 
 
 def _distances(solids: Sequence[Solid], points: Array) -> Array:
@@ -283,24 +280,9 @@ def sees(robot: Robot, problem: Problem) -> list[tuple[str, Array]]:
     return [
         ("q", problem.start),
         ("target_position", tip[:3, 3]),
-        ("target_orientation", _quaternion(tip[:3, :3])),
+        ("target_orientation", Rotation.from_matrix(tip[:3, :3]).as_quat(scalar_first=True)),
         ("obstacles", reading_of(problem.solids, MOST_OBJECTS).numpy()),
     ]
-
-
-def _quaternion(rotation: Array) -> Array:
-    """(w, x, y, z) of a rotation: the eigenvector of K (Bar-Itzhack 2000)."""
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = rotation.flatten()
-    symmetric = np.array(
-        [
-            [xx + yy + zz, zy - yz, xz - zx, yx - xy],
-            [zy - yz, xx - yy - zz, xy + yx, xz + zx],
-            [xz - zx, xy + yx, yy - xx - zz, yz + zy],
-            [yx - xy, xz + zx, yz + zy, zz - xx - yy],
-        ]
-    )
-    vector: Array = np.linalg.eigh(symmetric)[1][:, -1]
-    return vector
 
 
 def is_valid(robot: Robot, problem: Problem) -> bool:

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -110,6 +110,32 @@ def writing(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise ComparisonError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def check_same_config(
+    folder: Path, content: str, saved: Mapping[str, Any], wanted: Mapping[str, Any]
+) -> None:
+    """Reject a folder that holds something else than what is wanted.
+
+    Args:
+        folder: The folder.
+        content: What it holds then, for the error: "another agent".
+        saved: The options that its content was made with.
+        wanted: The options that have to be the same there.
+
+    Raises:
+        ComparisonError: With all options that differ.
+    """
+    differences = []
+    for name in sorted(wanted):
+        there, here = saved.get(name), wanted[name]
+        if there != here:
+            differences.append(f"{name} is {there} there and {here} here")
+
+    if differences:
+        raise ComparisonError(
+            f"{folder} holds {content}: {'; '.join(differences)}. Choose another folder."
+        )
 
 
 def _wait_for_disk(path: Path) -> None:

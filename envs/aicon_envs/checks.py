@@ -1,13 +1,16 @@
 """Checks of arguments that the environments share."""
 
+import dataclasses
 import inspect
 import math
 import operator
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+Fields = TypeVar("Fields")
 
 
 def check_render_mode(render_mode: str | None) -> str | None:
@@ -145,6 +148,51 @@ def check_argument_names(kind: type, given: Iterable[str], valid: Iterable[str])
         own = [each.name for each in parameters if each.kind is not each.VAR_KEYWORD]
         named = ", ".join((*own, *valid))
         raise TypeError(f"unknown argument {', '.join(unknown)}; valid arguments are {named}")
+
+
+def fields_of(kind: type[Fields], given: Mapping[str, Any], env: type) -> Fields:
+    """Return a dataclass whose fields are further arguments of an environment.
+
+    Args:
+        kind: The dataclass.
+        given: The arguments.
+        env: The environment that they were given to.
+
+    Raises:
+        TypeError: If a name is unknown; the message lists the valid ones.
+    """
+    names = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]  # it is one
+    check_argument_names(env, given, names)
+    return kind(**given)
+
+
+def given_options(options: Mapping[str, Any] | None, valid: Iterable[str]) -> dict[str, Any]:
+    """Return the options of a reset that are not None.
+
+    Raises:
+        ValueError: If they are no mapping, or one is unknown; the message lists the valid ones.
+    """
+    given = {key: value for key, value in copy_options(options).items() if value is not None}
+    check_option_names(given, valid)
+    return given
+
+
+def check_vertices(name: str, value: ArrayLike, unit: str) -> NDArray[np.float64]:
+    """Return the vertices of a polygon, ``(n, 2)``.
+
+    Raises:
+        ValueError: If they are not three or more pairs of finite numbers.
+    """
+    expected = f"{name} must be at least three vertices (x, y) in {unit}, shape (n, 2), all finite"
+    try:
+        vertices = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{expected}; got {value!r}") from error
+
+    is_list_of_vertices = vertices.ndim == 2 and vertices.shape[1] == 2 and len(vertices) >= 3
+    if not is_list_of_vertices or not np.isfinite(vertices).all():
+        raise ValueError(f"{expected}; got {value!r}")
+    return vertices
 
 
 def check_option_names(options: Mapping[str, Any], valid: Iterable[str]) -> None:

@@ -1,8 +1,9 @@
-"""Options of the arm's policy."""
+"""Options of the arm's policy, and its presets."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from types import MappingProxyType
+from typing import Any, Literal, get_args
 
 import torch
 
@@ -21,7 +22,7 @@ from aicon_torch.parts.validation import (
     check_steps,
     numbers,
 )
-from aicon_torch.resolution import NullspaceProjection, Resolution
+from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 
 Sensing = Literal["camera", "pose"]
 """Whether the object is seen by the camera in the hand, or its true pose is observed."""
@@ -200,3 +201,13 @@ class Options:
                 "PushingRobot.from_description(env.unwrapped.description())."
             )
         check_steps(self, "delay")
+
+
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "aicon": {},
+        "steepest": {"resolution": SteepestPath()},
+        "potential_field": {"resolution": Sum()},
+    }
+)
+"""Options by preset: ours, the steepest path (Eq. 2), and plain backpropagation."""

@@ -1,18 +1,27 @@
-"""Options of the navigation policy."""
+"""Options of the navigation policy, and its presets."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from types import MappingProxyType
+from typing import Any, Literal
 
 import torch
 
-from aicon_torch.control import ActionLaw, Foresight
+from aicon_torch.control import ActionLaw, DirectDescent, Foresight
 from aicon_torch.parts.validation import (
     check_choice,
     check_not_negative,
     check_positive,
     check_steps,
 )
-from aicon_torch.resolution import Exploration, NullspaceProjection, Resolution, TrapEscape
+from aicon_torch.resolution import (
+    Exploration,
+    NullspaceProjection,
+    Resolution,
+    SteepestPath,
+    Sum,
+    TrapEscape,
+)
 
 ESCAPE = TrapEscape(progress="reach", hold="avoid", along="avoid")
 """How it leaves a trap: exploration ends only once the target is nearer than when it began, holds
@@ -70,3 +79,28 @@ class Options:
         check_not_negative(self, ("range_offset",))
         check_positive(self, ("bearing_noise", "range_noise", "actuation_noise"))
         check_choice(self, "sensing", ("range", "range_bearing"))
+
+
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "aicon": {},
+        "paper_literal": {
+            "resolution": NullspaceProjection.as_in_paper(),
+            "law": DirectDescent.as_in_paper(gain=10.0),
+        },
+        "steepest": {
+            "resolution": SteepestPath(),
+            "law": DirectDescent.as_in_paper(gain=0.3),
+            "max_speed": 0.25,
+        },
+        "potential_field": {
+            "resolution": Sum(),
+            "law": DirectDescent.as_in_paper(gain=0.6),
+            "max_speed": 0.25,
+        },
+    }
+)
+"""Options by dotted name, for each preset: ours, the paper's text and nothing else, the baselines.
+
+Gain, speed and law are the best of the same search for each policy (``scripts/tune.py``).
+"""

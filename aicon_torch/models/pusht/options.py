@@ -1,13 +1,14 @@
-"""Options of the pushing policy, in SI units."""
+"""Options of the pushing policy, in SI units, and its presets."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from types import MappingProxyType
+from typing import Any, Literal
 
 import torch
 
-from aicon_torch.control import ActionLaw, Foresight
+from aicon_torch.control import ActionLaw, DirectDescent, Foresight
 from aicon_torch.errors import OptionError
 from aicon_torch.models.pusht.benchmark import GOAL_POSE, PIXEL, SUBSTEP, T_WIDTH
 from aicon_torch.parts.contact_options import ContactOptions
@@ -18,7 +19,7 @@ from aicon_torch.parts.validation import (
     check_steps,
     numbers,
 )
-from aicon_torch.resolution import NullspaceProjection, Resolution
+from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 
 CONTACT = ContactOptions(size=T_WIDTH)
 
@@ -120,3 +121,33 @@ class Options:
     def filtered_delay(self) -> int:
         """For how many steps the filters move on from when a reading was taken: none without."""
         return self.delay if self.estimation else 0
+
+
+_PAPER_LITERAL = {
+    "resolution": NullspaceProjection.as_in_paper(),
+    "law": DirectDescent(),
+    "contact.effect": "angle",
+    "contact.rotation": 65.0 / 3000**0.5,  # L = 65 px for the T
+    "contact.reach": 1 / 12,
+    "contact.step": 1 / 12,
+    "contact.aim": 0.0,
+    "contact.facing": False,
+}
+
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "aicon": {},
+        "paper_literal": _PAPER_LITERAL,
+        "steepest": {"resolution": SteepestPath(), "law.step": 2 / 3},
+        "potential_field": {"resolution": Sum(), "law.step": 4 / 3},
+    }
+)
+"""Options by dotted name, for each preset: ours, the baselines, and what is nearer to the text.
+
+``paper_literal`` is the text: its rule, one likelihood for all contacts, the angle for the effect
+of one, and Eq. 2 at the current estimates, but as a velocity. Its softmax compares magnitudes as
+they are, so that their scale counts, which the text leaves open: an object that is touched goes as
+far as the pusher, so a contact that is certain moves it by the range of the likelihood.
+
+The first step of the baselines' foresight is the best of a search (``scripts/tune.py``).
+"""

@@ -5,7 +5,7 @@ ablations of the task (ours without one part) and its opponents (what others wou
 planners, too, which need an extra; agents that were trained come from their folder.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import partial
 from importlib import import_module
@@ -70,8 +70,8 @@ def factory(task: TaskOrName, name: str, **options: Any) -> Factory:
     """
     content = _loaded(task)
     if name in PLANNERS and content.name == "pusht":
-        planner: Factory = import_mppi().Planner(name, options)
-        return planner
+        import_mppi()
+        return partial(_build_planner, name, options)
     if name not in names(content):
         valid = ", ".join(names(content))
         raise ComparisonError(
@@ -109,9 +109,8 @@ def own_policy(source: str) -> Factory:
         source: "module:function", the function being a :data:`Factory`: it takes the name of the
             condition and returns a policy with `predict`. The module may lie in this folder.
     """
-    build = OwnPolicy(source)
-    build.find()
-    return build
+    _find_own(source)
+    return partial(_build_own, source)
 
 
 def compiled(build: Factory) -> Factory:
@@ -123,7 +122,7 @@ def compiled(build: Factory) -> Factory:
     if isinstance(build, PlainAgent):
         name = build.agent.__name__
         raise ComparisonError(f"{name} is no policy of the library and has no step to compile")
-    return CompiledPolicy(build)
+    return partial(_build_compiled, build)
 
 
 def can_be_compiled(build: Factory) -> bool:
@@ -154,30 +153,37 @@ def _loaded(task: TaskOrName) -> Task:
     return load(task) if isinstance(task, str) else task
 
 
-@dataclass(frozen=True)
-class OwnPolicy:
-    """Builds a policy of the user's own: see :func:`own_policy`."""
+def _find_own(source: str) -> Factory:
+    try:
+        build: Factory = find(source)
+    except (ComparisonError, ImportError) as error:
+        raise ComparisonError(
+            f"policy {error}; expected MODULE:FUNCTION, a function of the condition that "
+            "returns a policy"
+        ) from error
+    return build
 
-    source: str
 
-    def find(self) -> Factory:
-        """Import what builds it.
+def _build_own(source: str, condition: str) -> Predictor:
+    return _find_own(source)(condition)
 
-        Raises:
-            ComparisonError: If there is no such module or function.
-        """
-        try:
-            build: Factory = find(self.source)
-        except (ComparisonError, ImportError) as error:
-            raise ComparisonError(
-                f"policy {error}; expected MODULE:FUNCTION, a function of the condition that "
-                "returns a policy"
-            ) from error
-        return build
 
-    def __call__(self, condition: str) -> Predictor:
-        """Build it for a condition."""
-        return self.find()(condition)
+def _build_compiled(build: Any, condition: str) -> Predictor:
+    """Build a policy of the library whose step is compiled, which happens at its first one."""
+    policy: Predictor = build(condition).compile()
+    return policy
+
+
+def _build_planner(preset: str, changes: Mapping[str, Any], condition: str) -> Predictor:
+    """Build a planner of pushT, with what the task tells a policy about the condition."""
+    from aicon_torch.models import pusht, replace_options
+
+    mppi: Any = import_mppi()
+    options = replace_options(mppi.PRESETS[preset], changes, "MPPI")
+    planner: Predictor = mppi.Agent(
+        options, pusht.Options(**load("pusht").policy_options(condition))
+    )
+    return planner
 
 
 @dataclass(frozen=True)
@@ -223,18 +229,6 @@ class PlainAgent:
         return self.make(**{name: value for name, value in known.items() if name in own})
 
 
-@dataclass(frozen=True)
-class CompiledPolicy:
-    """Builds a policy of the library and compiles its step."""
-
-    build: Any
-
-    def __call__(self, condition: str) -> Predictor:
-        """Build it; compiling happens at its first step."""
-        policy: Predictor = self.build(condition).compile()
-        return policy
-
-
 def saved_agent(
     task: str, folder: Path, sampled: bool = False, trust: bool = False
 ) -> tuple[str, Factory]:
@@ -249,8 +243,8 @@ def saved_agent(
             ones.
         trust: Whether code that its files may hold is allowed to run.
     """
-    build = SavedPolicy(partial(_load_agent, folder.resolve(), task, sampled, trust))
-    return build.load().name, build
+    build = partial(_load_agent, folder.resolve(), task, sampled, trust)
+    return build().name, build
 
 
 def diffusion_policy(
@@ -269,29 +263,25 @@ def diffusion_policy(
     lesson_of(task)
     from aicon_baselines.agents.diffusion.hub import locate
 
-    build = SavedPolicy(partial(_load_diffusion, locate(source), sampler, inference_steps, task))
-    return build.load().name, build
+    build = partial(_load_diffusion, locate(source), sampler, inference_steps, task)
+    return build().name, build
 
 
-@dataclass(frozen=True)
-class SavedPolicy:
-    """Loads a policy from where it was saved, the same one for every condition."""
-
-    load: Callable[[], Any]
-
-    def __call__(self, condition: str) -> Predictor:
-        """Load it."""
-        policy: Predictor = self.load()
-        return policy
-
-
-def _load_agent(*arguments: Any) -> Any:
-    return import_sb3().Agent(*arguments)
+def _load_agent(
+    folder: Path, task: str, sampled: bool, trust: bool, condition: str | None = None
+) -> Any:
+    """Load an agent, the same one for every condition."""
+    return import_sb3().Agent(folder, task, sampled, trust)
 
 
 def _load_diffusion(
-    folder: Path, sampler: str | None, inference_steps: int | None, task: str
+    folder: Path,
+    sampler: str | None,
+    inference_steps: int | None,
+    task: str,
+    condition: str | None = None,
 ) -> Any:
+    """Load a diffusion policy, the same one for every condition."""
     from aicon_baselines.agents.diffusion.agent import Agent
 
     return Agent(folder, sampler, inference_steps, task=task)

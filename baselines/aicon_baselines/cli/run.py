@@ -18,7 +18,7 @@ from aicon_baselines.agents.registry import factory
 from aicon_baselines.agents.variants import REFERENCE, parse_variant
 from aicon_baselines.cli.command_line import Command, add_option
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
-from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.config import one_episode
 from aicon_baselines.evaluation.episodes import Step
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
@@ -51,15 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run the episode; print its outcome and the policy's last decision."""
     # 1. The episode ...
-    conditions = [arguments.condition] if arguments.condition else None
-    config = configure(
-        load(arguments.task),
-        seed=arguments.seed,
-        episodes=1,
-        conditions=conditions,
-        horizon=arguments.horizon,
+    task, condition = one_episode(
+        load(arguments.task), arguments.condition, arguments.seed, arguments.horizon
     )
-    task, condition = config.apply(load(arguments.task)), config.conditions[0]
 
     # 2. ... the policy ...
     import torch

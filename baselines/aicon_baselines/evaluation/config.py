@@ -8,7 +8,7 @@ from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.files import read_json, write_json
+from aicon_baselines.files import check_same_config, read_json, write_json
 
 
 @dataclass(frozen=True)
@@ -84,16 +84,8 @@ class Config:
 
         # Both are compared as JSON has them: tuples are lists there.
         saved, wanted = _read(path), json.loads(json.dumps(asdict(self)))
-        differences = [
-            f"{name} is {saved.get(name)} there and {wanted.get(name)} here"
-            for name in sorted(saved.keys() | wanted.keys())
-            if saved.get(name) != wanted.get(name)
-        ]
-        if differences:
-            raise ComparisonError(
-                f"{path.parent} holds another comparison: {'; '.join(differences)}. "
-                "Choose another folder."
-            )
+        wanted = {**dict.fromkeys(saved), **wanted}
+        check_same_config(path.parent, "another comparison", saved, wanted)
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -139,6 +131,15 @@ def configure(
         horizon=task.horizon if horizon is None else horizon,
         time_step=task.time_step,
     )
+
+
+def one_episode(
+    task: Task, condition: str | None, seed: int, horizon: int | None = None
+) -> tuple[Task, str]:
+    """Check a single episode as a comparison would; return its task and its condition."""
+    conditions = [condition] if condition else None
+    config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=horizon)
+    return config.apply(task), config.conditions[0]
 
 
 def _check_conditions(names: Sequence[str], task: Task) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ _RESAMPLES = 5000
 
 
 @cache  # a success curve asks for the same few shares again and again
-def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Return Wilson's score interval of a success rate.
+def wilson_interval(successes: int, trials: int) -> tuple[float, float]:
+    """Return Wilson's score interval of a success rate, of 95 %.
 
     (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n), where p = successes / n and z is the normal
     quantile (E. B. Wilson, Journal of the American Statistical Association 22, 1927). It treats
@@ -27,7 +27,7 @@ def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tu
         )
 
     test = scipy.stats.binomtest(successes, trials)
-    interval = test.proportion_ci(confidence, method="wilson")
+    interval = test.proportion_ci(method="wilson")
     return float(interval.low), float(interval.high)
 
 

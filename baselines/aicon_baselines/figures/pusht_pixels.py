@@ -118,11 +118,7 @@ class SeenView(PictureView):
 
 
 class SeenRollout(Rollout):
-    """An episode of pushing by pictures.
-
-    Args:
-        recording: The episode.
-    """
+    """An episode of pushing by pictures."""
 
     name = "pusht_pixels"
     aspect = 1.0
@@ -134,9 +130,6 @@ class SeenRollout(Rollout):
     )
     arrival = "Arrival in the goal pose"
     recording: SeenRecording
-
-    def __init__(self, recording: SeenRecording) -> None:
-        self.recording = recording
 
     def doing(self, step: int) -> str:
         """Whether the object is seen, and pushed."""

@@ -51,6 +51,9 @@ class Panel(NamedTuple):
 class Rollout(ABC):
     """What the figure of a task tells of an episode.
 
+    Args:
+        recording: The episode.
+
     Attributes:
         recording: The episode.
         name: Of the figure's files.
@@ -70,6 +73,9 @@ class Rollout(ABC):
     legend_rows: ClassVar[int] = 1
     first_step: ClassVar[int] = 0
     arrival: ClassVar[str] = "Arrival at the target"
+
+    def __init__(self, recording: Recording) -> None:
+        self.recording = recording
 
     def phase(self, step: int) -> str:
         """What happens at a step, in plain words; at the last one how the episode ends."""

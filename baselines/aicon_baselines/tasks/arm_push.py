@@ -14,9 +14,9 @@ from typing import Any
 
 from gymnasium.vector import VectorEnv
 
-from aicon_baselines.ablations.arm_push import ABLATIONS
+from aicon_baselines.ablations import ARM_PUSH
 from aicon_baselines.evaluation.task import Episode, Look, Measure, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
+from aicon_baselines.tasks.faults import FAULTS, Faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_envs.arm_push import ArmPushEnv
 
@@ -55,7 +55,7 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
         return ArmPushEnv(**{**_ARGUMENTS[at_once(condition)[0]], **options})
 
     env = side_by_side(make_one, count, longest(condition, horizon))
-    return _FAULTS.wrap(env, condition) if are_faults(condition) else env
+    return _FAULTS.wrap(env, condition)
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -66,7 +66,7 @@ def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
 def _policy_options(condition: str) -> dict[str, Any]:
     """Tell the policy its own body, its sensor and the object's outline, not mass nor friction."""
     arguments = _ARGUMENTS[at_once(condition)[0]]
-    late = _FAULTS.policy_options(condition) if are_faults(condition) else {}
+    late = _FAULTS.policy_options(condition)
     delay = round(arguments.get("image_delay", 0.0) / _FAULTS.dt)
     return {**late, "camera.delay": delay, **_of_the_world(**arguments)}
 
@@ -109,7 +109,7 @@ TASK = Task(
     ),
     model="arm_push",
     presets=("aicon", "steepest", "potential_field"),
-    ablations=ABLATIONS,
+    ablations=ARM_PUSH,
     timed_condition="true_pose",  # so that no image is read
     look=Look(
         scene="aicon_baselines.view.arm_push:ArmPushScene",

@@ -79,7 +79,7 @@ class Faults:
     tells_action: bool = False
 
     def wrap(self, env: VectorEnv[Any, Any, Any], condition: str) -> VectorEnv[Any, Any, Any]:
-        """The environment with the faults of a condition, each around those that come before it.
+        """The environment with the faults of a condition, if any, each around those before it.
 
         Readings come late, counted in the environment's own steps, and are disturbed when they
         come; a control step takes several of those, and executes one action.

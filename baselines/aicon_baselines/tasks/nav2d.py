@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from aicon_baselines.ablations.nav2d import ABLATIONS
+from aicon_baselines.ablations import NAV2D
 from aicon_baselines.evaluation.task import Episode, Look, Task
 from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, longest
 from aicon_envs.nav2d import Physics, make_map, shortest_path_length
@@ -103,7 +103,7 @@ TASK = Task(
     shortest_path_length=_shortest_path_length,
     model="nav2d",
     presets=("aicon", "paper_literal", "steepest", "potential_field"),
-    ablations=ABLATIONS,
+    ablations=NAV2D,
     agents={
         "bug2": "aicon_baselines.agents.nav2d:Bug2",
         "wall_follower": "aicon_baselines.agents.nav2d:WallFollower",

@@ -13,9 +13,9 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import VectorEnv
 
-from aicon_baselines.ablations.pusht import ABLATIONS, PIXEL
+from aicon_baselines.ablations import PIXEL, PUSHT
 from aicon_baselines.evaluation.task import Episode, Lesson, Look, Task
-from aicon_baselines.tasks.faults import FAULTS, Faults, are_faults, at_once, longest
+from aicon_baselines.tasks.faults import FAULTS, Faults, at_once, longest
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_baselines.tasks.upstream import UpstreamPushT
 from aicon_envs.pusht import OBJECTS, PushTEnv
@@ -105,7 +105,7 @@ def _make_env(count: int, condition: str, horizon: int, **options: Any) -> Vecto
         return env
 
     env = side_by_side(make_one, count, longest(condition, horizon))
-    return _FAULTS.wrap(env, condition) if are_faults(condition) else env
+    return _FAULTS.wrap(env, condition)
 
 
 def _reset_arguments(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -119,10 +119,7 @@ def _policy_options(condition: str) -> dict[str, Any]:
     The environment's lengths are px; the policy's are m.
     """
     arguments = _ARGUMENTS[at_once(condition)[0]]
-    options = dict(_SENSORS.get(condition, {}))
-    if are_faults(condition):
-        options |= _FAULTS.policy_options(condition)
-
+    options = {**_SENSORS.get(condition, {}), **_FAULTS.policy_options(condition)}
     if "object" in arguments:
         outline = OBJECTS[arguments["object"]]
         corners = PIXEL * np.asarray(outline.keypoints, np.float64)
@@ -156,7 +153,7 @@ TASK = Task(
     milestones=(200, 250, 300),
     model="pusht",
     presets=("aicon", "paper_literal", "steepest", "potential_field"),
-    ablations=ABLATIONS,
+    ablations=PUSHT,
     # Where the goal can be dragged, the policy has to see it.
     look=Look(
         scene="aicon_baselines.view.pusht:PushScene",

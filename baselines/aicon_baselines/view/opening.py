@@ -7,7 +7,7 @@ from typing import Any
 
 from aicon_baselines.agents.registry import ModelPolicy, factory
 from aicon_baselines.agents.variants import parse_variant
-from aicon_baselines.evaluation.config import configure
+from aicon_baselines.evaluation.config import one_episode
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.named import find
 from aicon_baselines.tasks import load
@@ -27,10 +27,7 @@ def prepare_episode(
     """
     # The names are checked as in a comparison.
     task = load(task_name)
-    condition = condition or task.look.condition
-    conditions = [condition] if condition else None
-    config = configure(task, seed=seed, episodes=1, conditions=conditions, horizon=None)
-    task, condition = config.apply(task), config.conditions[0]
+    task, condition = one_episode(task, condition or task.look.condition, seed)
     if condition == "upstream":
         raise ComparisonError(
             "the condition 'upstream' cannot be watched; 'deterministic' is the same world"

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from types import ModuleType
 from typing import Any
 
-from aicon_baselines.ablations.mechanism import PLAIN_SUM
+from aicon_baselines.ablations import PLAIN_SUM
 from aicon_torch import DirectDescent, Policy, SteepestPath, Sum, make_policy
 
 NO_EXPLORATION = {"resolution.exploration": None}

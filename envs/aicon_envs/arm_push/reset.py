@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from aicon_envs.arm_push.objects import Prism
 from aicon_envs.arm_push.robot import STICK_RADIUS
-from aicon_envs.checks import check_numbers, check_option_names, copy_options
+from aicon_envs.checks import check_numbers, given_options
+from aicon_envs.pusht.geometry import place
 
 FloatArray = NDArray[np.float64]
 Bounds = tuple[tuple[float, float], tuple[float, float]]
@@ -68,8 +69,7 @@ def draw_episode(
     Raises:
         ValueError: If an option is unknown or not usable, or there is no place for the tip.
     """
-    options = {key: value for key, value in copy_options(options).items() if value is not None}
-    check_option_names(options, _OPTION_KEYS)
+    options = given_options(options, _OPTION_KEYS)
 
     # Drawn in any case, such that an option changes nothing but what it names.
     object_pose = _draw_pose(area, generator)
@@ -124,7 +124,8 @@ def _draw_pose(area: Bounds, generator: np.random.Generator) -> FloatArray:
 
 def _draw_tip(object: Prism, pose: FloatArray, generator: np.random.Generator) -> FloatArray:
     """Draw a place for the tip beside the object, 4 to 12 cm from it."""
-    outline = _place_outline(object, pose)
+    x, y, angle = pose.tolist()
+    outline = shapely.Polygon(place(object.corners, (x, y, angle)))
     smallest, largest = _TIP_GAP
 
     for _ in range(_ATTEMPTS):
@@ -139,11 +140,3 @@ def _draw_tip(object: Prism, pose: FloatArray, generator: np.random.Generator) -
     raise ValueError(
         f"object_pose={pose.tolist()}: no place for the tip beside it; name one as the option tip"
     )
-
-
-def _place_outline(object: Prism, pose: FloatArray) -> shapely.Polygon:
-    """Return the object's outline in the world, m."""
-    x, y, angle = pose.tolist()
-    cosine, sine = math.cos(angle), math.sin(angle)
-    rotation_transposed = np.array([[cosine, sine], [-sine, cosine]])
-    return shapely.Polygon(object.corners @ rotation_transposed + (x, y))

@@ -17,6 +17,9 @@ from aicon_envs.reach.robots import Robot
 TABLE = ((0.25, 0.95), (-0.55, 0.55))
 """Extent of the table in x and y, m."""
 
+TIMESTEP = 0.001
+"""Of the physics, s."""
+
 TARGET_GROUP = 4
 """Group of the shape that shows the target in pictures from outside; no sensor sees it."""
 
@@ -29,7 +32,6 @@ def build_scene(
     object: Prism,
     mass: float = 0.5,
     friction: float = 0.35,
-    timestep: float = 0.001,
 ) -> mujoco.MjModel:
     """Compile the scene.
 
@@ -38,7 +40,6 @@ def build_scene(
         object: What is pushed.
         mass: Its mass, kg.
         friction: Coefficient of sliding friction between object and table.
-        timestep: Time step of the physics, s.
 
     Raises:
         ValueError: If the arm cannot push; it says what it lacks.
@@ -47,7 +48,7 @@ def build_scene(
     spec = mujoco.MjSpec.from_string(description.text, assets=dict(description.assets))
     spec.modelname = "arm_push"
 
-    _set_physics(spec, timestep)
+    _set_physics(spec)
     _set_light(spec)
 
     equip_robot(spec, arm, description)
@@ -59,8 +60,8 @@ def build_scene(
     return spec.compile()
 
 
-def _set_physics(spec: mujoco.MjSpec, timestep: float) -> None:
-    spec.option.timestep = timestep
+def _set_physics(spec: mujoco.MjSpec) -> None:
+    spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC  # a pyramid lets the object slip sideways
     spec.option.impratio = 10.0

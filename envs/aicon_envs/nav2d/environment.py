@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_action, copy_options
+from aicon_envs.checks import check_action, copy_options, fields_of
 from aicon_envs.nav2d.physics import Physics
 from aicon_envs.nav2d.spaces import VELOCITY, Action, Observation, Sensing
 from aicon_envs.nav2d.vector import RENDERING, Nav2DVectorEnv
@@ -99,7 +99,7 @@ class Nav2DEnv(gym.Env[Observation, Action]):
             ValueError: If a value is not valid; the message names it and lists what is.
             TypeError: If a keyword is unknown.
         """
-        self.physics = Physics.from_options(physics, type(self))
+        self.physics = fields_of(Physics, physics, type(self))
         self._batch = Nav2DVectorEnv(
             1, _FOREVER, AutoresetMode.DISABLED, map, sensing, render_mode, **physics
         )

@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from aicon_envs.checks import check_argument_names, check_number
+from aicon_envs.checks import check_number
 
 _POSITIVE = ("max_speed", "dt", "radius", "max_range")
 
@@ -36,8 +36,8 @@ class Physics:
 
     def __post_init__(self) -> None:
         """Check every constant."""
-        for name in self.names():
-            check_number(name, getattr(self, name), positive=name in _POSITIVE)
+        for name, value in dataclasses.asdict(self).items():
+            check_number(name, value, positive=name in _POSITIVE)
 
         # Eight standard deviations: noise that large does not happen in any number of steps.
         fastest = self.max_speed + 8.0 * self.actuation_noise
@@ -46,22 +46,3 @@ class Physics:
                 "one step may not carry the agent through an obstacle: "
                 f"(max_speed + 8 actuation_noise) dt must be <= 2 radius, got {self}"
             )
-
-    @classmethod
-    def names(cls) -> tuple[str, ...]:
-        """Return the names of the constants."""
-        return tuple(field.name for field in dataclasses.fields(cls))
-
-    @classmethod
-    def from_options(cls, options: dict[str, float], kind: type) -> "Physics":
-        """Build the constants from keyword arguments.
-
-        Args:
-            options: The arguments.
-            kind: The environment that they were given to.
-
-        Raises:
-            TypeError: If a name is unknown; the message lists the valid ones.
-        """
-        check_argument_names(kind, options, cls.names())
-        return cls(**options)

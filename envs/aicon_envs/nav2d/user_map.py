@@ -6,14 +6,13 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.checks import check_numbers, is_sequence
+from aicon_envs.checks import check_numbers, check_vertices, is_sequence
 from aicon_envs.nav2d.world import NavigationMap, Point, Vertices, to_polygons
 
 USER_MAP_KEYS = ("obstacles", "start", "target")
 """Options of a reset that describe a map of the user's own."""
 
 _A_POINT = "two finite coordinates (x, y) in metres"
-_A_POLYGON = "at least three vertices (x, y) in metres, shape (n, 2)"
 
 
 def make_user_map(
@@ -36,7 +35,8 @@ def make_user_map(
 
     polygons = []
     for index, vertices in enumerate(obstacles):
-        polygons.append(_check_vertices(f"obstacles[{index}]", vertices))
+        polygon = check_vertices(f"obstacles[{index}]", vertices, "metres")
+        polygons.append([(x, y) for x, y in polygon.tolist()])
 
     world = NavigationMap(
         "user", polygons, _check_point("start", start), _check_point("target", target)
@@ -65,19 +65,6 @@ def _check_places(world: NavigationMap, solid: NDArray[np.object_], radius: floa
 def _check_point(name: str, value: ArrayLike) -> Point:
     x, y = check_numbers(name, value, _A_POINT, 2)
     return x, y
-
-
-def _check_vertices(name: str, value: ArrayLike) -> Vertices:
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} must be {_A_POLYGON}, got {value!r}") from error
-
-    is_list_of_vertices = array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3
-    if not is_list_of_vertices or not np.isfinite(array).all():
-        raise ValueError(f"{name} must be {_A_POLYGON}, all finite; got shape {array.shape}")
-
-    return [(x, y) for x, y in array.tolist()]
 
 
 def _check_areas(polygons: list[Vertices]) -> NDArray[np.object_]:

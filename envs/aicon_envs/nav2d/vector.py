@@ -10,7 +10,13 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_action, check_integer, check_render_mode, copy_options
+from aicon_envs.checks import (
+    check_action,
+    check_integer,
+    check_render_mode,
+    copy_options,
+    fields_of,
+)
 from aicon_envs.nav2d.batching import (
     BoolArray,
     check_autoreset_mode,
@@ -97,7 +103,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         self.max_episode_steps = check_integer("max_episode_steps", max_episode_steps, 1)
         self.autoreset_mode = check_autoreset_mode(autoreset_mode)
         self.metadata = RENDERING | {"autoreset_mode": self.autoreset_mode}
-        self.physics = Physics.from_options(physics, type(self))
+        self.physics = fields_of(Physics, physics, type(self))
 
         self.single_observation_space = observation_space(sensing, self.physics)
         self.single_action_space = action_space(self.physics)

@@ -1,15 +1,15 @@
 """Pictures that show less, or more, than the task: shapes that distract, and covers."""
 
 import math
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import gymnasium as gym
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
-from aicon_envs.pusht.environment import PushTEnv
 from aicon_envs.pusht.spaces import PIXELS, Action, Observation
+from aicon_envs.pusht.wrappers import ImperfectSensor
 
 Picture = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
@@ -23,7 +23,7 @@ _LOOKALIKES = ((119, 136, 153), (144, 238, 144), (65, 105, 225))
 _SHAPES, _SHARE = 3, 1 / 3
 
 
-class Clutter(gym.Wrapper[Observation, Action, Observation, Action], RecordConstructorArgs):
+class Clutter(ImperfectSensor, RecordConstructorArgs):
     """Draws into the pictures that the policy is given; the world stays as it is.
 
     Args:
@@ -44,21 +44,16 @@ class Clutter(gym.Wrapper[Observation, Action, Observation, Action], RecordConst
             raise ValueError("clutter is drawn into pictures: expected obs_type='pixels_agent_pos'")
         self._kind = kind
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
-        """Start an episode; see the environment for the options."""
-        observation, info = self.env.reset(seed=seed, options=options)
-        (self._generator,) = cast("PushTEnv", self.unwrapped).noise.spawn(1)
+    def _sense_first(self, observation: Observation) -> Observation:
+        """What is drawn is drawn anew in each episode."""
         self._layers = self._draw()
-        return self._sense(observation), info
+        return self._drawn_over(observation)
 
-    def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Move by one control step."""
-        observation, reward, terminated, truncated, info = self.env.step(action)
+    def _sense(self, observation: Observation) -> Observation:
+        """A cover is drawn anew at each step."""
         if self._kind == "covered":
             self._layers = self._draw()
-        return self._sense(observation), float(reward), terminated, truncated, info
+        return self._drawn_over(observation)
 
     def _draw(self) -> list[tuple[Mask, Picture]]:
         """The shapes of an episode, or the cover of a step, each with its colour."""
@@ -69,7 +64,7 @@ class Clutter(gym.Wrapper[Observation, Action, Observation, Action], RecordConst
             masks = [random_cover(size, generator, _SHARE)]
         return [(mask, random_colour(generator)) for mask in masks]
 
-    def _sense(self, observation: Observation) -> Observation:
+    def _drawn_over(self, observation: Observation) -> Observation:
         """The observation with what is drawn over it."""
         picture = np.array(observation[PIXELS])
         for mask, colour in self._layers:

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.checks import check_render_mode
+from aicon_envs.checks import check_render_mode, fields_of
 from aicon_envs.pusht.disturbances import draw_kicked_pose
 from aicon_envs.pusht.geometry import Point, clip, place
 from aicon_envs.pusht.goal import Goal
@@ -137,7 +137,7 @@ class PushTEnv(gym.Env[Observation, Action]):
             ValueError: If a value is not valid; the message names it and says what is.
             TypeError: If a keyword is unknown.
         """
-        self.settings = TaskSettings.from_options(settings, type(self))
+        self.settings = fields_of(TaskSettings, settings, type(self))
         self.render_mode = check_render_mode(render_mode)
 
         self._object = resolve_object(object)

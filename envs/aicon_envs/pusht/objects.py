@@ -18,6 +18,7 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
+from aicon_envs.checks import check_vertices
 from aicon_envs.pusht.geometry import FloatArray, Point
 from aicon_envs.pusht.polygons import convex_parts, signed_area, squared_radius_of_gyration
 
@@ -153,15 +154,7 @@ def _check_polygon(polygon: ArrayLike) -> Polygon:
 
 def _check_vertices(polygon: ArrayLike) -> FloatArray:
     """Return the distinct vertices of a polygon, (n, 2)."""
-    expected = "polygon must be at least three vertices (x, y) in px, shape (n, 2), all finite"
-    try:
-        vertices = np.asarray(polygon, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{expected}; got {polygon!r}") from error
-
-    is_list_of_vertices = vertices.ndim == 2 and vertices.shape[1] == 2 and len(vertices) >= 3
-    if not is_list_of_vertices or not np.isfinite(vertices).all():
-        raise ValueError(f"{expected}; got {polygon!r}")
+    vertices = check_vertices("polygon", polygon, "px")
 
     # shapely and GeoJSON close a ring with its first vertex.
     if (vertices[0] == vertices[-1]).all():

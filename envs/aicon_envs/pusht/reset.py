@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aicon_envs.checks import check_integer, check_option_names, copy_options
+from aicon_envs.checks import check_integer, given_options
 from aicon_envs.pusht.geometry import Pose
 from aicon_envs.pusht.goal import Jump, draw_goal, draw_jumps
 from aicon_envs.pusht.objects import PushObject
@@ -64,8 +64,7 @@ def draw_episode(
     Raises:
         ValueError: If a key is unknown or a value is not usable; the message names it.
     """
-    options = {key: value for key, value in copy_options(options).items() if value is not None}
-    check_option_names(options, _OPTION_KEYS)
+    options = given_options(options, _OPTION_KEYS)
 
     # This order is part of the contract: settings that draw more leave the start as it is.
     simulation = _start_simulation(object, options, generator)

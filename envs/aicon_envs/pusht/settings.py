@@ -6,12 +6,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from aicon_envs.checks import (
-    check_argument_names,
-    check_integer,
-    check_number,
-    check_numbers,
-)
+from aicon_envs.checks import check_integer, check_number, check_numbers
 from aicon_envs.pusht.geometry import Pose
 from aicon_envs.pusht.simulation import SIZE
 
@@ -72,20 +67,6 @@ class TaskSettings:
             self._set("velocity_limit", limit)
         if self.kick_interval is not None:
             self._set("kick_interval", check_integer("kick_interval", self.kick_interval, 1))
-
-    @classmethod
-    def from_options(cls, options: dict[str, Any], kind: type) -> "TaskSettings":
-        """Build the settings from keyword arguments.
-
-        Args:
-            options: The arguments.
-            kind: The environment that they were given to.
-
-        Raises:
-            TypeError: If a name is unknown; the message lists the valid ones.
-        """
-        check_argument_names(kind, options, [field.name for field in dataclasses.fields(cls)])
-        return cls(**options)
 
     def _set(self, name: str, value: Any) -> None:
         """Replace a value while a frozen instance is built."""

@@ -28,7 +28,7 @@ class ReadingBox(spaces.Box):
         return super().contains(np.where(np.isnan(x), self.low, x))
 
 
-class _ImperfectSensor(gym.Wrapper[Observation, Action, Observation, Action]):
+class ImperfectSensor(gym.Wrapper[Observation, Action, Observation, Action]):
     """Changes the observations of each episode; the first one may be treated differently."""
 
     def reset(
@@ -57,7 +57,7 @@ class _ImperfectSensor(gym.Wrapper[Observation, Action, Observation, Action]):
         raise NotImplementedError
 
 
-class SensorNoise(_ImperfectSensor, RecordConstructorArgs):
+class SensorNoise(ImperfectSensor, RecordConstructorArgs):
     """Adds Gaussian noise to the keypoints: z = x + n, n ~ N(0, σ²) for every coordinate, px.
 
     The bounds of the noisy observations become infinite.
@@ -90,7 +90,7 @@ class SensorNoise(_ImperfectSensor, RecordConstructorArgs):
         return {**observation, KEYPOINTS: reading + noise}
 
 
-class Dropout(_ImperfectSensor, RecordConstructorArgs):
+class Dropout(ImperfectSensor, RecordConstructorArgs):
     """Loses all keypoints of a step with a probability, as if the object was not seen.
 
     They then read NaN, no reading. The first observation of an episode is never lost, and
@@ -131,7 +131,7 @@ class Dropout(_ImperfectSensor, RecordConstructorArgs):
         return {**observation, KEYPOINTS: missing}
 
 
-class Delay(_ImperfectSensor, RecordConstructorArgs):
+class Delay(ImperfectSensor, RecordConstructorArgs):
     """Lets observations lag: after step t comes the observation of step t - k.
 
     Until step k it is that of the reset. Reward, flags and info are not delayed.

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.checks import check_option_names, copy_options
+from aicon_envs.checks import given_options
 from aicon_envs.reach.balls import BallPath, draw_path
 from aicon_envs.reach.gaps import SIGHT
 from aicon_envs.reach.robots import check_posture, draw_postures
@@ -92,8 +92,7 @@ class EpisodeDrawer:
         Raises:
             ValueError: If an option is unknown or not usable, or there is no place for the balls.
         """
-        options = {key: value for key, value in copy_options(options).items() if value is not None}
-        check_option_names(options, _OPTION_KEYS)
+        options = given_options(options, _OPTION_KEYS)
 
         # Drawn in any case, such that an option changes nothing but what it names.
         for _ in range(_ATTEMPTS):

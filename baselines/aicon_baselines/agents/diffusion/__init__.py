@@ -8,7 +8,7 @@
 | `collection.py` | recording demonstrations, and going on with it |
 | `dataset.py` | demonstrations as a dataset of LeRobot, and such a dataset in memory |
 | `learner.py` | LeRobot's description of the network, and the gradient step |
-| `training.py` | training, and going on with it; `loss_logger.py` writes the loss |
+| `training.py` | training, and going on with it |
 | `export.py` | a trained policy as a small folder to pass on |
 | `hub.py` | where a saved policy is |
 | `checkpoint.py` | loading a policy that was saved here or elsewhere |

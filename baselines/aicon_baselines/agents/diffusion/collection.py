@@ -13,9 +13,8 @@ from aicon_baselines.agents.diffusion.configs import CHUNK_SIZE, AnyRecording
 from aicon_baselines.agents.diffusion.dataset import write_dataset
 from aicon_baselines.agents.diffusion.demonstrations import Demonstration, record_chunk
 from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
-from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.files import only_writer, read_json, write_json
+from aicon_baselines.files import check_same_config, only_writer, read_json, write_json
 
 RECORDING = "recording.json"
 """File in a dataset's folder that says how it was recorded."""

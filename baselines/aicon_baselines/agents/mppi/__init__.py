@@ -2,6 +2,5 @@
 
 from aicon_baselines.agents.mppi.agent import Agent
 from aicon_baselines.agents.mppi.options import PRESETS, Options
-from aicon_baselines.agents.mppi.planner import Planner
 
-__all__ = ["PRESETS", "Agent", "Options", "Planner"]
+__all__ = ["PRESETS", "Agent", "Options"]

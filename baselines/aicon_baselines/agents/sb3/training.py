@@ -13,7 +13,6 @@ from stable_baselines3.common.logger import configure as configure_logger
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
-from aicon_baselines.agents.saved_config import check_same_config
 from aicon_baselines.agents.sb3.agent_folder import (
     AGENT,
     CONFIG,
@@ -29,7 +28,7 @@ from aicon_baselines.agents.sb3.statistics import load_statistics
 from aicon_baselines.agents.sb3.training_config import TrainingConfig
 from aicon_baselines.agents.sb3.weights import load_algorithm
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.files import only_writer
+from aicon_baselines.files import check_same_config, only_writer
 
 
 def train(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_baselines.ablations.pusht import PIXEL
+from aicon_baselines.ablations import PIXEL
 from aicon_baselines.agents.shields.clamped import Clamped
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.tasks.side_by_side import SideBySide, side_by_side

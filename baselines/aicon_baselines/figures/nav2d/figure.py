@@ -48,7 +48,8 @@ class NavigationRollout(Rollout):
     recording: NavigationRecording
 
     def __init__(self, recording: NavigationRecording, spacing: float = 0.04) -> None:
-        self.recording, self._spacing = recording, spacing
+        super().__init__(recording)
+        self._spacing = spacing
 
     def doing(self, step: int) -> str:
         """What the agent does."""

@@ -25,11 +25,7 @@ DEFAULT_SEED = 1043
 
 
 class PushRollout(Rollout):
-    """An episode of pushing.
-
-    Args:
-        recording: The episode.
-    """
+    """An episode of pushing."""
 
     name = "pusht_rollout"
     aspect = ASPECT
@@ -42,9 +38,6 @@ class PushRollout(Rollout):
     )
     arrival = "Arrival in the goal pose"
     recording: PushRecording
-
-    def __init__(self, recording: PushRecording) -> None:
-        self.recording = recording
 
     def doing(self, step: int) -> str:
         """What the policy does."""

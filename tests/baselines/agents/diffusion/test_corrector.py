@@ -8,8 +8,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_baselines.agents.diffusion.corrector import Corrections, Corrector
-from aicon_baselines.agents.diffusion.executed import actions_of
+from aicon_baselines.agents.diffusion.corrector import Corrections, Corrector, actions_of
 from aicon_baselines.evaluation.task import Lesson
 from aicon_torch import Actuator, Affine, Deterministic, Goal, Policy, Sensor, WorldModel
 from aicon_torch.parts import Gripper

@@ -42,10 +42,9 @@ def test_every_preset_has_a_name() -> None:
 def test_options_override_those_of_the_preset() -> None:
     pytest.importorskip("pytorch_mppi")
     build = factory("pusht", "mppi", samples=8, horizon=2)
-    assert pickle.loads(pickle.dumps(build)) == build
-    assert build("object_L") is not None
+    assert pickle.loads(pickle.dumps(build))("object_L") is not None
 
-    with pytest.raises(OptionError, match="unknown option 'sample'; MPPI has: samples, horizon"):
+    with pytest.raises(OptionError, match="MPPI has no option 'sample'"):
         factory("pusht", "mppi", sample=8)("deterministic")
     with pytest.raises(OptionError, match="samples=0: expected a whole number >= 1"):
         factory("pusht", "mppi", samples=0)("deterministic")

@@ -39,19 +39,12 @@ _CURVES = {
 
 
 class ReachRollout(Rollout):
-    """An episode of an arm that reaches.
-
-    Args:
-        recording: The episode.
-    """
+    """An episode of an arm that reaches."""
 
     name = "reach"
     aspect = 1.0
     curves = {"errors": 1.3}
     legend_rows = 2
-
-    def __init__(self, recording: Recording) -> None:
-        self.recording = recording
 
     def doing(self, step: int) -> str:
         """What the arm does."""

@@ -14,13 +14,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from aicon_baselines.evaluation import ComparisonError
-from aicon_baselines.figures.arm_push import (
-    ArmRecording,
-    ArmRollout,
-    figure,
-    make_figure,
-    record,
-)
+from aicon_baselines.figures import arm_push
+from aicon_baselines.figures.arm_push import ArmRecording, ArmRollout, make_figure, record_arm
 from aicon_baselines.tasks.arm_push import TASK
 
 SEED, HORIZON = 1000, 61
@@ -30,7 +25,7 @@ SEED, HORIZON = 1000, 61
 def episode() -> ArmRecording:
     try:
         policy = lean("arm_push", **TASK.policy_options("camera"))
-        return record(policy, SEED, HORIZON)
+        return record_arm(policy, SEED, HORIZON)
     except RuntimeError as error:
         pytest.skip(f"no OpenGL without a display: {error}")
 
@@ -67,7 +62,7 @@ def test_no_colour_stands_for_two_curves_and_none_is_left_out(episode: ArmRecord
 def test_all_files_are_written(
     episode: ArmRecording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(figure, "record", lambda *arguments, **options: episode)
+    monkeypatch.setattr(arm_push, "record_arm", lambda *arguments, **options: episode)
     summary = make_figure(tmp_path, video="webp", progress=False)
 
     with Image.open(tmp_path / "arm_push_film.png") as image:
