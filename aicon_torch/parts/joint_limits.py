@@ -25,14 +25,16 @@ class JointLimits(nn.Module):
     Example:
         >>> cost = SquaredHinge(margin=0.1, weight=0.5)
         >>> Goal("joint_limits", JointLimits(low=(-2.9, -1.8), high=(2.9, 1.8), cost=cost))
-        >>> stops = JointLimits(chain.low.tolist(), chain.high.tolist(), SquaredHinge(0.02, 1.0))
+        >>> stops = JointLimits(chain.low, chain.high, SquaredHinge(0.02, 1.0))
         >>> Goal("joint_stops", stops, safety=True)  # no joint comes nearer than 0.02 rad
     """
 
     low: Tensor
     high: Tensor
 
-    def __init__(self, low: Sequence[float], high: Sequence[float], cost: SquaredHinge) -> None:
+    def __init__(
+        self, low: Sequence[float] | Tensor, high: Sequence[float] | Tensor, cost: SquaredHinge
+    ) -> None:
         super().__init__()
         has_room = [below < above for below, above in zip(low, high, strict=False)]
         if len(low) != len(high) or not all(has_room):
@@ -41,8 +43,8 @@ class JointLimits(nn.Module):
                 "lower one below the upper one."
             )
         self.cost = cost
-        self.register_buffer("low", torch.tensor(low, dtype=torch.float64))
-        self.register_buffer("high", torch.tensor(high, dtype=torch.float64))
+        self.register_buffer("low", torch.as_tensor(low, dtype=torch.float64).clone())
+        self.register_buffer("high", torch.as_tensor(high, dtype=torch.float64).clone())
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """The cost ``(*B,)`` of the joint angles ``(*B, n)``, rad."""

@@ -170,9 +170,7 @@ def _goals(scene: Scene) -> list[Goal]:
     if options.workspace is not None:
         goals.append(Goal("workspace", Workspace(robot.reach, options.workspace)))
     if options.joint_limits is not None:
-        limits = JointLimits(
-            robot.chain.low.tolist(), robot.chain.high.tolist(), options.joint_limits
-        )
+        limits = JointLimits(robot.chain.low, robot.chain.high, options.joint_limits)
         goals.append(Goal("joint_limits", limits))
     if options.self_collision is not None:
         collision = SelfCollision(robot.shape.capsules, options.self_collision, robot.shape.pairs)

@@ -148,8 +148,7 @@ def ball_estimators(options: Options) -> list[Estimator]:
 
 def bounds(options: Options, robot: Robot, table: float | None = None) -> list[Goal]:
     """What the arm must not do: pass its stops, touch the table, balls, objects, or itself."""
-    low, high = robot.chain.low.tolist(), robot.chain.high.tolist()
-    limits = JointLimits(low, high, options.joint_limits)
+    limits = JointLimits(robot.chain.low, robot.chain.high, options.joint_limits)
     goals = [Goal("joint_limits", limits, safety=options.safety)]
     if robot.shape is None:
         return goals

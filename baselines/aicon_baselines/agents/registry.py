@@ -97,6 +97,11 @@ def model_of(task: Task) -> str | ModuleType:
     """Return the name of a task's model in the library, or the module of one of its own."""
     from aicon_torch.models.factory import MODELS
 
+    if not task.model:
+        raise ComparisonError(
+            f"task {task.name!r} has presets and no model: `model=__name__` where its graph is in "
+            f"the same file, or one of {', '.join(MODELS)}"
+        )
     return task.model if task.model in MODELS else import_module(task.model)
 
 

@@ -2,8 +2,8 @@
 
 Example: aicon compare --task nav2d --policies aicon steepest --jobs 2 --out runs/nav2d
 
-The same command goes on where a stopped run was; another one with other policies adds them to the
-same folder.
+The same command goes on where a stopped run was; another one with other policies, and the same
+conditions and seeds, adds them to the same folder.
 """
 
 import argparse

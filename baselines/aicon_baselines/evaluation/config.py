@@ -22,7 +22,7 @@ class Config:
         repeats: Number of runs of each seed, with different noise.
         conditions: Variants of the environment.
         maps: Slots of map classes; seed s plays `maps[s % len(maps)]`.
-        horizon: Steps after which an episode ends without success.
+        horizon: Steps after which an episode ends at the latest.
         time_step: Duration of one step, s.
     """
 

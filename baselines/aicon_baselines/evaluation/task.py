@@ -123,7 +123,8 @@ class Task:
     Attributes:
         name: Name of the task, by which it is loaded again.
         time_step: Duration of one control step, s.
-        horizon: Steps after which an episode ends without success.
+        horizon: Steps after which an episode ends at the latest. It has succeeded if `is_success`
+            says so in its last step; an environment that terminates on arrival ends it there.
         chunk_size: Number of episodes stepped as one batch; a constant, see `chunk`.
         maps: Slots of map classes; seed s plays `maps[s % len(maps)]`.
         conditions: Names of the variants of the environment, the usual one first.

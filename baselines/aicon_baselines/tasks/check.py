@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Box
 from gymnasium.vector import VectorEnv
 
 from aicon_baselines.evaluation.errors import ComparisonError
@@ -14,6 +15,7 @@ from aicon_baselines.evaluation.task import Episode, Task
 _STEPS = 4
 _LONGEST = 4 * _STEPS  # where a step may take less time than usual, an episode has more of them
 _COUNT = 2  # episodes
+_ROUNDED = 1e-5  # by how much an action may be beyond a bound
 
 _Report = tuple[Any, dict[str, Any]]
 """An observation and the info beside it."""
@@ -21,6 +23,8 @@ _Report = tuple[Any, dict[str, Any]]
 
 def check_task(task: Task, conditions: Sequence[str] | None = None, policy: str = "aicon") -> None:
     """Try what a task promises: two short episodes in each condition, and a step of a policy.
+
+    Every preset is built, too.
 
     Args:
         task: The task.
@@ -37,8 +41,11 @@ def check_task(task: Task, conditions: Sequence[str] | None = None, policy: str 
         >>> tasks.check_task(tasks.load("nav2d"), ["range"])
     """
     _check_declaration(task)
-    for condition in task.conditions if conditions is None else conditions:
-        _Check(task, condition).run(policy)
+    checks = [_Check(task, condition) for condition in conditions or task.conditions]
+    for check in checks:
+        check.run(policy)
+    for preset in task.presets:
+        checks[0].build(preset)
 
 
 def _check_declaration(task: Task) -> None:
@@ -72,8 +79,8 @@ def _check_declaration(task: Task) -> None:
         refuse(f"milestones {task.milestones} must be within the horizon, {task.horizon} steps")
 
     # ... and names of presets.
-    there = presets(model_of(task)) if task.model else ()
-    for name in task.presets if task.model else ():
+    there = presets(model_of(task)) if task.presets else ()
+    for name in task.presets:
         if name not in there:
             known = ", ".join(there)
             refuse(f"the model {task.model!r} has no preset {name!r}; it has: {known}")
@@ -196,17 +203,20 @@ class _Check:
                 right = "what happens depends on the seed in `reset_arguments` and the actions only"
                 raise self._broken(f"{found} {step}: {difference}", right)
 
-    def _check_policy(self, name: str) -> None:
-        """A policy accepts what it is told, and its actions are those of the environment."""
+    def build(self, name: str) -> Any:
+        """A policy, which accepts what it is told about the condition."""
         from aicon_baselines.agents.registry import make
         from aicon_torch.errors import OptionError
 
         try:
-            policy = make(self._task, name, self._condition)
+            return make(self._task, name, self._condition)
         except OptionError as error:
-            found = f"the policy {name!r} refuses what `policy_options` tells it: {error}"
-            raise self._broken(found, "tell it options of its model") from error
+            right = "its preset and `policy_options` name options of its model"
+            raise self._broken(f"the policy {name!r} cannot be built: {error}", right) from error
 
+    def _check_policy(self, name: str) -> None:
+        """A policy accepts what it is told, and its actions are those of the environment."""
+        policy = self.build(name)
         options = getattr(policy, "env_options", {})
         env = self._task.make_env(_COUNT, self._condition, _STEPS, **options)
         try:
@@ -217,6 +227,15 @@ class _Check:
         if action.shape != env.action_space.shape or not np.isfinite(action).all():
             right = f"finite numbers {env.action_space.shape} are the environment's actions"
             raise self._broken(f"the policy {name!r} acts with shape {action.shape}", right)
+
+        # What is sent is what the environment takes: its own units, not the policy's.
+        space = env.action_space
+        if isinstance(space, Box):
+            beyond = np.maximum(action - space.high, space.low - action)
+            if not (beyond <= _ROUNDED * (1 + np.abs(action))).all():
+                right = "an actuator's `command` makes the environment's actions of its velocities"
+                found = f"the policy {name!r} acts with {action.tolist()}, beyond the action space"
+                raise self._broken(found, right)
 
     def _broken(self, found: str, right: str) -> ComparisonError:
         return ComparisonError(

@@ -12,6 +12,7 @@ from aicon_baselines import tasks
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.task import Task
 from aicon_envs.nav2d import Nav2DVectorEnv
+from aicon_torch.models import nav2d
 
 EXTRAS = {"pusht": "pymunk", "arm_push": "trimesh", "reach": "trimesh"}
 QUICK = {"nav2d": ["range", "late"], "pusht": ["object_L", "late"]}
@@ -109,6 +110,7 @@ def test_what_an_environment_does_not_tell_is_said(
         ),
         ({"milestones": (20_000,)}, "must be within the horizon"),
         ({"presets": ("aicon", "clever")}, "has no preset 'clever'; it has: aicon, paper_literal"),
+        ({"model": ""}, "has presets and no model: `model=__name__` where"),
     ],
 )
 def test_what_a_task_declares_in_vain_is_said(changes: dict[str, Any], message: str) -> None:
@@ -126,7 +128,7 @@ def test_what_a_task_declares_in_vain_is_said(changes: dict[str, Any], message: 
         ),
         (
             {"policy_options": lambda condition: {"sight": "far"}},
-            "the policy 'aicon' refuses what `policy_options` tells it: .*no option 'sight'",
+            "the policy 'aicon' cannot be built: .*no option 'sight'.*`policy_options` name",
         ),
     ],
 )
@@ -135,6 +137,18 @@ def test_episodes_that_are_not_what_they_should_be_are_said(
 ) -> None:
     with pytest.raises(ComparisonError, match=message):
         tasks.check_task(replace(tasks.load("nav2d"), **changes), ["range"])
+
+
+def test_a_preset_that_cannot_be_built_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nav2d, "PRESETS", {**nav2d.PRESETS, "steepest": {"resolution.explore": 1}})
+    with pytest.raises(ComparisonError, match="the policy 'steepest' cannot be built: .*'explore'"):
+        tasks.check_task(tasks.load("nav2d"), ["range"])
+
+
+def test_commands_beyond_the_action_space_are_said() -> None:
+    fast = replace(tasks.load("nav2d"), policy_options=lambda condition: {"max_speed": 5.0})
+    with pytest.raises(ComparisonError, match="beyond the action space; an actuator's `command`"):
+        tasks.check_task(fast, ["range"])
 
 
 def test_episodes_without_an_end_are_said() -> None:
