@@ -12,7 +12,7 @@ from aicon_torch.safety.task_cost import FollowedCost
 FALLS = 0.03  # share by which the cost of an imagined place must fall to count as lower
 HOPELESS = 5  # steps in a row without that, after which another one is imagined
 LEAP = 0.4  # way of a step at most, in the action's unit times s
-KEPT = 4  # places that are known at most
+KEPT = 2  # places that are known at most
 IMAGINED = 4  # places that are improved at a time
 
 
