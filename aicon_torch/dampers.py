@@ -9,9 +9,10 @@ from aicon_torch.errors import OptionError
 class PlaceEscape:
     """What is done where constraints bring an actuator to rest: it goes elsewhere and tries anew.
 
-    It goes to a place at which the goals would be reached, which it seeks while it moves. While it
-    knows none, or does not seek, it goes to one in the middle half of its range that a sequence
-    names, mirrored where a component was at its stop when it was held up before:
+    It goes to a place at which the goals would be reached, which it seeks while it moves, and to
+    the next one from a way that is blocked. While it knows none, or does not seek, it goes to one
+    in the middle half of its range that a sequence names, mirrored where a component was at its
+    stop when it was held up before:
     :class:`aicon_torch.safety.places.Places` has the rules.
 
     Attributes:

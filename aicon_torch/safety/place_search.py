@@ -6,11 +6,14 @@ import torch
 from torch import Tensor
 
 from aicon_torch.resolution import Memory
+from aicon_torch.safety.known_places import Known, first_of
 from aicon_torch.safety.task_cost import FollowedCost
 
 FALLS = 0.03  # share by which the cost of an imagined place must fall to count as lower
 HOPELESS = 5  # steps in a row without that, after which another one is imagined
 LEAP = 0.4  # way of a step at most, in the action's unit times s
+KEPT = 2  # places that are known at most
+IMAGINED = 4  # places that are improved at a time
 
 
 def initial_search(size: int) -> Memory:
@@ -19,12 +22,15 @@ def initial_search(size: int) -> Memory:
     Args:
         size: Number n of components of the actuator.
     """
+    # One begins where the actuator is; the others have nothing to fall to, and begin at places.
+    is_one = torch.arange(IMAGINED) == 0
     return {
-        "knows": torch.tensor(False),
-        "known": torch.zeros(size),
-        "sought": torch.zeros(size),  # the first one begins where the actuator is
-        "sought_cost": torch.tensor(torch.inf),
-        "hopeless": torch.tensor(0),
+        "knows": torch.zeros(KEPT, dtype=torch.bool),
+        "known": torch.zeros(KEPT, size),
+        "tries": torch.zeros(KEPT),
+        "sought": torch.zeros(IMAGINED, size),
+        "sought_cost": torch.where(is_one, torch.inf, 0.0),
+        "hopeless": torch.where(is_one, 0, HOPELESS),
         "places": torch.tensor(0),
     }
 
@@ -33,16 +39,14 @@ class Found(NamedTuple):
     """What is imagined after a step of the search; places as ways from here.
 
     Attributes:
-        knows: Whether a place is known, ``(*B,)``.
-        known: The nearest one, ``(*B, n)``.
-        sought: The one that is being improved, ``(*B, n)``.
-        cost: The least that it has cost, ``(*B,)``.
-        hopeless: For how many steps that has not fallen, ``(*B,)``.
-        is_done: Whether it is given up or has been taken over, ``(*B,)``.
+        known: The places that are known.
+        sought: Those that are being improved, ``(m, *B, n)``.
+        cost: The least that each has cost, ``(m, *B)``.
+        hopeless: For how many steps that has not fallen, ``(m, *B)``.
+        is_done: Whether it is given up or has been taken over, ``(m, *B)``.
     """
 
-    knows: Tensor
-    known: Tensor
+    known: Known
     sought: Tensor
     cost: Tensor
     hopeless: Tensor
@@ -50,7 +54,7 @@ class Found(NamedTuple):
 
 
 class PlaceSearch:
-    """Improves two imagined places: the nearest that is known, and the next of a sequence.
+    """Improves imagined places: those that are known, and the next ones of a sequence.
 
     The model says at present what the goals would cost if the actuator were elsewhere, G(x), and
     in which direction they fall. A step goes where they would cost nothing if they went on so
@@ -59,9 +63,9 @@ class PlaceSearch:
         x ← x − G ∇G/‖∇G‖².
 
     For the pose of a tip this is damped least squares, an inverse kinematics in the background, a
-    step of it in a step of the robot. A place is known once the goals are reached there and no
-    gap is closed; of two the one that is nearer remains. It goes on being improved, so that it
-    follows a target that moves, and is no longer known where a gap closes at it.
+    step of it from each of several postures in a step of the robot. A place is known once the goals
+    are reached there and no gap is closed. It goes on being improved, so that it follows a target
+    that moves, and is no longer known where a gap closes at it.
 
     Args:
         limits: Of the actuator, ``(n,)``.
@@ -80,51 +84,65 @@ class PlaceSearch:
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
-        ways = torch.stack((memory["known"], memory["sought"]))
+        known, sought = (memory[name].movedim(-2, 0) for name in ("known", "sought"))
+        ways = torch.cat((known, sought))
+        here, improved = self._improved(cost, ways, room)
+        is_reached = here < self.near
+        is_good = is_reached & (cost.of_safety(ways / self.dt) <= 0.0)
+
+        # Which of them are known from now on: of the new ones one more in a step.
+        is_known, is_new = is_good[: len(known)], is_good[len(known) :]
+        is_next = first_of(is_new)
+        new = (improved[len(known) :] * is_next.unsqueeze(-1)).sum(0)
+        listed = Known(
+            is_place=memory["knows"].movedim(-1, 0) & is_known,
+            ways=improved[: len(known)],
+            tries=memory["tries"].movedim(-1, 0),
+        )
+
+        # Which of those that are sought are done with.
+        least, waited = (memory[name].movedim(-1, 0) for name in ("sought_cost", "hopeless"))
+        own = here[len(known) :]
+        hopeless = torch.where(own < (1.0 - FALLS) * least, 0, waited + 1)
+        waits = is_new & ~is_next
+        return Found(
+            known=listed.with_one(new, is_new.any(0), self.limits),
+            sought=improved[len(known) :],
+            cost=torch.minimum(own, least),
+            hopeless=hopeless,
+            is_done=(is_reached[len(known) :] & ~waits) | (hopeless >= HOPELESS),
+        )
+
+    def _improved(
+        self, cost: FollowedCost, ways: Tensor, room: tuple[Tensor, Tensor]
+    ) -> tuple[Tensor, Tensor]:
+        """What the goals cost at places ``(m, *B, n)``, and these a step further down."""
         here, gradient = cost.slope(ways / self.dt)
         slope = gradient / self.dt
         square = (slope * slope).sum(-1, keepdim=True)
         step = -here.unsqueeze(-1) * slope / square.clamp(min=torch.finfo(square.dtype).tiny ** 0.5)
         longest = step.abs().amax(-1, keepdim=True).clamp(min=LEAP)
         down, up = room
-        improved = torch.minimum(torch.maximum(ways + step * (LEAP / longest), -down), up)
+        return here, torch.minimum(torch.maximum(ways + step * (LEAP / longest), -down), up)
 
-        # Which of them is known from now on.
-        is_reached = here < self.near
-        is_good = is_reached & (cost.of_safety(ways / self.dt) <= 0.0)
-        is_known, is_new = is_good.unbind()
-        is_known = is_known & memory["knows"]
-        times = (ways.abs() / self.limits.to(ways)).amax(-1)
-        takes_over = is_new & (~is_known | (times[1] < times[0]))
-
-        is_lower = here[1] < (1.0 - FALLS) * memory["sought_cost"]
-        hopeless = torch.where(is_lower, 0, memory["hopeless"] + 1)
-        return Found(
-            knows=is_known | takes_over,
-            known=torch.where(takes_over.unsqueeze(-1), improved[1], improved[0]),
-            sought=improved[1],
-            cost=torch.minimum(here[1], memory["sought_cost"]),
-            hopeless=hopeless,
-            is_done=is_reached[1] | (hopeless >= HOPELESS),
-        )
-
-    def remembered(self, found: Found, number: Tensor, next_way: Tensor, moved: Tensor) -> Memory:
-        """What is remembered of it; the next place of the sequence where one is done with.
+    def remembered(self, found: Found, number: Tensor, next_ways: Tensor, moved: Tensor) -> Memory:
+        """What is remembered of it; the next places of the sequence where some are done with.
 
         Args:
             found: What was found.
             number: Of the next place, ``(*B,)``.
-            next_way: The way to it, ``(*B, n)``.
+            next_ways: The ways to the next ones, for each that is sought, ``(m, *B, n)``.
             moved: How far the actuator moves in this step, ``(*B, n)``.
         """
         is_done = found.is_done
-        sought = torch.where(is_done.unsqueeze(-1), next_way, found.sought)
+        sought = torch.where(is_done.unsqueeze(-1), next_ways, found.sought)
         largest = torch.finfo(found.cost.dtype).max
         return {
-            "knows": found.knows,
-            "known": found.known - moved,
-            "sought": sought - moved,
-            "sought_cost": torch.where(is_done, largest, found.cost),
-            "hopeless": torch.where(is_done, 0, found.hopeless),
-            "places": number + is_done,
+            "knows": found.known.is_place.movedim(0, -1),
+            "known": (found.known.ways - moved).movedim(0, -2),
+            "tries": found.known.tries.movedim(0, -1),
+            "sought": (sought - moved).movedim(0, -2),
+            "sought_cost": torch.where(is_done, largest, found.cost).movedim(0, -1),
+            "hopeless": torch.where(is_done, 0, found.hopeless).movedim(0, -1),
+            "places": number + is_done.sum(0),
         }

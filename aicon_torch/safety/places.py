@@ -1,6 +1,7 @@
 """Places: where constraints bring an actuator to rest, it goes elsewhere and tries again."""
 
 import math
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
@@ -19,7 +20,7 @@ OPPOSED = 0.1  # share of the nominal action that the constraints must take away
 STOP = 0.06  # how near to its stop a component is held up there, in its own unit
 MIDDLE = 0.5  # share of a range, about its middle, that the places of most components are in
 ARRIVED = 0.4  # how near to a place is near enough
-LONGEST = 3.75  # w of the longest way to a place
+LONGEST = 3.75  # w of the longest way to a place; twice as far to one that is known
 SLOW = 0.2  # share of the limit below which a motion counts as blocked
 BLOCKED = 0.15  # w of how long it must be that
 OTHER = 0.1  # by which a cost must jump, at least, to be that of other goals
@@ -42,9 +43,25 @@ def initial_places(size: int, seeks: bool = True) -> Memory:
         "lowest": torch.tensor(torch.inf),
         "highest": torch.tensor(0.0),
         "escapes": torch.tensor(0),
+        "blind": torch.tensor(0),
+        "to_known": torch.tensor(False),
         "before": torch.tensor(torch.inf),
     }
     return remembered | initial_search(size) if seeks else remembered
+
+
+class Turn(NamedTuple):
+    """To go elsewhere.
+
+    Attributes:
+        begins: Whether it does, ``(*B,)``.
+        to_known: Whether to a place that is known, ``(*B,)``.
+        place: Where to, ``(*B, n)``.
+    """
+
+    begins: Tensor
+    to_known: Tensor
+    place: Tensor
 
 
 class Places:
@@ -53,10 +70,15 @@ class Places:
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
     3 % for a while, although the constraints oppose the nominal action or the cost is steady. (One
     that comes and goes while nothing is in the way is the noise of the readings.) Then it makes a
-    DETOUR at full speed, in the same bounds, to the place at which the goals are reached that its
-    search knows (:class:`aicon_torch.safety.place_search.PlaceSearch`), or else to the next of a
-    sequence that fills the ranges of the components evenly; it ends near the place, where the
-    motion is blocked, or after some time, and the goals are tried anew.
+    DETOUR at full speed, in the same bounds, to a place at which the goals are reached, of those
+    that its search knows (:class:`aicon_torch.safety.place_search.PlaceSearch`), or else to the
+    next of a sequence that fills the ranges of the components evenly; it ends near the place, where
+    the motion is blocked, or after some time, and the goals are tried anew.
+
+    *Which place.* The one that was tried least often, and of these the nearest; the sequence counts
+    as one of them. It turns to one that becomes known, and was never tried, on its way to a place
+    of the sequence. From the way to a known one, which is blocked where it no longer gets shorter,
+    it turns to the next.
 
     *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
@@ -122,27 +144,30 @@ class Places:
             stops = torch.where(begins.unsqueeze(-1), _stops(room, stops), stops)
         escapes = torch.where(is_other, 0, memory["escapes"])
 
-        new = self._place(escapes, stops)
+        # The DETOUR is over: there, blocked, or late.
+        left = memory["direction"] - self.dt * safe.action
+        way = _way(memory["place"], room, left)
+        is_there = way.abs().amax(-1) < ARRIVED
+        is_blocked, slow = self._is_blocked(safe.action, way, memory)
+        longest = torch.where(memory["to_known"], 2.0 * LONGEST, LONGEST)
+        is_over = ~is_free & (is_there | is_blocked | (clock >= longest))
+
+        # Where it leads to.
+        turn = Turn(begins, torch.zeros_like(begins), self._place(escapes, stops))
+        blind = torch.where(is_other, 0, memory["blind"])
         if self.options.seeks:
             found = self.search(cost, room, memory)
-            new = torch.where(found.knows.unsqueeze(-1), _place_at(found.known, room), new)
-        place = torch.where(begins.unsqueeze(-1), new, memory["place"])
-        left = torch.where(
-            begins.unsqueeze(-1), math.pi * new, memory["direction"] - self.dt * safe.action
-        )
-        way = _way(place, room, left)
-
-        # Back to FREE: there, blocked, or late.
-        is_slow = _time_of(safe.action, self.limits) < SLOW
-        slow = torch.where(is_slow & ~is_free, memory["slow"] + self.step, 0.0)
-        is_there = way.abs().amax(-1) < ARRIVED
-        is_over = is_there | (slow >= BLOCKED) | (clock >= LONGEST)
-        ends = ~is_free & (is_over | is_other)
+            fails = is_over & memory["to_known"] & ~is_there
+            turn, found = self._turn(turn, found, fails, blind, room, memory)
+        begins, to_known = turn.begins & ~is_other, turn.to_known
+        ends = (is_over | (~is_free & is_other)) & ~begins
+        place = torch.where(begins.unsqueeze(-1), turn.place, memory["place"])
+        left = torch.where(begins.unsqueeze(-1), math.pi * turn.place, left)
 
         restarts = begins | ends | is_other | is_lower
         remembered = {
             "escaping": (~is_free | begins) & ~ends,
-            "direction": way,
+            "direction": _way(place, room, left),
             "place": place,
             "stops": stops,
             "clock": torch.where(restarts, 0.0, clock),
@@ -150,12 +175,60 @@ class Places:
             "lowest": torch.where(restarts, now, memory["lowest"]),
             "highest": torch.where(restarts, now, highest),
             "escapes": escapes + begins,
+            "blind": blind + (begins & ~to_known),
+            "to_known": torch.where(begins, to_known, memory["to_known"]),
             "before": now,
         }
         if self.options.seeks:
-            found = found._replace(knows=found.knows & ~begins)  # one that it goes to is used up
             remembered |= self._searched(found, safe.action, room, stops, memory)
         return remembered
+
+    def _is_blocked(self, action: Tensor, way: Tensor, memory: Memory) -> tuple[Tensor, Tensor]:
+        """Whether a detour is blocked, ``(*B,)``, and for how long it has been slow.
+
+        Args:
+            action: What is done, ``(*B, n)``.
+            way: What is left of the way after it, ``(*B, n)``.
+            memory: What was remembered.
+        """
+        nearer = _time_of(memory["direction"], self.limits) - _time_of(way, self.limits)
+        is_stalled = memory["to_known"] & (nearer < SLOW * self.dt)
+        is_slow = is_stalled | (_time_of(action, self.limits) < SLOW)
+        slow = torch.where(is_slow & memory["escaping"], memory["slow"] + self.step, 0.0)
+        return slow >= BLOCKED, slow
+
+    def _turn(
+        self,
+        turn: Turn,
+        found: Found,
+        fails: Tensor,
+        blind: Tensor,
+        room: tuple[Tensor, Tensor],
+        memory: Memory,
+    ) -> tuple[Turn, Found]:
+        """Where it goes if it goes elsewhere, and when it does so in the midst of a detour.
+
+        Args:
+            turn: To the next place of the sequence where it is held up.
+            found: What the search knows.
+            fails: Whether the way to a known place is over before its end, ``(*B,)``.
+            blind: How often it went to a place of the sequence, ``(*B,)``.
+            room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
+            memory: What was remembered.
+        """
+        head = found.known.head(self.limits)
+        tries = (found.known.tries * head).sum(0)
+        way = (found.known.ways * head.unsqueeze(-1)).sum(0)
+        to_known = head.any(0) & (tries <= blind)
+
+        # In the midst of a detour: to one that was never tried, or on from one that fails.
+        is_blind = memory["escaping"] & ~memory["to_known"]
+        begins = turn.begins | (is_blind & head.any(0) & (tries == 0)) | fails
+        place = torch.where(to_known.unsqueeze(-1), _place_at(way, room), turn.place)
+
+        tried = found.known.tries + (head & begins & to_known)
+        known = found.known._replace(tries=tried)
+        return Turn(begins, to_known, place), found._replace(known=known)
 
     def _searched(
         self,
@@ -165,10 +238,11 @@ class Places:
         stops: Tensor,
         memory: Memory,
     ) -> Memory:
-        """What is remembered of the search, whose next place may be anywhere in the ranges."""
-        following = _mirrored(spread(memory["places"], stops), stops)
-        next_way = _way(following, room, math.pi * following)
-        return self.search.remembered(found, memory["places"], next_way, self.dt * action)
+        """What is remembered of the search, whose next places may be anywhere in the ranges."""
+        numbers = memory["places"] + found.is_done.cumsum(0) - 1
+        following = _mirrored(spread(numbers, stops), stops)
+        next_ways = _way(following, room, math.pi * following)
+        return self.search.remembered(found, memory["places"], next_ways, self.dt * action)
 
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
@@ -187,6 +261,7 @@ class Places:
             "clock": nothing,
             "slow": nothing,
             "escapes": number + 1,
+            "to_known": torch.zeros_like(memory["to_known"]),
         }
 
     def _place(self, number: Tensor, stops: Tensor) -> Tensor:

@@ -159,9 +159,11 @@ def test_a_robot_as_many_times_as_fast_escapes_alike(factor: int) -> None:
     torch.testing.assert_close(*ways, rtol=0, atol=1e-6)
 
 
-def test_it_gives_up_a_detour_after_its_largest_duration(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_gives_up_a_blind_detour_after_its_largest_duration(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(places, "LONGEST", 1.0)
-    own = PlaceEscape(near=0.006)  # no other test shares this policy
+    own = PlaceEscape(near=0.006, seeks=False)  # no other test shares this policy
     _, escaping = turn(hand(own), start=2.5, target=-2.8, steps=60)
     started = int(escaping.nonzero()[0])
     duration = int((~escaping[started:]).nonzero()[0]) * DT
