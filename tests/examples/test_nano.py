@@ -43,7 +43,7 @@ def policy() -> Policy:
         dt=declared.dt,
         dtype=torch.float64,
     )
-    return Policy(model, shipped.resolution, shipped.law)
+    return Policy(model, shipped.resolution, shipped.law).compile()
 
 
 def as_in_nano(nano: ModuleType, memory: dict[str, torch.Tensor]) -> Any:

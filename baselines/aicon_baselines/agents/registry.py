@@ -118,6 +118,18 @@ def own_policy(source: str) -> Factory:
     return partial(_build_own, source)
 
 
+@dataclass(frozen=True)
+class CompiledPolicy:
+    """Builds a policy of the library whose step is compiled, which happens at its first one."""
+
+    build: Any
+
+    def __call__(self, condition: str) -> Predictor:
+        """Build it for a condition."""
+        policy: Predictor = self.build(condition).compile()
+        return policy
+
+
 def compiled(build: Factory) -> Factory:
     """Return what builds the same policy of the library with its step compiled.
 
@@ -127,7 +139,7 @@ def compiled(build: Factory) -> Factory:
     if isinstance(build, PlainAgent):
         name = build.agent.__name__
         raise ComparisonError(f"{name} is no policy of the library and has no step to compile")
-    return partial(_build_compiled, build)
+    return CompiledPolicy(build)
 
 
 def can_be_compiled(build: Factory) -> bool:
@@ -171,12 +183,6 @@ def _find_own(source: str) -> Factory:
 
 def _build_own(source: str, condition: str) -> Predictor:
     return _find_own(source)(condition)
-
-
-def _build_compiled(build: Any, condition: str) -> Predictor:
-    """Build a policy of the library whose step is compiled, which happens at its first one."""
-    policy: Predictor = build(condition).compile()
-    return policy
 
 
 def _build_planner(preset: str, changes: Mapping[str, Any], condition: str) -> Predictor:
