@@ -95,15 +95,19 @@ def test_on_its_way_to_a_place_of_the_sequence_it_turns_to_one_that_becomes_know
     places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2))
     memory = places.first_to(torch.tensor(0), memory)
     target, room, nominal = TARGET.clone(), RANGE, torch.ones(2).double()
+
     for _ in range(8):
         assert memory["escaping"]
         action = places.aim(nominal, memory)
         cost = cast(Any, Distance(target))
         memory = places.judge(cost, nominal, SafeAction(action, nominal), room, memory)
+
+        # The target and the stops are told from where the robot is.
         target = target - DT * action
         room = (room[0] + DT * action, room[1] - DT * action)
         if memory["to_known"]:
             break
+
     assert memory["to_known"]
     torch.testing.assert_close(memory["direction"], target, rtol=0, atol=2 * DT * 1.5)
 
