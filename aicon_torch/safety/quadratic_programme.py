@@ -8,7 +8,7 @@ from torch import Tensor
 
 from aicon_torch.differentiation import learns
 
-MOST_UNROLLED = 16
+MOST_UNROLLED = 4
 """Of more rows the sweeps are one operation, for which there is a routine in C."""
 
 SLACK = 1e-4
