@@ -112,8 +112,8 @@ world = $(IN_WORLDS) --task $(1) --conditions $(2) --policies $(3) --episodes $(
 	@touch $@
 
 worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/; goes on where it was
-	$(call world,pointmaze:TASK,umaze medium large,aicon rehearsed,$(EPISODES),400000,pointmaze)
-	$(call world,ogbench_mazes:TASK,$(MAZES),aicon rehearsed,10,400000,ogbench_mazes)
+	$(call world,pointmaze:TASK,umaze medium large,aicon rehearsed planner,$(EPISODES),400000,pointmaze)
+	$(call world,ogbench_mazes:TASK,$(MAZES),aicon rehearsed planner,10,400000,ogbench_mazes)
 	$(call world,crowd:TASK,$(CROWDS) $(CROWDS:%=%_blind),aicon orca orca_close,$(EPISODES),400000,crowd)
 	$(call world,fetch:TASK,reach push,aicon,$(EPISODES),407000,fetch)
 	$(call world,meta_world:TASK,reach coffee-button drawer-close,aicon,$(EPISODES),400020,meta_world)
@@ -129,7 +129,7 @@ worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/;
 
 worlds-rules: worlds ## The same worlds with parts left out and other rules: what carries each
 	$(call world,pointmaze:TASK,umaze medium large,without_escape $(HAND_RULES),$(EPISODES),400000,pointmaze_rules)
-	$(call world,ogbench_mazes:TASK,$(MAZES),without_exploration weighted_sum,20,400000,ogbench_mazes_rules)
+	$(call world,ogbench_mazes:TASK,$(MAZES),without_escape without_exploration weighted_sum without_foresight steepest,20,400000,ogbench_mazes_rules)
 	$(call world,crowd:TASK,$(CROWDS:%=%_blind),without_exploration weighted_sum steepest without_spread,50,400000,crowd_rules)
 	$(call world,fetch:TASK,push,$(HAND_RULES),$(EPISODES),407000,fetch_rules)
 	$(call world,meta_world_puck:TASK,push pick-place,steepest weighted_sum without_exploration,50,400050,meta_world_rules)

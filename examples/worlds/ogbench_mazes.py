@@ -18,6 +18,7 @@ import numpy as np
 import pointmaze
 from gymnasium.spaces import Box
 from others import World, needed, readings
+from planner import Planner
 from pointmaze import PRESETS, RESOLUTION, keep_clear, maze_model
 
 from aicon_baselines.evaluation.task import Task
@@ -107,14 +108,19 @@ def build(options: Options) -> Policy:
     return Policy(model, options.resolution, options.law)
 
 
-def walls_of(options: Options) -> Goal:
-    """To keep clear of the walls; a teleporter is one, as it may lead anywhere."""
-    world = make_maze(options.maze)
+def map_of(maze: str) -> Any:
+    """The rows of a maze, north first; a teleporter is a wall, as it may lead anywhere."""
+    world = make_maze(maze)
     grid = world.maze_map.copy()
     for cell in (world._teleport_info or {}).get("teleport_in_ijs", ()):
         grid[cell] = 1
     world.close()
-    return keep_clear(grid[::-1], RADIUS, options.length)
+    return grid[::-1]
+
+
+def walls_of(options: Options) -> Goal:
+    """To keep clear of the walls."""
+    return keep_clear(map_of(options.maze), RADIUS, options.length)
 
 
 @dataclass
@@ -131,6 +137,25 @@ class Rehearsed(pointmaze.Rehearsed):
     def imagine(self, seen: Any, memory: Any) -> Any:
         """What is read after a step without a contact."""
         return seen | {"z_ball": seen["z_ball"] + STEP * memory["a"]}
+
+
+# --- the opponent
+
+
+@dataclass
+class Planned:
+    """A planner that sees the map."""
+
+    maze: str = "medium"
+
+    def __post_init__(self) -> None:
+        """Read the map."""
+        self.predict = Planner(map_of(self.maze), RADIUS, self.step).predict
+
+    def step(self, place: Any, seen: Any) -> Any:
+        """The action that leads to a place."""
+        strides = (place - seen["z_ball"]) / STRIDE
+        return strides / max(1.0, np.abs(strides).max())
 
 
 # --- the task
@@ -160,5 +185,5 @@ TASK = Task(
     time_unit="steps",
     model=__name__,
     presets=tuple(PRESETS),
-    agents={"rehearsed": f"{__name__}:Rehearsed"},
+    agents={"rehearsed": f"{__name__}:Rehearsed", "planner": f"{__name__}:Planned"},
 )

@@ -18,6 +18,7 @@ import numpy as np
 import torch
 from gymnasium.spaces import Box
 from others import World, needed, readings
+from planner import Planner
 from torch import Tensor
 
 from aicon_baselines.evaluation.task import Task
@@ -155,10 +156,14 @@ class Rehearsed:
         return seen | {"z_ball": seen["z_ball"] + moved, "v_ball": v_ball}
 
 
+def map_of(maze: str) -> Any:
+    """The rows of a maze, north first, with a 1 where a wall is."""
+    return getattr(robotics(".envs.maze.maps"), MAPS[maze])
+
+
 def walls_of(options: Options) -> Goal:
     """To keep clear of the walls."""
-    grid = getattr(robotics(".envs.maze.maps"), MAPS[options.maze])
-    return keep_clear(grid, RADIUS, options.length)
+    return keep_clear(map_of(options.maze), RADIUS, options.length)
 
 
 def keep_clear(grid: Any, radius: float, length: float) -> Goal:
@@ -197,6 +202,30 @@ def maze_model(ball: Actuator, ahead: Interconnection, avoid: Goal, dt: float) -
     )
 
 
+# --- the opponent
+
+
+@dataclass
+class Planned:
+    """A planner that sees the map; the ball is pushed as the policy pushes it."""
+
+    maze: str = "umaze"
+
+    def __post_init__(self) -> None:
+        """Read the map."""
+        self.predict = Planner(map_of(self.maze), RADIUS, self.push).predict
+
+    def push(self, place: Any, seen: Any) -> Any:
+        """The action that leads to a place."""
+        options = Options(self.maze)
+        servo = ForceServo(mass=4.19, time=options.lag, largest=100.0)
+
+        wanted = (place - seen["z_ball"]) / options.lag
+        wanted = wanted * min(1.0, options.speed / float(np.linalg.norm(wanted)))
+        force = servo(torch.from_numpy(wanted), torch.from_numpy(seen["v_ball"]))
+        return (force / servo.largest).numpy()
+
+
 # --- the task
 
 
@@ -224,5 +253,5 @@ TASK = Task(
     time_unit="steps",
     model=__name__,
     presets=tuple(PRESETS),
-    agents={"rehearsed": f"{__name__}:Rehearsed"},
+    agents={"rehearsed": f"{__name__}:Rehearsed", "planner": f"{__name__}:Planned"},
 )
