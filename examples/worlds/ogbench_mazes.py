@@ -150,9 +150,9 @@ class Planned:
 
     def __post_init__(self) -> None:
         """Read the map."""
-        self.predict = Planner(map_of(self.maze), RADIUS, self.step).predict
+        self.predict = Planner(map_of(self.maze), RADIUS, self.toward).predict
 
-    def step(self, place: Any, seen: Any) -> Any:
+    def toward(self, place: Any, seen: Any) -> Any:
         """The action that leads to a place."""
         strides = (place - seen["z_ball"]) / STRIDE
         return strides / max(1.0, np.abs(strides).max())

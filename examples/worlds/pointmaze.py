@@ -213,9 +213,9 @@ class Planned:
 
     def __post_init__(self) -> None:
         """Read the map."""
-        self.predict = Planner(map_of(self.maze), RADIUS, self.push).predict
+        self.predict = Planner(map_of(self.maze), RADIUS, self.toward).predict
 
-    def push(self, place: Any, seen: Any) -> Any:
+    def toward(self, place: Any, seen: Any) -> Any:
         """The action that leads to a place."""
         options = Options(self.maze)
         servo = ForceServo(mass=4.19, time=options.lag, largest=100.0)

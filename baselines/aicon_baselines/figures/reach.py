@@ -143,6 +143,6 @@ def draw_picture(recordings: Mapping[str, Recording], path: Path) -> None:
         axes = figure.add_subplot(cells[row, -1])
         ReachRollout(recording).draw_curves(axes)
         if row == 0:
-            axes.legend(loc="upper right", fontsize=7.5, frameon=False)
+            axes.legend(loc="lower left", fontsize=7.5, frameon=False)
     axes.set_xlabel("time, s")
     save_picture(figure, path)
