@@ -148,8 +148,9 @@ def run(arguments: argparse.Namespace) -> None:
     rows = []
     for world, graph in GRAPHS.items():
         lines = [str(count) for count in lines_of_graph(graph)]
-        rows.append([world, *lines, in_words(numbers_of_graph(graph))])
-    print(to_markdown(["world", "lines of its graph", "of a model", "set by hand"], rows))
+        rows.append([world, *lines, *map(in_words, numbers_of_graph(graph))])
+    named = ["world", "lines of its graph", "of a model", "set by hand", "in the model, for all"]
+    print(to_markdown(named, rows))
 
 
 def lines_of_graph(graph: Graph) -> tuple[int, int]:
@@ -159,20 +160,28 @@ def lines_of_graph(graph: Graph) -> tuple[int, int]:
     return lines_of(own), lines_of(functions) - lines_of(own)
 
 
-def numbers_of_graph(graph: Graph) -> dict[str, int]:
-    """Count the numbers that are set by hand in one of the worlds of others."""
+def numbers_of_graph(graph: Graph) -> tuple[dict[str, int], dict[str, int]]:
+    """Count the numbers that are set by hand in one of the worlds of others.
+
+    Returns:
+        Its own, and those of the library's model, which all of its worlds share.
+    """
     if str(WORLDS) not in sys.path:
         sys.path.insert(0, str(WORLDS))
+    options = import_module(graph.module).Options
     used = options_of(functions_of(graph.module, graph.maker))
     numbers = {}
-    for name, count in numbers_in(import_module(graph.module).Options()).by_hand.items():
+    for name, count in numbers_in(options()).by_hand.items():
         if name.split(".")[0] in used and name not in graph.told:
             numbers[name] = count
 
+    constants = {}
     for constant in graph.constants:
         module, *path = constant.split(".")
-        numbers[constant] = how_many(reduce(getattr, path, import_module(module)))
-    return numbers
+        constants[constant] = how_many(reduce(getattr, path, import_module(module)))
+    if options.__module__.startswith("aicon_torch.models."):
+        return constants, numbers
+    return numbers | constants, {}
 
 
 def numbers_of(task: str) -> Numbers:
