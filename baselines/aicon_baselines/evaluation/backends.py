@@ -2,6 +2,7 @@
 
 import os
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
@@ -44,6 +45,10 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
             # Even a worker that has not been given anything to do yet.
             tied: dict[str, Any] = {"initializer": end_with, "initargs": (os.getpid(),)}
             stack.enter_context(parallel_config(name, n_jobs=jobs, **tied))
+
+            # One that has grown with what it compiled makes way for another, which is no fault.
+            stack.enter_context(warnings.catch_warnings())
+            warnings.filterwarnings("ignore", "A worker stopped while some jobs")
         yield
 
 
