@@ -43,7 +43,8 @@ from aicon_torch.resolution import Exploration, Resolution, SteepestPath, TrapEs
 # --- the world
 
 STEP = 0.01  # s
-RADIUS = 0.1  # of the ball, m, of which a cell is 1 long
+RADIUS, MASS = 0.1, 4.19  # of the ball, m, of which a cell is 1 long, and kg
+LARGEST = 100.0  # force along each axis, N
 HORIZONS = {"umaze": 300, "medium": 600, "large": 800}  # steps, the benchmark's
 NAMES = {"umaze": "UMaze", "medium": "Medium", "large": "Large"}
 MAPS = {"umaze": "U_MAZE", "medium": "MEDIUM_MAZE", "large": "LARGE_MAZE"}
@@ -115,7 +116,7 @@ PRESETS: dict[str, dict[str, Any]] = {
 
 def build(options: Options) -> Policy:
     """The ball: a servo pushes it, and it follows with a lag."""
-    servo, lag = ForceServo(mass=4.19, time=options.lag, largest=100.0), Lag(options.lag)
+    servo, lag = ForceServo(MASS, options.lag, LARGEST), Lag(options.lag)
 
     def ahead(z_ball: Tensor, v_ball: Tensor, a: Tensor, dt: Tensor) -> Tensor:
         return z_ball + lag.displacement(a, v_ball, dt)
@@ -218,10 +219,10 @@ class Planned:
     def toward(self, place: Any, seen: Any) -> Any:
         """The action that leads to a place."""
         options = Options(self.maze)
-        servo = ForceServo(mass=4.19, time=options.lag, largest=100.0)
+        servo = ForceServo(MASS, options.lag, LARGEST)
 
         wanted = (place - seen["z_ball"]) / options.lag
-        wanted = wanted * min(1.0, options.speed / float(np.linalg.norm(wanted)))
+        wanted = wanted * options.speed / max(options.speed, float(np.linalg.norm(wanted)))
         force = servo(torch.from_numpy(wanted), torch.from_numpy(seen["v_ball"]))
         return (force / servo.largest).numpy()
 
