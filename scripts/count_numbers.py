@@ -26,7 +26,7 @@ from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
 from aicon_torch.safety import bounds, places, task_cost
-from graph_code import WORLDS, functions_of, is_of_library, lines_of, options_of
+from graph_code import WORLDS, functions_of, is_model, is_of_library, lines_of, options_of
 
 
 class Graph(NamedTuple):
@@ -179,7 +179,7 @@ def numbers_of_graph(graph: Graph) -> tuple[dict[str, int], dict[str, int]]:
     for constant in graph.constants:
         module, *path = constant.split(".")
         constants[constant] = how_many(reduce(getattr, path, import_module(module)))
-    if options.__module__.startswith("aicon_torch.models."):
+    if is_model(options.__module__):
         return constants, numbers
     return numbers | constants, {}
 

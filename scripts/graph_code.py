@@ -107,7 +107,12 @@ def _text(module: str) -> str:
 
 def is_of_library(function: Function) -> bool:
     """Whether a function is one of the library's models."""
-    return function.module.startswith(MODELS)
+    return is_model(function.module)
+
+
+def is_model(module: str) -> bool:
+    """Whether a module is one of the library's models, by its name."""
+    return module.startswith(MODELS)
 
 
 def _path(module: str) -> Path:

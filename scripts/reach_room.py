@@ -22,6 +22,7 @@ from aicon_baselines.tasks.reach import TASK
 from aicon_torch.models.reach import Options
 from aicon_torch.parts import Robot, TipPose
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
+from reach_study import targets
 
 MARGIN, SOLVED = 0.02, 1e-4  # rad that stay to a stop; m, and rad times 1 m, that may be missing
 
@@ -39,8 +40,7 @@ def solutions(robot: Robot, pose: TipPose, target: Tensor, starts: int) -> list[
     found: list[Array] = []
     generator = np.random.default_rng(0)
     for _ in tqdm(range(starts), desc="solutions", disable=None):
-        start = generator.uniform(low, high).clip(low + MARGIN, high - MARGIN)
-        solved = least_squares(missing, start, bounds=(low, high))
+        solved = least_squares(missing, generator.uniform(low, high), bounds=(low, high))
         if np.linalg.norm(solved.fun) < SOLVED:
             found.append(solved.x)
     return found
@@ -49,17 +49,13 @@ def solutions(robot: Robot, pose: TipPose, target: Tensor, starts: int) -> list[
 def run(arguments: argparse.Namespace) -> None:
     """Say how much room each target leaves."""
     torch.set_num_threads(1)
-    options = TASK.policy_options(arguments.condition)
-    robot = Robot.from_urdf(options["robot"], tip=options["tip"], srdf=options["srdf"])
-    pose, cost = TipPose(options["orientation"], lever=1.0), Options().self_collision
+    robot, pose, _, places = targets(arguments.condition, arguments.seeds)
+    cost = Options().self_collision
     assert robot.shape is not None
     segments = CapsuleSegments(robot.chain, robot.shape.capsules)
     itself = SelfCollision(robot.shape.capsules, cost, robot.shape.pairs)
 
-    env = TASK.make_env(1, arguments.condition, TASK.horizon)
-    for seed in arguments.seeds:
-        seen = {name: torch.from_numpy(value) for name, value in env.reset(seed=seed)[0].items()}
-        target = pose.target(seen["target_position"], seen["target_orientation"])[0]
+    for seed, target in zip(arguments.seeds, places, strict=True):
         found = solutions(robot, pose, target, arguments.starts)
         rooms = [float(itself.distances(segments(torch.from_numpy(q))).min()) for q in found]
         print(
@@ -67,13 +63,12 @@ def run(arguments: argparse.Namespace) -> None:
             f"{1e3 * max(rooms, default=math.nan):.1f} mm apart at most, and keep "
             f"{1e3 * cost.margin:.1f} mm"
         )
-    env.close()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare which targets."""
     parser.add_argument(
-        "--condition", choices=TASK.conditions, required=True, metavar="NAME", help="of a pose"
+        "--condition", choices=TASK.conditions, required=True, metavar="NAME", help="of the targets"
     )
     parser.add_argument("--seeds", nargs="+", type=int, required=True, metavar="SEED")
     add_option(parser, "--starts", 150, "random postures")

@@ -9,6 +9,7 @@ Example: python scripts/reach_study.py --conditions ur5_pose_home --out runs/rea
 import argparse
 import csv
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -37,22 +38,40 @@ class Row(NamedTuple):
     detours: int
 
 
-def targets(condition: str, seeds: range) -> dict[str, Tensor]:
-    """The first observations of the environment, ``(seeds, size)`` each."""
+class Targets(NamedTuple):
+    """The targets of a condition.
+
+    Attributes:
+        robot: Who reaches.
+        pose: What of its tip counts.
+        seen: The first observations of the environment, ``(seeds, size)`` each.
+        places: The targets as poses, ``(seeds, size)``.
+    """
+
+    robot: Robot
+    pose: TipPose
+    seen: dict[str, Tensor]
+    places: Tensor
+
+
+def targets(condition: str, seeds: Sequence[int]) -> Targets:
+    """The targets of the environment at some seeds."""
     env = TASK.make_env(1, condition, TASK.horizon)
-    seen = [env.reset(seed=seed)[0] for seed in tqdm(seeds, desc=f"{condition}, targets")]
+    first = [env.reset(seed=seed)[0] for seed in tqdm(seeds, desc=f"{condition}, targets")]
     env.close()
-    return {name: torch.from_numpy(np.concatenate([one[name] for one in seen])) for name in seen[0]}
+    rows = {name: np.concatenate([one[name] for one in first]) for name in first[0]}
+    seen = {name: torch.from_numpy(values) for name, values in rows.items()}
+
+    options = TASK.policy_options(condition)
+    robot = Robot.from_urdf(options["robot"], tip=options["tip"], srdf=options["srdf"])
+    pose = TipPose(options["orientation"], lever=1.0)
+    place, turn = seen["target_position"], seen.get("target_orientation")
+    return Targets(robot, pose, seen, place if turn is None else pose.target(place, turn))
 
 
 def reach(condition: str, seeds: range, policy: Policy) -> list[Row]:
     """What becomes of the targets of a condition within the horizon of the task."""
-    options = TASK.policy_options(condition)
-    robot = Robot.from_urdf(options["robot"], tip=options["tip"], srdf=options["srdf"])
-    pose, seen = TipPose(options["orientation"], lever=1.0), targets(condition, seeds)
-    place, turn = seen["target_position"], seen.get("target_orientation")
-    target = place if turn is None else pose.target(place, turn)
-
+    robot, pose, seen, target = targets(condition, seeds)
     memory: Any = None
     times = torch.full((len(seeds),), math.nan, dtype=torch.float64)
     detours = torch.zeros(len(seeds), dtype=torch.long)

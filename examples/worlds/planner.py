@@ -26,6 +26,7 @@ class Planner:
     def __init__(self, grid: Array, radius: float, command: Callable[[Array, Any], Array]) -> None:
         self.is_wall = np.array([[cell == 1 for cell in row] for row in grid])
         self.middle = (np.array(self.is_wall.shape) - 1) / 2
+        self.walls = self.places_of(np.argwhere(self.is_wall))
         self.radius, self.command = radius, command
         self.distances: dict[tuple[int, ...], Array] = {}
 
@@ -80,12 +81,11 @@ class Planner:
 
     def is_free(self, start: Array, end: Array) -> bool:
         """Whether the ball gets straight from one place to another: no line enters a wider wall."""
-        walls = self.places_of(np.argwhere(self.is_wall))
         wide = 0.5 + self.radius - TOUCHES
         way = np.where(end == start, 1e-12, end - start)  # no division by zero
 
         # When it passes the two sides of a wall, along each axis, as shares of the way.
-        passes = np.stack((walls - start - wide, walls - start + wide)) / way
+        passes = np.stack((self.walls - start - wide, self.walls - start + wide)) / way
         enters, leaves = passes.min(0).max(-1), passes.max(0).min(-1)
         return not ((enters < leaves) & (leaves > 0.0) & (enters < 1.0)).any()
 

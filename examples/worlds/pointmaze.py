@@ -214,17 +214,17 @@ class Planned:
 
     def __post_init__(self) -> None:
         """Read the map."""
+        self.options = Options(self.maze)
+        self.servo = ForceServo(MASS, self.options.lag, LARGEST)
         self.predict = Planner(map_of(self.maze), RADIUS, self.toward).predict
 
     def toward(self, place: Any, seen: Any) -> Any:
         """The action that leads to a place."""
-        options = Options(self.maze)
-        servo = ForceServo(MASS, options.lag, LARGEST)
-
-        wanted = (place - seen["z_ball"]) / options.lag
-        wanted = wanted * options.speed / max(options.speed, float(np.linalg.norm(wanted)))
-        force = servo(torch.from_numpy(wanted), torch.from_numpy(seen["v_ball"]))
-        return (force / servo.largest).numpy()
+        speed = self.options.speed
+        wanted = (place - seen["z_ball"]) / self.options.lag
+        wanted = wanted * speed / max(speed, float(np.linalg.norm(wanted)))
+        force = self.servo(torch.from_numpy(wanted), torch.from_numpy(seen["v_ball"]))
+        return (force / self.servo.largest).numpy()
 
 
 # --- the task

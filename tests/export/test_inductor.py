@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from _asserts import assert_same_steps
 from _inputs import drifting, lean
-from _inputs.following import Readings, bold_when_far, follower, wandering
+from _inputs.following import Readings, bold_when_far, follower, passing, wandering
 
 from aicon_torch import Policy
 
@@ -23,6 +23,7 @@ with_compiler = pytest.mark.skipif(
     [
         pytest.param(follower(), wandering(6, (3,)), id="follower"),
         pytest.param(lean("nav2d"), drifting(20, (3,)), id="nav2d"),
+        pytest.param(lean("pusht"), passing(6, (3,)), id="pusht"),
     ],
 )
 def test_what_has_no_translation_to_c_is_compiled_otherwise(

@@ -6,7 +6,6 @@ import torch
 
 pytest.importorskip("mujoco")
 
-
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch.parts import Robot, TipPose
 from reach_room import MARGIN, SOLVED, solutions

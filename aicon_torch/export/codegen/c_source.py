@@ -25,7 +25,7 @@ UNNEEDED = """\
 """
 """What gcc need not look for: a program computes each distinct number once, and stores it once.
 
-The step of a reaching UR5 compiles in 60 % of the time, and takes as long.
+Without that search gcc 12 takes 11 instead of 19 s for a reaching UR5, whose step runs as fast.
 """
 
 
