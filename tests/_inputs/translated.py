@@ -18,19 +18,20 @@ EXPORTED = '__attribute__((visibility("default"))) void f('
 
 def translated(function: Function, dtype: torch.dtype, folder: Path) -> Function:
     """The function, translated and compiled."""
-
-    def flat(values: Tensor) -> tuple[Tensor, ...]:
-        return (function(values).flatten(),)
-
-    # Traced on numbers of its own: nothing that it decides must be fixed by tracing.
-    traced_on = normal(SIZE, seed=9).to(dtype)
-    source = in_c("f", flat, ["x"], ["y"], {"x": traced_on})
+    source = source_of(function, dtype)
     compile_library(prelude(dtype) + source.replace("static void f(", EXPORTED), folder / "f.so")
     library = ctypes.CDLL(str(folder / "f.so"))
 
     def run(x: Tensor) -> Tensor:
-        given, found = x.numpy(), torch.empty_like(flat(x)[0], dtype=dtype).numpy()
+        given, found = x.numpy(), torch.empty_like(function(x).flatten(), dtype=dtype).numpy()
         library.f(ctypes.c_void_p(given.ctypes.data), ctypes.c_void_p(found.ctypes.data))
         return torch.from_numpy(found)
 
     return run
+
+
+def source_of(function: Function, dtype: torch.dtype = torch.float64) -> str:
+    """The function in C."""
+    # Traced on numbers of its own: nothing that it decides must be fixed by tracing.
+    traced_on = normal(SIZE, seed=9).to(dtype)
+    return in_c("f", lambda values: (function(values).flatten(),), ["x"], ["y"], {"x": traced_on})

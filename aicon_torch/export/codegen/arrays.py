@@ -16,8 +16,14 @@ Array = NDArray[Any]
 LOOPED = 256
 """Numbers from which on an operation on those of one array is a loop."""
 
-OFTEN = 16
+MANY = 1024
+"""Numbers from which on an operation on those of no array is one as well."""
+
+OFTEN = 8
 """How often numbers that are in no array are read in a loop, if they are."""
+
+MOST_SLICES = 4
+"""So many arrays that are stacked, as the coordinates of points are, are looped over one by one."""
 
 REDUCED = ("add", "maximum")
 """Operations along all of an array that are a loop as well."""
@@ -77,9 +83,28 @@ class Writer:
         elif not operation.startswith("to_"):
             arrays = [self.cast(array, kind) for array in arrays]
         looped = self._looped(operation, kind, arrays)
+        if looped is None:
+            looped = self._looped_in_slices(operation, kind, arrays)
         if looped is not None:
             return looped
         return self._each(lambda *numbers: self.program.apply(operation, numbers, kind), *arrays)
+
+    def _looped_in_slices(
+        self, operation: str, kind: Kind, arrays: Sequence[Array]
+    ) -> Array | None:
+        """The operation as a loop for each slice of what is stacked; None where they are none."""
+        shape = np.broadcast_shapes(*[array.shape for array in arrays])
+        if not shape or not 1 < shape[-1] <= MOST_SLICES:
+            return None
+
+        whole = [np.broadcast_to(array, shape) for array in arrays]
+        slices: list[Array] = []
+        for place in range(shape[-1]):
+            looped = self._looped(operation, kind, [array[..., place] for array in whole])
+            if looped is None:
+                return None
+            slices.append(looped)
+        return np.stack(slices, axis=-1)
 
     def _looped(self, operation: str, kind: Kind, arrays: Sequence[Array]) -> Array | None:
         """The operation as a loop over arrays of many numbers; None where they are not."""
@@ -115,9 +140,12 @@ class Writer:
                 arguments.append(self.program.list(list(few)))
                 places.append(f"{{}}[{self.program.table([few[n] for n in numbers])}[i]]")
 
-        # Without an array there is nothing to loop over.
+        # Without an array it is written out, unless it is another number nearly everywhere.
         if not reads_array:
-            return None
+            columns = [np.broadcast_to(array, shape).reshape(-1) for array in arrays]
+            distinct = len(set(zip(*columns, strict=True)))
+            if count < MANY or len(arguments) < len(arrays) or 2 * distinct < count:
+                return None
         return as_array(self.program.loop(operation, arguments, places, kind, count), shape)
 
     def reduce(
@@ -130,12 +158,15 @@ class Writer:
         kept = last.shape[: last.ndim - max(len(dims), 1)]
         rows = last.reshape(*kept, -1)
 
-        # Many numbers are reduced by a loop of C, ...
-        reduced = self._reduced(operation, kind, rows) if rows.size >= LOOPED else None
+        # Many numbers are reduced by a routine in C, ...
+        length = rows.shape[-1]
+        are_slices = length <= MOST_SLICES and rows.size >= length * LOOPED
+        is_long = rows.size >= LOOPED and not are_slices
+        reduced = self._reduced(operation, kind, rows) if is_long else None
         if reduced is not None:
             return np.expand_dims(reduced, tuple(dims)) if keeps else reduced
 
-        # ... and few are written out one by one.
+        # ... and few are written out, or looped over as slices, one after the other.
         result = self.cast(rows[..., 0], kind)
         for place in range(1, rows.shape[-1]):
             result = self.map(operation, kind, result, rows[..., place])

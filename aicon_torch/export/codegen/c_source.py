@@ -21,6 +21,7 @@ UNNEEDED = """\
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("no-gcse", "no-rerun-cse-after-loop", "no-cse-follow-jumps", "no-tree-pre")
 #pragma GCC optimize("no-code-hoisting", "no-tree-vrp", "no-thread-jumps", "no-tree-dse", "no-dse")
+#pragma GCC optimize("no-tree-fre")
 #endif
 """
 """What gcc need not look for: a program computes each distinct number once, and stores it once.

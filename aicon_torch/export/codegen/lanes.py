@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
 
-from aicon_torch.export.codegen.scalars import CONSTANT, OPERATIONS, PICK, Number, Program
+from aicon_torch.export.codegen.scalars import CONSTANT, LOOP, OPERATIONS, PICK, Number, Program
 
 FEWEST = 2048
 """Numbers from which on they are worth a loop."""
@@ -43,10 +43,17 @@ class Lanes:
 
 @dataclass(frozen=True)
 class Phase:
-    """Numbers by themselves, and after them what loops compute, by how many rows they have."""
+    """Numbers by themselves, and after them what loops compute.
+
+    Attributes:
+        alone: Numbers by themselves.
+        loops: Lanes, by how many rows they have.
+        arrays: Operations on the numbers of arrays, by how many these are.
+    """
 
     alone: list[Number] = field(default_factory=list)
     loops: defaultdict[int, list[Lanes]] = field(default_factory=lambda: defaultdict(list))
+    arrays: defaultdict[int, list[Number]] = field(default_factory=lambda: defaultdict(list))
 
 
 def in_phases(program: Program, needed: Collection[int]) -> list[Phase]:
@@ -75,15 +82,24 @@ def _ordered(program: Program, needed: Collection[int], lanes: Sequence[Lanes]) 
 
     def known_from(number: Number) -> int:
         """The phase from which on a number can be read outside of its loop."""
-        return phase_of.get(number.index, 0) + (number.index in lanes_of)
+        is_looped = number.index in lanes_of or number.operation == LOOP
+        return phase_of.get(number.index, 0) + is_looped
 
     for number in program.numbers:
         if number.index not in needed or number.operation == CONSTANT:
             continue
         own = lanes_of.get(number.index)
 
+        # An array is computed in one loop with those that it reads one after the other.
+        if number.operation == LOOP:
+            here = {argument for argument, _ in reads_of(number) if in_one_loop(number, argument)}
+            waits = [phase_of[argument.index] for argument in here]
+            waits += [known_from(argument) for argument in number.arguments if argument not in here]
+            phase_of[number.index] = max(waits, default=0)
+            phases[phase_of[number.index]].arrays[number.value[-1]].append(number)
+
         # A number of its own comes as soon as its arguments are known.
-        if own is None:
+        elif own is None:
             phase_of[number.index] = max(map(known_from, number.arguments), default=0)
             phases[phase_of[number.index]].alone.append(number)
 
@@ -105,6 +121,19 @@ def in_rows(argument: Argument) -> tuple[Number, ...]:
     if isinstance(argument, Lanes):
         return argument.numbers
     return (argument,) if isinstance(argument, Number) else argument
+
+
+def reads_of(loop: Number) -> list[tuple[Number, str]]:
+    """What a loop reads, and where in it at place i, in C."""
+    places = [place for place in loop.value[1] if "{}" in place]
+    return list(zip(loop.arguments, places, strict=True))
+
+
+def in_one_loop(loop: Number, other: Number) -> bool:
+    """Whether they can be one: as long, and a loop reads of the other what is at its own place."""
+    if other.operation != LOOP or other.value[-1] != loop.value[-1]:
+        return False
+    return all(place == "{}[i]" for each, place in reads_of(loop) if each is other)
 
 
 def _in_small_loops(phases: Sequence[Phase]) -> set[Lanes]:

@@ -6,7 +6,7 @@ from itertools import chain
 import numpy as np
 import torch
 
-from aicon_torch.export.codegen.lanes import Lanes, in_phases, in_rows
+from aicon_torch.export.codegen.lanes import Lanes, in_one_loop, in_phases, in_rows
 from aicon_torch.export.codegen.networks import NETWORK_ROUTINES
 from aicon_torch.export.codegen.scalars import (
     CONSTANT,
@@ -61,6 +61,8 @@ class Statements:
                 lines += self._statement(number, [self.text(each) for each in number.arguments])
             for rows, looped in phase.loops.items():
                 lines += self._loop_over_rows(rows, looped)
+            for count, arrays in phase.arrays.items():
+                lines += self._loop_over_arrays(count, arrays)
         return lines
 
     def text(self, number: Number) -> str:
@@ -83,6 +85,12 @@ class Statements:
                 for argument in chain(*(lanes.arguments for lanes in looped)):
                     if argument not in here:
                         yield from in_rows(argument)
+            for arrays in phase.arrays.values():
+                together = set(arrays)
+                for number in arrays:
+                    for argument in number.arguments:
+                        if argument not in together or not in_one_loop(number, argument):
+                            yield argument
 
     def _loop_over_rows(self, rows: int, looped: Sequence[Lanes]) -> list[str]:
         """A loop, with the arrays that it reads and writes."""
@@ -128,8 +136,6 @@ class Statements:
             return []
         if number.operation in ROUTINES:
             return _call(number, name, arguments)
-        if number.operation == LOOP:
-            return self._loop(number, name, arguments)
         if number.operation == LIST:
             return [self._list(name, number.arguments)]
 
@@ -156,18 +162,35 @@ class Statements:
         listed = ", ".join(map(self.text, numbers))
         return f"  {qualifiers} {TYPES[numbers[0].kind]} {name}[] = {{{listed}}};"
 
-    def _loop(self, number: Number, name: str, arguments: Sequence[str]) -> list[str]:
-        """An operation on each number of arrays."""
-        operation, places, count = number.value
+    def _loop_over_arrays(self, count: int, arrays: Sequence[Number]) -> list[str]:
+        """A loop over the places of arrays, with those of them that are read elsewhere."""
+        before: list[str] = []
+        inside: list[str] = []
 
-        # A place with {} takes the next argument; one without reads a table by its name.
-        given = iter(arguments)
-        at_place = [place.format(next(given)) if "{}" in place else place for place in places]
-        text = OPERATIONS[operation].text.format(*at_place, f=suffix_of(self.program))
-        return [
-            f"  {TYPES[number.kind]} {name}[{count}];",
-            f"  for (int i = 0; i < {count}; ++i) {name}[i] = {text};",
-        ]
+        together = set(arrays)
+        for number in arrays:
+            operation, places, _ = number.value
+            given = iter(number.arguments)
+            arguments: list[str] = []
+            for place in places:
+                # A place without {} reads a table by its name; one with it takes the next argument,
+                # which is an array, or what this loop has just computed.
+                argument = next(given) if "{}" in place else None
+                if argument is None:
+                    arguments.append(place)
+                elif argument in together and in_one_loop(number, argument):
+                    arguments.append(_at_place(argument))
+                else:
+                    arguments.append(place.format(self.text(argument)))
+
+            kind, name = TYPES[number.kind], f"v{number.index}"
+            text = OPERATIONS[operation].text.format(*arguments, f=suffix_of(self.program))
+            inside.append(f"  const {kind} {_at_place(number)} = {text};")
+            if number.index in self._read:
+                before.append(f"  {kind} {name}[{count}];")
+                inside.append(f"  {name}[i] = {_at_place(number)};")
+
+        return [*before, f"  for (int i = 0; i < {count}; ++i) {{", *inside, "  }"]
 
 
 def is_array(number: Number) -> bool:
@@ -185,6 +208,11 @@ def suffix_of(program: Program) -> str:
 def _one(lanes: Lanes) -> str:
     """The name of one row's number, in the loop."""
     return f"v{lanes.numbers[0].index}"
+
+
+def _at_place(array: Number) -> str:
+    """The name of an array's number at place i, in the loop that computes it."""
+    return f"v{array.index}_i"
 
 
 def _array(lanes: Lanes) -> str:

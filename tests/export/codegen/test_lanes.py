@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 import torch
 from _inputs import normal
-from _inputs.translated import SIZE, translated
+from _inputs.translated import SIZE, source_of, translated
 from torch import Tensor
 
-from aicon_torch.export.codegen import has_compiler, in_c, lanes
+from aicon_torch.export.codegen import has_compiler, lanes
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 
@@ -63,10 +63,3 @@ def test_a_loop_over_rows_gives_the_same_bits(
 
 def test_few_numbers_are_written_out() -> None:
     assert "for (int row" not in source_of(arithmetic)
-
-
-def source_of(function: Callable[[Tensor], Tensor]) -> str:
-    def flat(x: Tensor) -> tuple[Tensor, ...]:
-        return (function(x).flatten(),)
-
-    return in_c("f", flat, ["x"], ["y"], {"x": normal(SIZE, seed=9)})

@@ -1,0 +1,74 @@
+"""What is done with many numbers becomes a loop, and computes the same to the last bit."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import torch
+from _inputs import normal
+from _inputs.translated import SIZE, source_of, translated
+from torch import Tensor
+
+from aicon_torch.export.codegen import arrays, has_compiler
+
+pytestmark = pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
+
+
+def one_after_the_other(x: Tensor) -> Tensor:
+    """Operations that go on from what the one before has computed."""
+    return (x.square() + 1.0).sqrt() * x
+
+
+def stacked(x: Tensor) -> Tensor:
+    """Three arrays as the coordinates of points, and their lengths."""
+    points = torch.stack((x.square(), x * 2.0, x.abs()), dim=-1)
+    return points.clamp(min=0.5).square().sum(-1).sqrt()
+
+
+def shifted(x: Tensor) -> Tensor:
+    """An array that is read at other places than those where it is computed."""
+    squares = x.square()
+    return squares.flip(0) + squares + squares.amax()
+
+
+def of_few(x: Tensor) -> Tensor:
+    """Many numbers of few, none of which is in an array."""
+    few = torch.stack((x[0] * x[1], x[2] + x[3], x[4] - x[5]))
+    return (few.unsqueeze(-1) - few.exp()).flatten()
+
+
+FUNCTIONS = (one_after_the_other, stacked, shifted, of_few)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("dtype", [torch.float64, torch.float32], ids=str)
+def test_loops_give_the_same_bits(
+    function: Callable[[Tensor], Tensor],
+    dtype: torch.dtype,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / "loops").mkdir()
+    written_out = translated(function, dtype, tmp_path)
+    everything_looped(monkeypatch)
+    assert "for (int i" in source_of(function)
+    in_loops = translated(function, dtype, tmp_path / "loops")
+    for seed in range(5):
+        x = normal(SIZE, seed=seed).to(dtype)
+        torch.testing.assert_close(in_loops(x), written_out(x), rtol=0, atol=0)
+
+
+def test_what_goes_on_from_each_other_is_one_loop_with_one_array(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    everything_looped(monkeypatch)
+    body = source_of(one_after_the_other).split("static void")[-1]
+    assert body.count("for (int i") == 1
+    assert body.count(f"[{SIZE}];") == 1
+
+
+def everything_looped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Loops over as few numbers as there are."""
+    monkeypatch.setattr(arrays, "LOOPED", 4)
+    monkeypatch.setattr(arrays, "MANY", 4)
+    monkeypatch.setattr(arrays, "OFTEN", 1)
