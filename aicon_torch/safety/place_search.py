@@ -12,7 +12,7 @@ from aicon_torch.safety.task_cost import FollowedCost
 FALLS = 0.03  # share by which the cost of an imagined place must fall to count as lower
 HOPELESS = 5  # steps in a row without that, after which another one is imagined
 LEAP = 0.4  # way of a step at most, in the action's unit times s
-KEPT = 2  # places that are known at most
+KEPT = 4  # places that are known at most
 IMAGINED = 4  # places that are improved at a time
 
 
@@ -85,32 +85,37 @@ class PlaceSearch:
             memory: What was remembered.
         """
         known, sought = (memory[name].movedim(-2, 0) for name in ("known", "sought"))
-        ways = torch.cat((known, sought))
-        here, improved = self._improved(cost, ways, room)
+        here, improved = self._improved(cost, torch.cat((known, sought)), room)
         is_reached = here < self.near
-        is_good = is_reached & (cost.of_safety(ways / self.dt) <= 0.0)
-
-        # Which of them are known from now on: of the new ones one more in a step.
-        is_known, is_new = is_good[: len(known)], is_good[len(known) :]
-        is_next = first_of(is_new)
-        new = (improved[len(known) :] * is_next.unsqueeze(-1)).sum(0)
         listed = Known(
-            is_place=memory["knows"].movedim(-1, 0) & is_known,
-            ways=improved[: len(known)],
+            is_place=memory["knows"].movedim(-1, 0) & is_reached[: len(known)],
+            ways=known,
             tries=memory["tries"].movedim(-1, 0),
         )
 
-        # Which of those that are sought are done with.
+        # One place is looked at: the first new one that is reached, or else the one that leads.
+        is_next = first_of(is_reached[len(known) :])
+        is_new = is_next.any(0)
+        is_head = listed.head(self.limits) & ~is_new
+        looked_at = (sought * is_next.unsqueeze(-1)).sum(0) + (known * is_head.unsqueeze(-1)).sum(0)
+        is_clear = cost.of_safety(looked_at / self.dt) <= 0.0
+        new = (improved[len(known) :] * is_next.unsqueeze(-1)).sum(0)
+        remaining = Known(
+            is_place=listed.is_place & (is_clear | ~is_head),
+            ways=improved[: len(known)],
+            tries=listed.tries,
+        )
+
+        # Which of those that are sought are done with: what is reached waits until it is looked at.
         least, waited = (memory[name].movedim(-1, 0) for name in ("sought_cost", "hopeless"))
         own = here[len(known) :]
         hopeless = torch.where(own < (1.0 - FALLS) * least, 0, waited + 1)
-        waits = is_new & ~is_next
         return Found(
-            known=listed.with_one(new, is_new.any(0), self.limits),
+            known=remaining.with_one(new, is_new & is_clear, self.limits),
             sought=improved[len(known) :],
             cost=torch.minimum(own, least),
             hopeless=hopeless,
-            is_done=(is_reached[len(known) :] & ~waits) | (hopeless >= HOPELESS),
+            is_done=is_next | (hopeless >= HOPELESS),
         )
 
     def _improved(

@@ -20,6 +20,7 @@ OPPOSED = 0.1  # share of the nominal action that the constraints must take away
 STOP = 0.06  # how near to its stop a component is held up there, in its own unit
 MIDDLE = 0.5  # share of a range, about its middle, that the places of most components are in
 ARRIVED = 0.4  # how near to a place is near enough
+KNOWN_FIRST = 4  # detours to known places for each one to a place of the sequence
 LONGEST = 3.75  # w of the longest way to a place; twice as far to one that is known
 SLOW = 0.2  # share of the limit below which a motion counts as blocked
 BLOCKED = 0.15  # w of how long it must be that
@@ -75,10 +76,10 @@ class Places:
     next of a sequence that fills the ranges of the components evenly; it ends near the place, where
     the motion is blocked, or after some time, and the goals are tried anew.
 
-    *Which place.* The one that was tried least often, and of these the nearest; the sequence counts
-    as one of them. It turns to one that becomes known, and was never tried, on its way to a place
-    of the sequence. From the way to a known one, which is blocked where it no longer gets shorter,
-    it turns to the next.
+    *Which place.* The known one that was tried least often, and of these the nearest; after four of
+    them one of the sequence. It turns to one that becomes known on its way to a place of the
+    sequence, if that was the next because none was known. From the way to a known one, which is
+    blocked where it no longer gets shorter, it turns to the next.
 
     *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
@@ -158,7 +159,8 @@ class Places:
         if self.options.seeks:
             found = self.search(cost, room, memory)
             fails = is_over & memory["to_known"] & ~is_there
-            turn, found = self._turn(turn, found, fails, blind, room, memory)
+            is_due = self._is_due(escapes, blind, memory)
+            turn, found = self._turn(turn, found, fails, is_due, room, memory)
         begins, to_known = turn.begins & ~is_other, turn.to_known
         ends = (is_over | (~is_free & is_other)) & ~begins
         place = torch.where(begins.unsqueeze(-1), turn.place, memory["place"])
@@ -197,12 +199,24 @@ class Places:
         slow = torch.where(is_slow & memory["escaping"], memory["slow"] + self.step, 0.0)
         return slow >= BLOCKED, slow
 
+    def _is_due(self, escapes: Tensor, blind: Tensor, memory: Memory) -> Tensor:
+        """Whether a known place may be the next, ``(*B,)``: a few for each one of the sequence.
+
+        Args:
+            escapes: How often it went elsewhere, ``(*B,)``.
+            blind: How often of these to a place of the sequence, ``(*B,)``.
+            memory: What was remembered.
+        """
+        is_blind = memory["escaping"] & ~memory["to_known"]
+        blind_before = blind - is_blind.to(blind)
+        return escapes - blind < KNOWN_FIRST * (1 + blind_before)
+
     def _turn(
         self,
         turn: Turn,
         found: Found,
         fails: Tensor,
-        blind: Tensor,
+        is_due: Tensor,
         room: tuple[Tensor, Tensor],
         memory: Memory,
     ) -> tuple[Turn, Found]:
@@ -212,18 +226,17 @@ class Places:
             turn: To the next place of the sequence where it is held up.
             found: What the search knows.
             fails: Whether the way to a known place is over before its end, ``(*B,)``.
-            blind: How often it went to a place of the sequence, ``(*B,)``.
+            is_due: Whether a known place may be the next, ``(*B,)``.
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
         head = found.known.head(self.limits)
-        tries = (found.known.tries * head).sum(0)
         way = (found.known.ways * head.unsqueeze(-1)).sum(0)
-        to_known = head.any(0) & (tries <= blind)
+        to_known = head.any(0) & is_due
 
-        # In the midst of a detour: to one that was never tried, or on from one that fails.
+        # In the midst of a detour: to one that has become known, or on from one that fails.
         is_blind = memory["escaping"] & ~memory["to_known"]
-        begins = turn.begins | (is_blind & head.any(0) & (tries == 0)) | fails
+        begins = turn.begins | (is_blind & to_known) | fails
         place = torch.where(to_known.unsqueeze(-1), _place_at(way, room), turn.place)
 
         tried = found.known.tries + (head & begins & to_known)
@@ -247,7 +260,8 @@ class Places:
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.
 
-        Its first step, toward a place as if it were in the middle of all ranges, tells it the way.
+        On its way it turns to no place that it knows. Its first step, toward a place as if it were
+        in the middle of all ranges, tells it the way.
 
         Args:
             number: Which place, ``(*B,)``.
@@ -260,7 +274,8 @@ class Places:
             "place": place,
             "clock": nothing,
             "slow": nothing,
-            "escapes": number + 1,
+            "escapes": (1 + KNOWN_FIRST) * (number + 1),
+            "blind": number + 1,
             "to_known": torch.zeros_like(memory["to_known"]),
         }
 

@@ -20,8 +20,8 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "aicon": {},
         "clutter": {
             "dampers.braking": 0.15,
-            "dampers.sweeps": 40,
-            "dampers.escape": PlaceEscape(whole=(1, 3), seeks=False),
+            "dampers.sweeps": 150,
+            "dampers.escape": PlaceEscape(whole=(1, 3)),
             "self_collision": SquaredHinge(0.0025, 1.0),
             "damping": 0.05,
             "turns_within": 0.2,
