@@ -51,8 +51,11 @@ REHEARSED = "rehearsed"
 ESCAPES = "a/escape/escapes"
 """Under which the memory has how often it went elsewhere."""
 
-PLACES, AHEAD, ROUNDS = 7, 5.0, 8
+PLACES, AHEAD, ROUNDS = 15, 5.0, 8
 """It looks 5 s ahead, at eight ways at a time, and up to eight times for one that arrives."""
+
+CACHE = Path.home() / ".cache" / "aicon"
+"""Where what is downloaded is kept."""
 
 DT, HORIZON = 0.02, 60.0
 NEAR, STRAIGHT = 0.010, 0.05
@@ -418,8 +421,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
     parser.add_argument("--out", type=Path, default=Path("runs/clutter"))
-    cache = Path.home() / ".cache" / "aicon"
-    parser.add_argument("--cache", type=Path, default=cache, help="of what is downloaded")
+    parser.add_argument("--cache", type=Path, default=CACHE, help="of what is downloaded")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

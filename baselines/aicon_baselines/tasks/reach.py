@@ -24,6 +24,7 @@ _VARIANTS: dict[str, dict[str, Any]] = {
     "_fast": {"speed": 3.0},
     "_ball": {"balls": 1},
     "_moving_ball": {"balls": 1, "ball_speed": 0.2},
+    "_five_balls": {"balls": 5, "ball_speed": 0.2},
 }
 """What else is different, by the end of the condition's name."""
 
@@ -84,7 +85,7 @@ TASK = Task(
     maps=("free",),
     conditions=tuple(_ARGUMENTS),
     patterns=(
-        "{panda,ur5,xarm7}_{pose,position}_{home,random}{,_fast,_ball,_moving_ball}",
+        "{panda,ur5,xarm7}_{pose,position}_{home,random}{,_fast,_ball,_moving_ball,_five_balls}",
         "{kinova,ur3,ur10,z1}_pose_{home,random}",
         "so101_axis_{home,random}",
     ),

@@ -10,17 +10,18 @@ import subprocess
 import sys
 import tarfile
 import urllib.request
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import urljoin
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_torch.parts import Robot, Solid
+from aicon_torch.parts import Chain, Robot, Solid
 
 PACKAGE, ARCHIVE = "vamp-planner", "vamp_planner-0.6.4.tar.gz"
 SHA256 = "d3150c6b67ff941af9ad56480b31d3fb73b12211ea21dc684f7737b059f6daba"
@@ -47,17 +48,22 @@ class Description(NamedTuple):
         tip: The link that reaches.
         always_touching: Pairs of links whose spheres overlap in every posture, and that the SRDF
             does not name.
+        base: The link on which the arm stands; the root if None. The joints before it are held as
+            they are at the goal.
     """
 
     tip: str
     always_touching: tuple[tuple[str, str], ...] = ()
+    base: str | None = None
 
 
 ROBOTS = {
     "panda": Description("panda_grasptarget"),
     "ur5": Description("ee_link", (("fts_robotside", "wrist_2_link"),)),
+    "fetch": Description("gripper_link", base="torso_lift_link"),
 }
-"""The robots whose problems are read."""
+"""The robots whose problems are read. The Fetch's torso is held; what is below it is taken to be as
+near as where it is lowered."""
 
 
 @dataclass(frozen=True)
@@ -88,13 +94,14 @@ def resources(cache: Path) -> Path:
         ComparisonError: If the package index cannot be reached, or has another file.
     """
     folder = cache / ARCHIVE.removesuffix(".tar.gz")
-    if not (folder / "complete").exists():
+    complete, names = folder / "complete", " ".join(ROBOTS)
+    if not complete.exists() or complete.read_text() != names:
         cache.mkdir(parents=True, exist_ok=True)
         archive = cache / ARCHIVE
         if not archive.exists() or _digest(archive) != SHA256:
             _download(archive)
         _unpack(archive, folder)
-        (folder / "complete").touch()
+        complete.write_text(names)
     return folder / "resources"
 
 
@@ -105,7 +112,8 @@ def robot_of(name: str, folder: Path) -> Robot:
     for first, second in described.always_touching:
         disabled = f'<disable_collisions link1="{first}" link2="{second}" reason="Always"/>'
         srdf = srdf.replace("</robot>", f"{disabled}</robot>")
-    robot = Robot.from_urdf(own / f"{name}_spherized.urdf", tip=described.tip, srdf=srdf)
+    urdf = own / f"{name}_spherized.urdf"
+    robot = Robot.from_urdf(urdf, tip=described.tip, base=described.base, srdf=srdf)
     robot.chain.speed.fill_(SPEED)
     return robot
 
@@ -116,6 +124,8 @@ def problems(
     """The problems of some sets, by their numbers."""
     import yaml  # type: ignore[import-untyped]  # it has no types
 
+    base = ROBOTS[name].base
+    held = None if base is None else Chain.from_urdf(folder / name / f"{name}_spherized.urdf", base)
     for set_name in sets:
         for index in indices:
             # A problem is two files: the scene, and where the arm starts and shall be.
@@ -130,18 +140,31 @@ def problems(
                 constraint["joint_name"]: constraint["position"]
                 for constraint in request["goal_constraints"][0]["joint_constraints"]
             }
+            offset = np.zeros(3) if held is None else _place_of_base(held, goal)
             yield Problem(
                 name,
                 set_name,
                 index,
                 np.array([start[joint] for joint in joints], dtype=float),
                 np.array([goal[joint] for joint in joints], dtype=float),
-                tuple(_solid(each) for each in scene["world"]["collision_objects"]),
+                tuple(_solid(each, offset) for each in scene["world"]["collision_objects"]),
             )
 
 
-def _solid(described: dict[str, Any]) -> Solid:
-    """An object of MoveIt's: its one shape, placed in its own frame, or in that of the base."""
+def _place_of_base(held: Chain, goal: Mapping[str, float]) -> Array:
+    """Where the arm stands, m, with the joints before it as they are at the goal."""
+    joints = torch.tensor([goal[joint] for joint in held.names], dtype=torch.float64)
+    place: Array = held(joints)[:3, 3].numpy()
+    return place
+
+
+def _solid(described: dict[str, Any], origin: Array) -> Solid:
+    """An object of MoveIt's: its one shape, placed in its own frame, or in that of the base.
+
+    Args:
+        described: What the file says of it.
+        origin: Where the arm stands, which is not turned, m.
+    """
     (shape,), (pose,) = described["primitives"], described["primitive_poses"]
     outer = described.get(
         "pose", {"position": (0.0, 0.0, 0.0), "orientation": (0.0, 0.0, 0.0, 1.0)}
@@ -149,7 +172,7 @@ def _solid(described: dict[str, Any]) -> Solid:
 
     turn = np.array(outer["orientation"], dtype=float)
     offset = _turned(turn, np.array(pose["position"], dtype=float))
-    x, y, z = (np.array(outer["position"], dtype=float) + offset).tolist()
+    x, y, z = (np.array(outer["position"], dtype=float) + offset - origin).tolist()
     qx, qy, qz, qw = _product(turn, np.array(pose["orientation"], dtype=float)).tolist()
     size = tuple(float(length) for length in shape["dimensions"])
     return Solid(shape["type"], size, (x, y, z), (qw, qx, qy, qz))

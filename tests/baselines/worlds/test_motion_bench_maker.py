@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.worlds import motion_bench_maker
+from aicon_torch.parts import Chain
 from aicon_torch.parts.solids import distance_of_point
 
 QUARTER = 0.5**0.5
@@ -22,7 +24,7 @@ TURNED = {
 
 
 def test_an_object_is_placed_in_a_frame_of_its_own() -> None:
-    numbers = motion_bench_maker._solid(TURNED).numbers()
+    numbers = motion_bench_maker._solid(TURNED, np.zeros(3)).numbers()
     points = torch.tensor([[1.0, 0.5, 0.4], [1.2, 0.5, 0.0], [1.0, 0.7, 0.0]]).double()
     expected = torch.tensor([0.1, 0.1, 0.1]).double()
     torch.testing.assert_close(distance_of_point(points, numbers), expected)
@@ -30,8 +32,8 @@ def test_an_object_is_placed_in_a_frame_of_its_own() -> None:
 
 def test_an_object_without_a_frame_is_placed_in_that_of_the_base() -> None:
     placed = {key: value for key, value in TURNED.items() if key != "pose"}
-    numbers = motion_bench_maker._solid(placed).numbers()
-    torch.testing.assert_close(numbers[:3], torch.tensor([0.5, 0.0, 0.0]).double())
+    numbers = motion_bench_maker._solid(placed, np.array([0.0, 0.0, 0.4])).numbers()
+    torch.testing.assert_close(numbers[:3], torch.tensor([0.5, 0.0, -0.4]).double())
 
 
 def test_without_a_network_it_says_where_to_put_the_file(
@@ -40,3 +42,20 @@ def test_without_a_network_it_says_where_to_put_the_file(
     monkeypatch.setattr(motion_bench_maker, "_index", lambda: "http://127.0.0.1:9/simple")
     with pytest.raises(ComparisonError, match=r"Where there is no network, put vamp_planner"):
         motion_bench_maker.resources(tmp_path)
+
+
+LIFT = """
+<robot name="lift">
+  <link name="base"/><link name="torso"/>
+  <joint name="lift" type="prismatic">
+    <parent link="base"/><child link="torso"/><origin xyz="0.1 0 0.4"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.4" velocity="0.1" effort="1"/>
+  </joint>
+</robot>
+"""
+
+
+def test_an_arm_stands_where_its_torso_is_at_the_goal() -> None:
+    held = Chain.from_urdf(LIFT, "torso")
+    place = motion_bench_maker._place_of_base(held, {"lift": 0.3, "elbow": 1.0})
+    np.testing.assert_allclose(place, [0.1, 0.0, 0.7])
