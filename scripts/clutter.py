@@ -52,7 +52,7 @@ ESCAPES = "a/escape/escapes"
 """Under which the memory has how often it went elsewhere."""
 
 PLACES, AHEAD, ROUNDS = 15, 5.0, 8
-"""It looks 5 s ahead, at eight ways at a time, and up to eight times for one that arrives."""
+"""It looks 5 s ahead, at sixteen ways at a time, and up to eight times for one that arrives."""
 
 CACHE = Path.home() / ".cache" / "aicon"
 """Where what is downloaded is kept."""

@@ -19,6 +19,7 @@ from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_baselines.tasks.reach import TASK
+from aicon_envs.reach.robots import draw_postures
 from aicon_torch.models.reach import Options
 from aicon_torch.parts import Robot, TipPose
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
@@ -40,7 +41,8 @@ def solutions(robot: Robot, pose: TipPose, target: Tensor, starts: int) -> list[
     found: list[Array] = []
     generator = np.random.default_rng(0)
     for _ in tqdm(range(starts), desc="solutions", disable=None):
-        solved = least_squares(missing, generator.uniform(low, high), bounds=(low, high))
+        (start,) = draw_postures(low, high, 1, generator)
+        solved = least_squares(missing, start, bounds=(low, high))
         if np.linalg.norm(solved.fun) < SOLVED:
             found.append(solved.x)
     return found

@@ -23,7 +23,9 @@ from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy
 from aicon_torch.models import make_policy
+from aicon_torch.models.reach import Options
 from aicon_torch.parts import Robot, TipPose
+from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 
 NEAR, STRAIGHT = 0.010, 0.05
 """Success: m and rad of the tip, the environment's."""
@@ -36,6 +38,7 @@ class Row(NamedTuple):
     seed: int
     time: float  # s; NaN where it did not arrive
     detours: int
+    inside: float  # s, from when on no joint is beyond its stop
 
 
 class Targets(NamedTuple):
@@ -69,15 +72,44 @@ def targets(condition: str, seeds: Sequence[int]) -> Targets:
     return Targets(robot, pose, seen, place if turn is None else pose.target(place, turn))
 
 
-def reach(condition: str, seeds: range, policy: Policy) -> list[Row]:
+def beyond_a_stop(robot: Robot, q: Tensor, by: float) -> Tensor:
+    """Postures ``(seeds, n)`` of which one joint is beyond the stop that is nearer to it, rad.
+
+    It is the first one, from another on in each, with which the robot is clear of itself.
+    """
+    assert robot.shape is not None
+    segments = CapsuleSegments(robot.chain, robot.shape.capsules)
+    itself = SelfCollision(robot.shape.capsules, Options().self_collision, robot.shape.pairs)
+
+    count = q.shape[-1]
+    found, is_done = q.clone(), torch.zeros(len(q), dtype=torch.bool)
+    for further in range(count):
+        which = (torch.arange(len(q)) + further) % count
+        chosen = torch.nn.functional.one_hot(which, count).bool()
+        is_low = q - robot.chain.low < robot.chain.high - q
+        outside = torch.where(is_low, robot.chain.low - by, robot.chain.high + by)
+        moved = torch.where(chosen & outside.isfinite(), outside, q)
+
+        is_clear = (itself.gaps(segments(moved)) > 0.0).all(-1) & (moved != q).any(-1)
+        found = torch.where((is_clear & ~is_done).unsqueeze(-1), moved, found)
+        is_done = is_done | is_clear
+    return found
+
+
+def reach(condition: str, seeds: range, policy: Policy, outside: float) -> list[Row]:
     """What becomes of the targets of a condition within the horizon of the task."""
     robot, pose, seen, target = targets(condition, seeds)
+    if outside:
+        seen["q"] = beyond_a_stop(robot, seen["q"], outside)
     memory: Any = None
     times = torch.full((len(seeds),), math.nan, dtype=torch.float64)
     detours = torch.zeros(len(seeds), dtype=torch.long)
+    inside = torch.zeros(len(seeds), dtype=torch.float64)
     for step in tqdm(range(TASK.horizon + 1), desc=condition):
         missing, angle = pose.distance(pose.of_frame(robot.chain(seen["q"])), target)
         going = times.isnan()
+        is_outside = ((seen["q"] < robot.chain.low) | (seen["q"] > robot.chain.high)).any(-1)
+        inside[going & is_outside] = (step + 1) * TASK.time_step
         arrives = going & (missing < NEAR) & (angle < STRAIGHT)
         times[arrives] = step * TASK.time_step
         if not times.isnan().any():
@@ -86,8 +118,8 @@ def reach(condition: str, seeds: range, policy: Policy) -> list[Row]:
         action, memory = policy.predict(seen, memory)
         seen = seen | {"q": seen["q"] + TASK.time_step * action}
         detours = torch.where(times.isnan(), memory.get("a/escape/escapes", detours), detours)
-    rows = zip(seeds, times.tolist(), detours.tolist(), strict=True)
-    return [Row(condition, seed, time, count) for seed, time, count in rows]
+    columns = (times.tolist(), detours.tolist(), inside.tolist())
+    return [Row(condition, *row) for row in zip(seeds, *columns, strict=True)]
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -106,7 +138,7 @@ def run(arguments: argparse.Namespace) -> None:
                 policy = make_policy("reach", preset=arguments.preset, **options)
                 compiled[str(options)] = policy.compile()
 
-            rows = reach(condition, seeds, compiled[str(options)])
+            rows = reach(condition, seeds, compiled[str(options)], arguments.outside)
             table.writerows(rows)
             file.flush()
             report(condition, rows)
@@ -120,7 +152,8 @@ def report(condition: str, rows: list[Row]) -> None:
     failed = [str(row.seed) for row in rows if math.isnan(row.time)]
     print(
         f"{condition}: {arrived.sum()} of {len(rows)} ({100 * low:.1f} to {100 * high:.1f}), "
-        f"median {np.median(times[arrived]):.1f} s; failed: {', '.join(failed) or 'none'}"
+        f"median {np.median(times[arrived]):.1f} s; all joints within their stops from "
+        f"{max(row.inside for row in rows):.2f} s on; failed: {', '.join(failed) or 'none'}"
     )
 
 
@@ -132,6 +165,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", choices=TASK.presets, default="aicon")
     add_option(parser, "--episodes", 200, "targets of each condition")
     add_option(parser, "--seed", 1000, "of the first target")
+    add_option(parser, "--outside", 0.0, "how far beyond its stop a joint starts, rad")
     parser.add_argument("--out", type=Path, default=Path("runs/reach_study"))
 
 

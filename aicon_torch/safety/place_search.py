@@ -65,7 +65,8 @@ class PlaceSearch:
     For the pose of a tip this is damped least squares, an inverse kinematics in the background, a
     step of it from each of several postures in a step of the robot. A place is known once the goals
     are reached there and no gap is closed. It goes on being improved, so that it follows a target
-    that moves, and is no longer known where a gap closes at it.
+    that moves. For gaps that are closed one place is looked at in each step: a new one, or else the
+    one that leads, which is no longer known where one closes at it.
 
     Args:
         limits: Of the actuator, ``(n,)``.

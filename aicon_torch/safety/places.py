@@ -274,7 +274,7 @@ class Places:
             "place": place,
             "clock": nothing,
             "slow": nothing,
-            "escapes": (1 + KNOWN_FIRST) * (number + 1),
+            "escapes": (1 + KNOWN_FIRST) * (number + 1),  # the known ones have had their turns
             "blind": number + 1,
             "to_known": torch.zeros_like(memory["to_known"]),
         }

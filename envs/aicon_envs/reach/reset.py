@@ -31,6 +31,7 @@ _OPTION_KEYS = ("joints", "target_joints")
 
 _ATTEMPTS = 2000
 _POSTURES = 2000  # drawn until one is free of contact
+_PATHS = 30  # of one of several balls, drawn until one is in nobody's way
 
 
 class EpisodeStart(NamedTuple):
@@ -146,16 +147,20 @@ class EpisodeDrawer:
         """Return paths that leave the target reachable at all times, or None if these do not."""
         start, _ = self._simulation.tip_at(joints)
         target, _ = self._simulation.tip_at(target_joints)
-        paths = []
+        paths: list[BallPath] = []
         for _ in range(self._balls):
-            paths.append(draw_path(start, target, self._speed, generator))
+            # Of several there would hardly ever be a draw in which none is in the way.
+            for _ in range(_PATHS if self._balls > 1 else 1):
+                path = draw_path(start, target, self._speed, generator)
+                if not self._is_in_the_way(path, target_joints):
+                    paths.append(path)
+                    break
+            else:
+                return None
 
         begins = np.array([path.at(0.0) for path in paths]).reshape(-1, 3)
         if self._simulation.measure(joints, begins).to_balls < SIGHT:
             return None
-        for path in paths:
-            if self._is_in_the_way(path, target_joints):
-                return None
         return tuple(paths)
 
     def _is_in_the_way(self, path: BallPath, target_joints: FloatArray) -> bool:

@@ -1,0 +1,35 @@
+"""A film of an arm that reaches among five moving balls.
+
+Example: python scripts/balls_film.py --seed 1003 --out runs/reach/balls.webp
+"""
+
+import argparse
+from pathlib import Path
+
+from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.tasks.reach import TASK
+
+CONDITION = "ur5_pose_home_five_balls"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is shown, and where it is saved."""
+    add_option(parser, "--seed", 1003, "of the episode")
+    add_option(parser, "--out", Path("runs/reach/balls.webp"), "the film, a webp or an mp4")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Let the arm reach, and film it."""
+    from aicon_baselines.figures.reach import ReachRollout, record_reach
+    from aicon_baselines.figures.rollout import draw_film
+
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    recording = record_reach(CONDITION, arguments.seed, TASK.horizon, progress=True)
+    draw_film(ReachRollout(recording), arguments.out, progress=True)
+    print(f"saved {arguments.out}")
+
+
+COMMAND = Command(__doc__, add_arguments, run)
+
+if __name__ == "__main__":
+    run_command(COMMAND)
