@@ -20,7 +20,6 @@ OPPOSED = 0.1  # share of the nominal action that the constraints must take away
 STOP = 0.06  # how near to its stop a component is held up there, in its own unit
 MIDDLE = 0.5  # share of a range, about its middle, that the places of most components are in
 ARRIVED = 0.4  # how near to a place is near enough
-KNOWN_FIRST = 4  # detours to known places for each one to a place of the sequence
 LONGEST = 3.75  # w of the longest way to a place; twice as far to one that is known
 SLOW = 0.2  # share of the limit below which a motion counts as blocked
 BLOCKED = 0.15  # w of how long it must be that
@@ -76,8 +75,8 @@ class Places:
     next of a sequence that fills the ranges of the components evenly; it ends near the place, where
     the motion is blocked, or after some time, and the goals are tried anew.
 
-    *Which place.* The known one that was tried least often, and of these the nearest; after four of
-    them one of the sequence. It turns to one that becomes known on its way to a place of the
+    *Which place.* The known one that was tried least often, and of these the nearest; after as many
+    as are kept one of the sequence. It turns to one that becomes known on its way to a place of the
     sequence, if that was the next because none was known. From the way to a known one, which is
     blocked where it no longer gets shorter, it turns to the next.
 
@@ -200,7 +199,7 @@ class Places:
         return slow >= BLOCKED, slow
 
     def _is_due(self, escapes: Tensor, blind: Tensor, memory: Memory) -> Tensor:
-        """Whether a known place may be the next, ``(*B,)``: a few for each one of the sequence.
+        """Whether a known place may be the next, ``(*B,)``: as many as are kept for each other one.
 
         Args:
             escapes: How often it went elsewhere, ``(*B,)``.
@@ -209,7 +208,7 @@ class Places:
         """
         is_blind = memory["escaping"] & ~memory["to_known"]
         blind_before = blind - is_blind.to(blind)
-        return escapes - blind < KNOWN_FIRST * (1 + blind_before)
+        return escapes - blind < self.search.kept * (1 + blind_before)
 
     def _turn(
         self,
@@ -274,7 +273,7 @@ class Places:
             "place": place,
             "clock": nothing,
             "slow": nothing,
-            "escapes": (1 + KNOWN_FIRST) * (number + 1),  # the known ones have had their turns
+            "escapes": (1 + self.search.kept) * (number + 1),  # the known ones had their turns
             "blind": number + 1,
             "to_known": torch.zeros_like(memory["to_known"]),
         }
