@@ -25,7 +25,7 @@ from aicon_baselines.evaluation.tables import to_markdown
 from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
-from aicon_torch.safety import bounds, places, task_cost
+from aicon_torch.safety import bounds, known_places, place_search, places, task_cost
 from graph_code import WORLDS, functions_of, is_model, is_of_library, lines_of, options_of
 
 
@@ -224,7 +224,7 @@ def numbers_in(given: Any) -> Numbers:
 def safety_constants() -> dict[str, int]:
     """The constants by which gaps are kept, and by which an actuator that is stuck comes free."""
     constants: dict[str, int] = {}
-    for module in (bounds, places, task_cost):
+    for module in (bounds, places, place_search, known_places, task_cost):
         for name, value in vars(module).items():
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
             if name.isupper() and is_number and name not in NO_LIMIT:

@@ -72,14 +72,10 @@ class PlaceSearch:
         limits: Of the actuator, ``(n,)``.
         near: The cost below which the goals are reached.
         dt: The time step, s.
-
-    Attributes:
-        kept: So many places are known at most.
     """
 
     def __init__(self, limits: Tensor, near: float, dt: float) -> None:
         self.limits, self.near, self.dt = limits, near, dt
-        self.kept = KEPT
 
     def __call__(self, cost: FollowedCost, room: tuple[Tensor, Tensor], memory: Memory) -> Found:
         """A step of the search.

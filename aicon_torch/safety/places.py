@@ -9,7 +9,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction
-from aicon_torch.safety.place_search import Found, PlaceSearch, initial_search
+from aicon_torch.safety.place_search import KEPT, Found, PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
 # Shares of the cost; and ways that an actuator at its limit a goes in a time: w/a, so that a faster
@@ -208,7 +208,7 @@ class Places:
         """
         is_blind = memory["escaping"] & ~memory["to_known"]
         blind_before = blind - is_blind.to(blind)
-        return escapes - blind < self.search.kept * (1 + blind_before)
+        return escapes - blind < KEPT * (1 + blind_before)
 
     def _turn(
         self,
@@ -273,7 +273,7 @@ class Places:
             "place": place,
             "clock": nothing,
             "slow": nothing,
-            "escapes": (1 + self.search.kept) * (number + 1),  # the known ones had their turns
+            "escapes": (1 + KEPT) * (number + 1),  # the known ones had their turns
             "blind": number + 1,
             "to_known": torch.zeros_like(memory["to_known"]),
         }
