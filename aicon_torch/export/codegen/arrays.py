@@ -82,31 +82,29 @@ class Writer:
             arrays = [self.cast(arrays[0], "bool"), *(self.cast(a, kind) for a in arrays[1:])]
         elif not operation.startswith("to_"):
             arrays = [self.cast(array, kind) for array in arrays]
+
         looped = self._looped(operation, kind, arrays)
-        if looped is None:
-            looped = self._looped_in_slices(operation, kind, arrays)
         if looped is not None:
             return looped
         return self._each(lambda *numbers: self.program.apply(operation, numbers, kind), *arrays)
 
-    def _looped_in_slices(
-        self, operation: str, kind: Kind, arrays: Sequence[Array]
-    ) -> Array | None:
-        """The operation as a loop for each slice of what is stacked; None where they are none."""
+    def _looped(self, operation: str, kind: Kind, arrays: Sequence[Array]) -> Array | None:
+        """The operation as a loop, or one for each slice of what is stacked; None where neither."""
+        looped = self._one_loop(operation, kind, arrays)
         shape = np.broadcast_shapes(*[array.shape for array in arrays])
-        if not shape or not 1 < shape[-1] <= MOST_SLICES:
-            return None
+        if looped is not None or not shape or not 1 < shape[-1] <= MOST_SLICES:
+            return looped
 
         whole = [np.broadcast_to(array, shape) for array in arrays]
         slices: list[Array] = []
         for place in range(shape[-1]):
-            looped = self._looped(operation, kind, [array[..., place] for array in whole])
+            looped = self._one_loop(operation, kind, [array[..., place] for array in whole])
             if looped is None:
                 return None
             slices.append(looped)
         return np.stack(slices, axis=-1)
 
-    def _looped(self, operation: str, kind: Kind, arrays: Sequence[Array]) -> Array | None:
+    def _one_loop(self, operation: str, kind: Kind, arrays: Sequence[Array]) -> Array | None:
         """The operation as a loop over arrays of many numbers; None where they are not."""
         shape = np.broadcast_shapes(*[array.shape for array in arrays])
         count = int(np.prod(shape))

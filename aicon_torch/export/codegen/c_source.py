@@ -1,5 +1,6 @@
 """A program of numbers as a function in C."""
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import torch
@@ -75,15 +76,13 @@ def function(
     writes = writes_of(program, outputs)
     results = [write.number for write in writes]
     body = Statements(program, numbers_behind(program, results), results)
-    return "\n".join(
-        [
-            *_tables(program),
-            f"static void {name}({_parameters(inputs, outputs)}) {{",
-            *body.lines(),
-            *_assignments(writes, body),
-            "}\n",
-        ]
-    )
+    lines = [
+        f"static void {name}({_parameters(inputs, outputs)}) {{",
+        *body.lines(),
+        *_assignments(writes, body),
+        "}\n",
+    ]
+    return "\n".join([*_tables(program, lines), *lines])
 
 
 def repeated_function(
@@ -115,21 +114,19 @@ def repeated_function(
 
     fixed = [input for input in inputs if input not in varying]
     kept = f"struct {name}_kept *restrict kept"
-    return "\n".join(
-        [
-            *_tables(program),
-            f"struct {name}_kept {{ {' '.join(map(_member, split.kept))} }};",
-            f"static void {name}_once({_parameters(fixed, (), kept)}) {{",
-            *once.lines(),
-            *(_keep(number, once) for number in split.kept),
-            "}\n",
-            f"static void {name}({_parameters(inputs, outputs, f'const {kept}')}) {{",
-            *map(_recall, split.kept),
-            *each_time.lines(),
-            *_assignments(writes, each_time),
-            "}\n",
-        ]
-    )
+    lines = [
+        f"struct {name}_kept {{ {' '.join(map(_member, split.kept))} }};",
+        f"static void {name}_once({_parameters(fixed, (), kept)}) {{",
+        *once.lines(),
+        *(_keep(number, once) for number in split.kept),
+        "}\n",
+        f"static void {name}({_parameters(inputs, outputs, f'const {kept}')}) {{",
+        *map(_recall, split.kept),
+        *each_time.lines(),
+        *_assignments(writes, each_time),
+        "}\n",
+    ]
+    return "\n".join([*_tables(program, lines), *lines])
 
 
 def _member(number: Number) -> str:
@@ -152,10 +149,14 @@ def _recall(number: Number) -> str:
     return f"  const {TYPES[number.kind]} {pointer}v{number.index} = kept->v{number.index};"
 
 
-def _tables(program: Program) -> list[str]:
-    """The tables of constants, each once in a file."""
+def _tables(program: Program, statements: Iterable[str]) -> list[str]:
+    """The tables of constants that some statements read, each once in a file."""
+    read = set(re.findall(r"table_\w+", "\n".join(statements)))
     lines: list[str] = []
     for name, values in program.tables.items():
+        if name not in read:
+            continue
+
         # A table is named after its content, so several functions of a file may bring the same one.
         is_real = isinstance(values[0], float)
         type, suffix = ("real", suffix_of(program)) if is_real else ("int", "")

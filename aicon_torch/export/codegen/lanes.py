@@ -48,7 +48,8 @@ class Phase:
     Attributes:
         alone: Numbers by themselves.
         loops: Lanes, by how many rows they have.
-        arrays: Operations on the numbers of arrays, by how many these are.
+        arrays: Operations on the numbers of arrays, by how many these are: a loop of them each, in
+            which what one reads of another is at its own place.
     """
 
     alone: list[Number] = field(default_factory=list)
@@ -92,7 +93,7 @@ def _ordered(program: Program, needed: Collection[int], lanes: Sequence[Lanes]) 
 
         # An array is computed in one loop with those that it reads one after the other.
         if number.operation == LOOP:
-            here = {argument for argument, _ in reads_of(number) if in_one_loop(number, argument)}
+            here = {argument for argument in number.arguments if _are_one_loop(number, argument)}
             waits = [phase_of[argument.index] for argument in here]
             waits += [known_from(argument) for argument in number.arguments if argument not in here]
             phase_of[number.index] = max(waits, default=0)
@@ -123,17 +124,14 @@ def in_rows(argument: Argument) -> tuple[Number, ...]:
     return (argument,) if isinstance(argument, Number) else argument
 
 
-def reads_of(loop: Number) -> list[tuple[Number, str]]:
-    """What a loop reads, and where in it at place i, in C."""
-    places = [place for place in loop.value[1] if "{}" in place]
-    return list(zip(loop.arguments, places, strict=True))
-
-
-def in_one_loop(loop: Number, other: Number) -> bool:
+def _are_one_loop(loop: Number, other: Number) -> bool:
     """Whether they can be one: as long, and a loop reads of the other what is at its own place."""
     if other.operation != LOOP or other.value[-1] != loop.value[-1]:
         return False
-    return all(place == "{}[i]" for each, place in reads_of(loop) if each is other)
+
+    places = [place for place in loop.value[1] if "{}" in place]
+    reads = zip(loop.arguments, places, strict=True)
+    return all(place == "{}[i]" for argument, place in reads if argument is other)
 
 
 def _in_small_loops(phases: Sequence[Phase]) -> set[Lanes]:

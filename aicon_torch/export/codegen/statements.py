@@ -6,7 +6,7 @@ from itertools import chain
 import numpy as np
 import torch
 
-from aicon_torch.export.codegen.lanes import Lanes, in_one_loop, in_phases, in_rows
+from aicon_torch.export.codegen.lanes import Lanes, in_phases, in_rows
 from aicon_torch.export.codegen.networks import NETWORK_ROUTINES
 from aicon_torch.export.codegen.scalars import (
     CONSTANT,
@@ -79,18 +79,19 @@ class Statements:
         for phase in self.phases:
             for number in phase.alone:
                 yield from number.arguments
+
+            # Lanes of one loop read each other row by row, and need no array for that.
             for looped in phase.loops.values():
-                # Lanes of one loop read each other row by row, and need no array for that.
                 here = set(looped)
                 for argument in chain(*(lanes.arguments for lanes in looped)):
                     if argument not in here:
                         yield from in_rows(argument)
+
+            # Nor do operations on arrays of one loop, place by place.
             for arrays in phase.arrays.values():
                 together = set(arrays)
-                for number in arrays:
-                    for argument in number.arguments:
-                        if argument not in together or not in_one_loop(number, argument):
-                            yield argument
+                read = chain(*(number.arguments for number in arrays))
+                yield from (argument for argument in read if argument not in together)
 
     def _loop_over_rows(self, rows: int, looped: Sequence[Lanes]) -> list[str]:
         """A loop, with the arrays that it reads and writes."""
@@ -178,7 +179,7 @@ class Statements:
                 argument = next(given) if "{}" in place else None
                 if argument is None:
                     arguments.append(place)
-                elif argument in together and in_one_loop(number, argument):
+                elif argument in together:
                     arguments.append(_at_place(argument))
                 else:
                     arguments.append(place.format(self.text(argument)))

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 import torch
-from _inputs import normal
-from _inputs.translated import SIZE, source_of, translated
+from _asserts.loops import assert_loops_give_the_same_bits
+from _inputs.translated import SIZE, source_of
 from torch import Tensor
 
 from aicon_torch.export.codegen import arrays, has_compiler
@@ -48,14 +48,10 @@ def test_loops_give_the_same_bits(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    (tmp_path / "loops").mkdir()
-    written_out = translated(function, dtype, tmp_path)
-    everything_looped(monkeypatch)
-    assert "for (int i" in source_of(function)
-    in_loops = translated(function, dtype, tmp_path / "loops")
-    for seed in range(5):
-        x = normal(SIZE, seed=seed).to(dtype)
-        torch.testing.assert_close(in_loops(x), written_out(x), rtol=0, atol=0)
+    def loop() -> None:
+        everything_looped(monkeypatch)
+
+    assert_loops_give_the_same_bits(function, dtype, tmp_path, "for (int i", loop)
 
 
 def test_what_goes_on_from_each_other_is_one_loop_with_one_array(
