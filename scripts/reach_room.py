@@ -22,8 +22,7 @@ from aicon_baselines.tasks.reach import TASK
 from aicon_envs.reach.robots import draw_postures
 from aicon_torch.models.reach import Options
 from aicon_torch.parts import Robot, TipPose
-from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
-from reach_study import targets
+from reach_study import room, targets
 
 MARGIN, SOLVED = 0.02, 1e-4  # rad that stay to a stop; m, and rad times 1 m, that may be missing
 
@@ -52,18 +51,13 @@ def run(arguments: argparse.Namespace) -> None:
     """Say how much room each target leaves."""
     torch.set_num_threads(1)
     robot, pose, _, places = targets(arguments.condition, arguments.seeds)
-    cost = Options().self_collision
-    assert robot.shape is not None
-    segments = CapsuleSegments(robot.chain, robot.shape.capsules)
-    itself = SelfCollision(robot.shape.capsules, cost, robot.shape.pairs)
-
     for seed, target in zip(arguments.seeds, places, strict=True):
         found = solutions(robot, pose, target, arguments.starts)
-        rooms = [float(itself.distances(segments(torch.from_numpy(q))).min()) for q in found]
+        rooms = [float(room(robot, torch.from_numpy(q))) for q in found]
         print(
             f"{seed}: of {arguments.starts} starts {len(found)} come there; capsules are "
             f"{1e3 * max(rooms, default=math.nan):.1f} mm apart at most, and keep "
-            f"{1e3 * cost.margin:.1f} mm"
+            f"{1e3 * Options().self_collision.margin:.1f} mm"
         )
 
 

@@ -72,25 +72,30 @@ def targets(condition: str, seeds: Sequence[int]) -> Targets:
     return Targets(robot, pose, seen, place if turn is None else pose.target(place, turn))
 
 
+def room(robot: Robot, q: Tensor) -> Tensor:
+    """How far the robot's capsules are apart at least, ``(*B,)``, m, in postures ``(*B, n)``."""
+    assert robot.shape is not None
+    segments = CapsuleSegments(robot.chain, robot.shape.capsules)
+    itself = SelfCollision(robot.shape.capsules, Options().self_collision, robot.shape.pairs)
+    return itself.distances(segments(q)).amin(-1)
+
+
 def beyond_a_stop(robot: Robot, q: Tensor, by: float) -> Tensor:
     """Postures ``(seeds, n)`` of which one joint is beyond the stop that is nearer to it, rad.
 
     It is the first one, from another on in each, with which the robot is clear of itself.
     """
-    assert robot.shape is not None
-    segments = CapsuleSegments(robot.chain, robot.shape.capsules)
-    itself = SelfCollision(robot.shape.capsules, Options().self_collision, robot.shape.pairs)
-
     count = q.shape[-1]
+    is_low = q - robot.chain.low < robot.chain.high - q
+    outside = torch.where(is_low, robot.chain.low - by, robot.chain.high + by)
+
     found, is_done = q.clone(), torch.zeros(len(q), dtype=torch.bool)
     for further in range(count):
         which = (torch.arange(len(q)) + further) % count
         chosen = torch.nn.functional.one_hot(which, count).bool()
-        is_low = q - robot.chain.low < robot.chain.high - q
-        outside = torch.where(is_low, robot.chain.low - by, robot.chain.high + by)
         moved = torch.where(chosen & outside.isfinite(), outside, q)
 
-        is_clear = (itself.gaps(segments(moved)) > 0.0).all(-1) & (moved != q).any(-1)
+        is_clear = (room(robot, moved) > Options().self_collision.margin) & (moved != q).any(-1)
         found = torch.where((is_clear & ~is_done).unsqueeze(-1), moved, found)
         is_done = is_done | is_clear
     return found

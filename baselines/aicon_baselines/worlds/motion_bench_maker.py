@@ -112,10 +112,15 @@ def robot_of(name: str, folder: Path) -> Robot:
     for first, second in described.always_touching:
         disabled = f'<disable_collisions link1="{first}" link2="{second}" reason="Always"/>'
         srdf = srdf.replace("</robot>", f"{disabled}</robot>")
-    urdf = own / f"{name}_spherized.urdf"
+    urdf = _urdf_of(name, folder)
     robot = Robot.from_urdf(urdf, tip=described.tip, base=described.base, srdf=srdf)
     robot.chain.speed.fill_(SPEED)
     return robot
+
+
+def _urdf_of(name: str, folder: Path) -> Path:
+    """The description of a robot by its spheres."""
+    return folder / name / f"{name}_spherized.urdf"
 
 
 def problems(
@@ -125,7 +130,7 @@ def problems(
     import yaml  # type: ignore[import-untyped]  # it has no types
 
     base = ROBOTS[name].base
-    held = None if base is None else Chain.from_urdf(folder / name / f"{name}_spherized.urdf", base)
+    held = None if base is None else Chain.from_urdf(_urdf_of(name, folder), base)
     for set_name in sets:
         for index in indices:
             # A problem is two files: the scene, and where the arm starts and shall be.
@@ -140,14 +145,14 @@ def problems(
                 constraint["joint_name"]: constraint["position"]
                 for constraint in request["goal_constraints"][0]["joint_constraints"]
             }
-            offset = np.zeros(3) if held is None else _place_of_base(held, goal)
+            origin = np.zeros(3) if held is None else _place_of_base(held, goal)
             yield Problem(
                 name,
                 set_name,
                 index,
                 np.array([start[joint] for joint in joints], dtype=float),
                 np.array([goal[joint] for joint in joints], dtype=float),
-                tuple(_solid(each, offset) for each in scene["world"]["collision_objects"]),
+                tuple(_solid(each, origin) for each in scene["world"]["collision_objects"]),
             )
 
 

@@ -150,13 +150,12 @@ class EpisodeDrawer:
         paths: list[BallPath] = []
         for _ in range(self._balls):
             # Of several there would hardly ever be a draw in which none is in the way.
-            for _ in range(_PATHS if self._balls > 1 else 1):
-                path = draw_path(start, target, self._speed, generator)
-                if not self._is_in_the_way(path, target_joints):
-                    paths.append(path)
-                    break
-            else:
+            draws = _PATHS if self._balls > 1 else 1
+            drawn = (draw_path(start, target, self._speed, generator) for _ in range(draws))
+            path = next((one for one in drawn if not self._is_in_the_way(one, target_joints)), None)
+            if path is None:
                 return None
+            paths.append(path)
 
         begins = np.array([path.at(0.0) for path in paths]).reshape(-1, 3)
         if self._simulation.measure(joints, begins).to_balls < SIGHT:
