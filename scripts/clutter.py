@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import torch
@@ -73,6 +73,8 @@ AT_ONCE = 200
 
 Array = NDArray[np.float64]
 
+AnyRow = TypeVar("AnyRow", bound=tuple[Any, ...])
+
 
 class Row(NamedTuple):
     """What became of a problem; distances are the least of the whole episode."""
@@ -112,13 +114,17 @@ class World:
         cylinders = [each for each in problem.solids if each.kind == "cylinder"]
         self.objects = [(kind, *_frames(kind)) for kind in (boxes, cylinders) if kind]
 
-    def gaps(self, q: Array) -> tuple[Array, Array]:
-        """The least distance to an object and to itself at joint angles ``(k, n)``, m."""
+    def centres(self, q: Array) -> Array:
+        """Where the spheres are at joint angles ``(k, n)``, ``(k, spheres, 3)``, m."""
         frames = self.chain.frames(torch.from_numpy(q)).numpy()
         base = np.broadcast_to(np.eye(4), (len(q), 1, 4, 4))
         of_links = np.concatenate((base, frames), axis=1)[:, self.links]
-        centres = np.einsum("kmij,mj->kmi", of_links[..., :3, :], self.points)
+        centres: Array = np.einsum("kmij,mj->kmi", of_links[..., :3, :], self.points)
+        return centres
 
+    def gaps(self, q: Array) -> tuple[Array, Array]:
+        """The least distance to an object and to itself at joint angles ``(k, n)``, m."""
+        centres = self.centres(q)
         first, second = self.pairs.T
         apart = np.linalg.norm(centres[:, first] - centres[:, second], axis=-1)
         of_itself = (apart - self.radii[first] - self.radii[second]).min(-1)
@@ -130,6 +136,14 @@ class World:
             distances = _distances(solids, local) - radii
             of_objects = np.minimum(of_objects, distances.min((-1, -2)))
         return of_objects, of_itself
+
+    def gap_of_points(self, points: Array) -> float:
+        """The least distance of points ``(k, 3)`` to an object, m."""
+        least = math.inf
+        for solids, middles, rotations in self.objects:
+            local = (points - middles[:, None]) @ rotations
+            least = min(least, float(_distances(solids, local).min()))
+        return least
 
     def least_gaps(self, way: Array) -> tuple[float, float]:
         """The least distance to an object and to itself on a way ``(k, n)``, m."""
@@ -196,20 +210,51 @@ class Episode:
         return Row(*own, self.time, self.thought, *distances, self.escapes)
 
 
-def episodes(policy: Any, robot: Robot, chosen: Sequence[Problem]) -> list[Episode]:
+class Surroundings(Protocol):
+    """What is not as it was from one step to the next; its rows are the problems still running."""
+
+    def after(self, seen: Mapping[str, Tensor], q: Tensor) -> dict[str, Tensor]:
+        """What is seen after a step to other joints ``(k, n)``, of what was seen before it."""
+        ...
+
+    def keep(self, going: Tensor) -> None:
+        """Drop the rows that have arrived."""
+        ...
+
+
+class StillSurroundings:
+    """Objects that stay where they are."""
+
+    def after(self, seen: Mapping[str, Tensor], q: Tensor) -> dict[str, Tensor]:
+        """The joints alone are others."""
+        return {**seen, "q": q}
+
+    def keep(self, going: Tensor) -> None:
+        """There is nothing to drop."""
+
+
+def episodes(
+    policy: Any,
+    robot: Robot,
+    chosen: Sequence[Problem],
+    surroundings: Surroundings | None = None,
+    most_objects: int = MOST_OBJECTS,
+    horizon: float = HORIZON,
+) -> list[Episode]:
     """Some problems side by side, until each tip is where it is to be.
 
     What a step takes a robot beyond 20 ms counts into its time: so long it stands and thinks.
     """
+    surroundings = StillSurroundings() if surroundings is None else surroundings
     pose = TipPose("full", lever=1.0)
     goals = torch.from_numpy(np.stack([problem.goal for problem in chosen]))
     target = pose.of_frame(robot.chain(goals))
     found = [Episode() for _ in chosen]
     running, memory = list(found), None
 
-    each = [dict(sees(robot, problem)) for problem in chosen]
+    each = [dict(sees(robot, problem, most_objects)) for problem in chosen]
     seen = {name: torch.from_numpy(np.stack([one[name] for one in each])) for name in each[0]}
-    for step in range(round(HORIZON / DT) + 1):
+    for step in range(round(horizon / DT) + 1):
         x_ee = pose.of_frame(robot.chain(seen["q"]))
         missing, angle = pose.distance(x_ee, target)
         here = zip(running, seen["q"].numpy(), missing.tolist(), angle.tolist(), strict=True)
@@ -226,12 +271,13 @@ def episodes(policy: Any, robot: Robot, chosen: Sequence[Problem]) -> list[Episo
             break
         if not going.all():
             target, seen = target[going], rows_of(seen, going)
+            surroundings.keep(going)
             memory = None if memory is None else rows_of(memory, going)
 
         before = time.process_time()
         action, memory = policy.predict(seen, memory)
         took = (time.process_time() - before) / len(running)
-        seen["q"] = seen["q"] + DT * action
+        seen = surroundings.after(seen, seen["q"] + DT * action)
         for number, episode in enumerate(running):
             episode.thought += max(0.0, took - DT)
             if ESCAPES in memory:
@@ -244,10 +290,10 @@ def rows_of(values: Mapping[str, Tensor], which: Tensor) -> dict[str, Tensor]:
     return {name: value[which] for name, value in values.items()}
 
 
-def policy_of(robot: Robot, options: Mapping[str, Any]) -> Policy:
+def policy_of(robot: Robot, options: Mapping[str, Any], most_objects: int = MOST_OBJECTS) -> Policy:
     """The policy, compiled."""
     own = {"robot": robot, "orientation": "full", "speed": SPEED, "dt": DT, **options}
-    return make_policy("reach", preset="clutter", obstacles=MOST_OBJECTS, **own).compile()
+    return make_policy("reach", preset="clutter", obstacles=most_objects, **own).compile()
 
 
 def rehearsed(policy: Policy) -> Rehearsal:
@@ -277,14 +323,16 @@ def time_of_a_step(policy: Policy, robot: Robot, problem: Problem) -> float:
     return 1e6 * min(times) / SIDE_BY_SIDE
 
 
-def sees(robot: Robot, problem: Problem) -> list[tuple[str, Array]]:
+def sees(
+    robot: Robot, problem: Problem, most_objects: int = MOST_OBJECTS
+) -> list[tuple[str, Array]]:
     """What the policy observes at the start."""
     tip = robot.chain(torch.from_numpy(problem.goal)).numpy()
     return [
         ("q", problem.start),
         ("target_position", tip[:3, 3]),
         ("target_orientation", Rotation.from_matrix(tip[:3, :3]).as_quat(scalar_first=True)),
-        ("obstacles", reading_of(problem.solids, MOST_OBJECTS).numpy()),
+        ("obstacles", reading_of(problem.solids, most_objects).numpy()),
     ]
 
 
@@ -307,7 +355,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     arguments.out.mkdir(parents=True, exist_ok=True)
     table = arguments.out / f"{arguments.robot}.csv"
-    known = {(row.policy, row.set, row.number) for row in read(table)}
+    known = {(row.policy, row.set, row.number) for row in read(table, Row)}
     compiled: dict[str, Policy] = {}
     for name in arguments.agents:
         missing = [each for each in to_run if (name, each.set, each.index) not in known]
@@ -327,31 +375,33 @@ def run(arguments: argparse.Namespace) -> None:
             for problem, episode in zip(group, episodes(agent, robot, group), strict=True):
                 write(table, episode.row(name, robot, problem))
 
-    rows = [row for row in read(table) if low <= row.number <= high and row.set in arguments.sets]
+    rows = [
+        row for row in read(table, Row) if low <= row.number <= high and row.set in arguments.sets
+    ]
     for name in arguments.agents:
         report(name, [row for row in rows if row.policy == name])
     draw(table, rows)
 
 
-def write(table: Path, row: Row) -> None:
-    """Add a row to a table."""
+def write(table: Path, row: Any) -> None:
+    """Add a row, a named tuple, to a table."""
     is_new = not table.exists()
     with table.open("a", newline="") as file:
         writer = csv.writer(file)
         if is_new:
-            writer.writerow(Row._fields)
+            writer.writerow(row._fields)
         writer.writerow(row)
 
 
-def read(table: Path) -> list[Row]:
-    """The rows of a table; none where there is no table yet."""
+def read(table: Path, kind: type[AnyRow]) -> list[AnyRow]:
+    """The rows of a table, named tuples of a kind; none where there is no table yet."""
     if not table.exists():
         return []
     with table.open(newline="") as file:
         rows = []
         for line in csv.DictReader(file):
-            kinds = Row.__annotations__
-            rows.append(Row(**{name: kinds[name](value) for name, value in line.items()}))
+            kinds = kind.__annotations__
+            rows.append(kind(**{name: kinds[name](value) for name, value in line.items()}))
     return rows
 
 

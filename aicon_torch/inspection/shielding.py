@@ -29,7 +29,7 @@ class Shielding:
     """What one step made of a proposal.
 
     Attributes:
-        proposal: What was asked for, as an action.
+        proposal: What was asked for, as an action within the actuator's limits.
         action: What is done.
         held: The safety goals that did not allow it, by name.
         is_around: Whether it is on a way around what holds it up.
@@ -73,7 +73,8 @@ def shielding(
         raise ValueError(f"row={row!r}: the memory has batch shape {batch}; name one row of it.")
 
     values["dt"] = model.like.new_tensor(model.dt)
-    asked, around = values[nominal], memory.get(f"{name}/escape/escaping")
+    asked = model.actuators[name].clip(values[nominal])
+    around = memory.get(f"{name}/escape/escaping")
     return Shielding(
         proposal=tuple(asked.tolist()),
         action=tuple(values[name].tolist()),

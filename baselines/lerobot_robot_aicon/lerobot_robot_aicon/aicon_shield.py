@@ -6,6 +6,7 @@ from lerobot.robots import Robot, make_robot_from_config
 
 from aicon_torch.inspection.shielding import Shielding
 from lerobot_robot_aicon.config_aicon_shield import AiconShieldConfig
+from lerobot_robot_aicon.interference import Interference
 from lerobot_robot_aicon.joint_shield import JointShield
 
 
@@ -43,6 +44,7 @@ class AiconShield(Robot):
                 "the description: --robot.motors='{joint: motor}'"
             )
         self._shield.warm_up()
+        self._interference = Interference(self._shield)
         self._measured: dict[str, Any] | None = None
 
     @property
@@ -77,6 +79,7 @@ class AiconShield(Robot):
         self.inner.connect(calibrate)
         self._measured = None
         self._shield.reset()
+        self._interference.reset()
 
     def calibrate(self) -> None:
         """Calibrate the robot within."""
@@ -88,6 +91,7 @@ class AiconShield(Robot):
 
     def disconnect(self) -> None:
         """Disconnect the robot within."""
+        self._interference.close()
         self.inner.disconnect()
 
     def get_observation(self) -> dict[str, Any]:
@@ -100,13 +104,25 @@ class AiconShield(Robot):
         """Send the nearest action that is allowed.
 
         Args:
-            action: Where each motor shall go.
+            action: Where each motor shall go; those that are left out stay where they are.
 
         Returns:
             What was sent.
+
+        Raises:
+            ValueError: If it names a motor that the robot does not have, or the robot does not
+                stand as it is described at the beginning.
         """
+        unknown = [key for key in action if key not in self.action_features]
+        if unknown:
+            raise ValueError(
+                f"action: the robot has no {', '.join(unknown)}; it has "
+                f"{', '.join(self.action_features)}."
+            )
         measured = self.get_observation() if self._measured is None else self._measured
-        sent: dict[str, Any] = self.inner.send_action(self._shield(measured, action))
+        allowed = self._shield(measured, action)
+        self._interference.note()
+        sent: dict[str, Any] = self.inner.send_action(allowed)
         return sent
 
     def explain(self) -> Shielding | None:

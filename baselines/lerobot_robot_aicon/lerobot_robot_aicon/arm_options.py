@@ -1,6 +1,7 @@
 """What an arm of LeRobot is, in the words of its description."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from aicon_envs.reach.robots import ROBOTS, find_file
 from aicon_torch.parts import Robot
@@ -16,7 +17,8 @@ class ArmOptions:
         tip: The link of the description that reaches; of a robot with a name it is known.
         srdf: A file that says which links of the description need not be compared.
         motors: Of each joint of the description the motor that turns it, where names differ.
-        offsets: What a motor shows where the description has its joint at 0, degrees.
+        offsets: What a motor shows where the description has a joint at 0, degrees, by the joint.
+        signs: -1 for each joint whose motor counts the other way round.
         speed: Largest speed of a joint, rad/s.
         fps: Actions a second.
         lead: How far what is commanded may run ahead of a joint, degrees.
@@ -27,6 +29,7 @@ class ArmOptions:
     srdf: str | None = None
     motors: dict[str, str] = field(default_factory=dict)
     offsets: dict[str, float] = field(default_factory=dict)
+    signs: dict[str, int] = field(default_factory=dict)
     speed: float = 1.5
     fps: int = 30
     lead: float = 10.0
@@ -48,6 +51,10 @@ class ShieldOptions(ArmOptions):
 def described_arm(options: ArmOptions) -> Robot:
     """The arm that is described."""
     known = ROBOTS.get(options.urdf)
+    if known is None and not Path(options.urdf).is_file():
+        raise ValueError(
+            f"urdf={options.urdf!r} is no file: expected one, or one of {', '.join(ROBOTS)}."
+        )
     if known is None:
         return Robot.from_urdf(options.urdf, tip=options.tip, srdf=options.srdf)
     srdf = None if known.srdf is None else find_file(known.srdf)

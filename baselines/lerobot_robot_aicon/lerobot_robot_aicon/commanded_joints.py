@@ -20,13 +20,26 @@ class CommandedJoints:
         joints: Names of the description's joints.
         options: The motors that turn them, and the lead.
 
+    Raises:
+        ValueError: If an option names a joint that the description does not have.
+
     Attributes:
         keys: The motors' keys in observations and actions: ``"elbow_flex.pos"``.
     """
 
     def __init__(self, joints: Sequence[str], options: ArmOptions) -> None:
+        for name in ("motors", "offsets", "signs"):
+            unknown = [joint for joint in getattr(options, name) if joint not in joints]
+            if unknown:
+                raise ValueError(
+                    f"{name}: the description has no joint {', '.join(unknown)}; it has "
+                    f"{', '.join(joints)}."
+                )
         self.keys = [f"{options.motors.get(joint, joint)}.pos" for joint in joints]
         self._offsets = np.array([options.offsets.get(joint, 0.0) for joint in joints])
+        self._signs = np.array([options.signs.get(joint, 1) for joint in joints])
+        if not np.isin(self._signs, (-1, 1)).all():
+            raise ValueError(f"signs={options.signs!r}: expected 1 or -1 for each joint.")
         self._lead = np.radians(options.lead)
         self._fps = options.fps
         self.reset()
@@ -38,11 +51,11 @@ class CommandedJoints:
     def read(self, positions: Mapping[str, Any]) -> NDArray[Any]:
         """The joints ``(n,)``, rad, that motors show or are sent to, degrees."""
         degrees = np.array([float(positions[key]) for key in self.keys])
-        return np.radians(degrees - self._offsets)
+        return np.radians(self._signs * (degrees - self._offsets))
 
     def written(self, joints: NDArray[Any]) -> dict[str, float]:
         """What the motors call joints ``(n,)``, degrees."""
-        degrees = np.degrees(joints) + self._offsets
+        degrees = self._signs * np.degrees(joints) + self._offsets
         return dict(zip(self.keys, degrees.tolist(), strict=True))
 
     def commanded(self, observation: Mapping[str, Any]) -> NDArray[Any]:

@@ -58,10 +58,11 @@ class ArmEnv(gym.Env[dict[str, NDArray[Any]], NDArray[np.float32]], Generic[Worl
         """Return a picture from outside, if `render_mode` is "rgb_array"."""
         return None if self.render_mode is None else self.picture("outside")
 
-    def picture(self, camera: str) -> NDArray[np.uint8]:
-        """Return a picture of a camera of the scene."""
+    def picture(self, camera: str, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
+        """Return a picture of a camera of the scene, of a width and a height, px."""
         self._current_episode()
-        opened = self._open_camera(f"picture of {camera}", camera, *self._render_size)
+        width, height = self._render_size if size is None else size
+        opened = self._open_camera(f"{width}×{height} px of {camera}", camera, width, height)
         color, _ = opened(self.data)
         return color
 

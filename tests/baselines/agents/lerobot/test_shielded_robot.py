@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +15,18 @@ pytest.importorskip("mujoco")
 pytest.importorskip("lerobot_robot_aicon")
 
 from _so101 import JOINTS, AboveTable, described, joints, to_action
+from lerobot.cameras.opencv.configuration_opencv import OpenCVCameraConfig
 from lerobot.datasets.lerobot_dataset import LeRobotDataset
+from lerobot.utils.errors import DeviceNotConnectedError
 
-from lerobot_robot_aicon import AiconShield, AiconShieldConfig, AiconSimulatedConfig
+from lerobot_robot_aicon import (
+    AiconShield,
+    AiconShieldConfig,
+    AiconSimulated,
+    AiconSimulatedConfig,
+)
+from lerobot_robot_aicon.arm_options import ShieldOptions
+from lerobot_robot_aicon.commanded_joints import CommandedJoints
 
 pytestmark = pytest.mark.slow
 
@@ -54,6 +64,78 @@ def test_where_nothing_is_near_it_arrives_and_says_what_was_sent(shielded: Aicon
     assert sent == pytest.approx(wanted, abs=0.1)
     assert joints(shielded.get_observation()) == pytest.approx(joints(wanted), abs=0.02)
     assert "done" in str(shielded.explain())
+
+
+def test_what_is_not_finite_stays_where_it_is(shielded: AiconShield) -> None:
+    for _ in range(90):
+        shielded.get_observation()
+        shielded.send_action(to_action([20.0, -60.0, 50.0, 30.0, 0.0]))
+    before = joints(shielded.get_observation())
+    for _ in range(30):
+        shielded.get_observation()
+        shielded.send_action({"shoulder_pan.pos": np.nan, "gripper.pos": np.nan})
+    assert joints(shielded.get_observation()) == pytest.approx(before, abs=0.01)
+
+
+def test_an_action_of_no_motor_is_refused(shielded: AiconShield) -> None:
+    with pytest.raises(ValueError, match=r"no elbow\.pos; it has shoulder_pan\.pos"):
+        shielded.send_action({"elbow.pos": 0.0})
+
+
+def test_it_says_in_the_log_what_it_changed(
+    shielded: AiconShield, caplog: pytest.LogCaptureFixture
+) -> None:
+    shielded.connect()
+    with caplog.at_level("INFO"):
+        for _ in range(40):
+            shielded.get_observation()
+            shielded.send_action(to_action([0.0, 90.0, -30.0, 90.0, 0.0]))
+        shielded.disconnect()
+    shielded.connect()
+    assert "table: a gap of" in caplog.text
+    assert " of 40 actions were changed" in caplog.text
+
+
+def test_an_arm_that_stands_otherwise_than_described_is_not_moved() -> None:
+    config = AiconShieldConfig(
+        inner=AiconSimulatedConfig(seed=3), urdf="so101", table=0.0, offsets={"elbow_flex": 200.0}
+    )
+    robot = AiconShield(config)
+    robot.connect()
+    before = robot.get_observation()
+    with pytest.raises(ValueError, match=r"elbow_flex seems to stand at .* --robot\.offsets"):
+        robot.send_action({"shoulder_pan.pos": 0.0})
+    assert robot.get_observation() == before
+
+
+@pytest.mark.parametrize("option", ["motors", "offsets", "signs"])
+def test_a_joint_that_the_description_does_not_have_is_named(option: str) -> None:
+    wrong: dict[str, Any] = {option: {"elbow": 1}}
+    config = AiconShieldConfig(inner=AiconSimulatedConfig(), urdf="so101", **wrong)
+    with pytest.raises(ValueError, match=f"{option}: the description has no joint elbow; it has"):
+        AiconShield(config)
+
+
+def test_a_motor_that_counts_the_other_way_round_turns_the_other_way() -> None:
+    options = ShieldOptions(urdf="so101", signs={"wrist_roll": -1}, offsets={"wrist_roll": 10.0})
+    commanded = CommandedJoints(JOINTS, options)
+    q = commanded.read(to_action([0.0, 0.0, 0.0, 0.0, 30.0]))
+    assert np.degrees(q) == pytest.approx([0.0, 0.0, 0.0, 0.0, -20.0])
+    assert commanded.written(q)["wrist_roll.pos"] == pytest.approx(30.0)
+
+
+def test_the_simulated_arm_has_a_gripper_and_pictures() -> None:
+    camera = OpenCVCameraConfig(index_or_path=0, width=64, height=48, fps=30)
+    robot = AiconSimulated(AiconSimulatedConfig(cameras={"front": camera}))
+    with pytest.raises(DeviceNotConnectedError):
+        robot.get_observation()
+    robot.connect()
+    robot.send_action({**to_action([0.0] * 5), "gripper.pos": 40.0})
+    observation = robot.get_observation()
+    assert observation.keys() == robot.observation_features.keys()
+    assert observation["gripper.pos"] == 40.0
+    assert observation["front"].shape == robot.observation_features["front"] == (48, 64, 3)
+    assert observation["front"].std() > 1.0
 
 
 def test_a_motor_that_is_missing_is_named() -> None:

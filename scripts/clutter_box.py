@@ -1,0 +1,391 @@
+"""An arm in clutter, and a box comes in its way: the policy beside a planner.
+
+Example: python scripts/clutter_box.py panda --out runs/clutter_box
+"""
+
+import argparse
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+from tqdm import tqdm
+
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.worlds.motion_bench_maker import (
+    MOST_OBJECTS,
+    ROBOTS,
+    SETS,
+    Problem,
+    problems,
+    resources,
+    robot_of,
+)
+from aicon_torch.parts import Robot, Solid
+from clutter import (
+    CACHE,
+    DT,
+    POLICIES,
+    REHEARSED,
+    SIDE_BY_SIDE,
+    Array,
+    Episode,
+    World,
+    episodes,
+    is_valid,
+    policy_of,
+    read,
+    rehearsed,
+    write,
+)
+from clutter_planner import Planner
+
+CONDITIONS = ("appears", "crosses")
+"""The box is there after the first step and stays, or goes to and fro from the start."""
+
+PLANNERS = {"plan_once": False, "replan": True}
+"""Whether it plans again where its way is no longer free."""
+
+HORIZON = 20.0
+SIZE = 0.15
+"""Of the box, m."""
+
+SPEED, HALFWAY = 0.15, 0.2
+"""How fast it goes, m/s, and how far to each side, m."""
+
+SHARES = (0.1, 0.8)
+"""It crosses the straight way of the tip somewhere in this part."""
+
+ROOM, KEEPS = 0.03, 0.005
+"""How far it is from the robot at the start and at the goal, and stays from it as it goes, m."""
+
+DRAWS = 300
+"""So often a place for it is drawn before a problem is left out."""
+
+PARTS = 4
+"""A step is looked at in so many parts."""
+
+NUMBERS = 16
+"""Of an object, as a policy reads it."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where a box goes to and fro.
+
+    Attributes:
+        box: The box in the middle.
+        direction: The way it goes at first, of length one.
+    """
+
+    box: Solid
+    direction: Array
+
+    def positions(self, places: Array) -> Array:
+        """The middle of the box at places along the track, ``(k, 3)``, m."""
+        positions: Array = np.array(self.box.position) + places[:, None] * self.direction
+        return positions
+
+    def gap(self, centres: Array, radii: Array, places: Array) -> float:
+        """The least distance of spheres ``(m, 3)`` to the box at places ``(k,)``, m."""
+        local = (centres - self.positions(places)[:, None]) @ _rotation(self.box)
+        return float(_gap(local, radii).min())
+
+    def points(self, places: Array) -> Array:
+        """Points all over the box at places along the track, ``(216 k, 3)``, m."""
+        axis = np.linspace(-SIZE / 2, SIZE / 2, 6)
+        grid = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)
+        points: Array = self.positions(places)[:, None] + grid @ _rotation(self.box).T
+        return points.reshape(-1, 3)
+
+
+class Row(NamedTuple):
+    """What became of a problem; distances are the least of the whole episode."""
+
+    robot: str
+    condition: str
+    policy: str
+    set: str
+    number: int
+    time: float  # s, with what a policy thought; NaN where it did not arrive
+    box_gap: float  # of the robot, as it moved, to the box as it stood, m
+    clearance: float  # of the robot to all other objects, m
+    self_gap: float  # of the robot to itself, m
+    waited: float  # how long the box stood still, since the robot was in its way, s
+
+    @property
+    def is_solved(self) -> bool:
+        """Whether it arrived, and touched nothing."""
+        return self.time <= HORIZON and min(self.box_gap, self.clearance, self.self_gap) >= 0.0
+
+
+class Boxes:
+    """One box a problem; all are as large, and none is driven into a robot.
+
+    Args:
+        robot: The robot.
+        tracks: Their tracks.
+        cross: Whether they move.
+    """
+
+    def __init__(self, robot: Robot, tracks: Sequence[Track], cross: bool) -> None:
+        self.world = World(robot, _EMPTY)
+        self.radii = self.world.radii
+        self.cross = cross
+        self.middles = np.array([track.box.position for track in tracks])
+        self.turns = np.array([_rotation(track.box) for track in tracks])
+        self.directions = np.array([track.direction for track in tracks])
+        self.places: Array = np.full(len(tracks), -HALFWAY if cross else 0.0)
+        self.signs: Array = np.ones(len(tracks))
+        self.running = np.arange(len(tracks))
+        self.gaps = np.full(len(tracks), math.inf)
+        self.waited = np.zeros(len(tracks))
+
+    def gap(self, centres: Array, places: Array | None = None) -> Array:
+        """The distance of spheres ``(k, spheres, 3)`` to the box of each row, ``(k,)``, m."""
+        middles = self.positions(self.places if places is None else places)
+        local = (centres - middles[:, None]) @ self.turns
+        return _gap(local, self.radii)
+
+    def positions(self, places: Array) -> Array:
+        """The middles of the boxes, ``(k, 3)``, m."""
+        positions: Array = self.middles + places[:, None] * self.directions
+        return positions
+
+    def after(self, seen: Mapping[str, Tensor], q: Tensor) -> dict[str, Tensor]:
+        """The robot moves while the box stands, then the box, if it does not come too near."""
+        before, after = seen["q"].numpy(), q.numpy()
+        for share in np.arange(1, PARTS + 1) / PARTS:
+            centres = self.world.centres(before + share * (after - before))
+            gaps = self.gap(centres)
+            self.gaps[self.running] = np.minimum(self.gaps[self.running], gaps)
+
+        if self.cross:
+            beyond = np.abs(self.places) >= HALFWAY
+            self.signs = np.where(beyond, -np.sign(self.places), self.signs)
+            moved = self.places + DT * SPEED * self.signs
+            new_gaps = self.gap(centres, moved)
+            stands = (new_gaps < KEEPS) & (new_gaps < gaps)
+            self.places = np.where(stands, self.places, moved)
+            self.waited[self.running] += DT * stands
+
+        objects = seen["obstacles"].clone()
+        objects[:, :3] = torch.from_numpy(self.positions(self.places))
+        return {**seen, "q": q, "obstacles": objects}
+
+    def keep(self, going: Tensor) -> None:
+        """Drop the rows that have arrived."""
+        left = going.numpy()
+        for name in ("middles", "turns", "directions", "places", "signs", "running"):
+            setattr(self, name, getattr(self, name)[left])
+
+
+_EMPTY = Problem("", "", 0, np.zeros(0), np.zeros(0), ())
+
+
+def _gap(local: Array, radii: Array) -> Array:
+    """The least distance ``(k,)`` of spheres to a box, of their centres in its frame, m."""
+    beyond = np.abs(local) - SIZE / 2
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
+    distances = outside + np.minimum(beyond.max(-1), 0.0) - radii
+    gap: Array = distances.min(-1)
+    return gap
+
+
+def _rotation(solid: Solid) -> Array:
+    """How an object is turned."""
+    return solid.numbers()[3:12].numpy().reshape(3, 3)
+
+
+def track_of(robot: Robot, problem: Problem) -> Track | None:
+    """A track across the straight way of the tip, free of objects; None if none is found.
+
+    The robot has room at its goal wherever the box is, and at its start, where the box starts and
+    in the middle.
+    """
+    own = (list(ROBOTS).index(problem.robot), SETS.index(problem.set), problem.index)
+    generator = np.random.default_rng(own)
+    ends = robot.chain(torch.from_numpy(np.stack((problem.start, problem.goal)))).numpy()
+    (here, there), world = ends[:, :3, 3], World(robot, problem)
+    centres = world.centres(np.stack((problem.start, problem.goal)))
+
+    for _ in range(DRAWS):
+        middle = here + generator.uniform(*SHARES) * (there - here)
+        direction = generator.normal(size=3)
+        direction /= np.linalg.norm(direction)
+        turn = generator.uniform(-math.pi, math.pi)
+        quaternion = (math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2))
+        x, y, z = middle.tolist()
+        box = Solid("box", (SIZE,) * 3, (x, y, z), quaternion)
+        track, places = Track(box, direction), np.array(np.linspace(-HALFWAY, HALFWAY, 17))
+        at_goal = track.gap(centres[1], world.radii, places)
+        at_start = track.gap(centres[0], world.radii, np.array([-HALFWAY, 0.0]))
+        if min(at_goal, at_start) >= ROOM and world.gap_of_points(track.points(places)) > 0.0:
+            return track
+    return None
+
+
+def with_box(problem: Problem, track: Track, cross: bool) -> Problem:
+    """The problem as it is seen at first: the box comes first, and is far where it appears."""
+    position = (99.0, 0.0, 0.0)
+    if cross:
+        x, y, z = (np.array(track.box.position) - HALFWAY * track.direction).tolist()
+        position = (x, y, z)
+    return replace(problem, solids=(replace(track.box, position=position), *problem.solids))
+
+
+def rows_of_policy(
+    agent: Any, name: str, condition: str, robot: Robot, group: Sequence[tuple[Problem, Track]]
+) -> list[Row]:
+    """Some problems side by side."""
+    cross = condition == "crosses"
+    boxes = Boxes(robot, [track for _, track in group], cross)
+    seen = [with_box(problem, track, cross) for problem, track in group]
+    found = episodes(agent, robot, seen, boxes, MOST_OBJECTS + 1, HORIZON)
+    rows = []
+    for number, ((problem, _), episode) in enumerate(zip(group, found, strict=True)):
+        rows.append(row_of(name, condition, robot, problem, episode, boxes, number))
+    return rows
+
+
+def row_of_planner(name: str, condition: str, robot: Robot, problem: Problem, track: Track) -> Row:
+    """One problem by the planner, which knows nothing of a box before it appears."""
+    cross = condition == "crosses"
+    boxes = Boxes(robot, [track], cross)
+    agent: Planner
+
+    def gap(centres: Array) -> Array:
+        if agent.step == 0 and not cross:
+            return np.full(len(centres), math.inf)
+        middle = boxes.positions(boxes.places)
+        return _gap((centres - middle) @ boxes.turns[0], boxes.radii)
+
+    agent = Planner(World(robot, problem), problem.goal, gap, PLANNERS[name])
+    seen = [with_box(problem, track, cross)]
+    (episode,) = episodes(agent, robot, seen, boxes, MOST_OBJECTS + 1, HORIZON)
+    episode.time -= episode.thought
+    return row_of(name, condition, robot, problem, episode, boxes, 0)
+
+
+def row_of(
+    name: str,
+    condition: str,
+    robot: Robot,
+    problem: Problem,
+    episode: Episode,
+    boxes: Boxes,
+    number: int,
+) -> Row:
+    """What is known of an episode, and what its way touched."""
+    clearance, self_gap = World(robot, problem).least_gaps(np.array(episode.way))
+    gaps = (float(boxes.gaps[number]), clearance, self_gap)
+    own = (problem.robot, condition, name, problem.set, problem.index)
+    return Row(*own, episode.time, *gaps, float(boxes.waited[number]))
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run what is not yet in the table, and report."""
+    torch.set_num_threads(1)
+    folder = resources(arguments.cache)
+    robot = robot_of(arguments.robot, folder)
+    low, high = arguments.indices
+    own, sets = range(low, high + 1), arguments.sets
+    drawn = []
+    for problem in problems(arguments.robot, folder, robot.chain.names, sets, own):
+        track = track_of(robot, problem) if is_valid(robot, problem) else None
+        if track is not None:
+            drawn.append((problem, track))
+
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    table = arguments.out / f"{arguments.robot}.csv"
+    known = {(row.condition, row.policy, row.set, row.number) for row in read(table, Row)}
+    agents: dict[str, Any] = {}
+    for condition in arguments.conditions:
+        for name in arguments.agents:
+            missing = [
+                each for each in drawn if (condition, name, each[0].set, each[0].index) not in known
+            ]
+            if not missing:
+                continue
+            label = f"{condition}, {name}"
+            if name in PLANNERS:
+                for problem, track in tqdm(missing, desc=label, disable=None):
+                    write(table, row_of_planner(name, condition, robot, problem, track))
+                continue
+
+            if str(POLICIES[name]) not in agents:
+                agents[str(POLICIES[name])] = policy_of(robot, POLICIES[name], MOST_OBJECTS + 1)
+            policy = agents[str(POLICIES[name])]
+            group_size = 1 if name == REHEARSED else SIDE_BY_SIDE
+            agent = rehearsed(policy) if name == REHEARSED else policy
+            for first in tqdm(range(0, len(missing), group_size), desc=label, disable=None):
+                group = missing[first : first + group_size]
+                for row in rows_of_policy(agent, name, condition, robot, group):
+                    write(table, row)
+
+    for condition in arguments.conditions:
+        for name in arguments.agents:
+            report(
+                condition,
+                name,
+                [
+                    row
+                    for row in read(table, Row)
+                    if (row.condition, row.policy) == (condition, name)
+                    and row.number in own
+                    and row.set in sets
+                ],
+            )
+
+
+def report(condition: str, name: str, rows: Sequence[Row]) -> None:
+    """Successes, in all and in each set, and what was touched."""
+    if not rows:
+        return
+    solved = [row for row in rows if row.is_solved]
+    low, high = wilson_interval(len(solved), len(rows))
+    share = f"{100 * len(solved) / len(rows):.1f} ({100 * low:.1f} to {100 * high:.1f})"
+    touched_box = sum(row.box_gap < 0 for row in rows)
+    touched = sum(min(row.clearance, row.self_gap) < 0 for row in rows)
+    time = np.median([row.time for row in solved]) if solved else math.nan
+    waited = np.mean([row.waited for row in rows])
+    print(
+        f"| {condition} | {name} | {len(rows)} | {share} | {touched_box} | {touched} "
+        f"| {time:.1f} s | {waited:.2f} s |"
+    )
+    by_set = []
+    for set_name in SETS:
+        of_set = [row.is_solved for row in rows if row.set == set_name]
+        by_set.append(f"{set_name} {sum(of_set)} of {len(of_set)}")
+    print("  " + ", ".join(by_set))
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is run."""
+    agents = ("aicon", REHEARSED, "random_places", "without_escape", *PLANNERS)
+    parser.add_argument("robot", choices=ROBOTS, help="whose problems")
+    parser.add_argument("--agents", nargs="+", choices=agents, default=list(agents))
+    parser.add_argument("--conditions", nargs="+", choices=CONDITIONS, default=list(CONDITIONS))
+    parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
+    parser.add_argument(
+        "--indices",
+        nargs=2,
+        type=int,
+        default=(51, 100),
+        metavar=("FIRST", "LAST"),
+        help="of each set: 1 to 50 are for tuning, 51 to 100 for the report (default: 51 100)",
+    )
+
+    parser.add_argument("--out", type=Path, default=Path("runs/clutter_box"))
+    parser.add_argument("--cache", type=Path, default=CACHE, help="of what is downloaded")
+
+
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
+
+if __name__ == "__main__":
+    run_command(COMMAND)
