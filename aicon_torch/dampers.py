@@ -22,9 +22,11 @@ class PlaceEscape:
         remembers: Whether it remembers at which stops its components were held up.
         whole: So many components, the first and the last ones, go anywhere in their ranges.
         seeks: Whether it seeks.
+        gives_up: After so many places it goes to where the goals were nearest, and stays; None
+            never does.
 
     Raises:
-        OptionError: If one of the first two is not positive.
+        OptionError: If patience, near or gives_up is not positive.
     """
 
     near: float = 0.005
@@ -32,11 +34,14 @@ class PlaceEscape:
     remembers: bool = True
     whole: tuple[int, int] = (0, 0)
     seeks: bool = True
+    gives_up: int | None = None
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         _check_positive("near", self.near)
         _check_positive("patience", self.patience)
+        if self.gives_up is not None:
+            _check_positive("gives_up", self.gives_up)
 
 
 @dataclass(frozen=True)

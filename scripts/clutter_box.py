@@ -328,22 +328,14 @@ def run(arguments: argparse.Namespace) -> None:
                 for row in rows_of_policy(agent, name, condition, robot, group):
                     write(table, row)
 
+    rows = [row for row in read(table, Row) if row.number in own and row.set in sets]
     for condition in arguments.conditions:
         for name in arguments.agents:
-            report(
-                condition,
-                name,
-                [
-                    row
-                    for row in read(table, Row)
-                    if (row.condition, row.policy) == (condition, name)
-                    and row.number in own
-                    and row.set in sets
-                ],
-            )
+            report([row for row in rows if (row.condition, row.policy) == (condition, name)])
+    draw(table, rows)
 
 
-def report(condition: str, name: str, rows: Sequence[Row]) -> None:
+def report(rows: Sequence[Row]) -> None:
     """Successes, in all and in each set, and what was touched."""
     if not rows:
         return
@@ -355,14 +347,37 @@ def report(condition: str, name: str, rows: Sequence[Row]) -> None:
     time = np.median([row.time for row in solved]) if solved else math.nan
     waited = np.mean([row.waited for row in rows])
     print(
-        f"| {condition} | {name} | {len(rows)} | {share} | {touched_box} | {touched} "
-        f"| {time:.1f} s | {waited:.2f} s |"
+        f"| {rows[0].condition} | {rows[0].policy} | {len(rows)} | {share} "
+        f"| {touched_box} | {touched} | {time:.1f} s | {waited:.2f} s |"
     )
     by_set = []
     for set_name in SETS:
         of_set = [row.is_solved for row in rows if row.set == set_name]
         by_set.append(f"{set_name} {sum(of_set)} of {len(of_set)}")
     print("  " + ", ".join(by_set))
+
+
+def draw(table: Path, rows: Sequence[Row]) -> None:
+    """The share of problems that are solved over time, by policy and condition, as a picture."""
+    import matplotlib.pyplot as plt
+
+    conditions = list(dict.fromkeys(row.condition for row in rows))
+    figure, every_axes = plt.subplots(
+        1, len(conditions), figsize=(1.8 + 3.8 * len(conditions), 3.4), sharey=True, squeeze=False
+    )
+    for condition, axes in zip(conditions, every_axes[0], strict=True):
+        own = [row for row in rows if row.condition == condition]
+        for name in dict.fromkeys(row.policy for row in own):
+            rows_of_name = [row for row in own if row.policy == name]
+            times = np.sort([row.time for row in rows_of_name if row.is_solved])
+            shares = 100 * np.arange(1, len(times) + 1) / len(rows_of_name)
+            ends = [0.0, *times, HORIZON], [0.0, *shares, *shares[-1:]]
+            axes.step(*ends, where="post", label=name)
+        axes.set(title=f"a box {condition}", xlim=(0, HORIZON), ylim=(0, 100), xlabel="time, s")
+    every_axes[0, 0].set_ylabel("solved, %")
+    every_axes[0, -1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    figure.tight_layout()
+    figure.savefig(table.with_suffix(".png"), dpi=150)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

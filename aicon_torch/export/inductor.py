@@ -4,6 +4,7 @@ import logging
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -131,10 +132,12 @@ def _traced(
     function: Callable[..., tuple[Tensor, ...]], examples: Sequence[Tensor]
 ) -> tuple[GraphModule, list[int]]:
     """The graph of a function of tensors, and which of these it uses."""
-    # Small products are written out, so that they are fused with what surrounds them.
-    decompositions = {
+    # Small products are written out, so that they are fused with what surrounds them. So is the
+    # gradient of a selection: fused, torch 2.10 reads its sum before anything is added to it.
+    decompositions: dict[Any, Callable[..., Tensor]] = {
         torch.ops.aten.mm.default: _written_out,
         torch.ops.aten.bmm.default: _written_out,
+        torch.ops.aten.scatter_add.default: _scattered,
     }
     graph = make_fx(function, decompositions)(*examples)
     graph.graph.eliminate_dead_code()
@@ -202,3 +205,14 @@ def _written_out(first: Tensor, second: Tensor) -> Tensor:
 def _summary(error: Exception) -> str:
     lines = str(error).strip().splitlines()
     return f"{type(error).__name__}: {lines[0] if lines else 'no message'}"
+
+
+def _scattered(start: Tensor, dim: int, index: Tensor, source: Tensor) -> Tensor:
+    """Σ of what is selected for each place, added to what is there: along the last dimension."""
+    last = start.dim() - 1
+    if dim % start.dim() != last or start.shape[:-1] != index.shape[:-1]:
+        return NotImplemented  # type: ignore[no-any-return]  # it stays a call
+    places = torch.arange(start.shape[-1], device=start.device)
+    is_here = index.unsqueeze(-1) == places
+    source = source[..., : index.shape[-1]].unsqueeze(-1)
+    return start + torch.where(is_here, source, 0.0).sum(-2)

@@ -130,6 +130,11 @@ def _alerts(backward: BackwardPass, memory: Memory) -> Iterator[str]:
         elif sensor.max_gap is not None and float(memory[name + SILENCE]) > sensor.max_gap:
             yield f"  none in {sensor.max_gap:.2f} s: {share:.0%} of the action is executed"
 
+    for name in model.actuators:
+        if bool(memory.get(f"{name}/escape/gave_up", False)):
+            nearest = float(memory[f"{name}/escape/nearest"])
+            yield f"{name} has given up: wherever it went, the goals cost {nearest:.4g} or more"
+
     if bool(memory[BEGINS]):
         yield "at rest: the episode begins with the first reading of each sensor"
 

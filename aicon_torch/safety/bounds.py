@@ -109,7 +109,9 @@ class ActuatorSafety:
             remembered = self.stalemate.judge(nominal, aim, safe, own)
         else:
             cost = FollowedCost(self.model, self.actuator, values, goal_factors)
-            remembered = self.stalemate.judge(cost, nominal, safe, self._room(values), own)
+            allowed, room = action, self._room(values)
+            action = _unless_escaping(cost.not_beyond(allowed), allowed, within, own)
+            remembered = self.stalemate.judge(cost, nominal, allowed, action, room, own)
         return action, {start + key: value for key, value in remembered.items()}
 
     def _constrained(self, values: Mapping[str, Tensor], action: Tensor) -> Tensor:
@@ -241,6 +243,18 @@ class ActuatorSafety:
         return bool((components <= 1).all() and (components == 1).any())
 
 
+def _unless_escaping(
+    shortened: Tensor, action: Tensor, within: SafetyBounds, memory: Memory
+) -> Tensor:
+    """A shortened action ``(*B, n)``, unless a detour is made or a gap has to grow faster."""
+    shortened = torch.minimum(torch.maximum(shortened, within.low), within.high)
+    is_taken = ~memory["escaping"]
+    if within.bounds.shape[-1] > 0:
+        speeds = (within.slopes * shortened.unsqueeze(-2)).sum(-1)
+        is_taken = is_taken & (speeds >= within.bounds - LEAST_SPEED).all(-1)
+    return torch.where(is_taken.unsqueeze(-1), shortened, action)
+
+
 def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:
     """A box within which rows hold that depend on one component each, ``(*B, n)`` both.
 
@@ -315,4 +329,4 @@ def _initial(escape: PlaceEscape | WayAround, size: int) -> Memory:
     """What an escape remembers before the first step."""
     if isinstance(escape, WayAround):
         return initial_way(size)
-    return initial_places(size, escape.seeks)
+    return initial_places(size, escape)

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
-from aicon_torch.safety import SafeAction
+from aicon_torch.safety.nearest import initial_nearest, nearest_so_far
 from aicon_torch.safety.place_search import KEPT, Found, PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
 
@@ -26,12 +26,12 @@ BLOCKED = 0.15  # w of how long it must be that
 OTHER = 0.1  # by which a cost must jump, at least, to be that of other goals
 
 
-def initial_places(size: int, seeks: bool = True) -> Memory:
+def initial_places(size: int, options: PlaceEscape) -> Memory:
     """FREE, and no stop is known: what is remembered, without batch dimensions.
 
     Args:
         size: Number n of components of the actuator.
-        seeks: Whether a place is sought.
+        options: Whether a place is sought, and whether it ever gives up.
     """
     remembered = {
         "escaping": torch.tensor(False),
@@ -47,7 +47,11 @@ def initial_places(size: int, seeks: bool = True) -> Memory:
         "to_known": torch.tensor(False),
         "before": torch.tensor(torch.inf),
     }
-    return remembered | initial_search(size) if seeks else remembered
+    if options.seeks:
+        remembered |= initial_search(size)
+    if options.gives_up is not None:
+        remembered |= initial_nearest(size)
+    return remembered
 
 
 class Turn(NamedTuple):
@@ -84,6 +88,9 @@ class Places:
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
     its middle. Where the goals are other ones, all is forgotten.
 
+    *Giving up*, an option: after so many places it goes to where the cost was least
+    (:mod:`aicon_torch.safety.nearest`), and stays.
+
     Args:
         options: How patient it is, and where it goes.
         limits: Of the actuator, ``(n,)``.
@@ -116,7 +123,8 @@ class Places:
         self,
         cost: FollowedCost,
         nominal: Tensor,
-        safe: SafeAction,
+        allowed: Tensor,
+        action: Tensor,
         room: tuple[Tensor, Tensor],
         memory: Memory,
     ) -> Memory:
@@ -125,7 +133,8 @@ class Places:
         Args:
             cost: What the goals cost, here and after a step.
             nominal: What they ask for, ``(*B, n)``.
-            safe: What the constraints made of what was tried.
+            allowed: What the constraints made of what was tried, ``(*B, n)``.
+            action: What is done of it, ``(*B, n)``.
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
@@ -137,7 +146,7 @@ class Places:
         # From FREE to a DETOUR: where it is held up, and at which stops.
         is_late = ~is_lower & (clock >= self.options.patience) & (now > self.options.near)
         is_steady = highest < (1.0 + UNSTEADY) * memory["lowest"]
-        is_held_up = is_late & (is_steady | _is_opposed(nominal, safe.action))
+        is_held_up = is_late & (is_steady | _is_opposed(nominal, allowed))
         begins = is_free & is_held_up & ~is_other
         stops = torch.where(is_other.unsqueeze(-1), 0.0, memory["stops"])
         if self.options.remembers:
@@ -145,10 +154,10 @@ class Places:
         escapes = torch.where(is_other, 0, memory["escapes"])
 
         # The DETOUR is over: there, blocked, or late.
-        left = memory["direction"] - self.dt * safe.action
+        left = memory["direction"] - self.dt * action
         way = _way(memory["place"], room, left)
         is_there = way.abs().amax(-1) < ARRIVED
-        is_blocked, slow = self._is_blocked(safe.action, way, memory)
+        is_blocked, slow = self._is_blocked(action, way, memory)
         longest = torch.where(memory["to_known"], 2.0 * LONGEST, LONGEST)
         is_over = ~is_free & (is_there | is_blocked | (clock >= longest))
 
@@ -160,6 +169,9 @@ class Places:
             fails = is_over & memory["to_known"] & ~is_there
             is_due = self._is_due(escapes, blind, memory)
             turn, found = self._turn(turn, found, fails, is_due, room, memory)
+        if self.options.gives_up is not None:
+            gave_up = ~is_other & (memory["gave_up"] | (turn.begins & self._is_last(escapes)))
+            turn = self._last_turn(turn, escapes, now, room, memory)
         begins, to_known = turn.begins & ~is_other, turn.to_known
         ends = (is_over | (~is_free & is_other)) & ~begins
         place = torch.where(begins.unsqueeze(-1), turn.place, memory["place"])
@@ -181,7 +193,9 @@ class Places:
             "before": now,
         }
         if self.options.seeks:
-            remembered |= self._searched(found, safe.action, room, stops, memory)
+            remembered |= self._searched(found, action, room, stops, memory)
+        if self.options.gives_up is not None:
+            remembered |= nearest_so_far(now, is_other, self.dt * action, gave_up, memory)
         return remembered
 
     def _is_blocked(self, action: Tensor, way: Tensor, memory: Memory) -> tuple[Tensor, Tensor]:
@@ -255,6 +269,38 @@ class Places:
         following = _mirrored(spread(numbers, stops), stops)
         next_ways = _way(following, room, math.pi * following)
         return self.search.remembered(found, memory["places"], next_ways, self.dt * action)
+
+    def _is_last(self, escapes: Tensor) -> Tensor:
+        """Whether it has been to all the places to which it may go, ``(*B,)``."""
+        assert self.options.gives_up is not None
+        return escapes >= self.options.gives_up
+
+    def _last_turn(
+        self,
+        turn: Turn,
+        escapes: Tensor,
+        now: Tensor,
+        room: tuple[Tensor, Tensor],
+        memory: Memory,
+    ) -> Turn:
+        """Back to where the cost was least, once it has been to all its places; there it stays.
+
+        Args:
+            turn: Where it would go otherwise.
+            escapes: How often it went elsewhere, ``(*B,)``.
+            now: The cost, ``(*B,)``.
+            room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
+            memory: What was remembered.
+        """
+        is_last = self._is_last(escapes)
+        is_nearest = now < (1.0 + PROGRESS) * memory["nearest"]
+        stays = is_last & (is_nearest | memory["escaping"])
+        nearest = _place_at(memory["nearest_way"], room)
+        return Turn(
+            begins=turn.begins & ~stays,
+            to_known=turn.to_known | is_last,
+            place=torch.where(is_last.unsqueeze(-1), nearest, turn.place),
+        )
 
     def first_to(self, number: Tensor, memory: Memory) -> Memory:
         """A memory that goes to a place of the sequence before anything else, and then on from it.

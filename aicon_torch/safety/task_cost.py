@@ -41,6 +41,21 @@ class FollowedCost:
         """G(a) ``(*B,)`` of an action ``(*B, n)``, or ``(m, *B)`` of m for each row."""
         return self._total(action, self._followed)
 
+    def not_beyond(self, action: Tensor) -> Tensor:
+        """An action ``(*B, n)``, shortened to where the cost is least along it, if that is nearer.
+
+        It is least at s = −b/2c of the way on the parabola G(s) = G(0) + b s + c s² through the
+        costs at rest, halfway and in full. Where a goal cannot be reached its slope alone leads
+        beyond that, and a stretched arm would go to and fro.
+        """
+        halfway, full = self.ahead(torch.stack((0.5 * action, action)))
+        slope = 4.0 * halfway - full - 3.0 * self.at_rest
+        curvature = 2.0 * (full - 2.0 * halfway + self.at_rest)
+        is_convex = curvature > 0
+        least = -slope / (2.0 * torch.where(is_convex, curvature, 1.0))
+        share = torch.where(is_convex, least.clamp(0.0, 1.0), 1.0)
+        return share.unsqueeze(-1) * action
+
     def of_safety(self, action: Tensor) -> Tensor:
         """The same of the safety goals, but for ranges: above 0 where a gap would be closed."""
         return self._total(action, self._closing)

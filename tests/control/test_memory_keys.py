@@ -8,6 +8,7 @@ from _inputs.reaching import planar_arm
 
 from aicon_torch import Policy, Shield, make_policy, presets
 from aicon_torch.control.memory import memory_shapes
+from aicon_torch.dampers import PlaceEscape
 from aicon_torch.models.reach import Options, body_model
 
 PAGE = Path(__file__).parents[2] / "docs" / "memory.md"
@@ -22,8 +23,12 @@ def rows() -> dict[str, int]:
 
 
 def policies() -> list[Policy]:
-    """Those of all presets, one with an option that no preset has, and a shield's."""
-    found: list[Policy] = [make_policy("nav2d", **{"resolution.exploration.escape.onward": True})]
+    """Those of all presets, two with an option that no preset has, and a shield's."""
+    gives_up = {"robot": planar_arm(), "dampers.escape": PlaceEscape(gives_up=8)}
+    found: list[Policy] = [
+        make_policy("nav2d", **{"resolution.exploration.escape.onward": True}),
+        make_policy("reach", **gives_up),
+    ]
     found.append(
         Shield(lambda observation: np.zeros(3), body_model(Options(robot=planar_arm()))).policy
     )

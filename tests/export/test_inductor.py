@@ -5,11 +5,14 @@ import shutil
 from pathlib import Path
 
 import pytest
+import torch
 from _asserts import assert_same_steps
 from _inputs import drifting, lean
 from _inputs.following import Readings, bold_when_far, follower, passing, wandering
+from _inputs.hand import readable_hand, turn
 
 from aicon_torch import Policy
+from aicon_torch.dampers import PlaceEscape
 
 with_compiler = pytest.mark.skipif(
     not shutil.which(os.environ.get("CXX", "g++")), reason="there is no C++ compiler"
@@ -33,6 +36,17 @@ def test_what_has_no_translation_to_c_is_compiled_otherwise(
     compiled = policy.compile()
     compiled._native = None
     assert_same_steps(policy, compiled, readings)
+
+
+@with_compiler
+@pytest.mark.slow
+def test_behind_a_stop_it_stays_where_torch_reads_a_sum_too_early() -> None:
+    """A gap's slope is the gradient of a selection, which TorchInductor 2.10 gets wrong fused."""
+    readable = readable_hand(PlaceEscape())
+    compiled = readable.compile()
+    compiled._native = None
+    ways = [turn(policy, 2.5, -2.8, steps=60)[0] for policy in (readable, compiled)]
+    torch.testing.assert_close(*ways)
 
 
 def test_what_cannot_be_traced_runs_uncompiled() -> None:

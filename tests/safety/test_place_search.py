@@ -7,7 +7,6 @@ import torch
 from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape
-from aicon_torch.safety import SafeAction
 from aicon_torch.safety.place_search import IMAGINED, KEPT, Found, PlaceSearch, initial_search
 from aicon_torch.safety.places import Places, initial_places
 
@@ -82,11 +81,11 @@ def test_a_hopeless_place_is_given_up() -> None:
 
 
 def test_where_it_is_held_up_it_goes_to_the_place_that_it_knows() -> None:
-    places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2))
+    places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2, PlaceEscape()))
     nominal, still = torch.ones(2).double(), torch.zeros(2).double()
     for _ in range(20):
         cost = cast(Any, Distance(TARGET))
-        memory = places.judge(cost, nominal, SafeAction(still, nominal), RANGE, memory)
+        memory = places.judge(cost, nominal, still, still, RANGE, memory)
     assert memory["escaping"]
     torch.testing.assert_close(memory["direction"], TARGET)
     assert int(memory["escapes"]) == 1
@@ -96,7 +95,7 @@ def test_where_it_is_held_up_it_goes_to_the_place_that_it_knows() -> None:
 def test_on_its_way_to_a_place_of_the_sequence_it_turns_to_one_if_it_knew_none(
     knew_none: bool,
 ) -> None:
-    places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2))
+    places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2, PlaceEscape()))
     memory = places.first_to(torch.tensor(0), memory)
     if knew_none:
         memory["escapes"] = torch.tensor(1)
@@ -106,7 +105,7 @@ def test_on_its_way_to_a_place_of_the_sequence_it_turns_to_one_if_it_knew_none(
         assert memory["escaping"]
         action = places.aim(nominal, memory)
         cost = cast(Any, Distance(target))
-        memory = places.judge(cost, nominal, SafeAction(action, nominal), room, memory)
+        memory = places.judge(cost, nominal, action, action, room, memory)
 
         # The target and the stops are told from where the robot is.
         target = target - DT * action
@@ -121,12 +120,12 @@ def test_on_its_way_to_a_place_of_the_sequence_it_turns_to_one_if_it_knew_none(
 
 
 def test_a_way_to_a_known_place_that_gets_no_shorter_is_left_for_another_one() -> None:
-    places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2))
+    places, memory = Places(PlaceEscape(), LIMITS, DT), doubled(initial_places(2, PlaceEscape()))
     nominal, still = torch.ones(2).double(), torch.zeros(2).double()
     led_to_known: list[bool] = []
     for _ in range(100):
         cost = cast(Any, Distance(TARGET))
-        memory = places.judge(cost, nominal, SafeAction(still, nominal), RANGE, memory)
+        memory = places.judge(cost, nominal, still, still, RANGE, memory)
         led_to_known.append(bool(memory["escaping"] & memory["to_known"]))
 
         if int(memory["blind"]):

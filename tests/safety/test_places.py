@@ -9,7 +9,6 @@ from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.errors import OptionError
-from aicon_torch.safety import SafeAction
 from aicon_torch.safety.places import Places, initial_places
 
 LIMITS = torch.full((5,), 1.5, dtype=torch.float64)
@@ -46,13 +45,13 @@ def remembering(
     places = Places(PlaceEscape(**options), LIMITS, DT)
     memory = {
         key: value.double() if value.is_floating_point() else value
-        for key, value in initial_places(5).items()
+        for key, value in initial_places(5, places.options).items()
     }
     nominal = torch.ones(5, dtype=torch.float64)
     room = (torch.tensor(down, dtype=torch.float64), torch.tensor(up, dtype=torch.float64))
     for cost in costs:
-        safe = SafeAction(torch.zeros(5, dtype=torch.float64), nominal)
-        memory = places.judge(cast(Any, Cost(cost)), nominal, safe, room, memory)
+        still = torch.zeros(5, dtype=torch.float64)
+        memory = places.judge(cast(Any, Cost(cost)), nominal, still, still, room, memory)
         yield memory
 
 
@@ -100,9 +99,7 @@ def test_a_component_without_a_range_moves_by_a_share_of_half_a_turn_and_is_ther
     for _ in range(60):
         action = places.aim(nominal, memory)
         moved = moved + DT * action
-        memory = places.judge(
-            cast(Any, Cost(0.5)), nominal, SafeAction(action, nominal), room, memory
-        )
+        memory = places.judge(cast(Any, Cost(0.5)), nominal, action, action, room, memory)
         if not memory["escaping"]:
             break
     assert not memory["escaping"]

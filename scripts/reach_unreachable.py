@@ -1,0 +1,188 @@
+"""Targets that an arm cannot reach: does it come as near as it can, and say so?
+
+The targets of the environment are moved out of reach, and beside them are those that can be
+reached, for which it should not give up. Joints move as they are told to, without physics.
+
+Example: python scripts/reach_unreachable.py --conditions ur5_pose_home --out runs/unreachable
+"""
+
+import argparse
+import csv
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+from tqdm import tqdm
+
+from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.tasks.reach import TASK
+from aicon_torch import Policy
+from aicon_torch.dampers import PlaceEscape
+from aicon_torch.models import make_policy
+from aicon_torch.models.reach import Options
+from aicon_torch.parts import Chain, TipPose
+from aicon_torch.parts.pose_reach import PoseReach
+from reach_study import Targets, targets
+
+GIVES_UP = 8
+"""After so many places."""
+
+HORIZON = 60.0
+FARTHER = (1.1, 2.0)
+"""How far a target is from the base, in the longest way that the tip comes from it."""
+
+STARTS, DESCENT = 128, 600
+"""The least cost is looked for from so many postures, in so many steps."""
+
+ESCAPE = "a/escape/"
+
+
+class Row(NamedTuple):
+    """What became of a target."""
+
+    condition: str
+    reachable: bool
+    seed: int
+    arrived: bool
+    gave_up: float  # s; NaN where it did not
+    cost: float  # at the end, m
+    least: float  # of all postures within the stops that were found, m
+    speed: float  # of the fastest joint in the last second, mean, rad/s
+
+
+def out_of_reach(found: Targets, seeds: range) -> Targets:
+    """The same targets, farther from the base than the tip can come."""
+    generator = np.random.default_rng(seeds.start)
+    chain = found.robot.chain
+    place = found.seen["target_position"]
+    farthest = torch.linalg.vector_norm(chain(_postures(chain, 20000))[:, :3, 3], dim=-1).amax()
+    wanted = farthest * torch.from_numpy(generator.uniform(*FARTHER, len(place)))
+    moved = place * (wanted / torch.linalg.vector_norm(place, dim=-1)).unsqueeze(-1)
+    turn = found.seen.get("target_orientation")
+    seen = {**found.seen, "target_position": moved}
+    return found._replace(
+        seen=seen, places=moved if turn is None else found.pose.target(moved, turn)
+    )
+
+
+def least_cost(chain: Chain, reach: PoseReach, pose: TipPose, target: Tensor) -> Tensor:
+    """The least cost ``(k,)`` of targets ``(k, size)`` within the stops, by Adam."""
+    q = _postures(chain, STARTS * len(target)).reshape(STARTS, len(target), -1).requires_grad_()
+    optimizer = torch.optim.Adam([q], lr=0.05)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, DESCENT)
+    target = target.expand(STARTS, -1, -1)
+    margin = Options().joint_limits.margin
+    low, high = chain.low + margin, chain.high - margin
+    for _ in tqdm(range(DESCENT), desc="least cost", disable=None):
+        optimizer.zero_grad()
+        reach(pose.of_frame(chain(q)), target).sum().backward()  # type: ignore[no-untyped-call]
+        optimizer.step()
+        schedule.step()
+        with torch.no_grad():
+            q.clamp_(low, high)
+    return reach(pose.of_frame(chain(q)), target).detach().amin(0)
+
+
+def _postures(chain: Chain, count: int) -> Tensor:
+    """Random postures within the stops, ``(count, n)``."""
+    shares = torch.rand(
+        count, len(chain.names), generator=torch.Generator().manual_seed(0), dtype=torch.float64
+    )
+    return chain.low + shares * (chain.high - chain.low)
+
+
+def follow(condition: str, seeds: range, policy: Policy, reachable: bool) -> list[Row]:
+    """What becomes of some targets."""
+    found = targets(condition, seeds)
+    if not reachable:
+        found = out_of_reach(found, seeds)
+    options = Options(**TASK.policy_options(condition))
+    pose = TipPose(options.orientation, options.lever, options.axis)
+    reach = PoseReach(pose, options.tolerance)
+    turn = found.seen.get("target_orientation")
+    place = found.seen["target_position"]
+    target = place if turn is None else pose.target(place, turn)
+
+    seen, memory = found.seen, None
+    gave_up = torch.full((len(seeds),), math.nan, dtype=torch.float64)
+    arrived = torch.zeros(len(seeds), dtype=torch.bool)
+    speed = torch.zeros(len(seeds), dtype=torch.float64)
+    steps, last = round(HORIZON / TASK.time_step), round(1.0 / TASK.time_step)
+    for step in tqdm(range(steps), desc=f"{condition}, reachable: {reachable}", disable=None):
+        action, memory = policy.predict(seen, memory)
+        seen = {**seen, "q": seen["q"] + TASK.time_step * action}
+        here = found.pose.of_frame(found.robot.chain(seen["q"]))
+        missing, angle = found.pose.distance(here, found.places)
+        arrived |= (missing < 0.010) & (angle < 0.05)
+        new = memory[f"{ESCAPE}gave_up"] & gave_up.isnan()
+        gave_up[new] = step * TASK.time_step
+        if step >= steps - last:
+            speed += action.abs().amax(-1) / last
+
+    cost = reach(pose.of_frame(found.robot.chain(seen["q"])), target)
+    least = least_cost(found.robot.chain, reach, pose, target) if not reachable else 0.0 * cost
+    columns = (arrived, gave_up, cost, least, speed)
+    rows = zip(seeds, *(column.tolist() for column in columns), strict=True)
+    return [Row(condition, reachable, *row) for row in rows]
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run the conditions, and report each."""
+    torch.set_num_threads(1)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+    with (arguments.out / "unreachable.csv").open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(Row._fields)
+        for condition in arguments.conditions:
+            own = {
+                **TASK.policy_options(condition),
+                "dampers.escape": PlaceEscape(gives_up=GIVES_UP),
+            }
+            policy = make_policy("reach", **own).compile()
+            for reachable in (False, True):
+                rows = follow(condition, seeds, policy, reachable)
+                table.writerows(rows)
+                file.flush()
+                report(rows)
+
+
+def report(rows: list[Row]) -> None:
+    """How many gave up, when, and how near they came."""
+    gave_up = np.array([row.gave_up for row in rows])
+    said = np.isfinite(gave_up)
+    print(f"{rows[0].condition}: {'' if rows[0].reachable else 'un'}reachable", end="; ")
+    print(
+        f"arrived {sum(row.arrived for row in rows)}, gave up {said.sum()} of {len(rows)}", end=""
+    )
+    if said.any():
+        print(f", after {np.median(gave_up[said]):.0f} s (median)", end="")
+    if not rows[0].reachable:
+        excess = np.array([row.cost / row.least - 1.0 for row in rows])
+        near = int((excess < 0.05).sum())
+        print(
+            f"; cost within 5 % of the least in {near}, more by {100 * np.median(excess):.2f} % at "
+            f"the median and {100 * excess.max():.0f} % at most; fastest joint at the end "
+            f"{max(row.speed for row in rows):.3f} rad/s at most",
+            end="",
+        )
+    print()
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is run."""
+    parser.add_argument(
+        "--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME"
+    )
+    add_option(parser, "--episodes", 100, "targets of each condition")
+    add_option(parser, "--seed", 1000, "of the first target")
+    parser.add_argument("--out", type=Path, default=Path("runs/unreachable"))
+
+
+COMMAND = Command(__doc__, add_arguments, run, "stopped")
+
+if __name__ == "__main__":
+    run_command(COMMAND)
