@@ -55,7 +55,8 @@ class Shield:
 
     Args:
         policy: Anything with the ``predict`` of stable-baselines3, or a function of the
-            observation, that proposes actions ``(*B, size)``. What is not finite asks for nothing.
+            observation, that proposes actions ``(*B, size)``. What is not finite is taken for 0,
+            which asks for nothing, unless ``nominal`` makes something else of it.
         model: The graph: sensors, one actuator with a finite limit, estimators, safety goals.
         nominal: Where proposals are no actions of the actuator, such as places to go to: a function
             of ``proposal`` and any quantities, wired by its parameters' names, that returns the

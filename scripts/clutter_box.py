@@ -70,9 +70,6 @@ DRAWS = 300
 PARTS = 4
 """A step is looked at in so many parts."""
 
-NUMBERS = 16
-"""Of an object, as a policy reads it."""
-
 
 @dataclass(frozen=True)
 class Track:

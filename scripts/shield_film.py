@@ -1,0 +1,87 @@
+"""A film of `shield.py arm`: joints that go straight where they shall be, and a ball in the way.
+
+Example: python scripts/shield_film.py --seed 1002 --out runs/shield/shield.webp
+"""
+
+import argparse
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+from tqdm import tqdm
+
+from aicon_baselines.agents.shields import arm
+from aicon_baselines.agents.shields.world import Guard, guards
+from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_envs.reach.simulation import CONTROL_STEP
+
+Picture = NDArray[np.uint8]
+
+SIZE = (300, 300)
+"""Of each picture, px."""
+
+SECONDS, EVERY = 8.0, 5
+"""How long the film is, s, and so many steps from a frame to the next."""
+
+STAYS = 15
+"""So many frames of the end."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is shown, and where it is saved."""
+    add_option(parser, "--seed", 1002, "of the episode")
+    add_option(parser, "--out", Path("runs/shield/shield.webp"), "the film, a webp or an mp4")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run the episode under each guard, and film them beside each other."""
+    from aicon_baselines.figures.rendering import save_video
+
+    films = {}
+    for name, guard in tqdm(guards(arm.clamped, arm.shielded).items(), disable=None):
+        films[name] = list(filmed(guard, arguments.seed))
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    save_video(beside_each_other(films), arguments.out, round(1.0 / (CONTROL_STEP * EVERY)))
+    print(f"saved {arguments.out}")
+
+
+def filmed(guard: Guard, seed: int) -> Iterator[tuple[Picture, str]]:
+    """The frames of an episode, each with what has become of it."""
+    env, state = arm.Posture(), None
+    policy: Any = guard(arm.Straight())
+    observation, info = env.reset(seed=seed)
+    touched, arrived = False, False
+    for step in range(round(SECONDS / CONTROL_STEP)):
+        if step % EVERY == 0:
+            told = "has touched" if touched else "has arrived" if arrived else ""
+            yield env.unwrapped.picture("outside", SIZE), told
+        if arrived:
+            continue
+        seen = {name: np.asarray(value)[None] for name, value in observation.items()}
+        action, state = policy.predict(seen, state)
+        observation, _, arrived, _, info = env.step(np.asarray(action)[0])
+        touched |= bool(info["collision"])
+    env.close()
+
+
+def beside_each_other(films: Mapping[str, list[tuple[Picture, str]]]) -> Iterator[Picture]:
+    """Frames with a panel for each guard."""
+    frames = list(zip(*films.values(), strict=True))
+    for frame in [*frames, *[frames[-1]] * STAYS]:
+        panels = []
+        for name, (picture, told) in zip(films, frame, strict=True):
+            image = Image.fromarray(picture)
+            drawn = ImageDraw.Draw(image)
+            drawn.text((10, 8), name, fill="black", font_size=18)
+            drawn.text((10, 30), told, fill="#c4122f", font_size=15)
+            panels.append(np.asarray(image))
+        yield np.concatenate(panels, axis=1)
+
+
+COMMAND = Command(__doc__, add_arguments, run)
+
+if __name__ == "__main__":
+    run_command(COMMAND)
