@@ -51,13 +51,14 @@ def run(arguments: argparse.Namespace) -> None:
 def filmed(guard: Guard, seed: int) -> Iterator[tuple[Picture, str]]:
     """The frames of an episode, each with what has become of it."""
     env, state = arm.Posture(), None
+    scene: Any = env.unwrapped
     policy: Any = guard(arm.Straight())
-    observation, info = env.reset(seed=seed)
+    observation, _ = env.reset(seed=seed)
     touched, arrived = False, False
     for step in range(round(SECONDS / CONTROL_STEP)):
         if step % EVERY == 0:
             told = "has touched" if touched else "has arrived" if arrived else ""
-            yield env.unwrapped.picture("outside", SIZE), told
+            yield scene.picture("outside", SIZE), told
         if arrived:
             continue
         seen = {name: np.asarray(value)[None] for name, value in observation.items()}
