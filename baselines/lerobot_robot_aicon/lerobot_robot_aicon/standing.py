@@ -4,10 +4,14 @@ Example:
     python -m lerobot_robot_aicon.standing --robot.inner.type=aicon_simulated --robot.urdf=so101
 """
 
+import importlib
+import pkgutil
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 
 import draccus
+import lerobot.robots
 import numpy as np
 import torch
 from lerobot.robots import make_robot_from_config
@@ -15,6 +19,11 @@ from lerobot.robots import make_robot_from_config
 from lerobot_robot_aicon.arm_options import described_arm
 from lerobot_robot_aicon.commanded_joints import CommandedJoints
 from lerobot_robot_aicon.config_aicon_shield import AiconShieldConfig
+
+# The command line knows the robots whose modules are imported; some of them need more packages.
+for module in pkgutil.iter_modules(lerobot.robots.__path__):
+    with suppress(ImportError):
+        importlib.import_module(f"lerobot.robots.{module.name}")
 
 
 @dataclass
@@ -58,6 +67,8 @@ def main(config: Standing) -> None:
             x, y, z = (100 * chain(torch.from_numpy(q))[:3, 3]).tolist()
             print(f"the tip is {x:.1f} cm ahead, {y:.1f} cm left and {z:.1f} cm up of the base")
             time.sleep(1.0)
+    except KeyboardInterrupt:
+        print()
     finally:
         robot.disconnect()
 

@@ -138,6 +138,16 @@ def test_the_simulated_arm_has_a_gripper_and_pictures() -> None:
     assert observation["front"].std() > 1.0
 
 
+def test_how_an_arm_stands_is_printed_and_every_robot_of_lerobot_is_known() -> None:
+    module = (sys.executable, "-m", "lerobot_robot_aicon.standing", "--robot.urdf=so101")
+    options = ("--robot.inner.type=aicon_simulated", "--duration=0.5")
+    done = subprocess.run((*module, *options), capture_output=True, text=True)
+    assert "the tip is" in done.stdout, done.stderr[-2000:]
+
+    told = subprocess.run((*module, "--robot.inner.type=none"), capture_output=True, text=True)
+    assert "so101_follower" in told.stderr
+
+
 def test_a_motor_that_is_missing_is_named() -> None:
     config = AiconShieldConfig(
         inner=AiconSimulatedConfig(), urdf="so101", motors={"elbow_flex": "elbow"}
