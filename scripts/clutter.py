@@ -458,8 +458,13 @@ def draw(table: Path, rows: Sequence[Row]) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
-    parser.add_argument("robot", choices=ROBOTS, help="whose problems")
+    add_problems(parser, Path("runs/clutter"))
     parser.add_argument("--agents", nargs="+", choices=POLICIES, default=["aicon"])
+
+
+def add_problems(parser: argparse.ArgumentParser, out: Path) -> None:
+    """Declare whose problems are run, which of them, and where results and files are kept."""
+    parser.add_argument("robot", choices=ROBOTS, help="whose problems")
     parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
     parser.add_argument(
         "--indices",
@@ -470,7 +475,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of each set: 1 to 50 are for tuning, 51 to 100 for the report (default: 51 100)",
     )
 
-    parser.add_argument("--out", type=Path, default=Path("runs/clutter"))
+    parser.add_argument("--out", type=Path, default=out)
     parser.add_argument("--cache", type=Path, default=CACHE, help="of what is downloaded")
 
 

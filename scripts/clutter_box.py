@@ -28,7 +28,6 @@ from aicon_baselines.worlds.motion_bench_maker import (
 )
 from aicon_torch.parts import Robot, Solid
 from clutter import (
-    CACHE,
     DT,
     POLICIES,
     REHEARSED,
@@ -36,6 +35,7 @@ from clutter import (
     Array,
     Episode,
     World,
+    add_problems,
     episodes,
     is_valid,
     policy_of,
@@ -257,10 +257,8 @@ def row_of_planner(name: str, condition: str, robot: Robot, problem: Problem, tr
     agent: Planner
 
     def gap(centres: Array) -> Array:
-        if agent.step == 0 and not cross:
-            return np.full(len(centres), math.inf)
-        middle = boxes.positions(boxes.places)
-        return _gap((centres - middle) @ boxes.turns[0], boxes.radii)
+        is_unknown = agent.step == 0 and not cross
+        return np.full(len(centres), math.inf) if is_unknown else boxes.gap(centres)
 
     agent = Planner(World(robot, problem), problem.goal, gap, PLANNERS[name])
     seen = [with_box(problem, track, cross)]
@@ -336,9 +334,11 @@ def report(rows: Sequence[Row]) -> None:
     """Successes, in all and in each set, and what was touched."""
     if not rows:
         return
+
     solved = [row for row in rows if row.is_solved]
     low, high = wilson_interval(len(solved), len(rows))
     share = f"{100 * len(solved) / len(rows):.1f} ({100 * low:.1f} to {100 * high:.1f})"
+
     touched_box = sum(row.box_gap < 0 for row in rows)
     touched = sum(min(row.clearance, row.self_gap) < 0 for row in rows)
     time = np.median([row.time for row in solved]) if solved else math.nan
@@ -347,6 +347,7 @@ def report(rows: Sequence[Row]) -> None:
         f"| {rows[0].condition} | {rows[0].policy} | {len(rows)} | {share} "
         f"| {touched_box} | {touched} | {time:.1f} s | {waited:.2f} s |"
     )
+
     by_set = []
     for set_name in SETS:
         of_set = [row.is_solved for row in rows if row.set == set_name]
@@ -380,21 +381,9 @@ def draw(table: Path, rows: Sequence[Row]) -> None:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
     agents = ("aicon", REHEARSED, "random_places", "without_escape", *PLANNERS)
-    parser.add_argument("robot", choices=ROBOTS, help="whose problems")
+    add_problems(parser, Path("runs/clutter_box"))
     parser.add_argument("--agents", nargs="+", choices=agents, default=list(agents))
     parser.add_argument("--conditions", nargs="+", choices=CONDITIONS, default=list(CONDITIONS))
-    parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
-    parser.add_argument(
-        "--indices",
-        nargs=2,
-        type=int,
-        default=(51, 100),
-        metavar=("FIRST", "LAST"),
-        help="of each set: 1 to 50 are for tuning, 51 to 100 for the report (default: 51 100)",
-    )
-
-    parser.add_argument("--out", type=Path, default=Path("runs/clutter_box"))
-    parser.add_argument("--cache", type=Path, default=CACHE, help="of what is downloaded")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

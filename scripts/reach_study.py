@@ -9,7 +9,7 @@ Example: python scripts/reach_study.py --conditions ur5_pose_home --out runs/rea
 import argparse
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -68,8 +68,13 @@ def targets(condition: str, seeds: Sequence[int]) -> Targets:
     options = TASK.policy_options(condition)
     robot = Robot.from_urdf(options["robot"], tip=options["tip"], srdf=options["srdf"])
     pose = TipPose(options["orientation"], lever=1.0)
+    return Targets(robot, pose, seen, target_seen(pose, seen))
+
+
+def target_seen(pose: TipPose, seen: Mapping[str, Tensor]) -> Tensor:
+    """The target of observations as a pose, ``(*B, size)``."""
     place, turn = seen["target_position"], seen.get("target_orientation")
-    return Targets(robot, pose, seen, place if turn is None else pose.target(place, turn))
+    return place if turn is None else pose.target(place, turn)
 
 
 def room(robot: Robot, q: Tensor) -> Tensor:

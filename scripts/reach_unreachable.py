@@ -25,7 +25,7 @@ from aicon_torch.models import make_policy
 from aicon_torch.models.reach import Options
 from aicon_torch.parts import Chain, TipPose
 from aicon_torch.parts.pose_reach import PoseReach
-from reach_study import Targets, targets
+from reach_study import NEAR, STRAIGHT, Targets, target_seen, targets
 
 GIVES_UP = 8
 """After so many places."""
@@ -61,11 +61,8 @@ def out_of_reach(found: Targets, seeds: range) -> Targets:
     farthest = torch.linalg.vector_norm(chain(_postures(chain, 20000))[:, :3, 3], dim=-1).amax()
     wanted = farthest * torch.from_numpy(generator.uniform(*FARTHER, len(place)))
     moved = place * (wanted / torch.linalg.vector_norm(place, dim=-1)).unsqueeze(-1)
-    turn = found.seen.get("target_orientation")
     seen = {**found.seen, "target_position": moved}
-    return found._replace(
-        seen=seen, places=moved if turn is None else found.pose.target(moved, turn)
-    )
+    return found._replace(seen=seen, places=target_seen(found.pose, seen))
 
 
 def least_cost(chain: Chain, reach: PoseReach, pose: TipPose, target: Tensor) -> Tensor:
@@ -73,6 +70,7 @@ def least_cost(chain: Chain, reach: PoseReach, pose: TipPose, target: Tensor) ->
     q = _postures(chain, STARTS * len(target)).reshape(STARTS, len(target), -1).requires_grad_()
     optimizer = torch.optim.Adam([q], lr=0.05)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, DESCENT)
+
     target = target.expand(STARTS, -1, -1)
     margin = Options().joint_limits.margin
     low, high = chain.low + margin, chain.high - margin
@@ -102,9 +100,7 @@ def follow(condition: str, seeds: range, policy: Policy, reachable: bool) -> lis
     options = Options(**TASK.policy_options(condition))
     pose = TipPose(options.orientation, options.lever, options.axis)
     reach = PoseReach(pose, options.tolerance)
-    turn = found.seen.get("target_orientation")
-    place = found.seen["target_position"]
-    target = place if turn is None else pose.target(place, turn)
+    target = target_seen(pose, found.seen)
 
     seen, memory = found.seen, None
     gave_up = torch.full((len(seeds),), math.nan, dtype=torch.float64)
@@ -116,7 +112,7 @@ def follow(condition: str, seeds: range, policy: Policy, reachable: bool) -> lis
         seen = {**seen, "q": seen["q"] + TASK.time_step * action}
         here = found.pose.of_frame(found.robot.chain(seen["q"]))
         missing, angle = found.pose.distance(here, found.places)
-        arrived |= (missing < 0.010) & (angle < 0.05)
+        arrived |= (missing < NEAR) & (angle < STRAIGHT)
         new = memory[f"{ESCAPE}gave_up"] & gave_up.isnan()
         gave_up[new] = step * TASK.time_step
         if step >= steps - last:
@@ -134,6 +130,7 @@ def run(arguments: argparse.Namespace) -> None:
     torch.set_num_threads(1)
     arguments.out.mkdir(parents=True, exist_ok=True)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+
     with (arguments.out / "unreachable.csv").open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(Row._fields)
@@ -158,6 +155,7 @@ def report(rows: list[Row]) -> None:
     print(
         f"arrived {sum(row.arrived for row in rows)}, gave up {said.sum()} of {len(rows)}", end=""
     )
+
     if said.any():
         print(f", after {np.median(gave_up[said]):.0f} s (median)", end="")
     if not rows[0].reachable:

@@ -54,6 +54,7 @@ def filmed(guard: Guard, seed: int) -> Iterator[tuple[Picture, str]]:
     scene: Any = env.unwrapped
     policy: Any = guard(arm.Straight())
     observation, _ = env.reset(seed=seed)
+
     touched, arrived = False, False
     for step in range(round(SECONDS / CONTROL_STEP)):
         if step % EVERY == 0:
@@ -61,6 +62,7 @@ def filmed(guard: Guard, seed: int) -> Iterator[tuple[Picture, str]]:
             yield scene.picture("outside", SIZE), told
         if arrived:
             continue
+
         seen = {name: np.asarray(value)[None] for name, value in observation.items()}
         action, state = policy.predict(seen, state)
         observation, _, arrived, _, info = env.step(np.asarray(action)[0])

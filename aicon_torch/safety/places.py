@@ -47,6 +47,7 @@ def initial_places(size: int, options: PlaceEscape) -> Memory:
         "to_known": torch.tensor(False),
         "before": torch.tensor(torch.inf),
     }
+
     if options.seeks:
         remembered |= initial_search(size)
     if options.gives_up is not None:

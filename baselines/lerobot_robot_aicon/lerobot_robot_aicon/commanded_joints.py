@@ -35,6 +35,7 @@ class CommandedJoints:
                     f"{name}: the description has no joint {', '.join(unknown)}; it has "
                     f"{', '.join(joints)}."
                 )
+
         self.keys = [f"{options.motors.get(joint, joint)}.pos" for joint in joints]
         self._offsets = np.array([options.offsets.get(joint, 0.0) for joint in joints])
         self._signs = np.array([options.signs.get(joint, 1) for joint in joints])
