@@ -31,7 +31,7 @@ from aicon_baselines.worlds.motion_bench_maker import (
     resources,
     robot_of,
 )
-from aicon_torch import Policy, Rehearsal
+from aicon_torch import ExportedPolicy, Policy, Rehearsal
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.models import make_policy
 from aicon_torch.parts import Robot, Solid, TipPose, reading_of
@@ -290,10 +290,20 @@ def rows_of(values: Mapping[str, Tensor], which: Tensor) -> dict[str, Tensor]:
     return {name: value[which] for name, value in values.items()}
 
 
-def policy_of(robot: Robot, options: Mapping[str, Any], most_objects: int = MOST_OBJECTS) -> Policy:
-    """The policy, compiled."""
-    own = {"robot": robot, "orientation": "full", "speed": SPEED, "dt": DT, **options}
-    return make_policy("reach", preset="clutter", obstacles=most_objects, **own).compile()
+def policy_of(
+    name: str, robot: Robot, options: Mapping[str, Any], most_objects: int = MOST_OBJECTS
+) -> Policy:
+    """The policy of the robot of a name, compiled."""
+    return readable_policy(name, robot, options, most_objects).compile()
+
+
+def readable_policy(
+    name: str, robot: Robot, options: Mapping[str, Any], most_objects: int = MOST_OBJECTS
+) -> Policy:
+    """The policy as it is declared."""
+    target = {"orientation": "full", "axis": ROBOTS[name].axis}
+    own = {"robot": robot, "speed": SPEED, "dt": DT, **target, **options}
+    return make_policy("reach", preset="clutter", obstacles=most_objects, **own)
 
 
 def rehearsed(policy: Policy) -> Rehearsal:
@@ -311,10 +321,17 @@ def rehearsed(policy: Policy) -> Rehearsal:
     return Rehearsal(policy, imagine, to_go, NEAR, steps, ways, ROUNDS)
 
 
-def time_of_a_step(policy: Policy, robot: Robot, problem: Problem) -> float:
+def time_of_a_step(
+    policy: Policy | ExportedPolicy,
+    robot: Robot,
+    problem: Problem,
+    most_objects: int = MOST_OBJECTS,
+) -> float:
     """The processor time of a step in C, µs: the least of ten, each of many robots side by side."""
-    seen = {name: np.repeat(value[None], SIDE_BY_SIDE, 0) for name, value in sees(robot, problem)}
-    _, memory = policy.predict(seen)
+    of_one = sees(robot, problem, most_objects)
+    seen = {name: np.repeat(value[None], SIDE_BY_SIDE, 0) for name, value in of_one}
+    memory: Any = None
+    _, memory = policy.predict(seen, memory)
     times = []
     for _ in range(10):
         before = time.process_time()
@@ -363,7 +380,7 @@ def run(arguments: argparse.Namespace) -> None:
             continue
         options = POLICIES[name]
         if str(options) not in compiled:
-            compiled[str(options)] = policy_of(robot, options)
+            compiled[str(options)] = policy_of(arguments.robot, robot, options)
         policy = compiled[str(options)]
         print(f"{name}: {time_of_a_step(policy, robot, missing[0]):.0f} µs a step")
 

@@ -313,9 +313,11 @@ def run(arguments: argparse.Namespace) -> None:
                     write(table, row_of_planner(name, condition, robot, problem, track))
                 continue
 
-            if str(POLICIES[name]) not in agents:
-                agents[str(POLICIES[name])] = policy_of(robot, POLICIES[name], MOST_OBJECTS + 1)
-            policy = agents[str(POLICIES[name])]
+            options = POLICIES[name]
+            if str(options) not in agents:
+                most = MOST_OBJECTS + 1
+                agents[str(options)] = policy_of(arguments.robot, robot, options, most)
+            policy = agents[str(options)]
             group_size = 1 if name == REHEARSED else SIDE_BY_SIDE
             agent = rehearsed(policy) if name == REHEARSED else policy
             for first in tqdm(range(0, len(missing), group_size), desc=label, disable=None):

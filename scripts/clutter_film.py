@@ -66,7 +66,7 @@ def panels_of(name: str, folder: Path) -> list[Panel]:
         for robot_name, set_name, number in SHOWN
         if robot_name == name
     ]
-    solved = episodes(policy_of(robot, {}), robot, chosen)
+    solved = episodes(policy_of(name, robot, {}), robot, chosen)
     return [
         Panel(robot, problem, np.array(episode.way))
         for problem, episode in zip(chosen, solved, strict=True)

@@ -1,5 +1,6 @@
 """What graphs are made of: in SI units, each usable alone."""
 
+from aicon_torch.parts.approach import Approach, ToolAxis
 from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.camera import (
     STEERED_COMPONENTS,
@@ -89,6 +90,7 @@ from aicon_torch.vectors import wrap_angle
 
 __all__ = [
     "STEERED_COMPONENTS",
+    "Approach",
     "Arrive",
     "BearingPrior",
     "Bicycle",
@@ -149,6 +151,7 @@ __all__ = [
     "Table",
     "TipMetric",
     "TipPose",
+    "ToolAxis",
     "ToolPose",
     "TouchedSide",
     "TouchedTop",

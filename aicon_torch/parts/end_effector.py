@@ -9,6 +9,7 @@ from torch import Tensor, nn
 
 from aicon_torch.differentiation import is_hop, learns
 from aicon_torch.errors import OptionError, choices
+from aicon_torch.parts.approach import ToolAxis
 from aicon_torch.parts.chain import Chain
 
 Pullback = Literal["natural", "transpose"]
@@ -115,6 +116,9 @@ class EndEffector(nn.Module):
             times as much, so that it waits until the place is near: J and h are those of the
             lengths (p, w·turns). None where turns count alike everywhere; else it also reads the
             target, ``Interconnection(end_effector, ["x_joints", "x_target"])``.
+        advance: How much an advance along the axis of the tool counts once the direct way has been
+            found closed; None where it always counts alike. Else it also reads x_approach, of
+            :class:`aicon_torch.parts.Approach`.
 
     Raises:
         OptionError: If there is no such pullback, or the distance is not positive.
@@ -131,6 +135,7 @@ class EndEffector(nn.Module):
         pullback: Pullback = "natural",
         damping: float = 0.02,
         turns_within: float | None = None,
+        advance: ToolAxis | None = None,
     ) -> None:
         super().__init__()
         if pullback not in get_args(Pullback):
@@ -140,8 +145,11 @@ class EndEffector(nn.Module):
             raise OptionError(f"turns_within={turns_within!r}: expected a distance > 0 (m).")
         self.chain, self.pose = chain, pose
         self.pullback, self.damping, self.turns_within = pullback, damping, turns_within
+        self.advance = advance
 
-    def forward(self, x_joints: Tensor, x_target: Tensor | None = None) -> Tensor:
+    def forward(
+        self, x_joints: Tensor, x_target: Tensor | None = None, x_approach: Tensor | None = None
+    ) -> Tensor:
         """x_ee ``(*B, k)``, m, at the joint angles ``(*B, n)``, rad, on its way to a target."""
         if self.pullback == "transpose" or not x_joints.requires_grad:
             return self.at(self.chain.frames(x_joints))
@@ -151,7 +159,7 @@ class EndEffector(nn.Module):
         if learns():
             at_joints = self.at(self.chain.frames(x_joints))
             pull_back = partial(_NaturalHop.apply, at_joints)
-        x_ee: Tensor = pull_back(x_joints, x_target, self)
+        x_ee: Tensor = pull_back(x_joints, x_target, x_approach, self)
         return x_ee
 
     def weights(self, x_ee: Tensor, x_target: Tensor | None) -> Tensor | None:
@@ -234,17 +242,22 @@ class _NaturalPullback(torch.autograd.Function):
 
     @staticmethod
     def forward(
-        ctx: Any, x_joints: Tensor, x_target: Tensor | None, end_effector: EndEffector
+        ctx: Any,
+        x_joints: Tensor,
+        x_target: Tensor | None,
+        x_approach: Tensor | None,
+        end_effector: EndEffector,
     ) -> Tensor:
         frames = end_effector.chain.frames(x_joints)
-        ctx.end_effector, ctx.x_target = end_effector, x_target
+        ctx.end_effector, ctx.way = end_effector, (x_target, x_approach)
         ctx.save_for_backward(frames)
         return end_effector.at(frames)
 
     @staticmethod
-    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None]:
+    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None, None]:
         (frames,) = ctx.saved_tensors
-        return _joint_gradient(ctx.end_effector, frames, ctx.x_target, gradients[0]), None, None
+        joint_gradient = _joint_gradient(ctx.end_effector, frames, ctx.way, gradients[0])
+        return joint_gradient, None, None, None
 
 
 class _NaturalHop(torch.autograd.Function):
@@ -256,34 +269,53 @@ class _NaturalHop(torch.autograd.Function):
         x_ee: Tensor,
         x_joints: Tensor,
         x_target: Tensor | None,
+        x_approach: Tensor | None,
         end_effector: EndEffector,
     ) -> Tensor:
-        ctx.end_effector, ctx.x_target = end_effector, x_target
+        ctx.end_effector, ctx.way = end_effector, (x_target, x_approach)
         ctx.save_for_backward(x_joints)
         return x_ee.view_as(x_ee)
 
     @staticmethod
-    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor | None, Tensor | None, None, None]:
+    def backward(
+        ctx: Any, *gradients: Any
+    ) -> tuple[Tensor | None, Tensor | None, None, None, None]:
         # The gradient of a loss goes by the chain rule, through x_ee itself.
         if not is_hop():
-            return gradients[0], None, None, None
+            return gradients[0], None, None, None, None
         (x_joints,) = ctx.saved_tensors
 
         # Computed here, so that the natural gradient is a function of the joints that can be
         # differentiated in its turn.
         frames = ctx.end_effector.chain.frames(x_joints)
-        joint_gradient = _joint_gradient(ctx.end_effector, frames, ctx.x_target, gradients[0])
-        return None, joint_gradient, None, None
+        joint_gradient = _joint_gradient(ctx.end_effector, frames, ctx.way, gradients[0])
+        return None, joint_gradient, None, None, None
 
 
 def _joint_gradient(
-    end_effector: EndEffector, frames: Tensor, x_target: Tensor | None, gradient: Tensor
+    end_effector: EndEffector,
+    frames: Tensor,
+    way: tuple[Tensor | None, Tensor | None],
+    gradient: Tensor,
 ) -> Tensor:
-    """The natural gradient ``(*B, n)`` of a gradient of x_ee, as its lengths count there."""
-    jacobian = end_effector.jacobian_at(frames)
+    """The natural gradient ``(*B, n)`` of a gradient of x_ee, as its lengths count there.
+
+    Args:
+        end_effector: The end effector.
+        frames: Where the chain has its frames, ``(*B, n + 1, 4, 4)``.
+        way: The target and x_approach; None where they are not read.
+        gradient: h, ``(*B, k)``.
+    """
+    jacobian, x_ee = end_effector.jacobian_at(frames), end_effector.at(frames)
+    x_target, x_approach = way
+
+    # Where the direct way is closed, an advance waits.
+    if end_effector.advance is not None and x_target is not None and x_approach is not None:
+        gated = end_effector.advance.gated(gradient, x_ee, x_target)
+        gradient = torch.where(x_approach[..., :1] > 0.5, gated, gradient)
 
     # J and h of the lengths as they count on the way to the target.
-    weights = end_effector.weights(end_effector.at(frames), x_target)
+    weights = end_effector.weights(x_ee, x_target)
     if weights is not None:
         jacobian, gradient = weights.unsqueeze(-1) * jacobian, weights * gradient
     return end_effector.natural_gradient(jacobian, gradient)

@@ -30,7 +30,8 @@ class TipPose:
     Attributes:
         orientation: How much of the orientation matters.
         lever: L: a rotation by one rad counts as much as a motion by this, m.
-        axis: The axis that matters, a unit vector in the frame of the tip.
+        axis: The axis that matters, a unit vector in the frame of the tip; of a whole orientation
+            that of the tool, along which it approaches.
 
     Raises:
         OptionError: If there is no such orientation, or the lever or the axis has no length.
@@ -122,6 +123,14 @@ class TipPose:
         if self.orientation == "axis":
             return distance, _angle_of_directions(turned, wanted)
         return distance, _angle_of_rotations(turned, wanted)
+
+    def axis_of(self, x_ee: Tensor) -> Tensor:
+        """The axis that the tip has there, a direction ``(*B, 3)``; it must not be free."""
+        directions = x_ee[..., 3:] / self._scale
+        if self.orientation == "axis":
+            return directions
+        columns = directions.reshape(*directions.shape[:-1], 3, 3)
+        return (columns.new_tensor(self.axis).unsqueeze(-1) * columns).sum(-2)
 
     @property
     def _scale(self) -> float:

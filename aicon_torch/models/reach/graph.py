@@ -28,6 +28,7 @@ from aicon_torch.models.reach.body import (
     speeds_of,
 )
 from aicon_torch.models.reach.options import Options
+from aicon_torch.parts.approach import Approach, ToolAxis
 from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.end_effector import EndEffector
@@ -65,7 +66,11 @@ def world_model(options: Options) -> WorldModel:
 
     pose = TipPose(options.orientation, options.lever, options.axis)
     end_effector = EndEffector(
-        robot.chain, pose, damping=options.damping, turns_within=options.turns_within
+        robot.chain,
+        pose,
+        damping=options.damping,
+        turns_within=options.turns_within,
+        advance=_advance(options, pose),
     )
     return WorldModel(
         sensors=_sensors(options, robot),
@@ -76,6 +81,13 @@ def world_model(options: Options) -> WorldModel:
         clock="z_elapsed",
         dtype=options.dtype,
     )
+
+
+def _advance(options: Options, pose: TipPose) -> ToolAxis | None:
+    """How an advance along the axis of the tool counts; a target may have none."""
+    if options.advances_within is None or options.orientation == "free":
+        return None
+    return ToolAxis(pose, options.advances_within)
 
 
 def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
@@ -102,8 +114,7 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
 def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actuator:
     """The velocities of the joints, in proportion within their limits."""
     speeds = speeds_of(options, robot.chain)
-    typical = sorted(speeds)[(len(speeds) - 1) // 2]
-    arrive = Arrive(end_effector, time=options.dampers.braking / typical)
+    arrive = Arrive(end_effector, time=options.dampers.braking / _typical(speeds))
     return Actuator(
         len(speeds),
         "rad/s or m/s",
@@ -115,6 +126,11 @@ def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actu
     )
 
 
+def _typical(speeds: tuple[float, ...]) -> float:
+    """Their median, or the lower of two."""
+    return sorted(speeds)[(len(speeds) - 1) // 2]
+
+
 def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> list[Estimator]:
     """Target, joints, end effector, and the body if it has a shape."""
     pose = end_effector.pose
@@ -122,8 +138,13 @@ def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> li
     estimators: list[Estimator] = [
         Deterministic("x_target", _target(pose)),
         joints(len(robot.chain.names)),
-        Deterministic("x_ee", Interconnection(end_effector, _of_tip(options))),
     ]
+    of_tip = _of_tip(options)
+    if end_effector.advance is not None:
+        typical = _typical(speeds_of(options, robot.chain))
+        estimators.append(Approach(robot.chain, pose, typical))
+        of_tip = ["x_joints", "x_target", "x_approach"]
+    estimators.append(Deterministic("x_ee", Interconnection(end_effector, of_tip)))
     if robot.shape is not None:
         estimators.append(body(robot))
     return estimators + ball_estimators(options)

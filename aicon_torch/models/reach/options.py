@@ -25,7 +25,8 @@ class Options:
         srdf: Says which links of the URDF need not be compared.
         orientation: ``"free"`` for a position, ``"axis"`` for a position and an approach direction,
             ``"full"`` for a pose.
-        axis: The axis of the tip that ``"axis"`` turns, a unit vector in its frame.
+        axis: The axis of the tip that ``"axis"`` turns, a unit vector in its frame; of ``"full"``
+            the one along which its tool approaches.
         resolution: What happens where gradients meet.
         law: From the gradient to the action.
         dampers: How joint limits and self-collision are kept.
@@ -43,6 +44,10 @@ class Options:
         damping: Of the pseudo-inverse of the Jacobian, m/rad.
         turns_within: Turns of the tip wait until its target is about so near, m: see
             :class:`aicon_torch.parts.EndEffector`. None where they do not.
+        advances_within: Once the direct way has been found closed, an advance along the axis of the
+            tool waits until the tip is about so near beside it, m: see
+            :class:`aicon_torch.parts.ToolAxis`. None where it does not wait; a target of free
+            orientation has no such axis.
         tolerance: Within which a target asks for nothing, m.
         watchdog: Whether the arm stops on readings of its joints that are too old or frozen.
     """
@@ -67,6 +72,7 @@ class Options:
     lever: float = 0.2
     damping: float = 0.15
     turns_within: float | None = None
+    advances_within: float | None = None
     tolerance: float = 0.001
     watchdog: bool = True
 

@@ -25,6 +25,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
             "self_collision": SquaredHinge(0.0025, 1.0),
             "damping": 0.05,
             "turns_within": 0.2,
+            "advances_within": 0.28,
         },
         "without_escape": {"dampers.escape": None},
         "steepest": {**_AS_GOALS, "resolution": SteepestPath()},

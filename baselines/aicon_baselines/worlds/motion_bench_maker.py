@@ -50,15 +50,17 @@ class Description(NamedTuple):
             does not name.
         base: The link on which the arm stands; the root if None. The joints before it are held as
             they are at the goal.
+        axis: The axis along which its tool approaches, in the frame of the tip.
     """
 
     tip: str
     always_touching: tuple[tuple[str, str], ...] = ()
     base: str | None = None
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
 
 
 ROBOTS = {
-    "panda": Description("panda_grasptarget"),
+    "panda": Description("panda_grasptarget", axis=(0.0, 0.0, 1.0)),
     "ur5": Description("ee_link", (("fts_robotside", "wrist_2_link"),)),
     "fetch": Description("gripper_link", base="torso_lift_link"),
 }
