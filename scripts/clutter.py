@@ -40,8 +40,11 @@ from aicon_torch.ways import OtherPlaces
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
     "rehearsed": {},
-    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False, seeks=False)},
-    "without_escape": {"dampers.escape": None},
+    "random_places": {
+        "dampers.escape": PlaceEscape(patience=1.2, remembers=False, seeks=False),
+        "advances_within": None,
+    },
+    "without_escape": {"dampers.escape": None, "advances_within": None},
 }
 """What differs from the preset "clutter"."""
 
@@ -458,17 +461,27 @@ def _print_line(label: str, rows: Sequence[Row], shares: bool = False) -> None:
     print(f"| {label} | {len(rows)} | " + " | ".join(cells) + " |")
 
 
-def draw(table: Path, rows: Sequence[Row]) -> None:
-    """The share of problems that are solved over time, by policy, as a picture."""
+class Timed(Protocol):
+    """A row with the policy, and when it arrived, s; NaN where it did not."""
+
+    @property
+    def policy(self) -> str: ...
+
+    @property
+    def time(self) -> float: ...
+
+
+def draw(table: Path, rows: Sequence[Timed], horizon: float = HORIZON) -> None:
+    """The share that is solved over time, by policy, as a picture."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
     for name in dict.fromkeys(row.policy for row in rows):
         times = np.array([row.time for row in rows if row.policy == name])
-        solved = np.sort(times[times <= HORIZON])
+        solved = np.sort(times[times <= horizon])
         shares = 100 * np.arange(1, len(solved) + 1) / len(times)
-        axes.step([*solved, HORIZON], [*shares, *shares[-1:]], where="post", label=name)
-    axes.set(xlim=(0, HORIZON), ylim=(0, 100), xlabel="time, s", ylabel="solved, %")
+        axes.step([*solved, horizon], [*shares, *shares[-1:]], where="post", label=name)
+    axes.set(xlim=(0, horizon), ylim=(0, 100), xlabel="time, s", ylabel="solved, %")
     axes.legend(loc="lower right", frameon=False)
     figure.savefig(table.with_suffix(".png"), dpi=150)
 

@@ -58,25 +58,51 @@ def build_scene(robot: Robot, balls: int = 0, ball_radius: float = 0.08) -> Scen
     Raises:
         ValueError: If the robot has no such tip.
     """
+    arm = prepare_arm(robot)
+    spec = arm.spec
+    _add_tip(spec, robot.tip)
+    _add_balls(spec, balls, ball_radius)
+    _add_surroundings(spec, arm.span)
+    return Scene(spec.compile(), arm.joints, arm.low, arm.high, arm.speed, arm.turns)
+
+
+class PreparedArm(NamedTuple):
+    """A robot with its servos, before it is compiled.
+
+    Attributes:
+        spec: The robot alone.
+        span: What it does in random postures.
+        joints, low, high, speed, turns: As :class:`Scene` has them.
+    """
+
+    spec: mujoco.MjSpec
+    span: "_Span"
+    joints: tuple[str, ...]
+    low: FloatArray
+    high: FloatArray
+    speed: FloatArray
+    turns: NDArray[np.bool_]
+
+
+def prepare_arm(robot: Robot) -> PreparedArm:
+    """Read a robot, and give it servos; links that cannot but touch do not collide.
+
+    Args:
+        robot: The robot.
+    """
     description = read_description(robot)
     bare = _compile_bare(description)
     low, high, turns = _limits(bare, description.joints)
-
     span = _survey(bare, description.joints, low, high)
 
     spec = _read(description)
-    _set_physics(spec)
+    set_physics(spec)
     _add_servos(spec, description.joints, span.inertias)
     for first, second in excluded_pairs(bare, robot, description.joints, low, high):
         spec.add_exclude(bodyname1=first, bodyname2=second)
-
-    _prepare_arm(spec)
-    _add_tip(spec, robot.tip)
-    _add_balls(spec, balls, ball_radius)
-    _add_surroundings(spec, span)
-
-    model, speeds = spec.compile(), np.array(description.speeds)
-    return Scene(model, description.joints, low, high, speeds, turns)
+    _prepare_looks(spec)
+    speeds = np.array(description.speeds)
+    return PreparedArm(spec, span, description.joints, low, high, speeds, turns)
 
 
 def _read(description: Description) -> mujoco.MjSpec:
@@ -151,13 +177,14 @@ def _inertias(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
     return np.diag(columns)
 
 
-def _set_physics(spec: mujoco.MjSpec) -> None:
+def set_physics(spec: mujoco.MjSpec) -> None:
+    """Set how the physics are computed."""
     spec.modelname = "reach"
     spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
 
 
-def _prepare_arm(spec: mujoco.MjSpec) -> None:
+def _prepare_looks(spec: mujoco.MjSpec) -> None:
     """Compensate the arm's gravity, as its controller does."""
     for body in spec.bodies:
         body.gravcomp = 1.0

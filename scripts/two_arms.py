@@ -1,0 +1,309 @@
+"""Two arms that share a table, each by a policy of its own, and each in the other's way.
+
+Example: python scripts/two_arms.py ur5 panda --seed 319000 --episodes 50 --out runs/two_arms
+
+An arm reads where the other's links are as it reads any object, and is not told where they go.
+"""
+
+import argparse
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from torch import Tensor
+from tqdm import tqdm
+
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.evaluation.tables import to_markdown
+from aicon_envs.reach import ROBOTS
+from aicon_envs.reach.pair import TABLE_TOP, THICKNESS, ArmPair
+from aicon_envs.reach.robots import draw_postures, find_file
+from aicon_torch import Policy
+from aicon_torch.dampers import PlaceEscape
+from aicon_torch.models import make_policy
+from aicon_torch.parts import CapsuleSegments, Robot, Solid, TipPose, reading_of
+from aicon_torch.parts.solids import ROUND
+from clutter import draw, read, write
+
+POLICIES: dict[str, dict[str, Any]] = {
+    "aicon": {},
+    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False, seeks=False)},
+    "without_escape": {"dampers.escape": None},
+}
+"""What differs from the defaults."""
+
+DISTANCE = 1.0
+"""Between the bases, m."""
+
+DT, SPEED, HORIZON = 0.02, 1.5, 30.0
+"""s, rad/s and s."""
+
+NEAR, STRAIGHT = 0.010, 0.05
+"""Success: m and rad of both tips."""
+
+BEYOND, BESIDE = 0.3, 0.4
+"""Each target is in the other's half, at most so far beyond the middle and beside it, m."""
+
+APART, ROOM, STOP_DISTANCE = 0.04, 0.02, 0.05
+"""Gaps at their targets, of the arms and all others, m, and of joints to their stops, rad."""
+
+STUCK_FOR, STUCK = 5.0, 0.02
+"""Stuck is an arm whose joints have been slower than this, rad/s, for the last s."""
+
+DRAWS = 1000
+"""So many pairs of postures are drawn until one is free."""
+
+Array = NDArray[np.float64]
+
+
+class Row(NamedTuple):
+    """What became of an episode; gaps are the least of all of it, m."""
+
+    robots: str
+    policy: str
+    seed: int
+    time: float  # s until both tips were there; NaN where they were not
+    first_missing: float  # m at the end
+    second_missing: float
+    stuck: int  # how many arms were, at the end
+    apart: float
+    self_gap: float
+    table_gap: float
+
+    @property
+    def touched(self) -> bool:
+        """Whether anything did."""
+        return min(self.apart, self.self_gap, self.table_gap) < 0.0
+
+
+class Arm:
+    """One of the arms, as its policy sees it.
+
+    Args:
+        name: Of the robot.
+    """
+
+    def __init__(self, name: str) -> None:
+        known = ROBOTS[name]
+        srdf = None if known.srdf is None else find_file(known.srdf)
+        self.robot = Robot.from_urdf(find_file(known.urdf), tip=known.tip, srdf=srdf)
+        assert self.robot.shape is not None
+        self.capsules = self.robot.shape.capsules
+        self.segments = CapsuleSegments(self.robot.chain, self.capsules)
+        self.radii = np.array([[capsule.radius] for capsule in self.capsules])
+        self.pose = TipPose("full", lever=1.0)
+
+    def seen_by_the_other(self, q: Array) -> Array:
+        """Its capsules as objects, as the arm that faces it reads them, ``(16 m,)``."""
+        ends = self.segments(torch.from_numpy(q)).numpy().reshape(-1, 2, 3)
+        start, end = np.moveaxis(ends * (-1.0, -1.0, 1.0) + (DISTANCE, 0.0, 0.0), 1, 0)
+        way = end - start
+        lengths = np.linalg.norm(way, axis=-1, keepdims=True)
+        turns = np.stack([turn_of_z(each) for each in way]).reshape(-1, 9)
+
+        # Centre, rotation, half the lengths of the box about it, and kind: see Solid.
+        half = np.concatenate((self.radii, self.radii, lengths / 2 + self.radii), axis=-1)
+        kind = np.full_like(lengths, ROUND)
+        numbers: Array = np.concatenate(((start + end) / 2, turns, half, kind), axis=-1)
+        return numbers.ravel()
+
+    def x_ee(self, q: Array) -> Tensor:
+        """Its tip."""
+        return self.pose.of_frame(self.robot.chain(torch.from_numpy(q)))
+
+    def left(self, q: Array, target: Tensor) -> tuple[float, float]:
+        """The distance, m, and the angle, rad, of its tip to a target."""
+        distance, angle = self.pose.distance(self.x_ee(q), target)
+        return float(distance), float(angle)
+
+
+def turn_of_z(way: Array) -> Array:
+    """A rotation that takes the z axis into the direction of a way ``(3,)``, ``(3, 3)``."""
+    length = np.linalg.norm(way)
+    if length < 1e-9:
+        return np.eye(3)
+    x, y, z = way / length
+    if z < -1.0 + 1e-9:
+        return np.diag([1.0, -1.0, -1.0])
+    turn: Array = np.array(
+        [
+            [1.0 - x * x / (1.0 + z), -x * y / (1.0 + z), x],
+            [-x * y / (1.0 + z), 1.0 - y * y / (1.0 + z), y],
+            [-x, -y, z],
+        ]
+    )
+    return turn
+
+
+def table() -> Solid:
+    """The table, in either frame."""
+    return Solid("box", (2.0, 2.0, THICKNESS), (DISTANCE / 2, 0.0, TABLE_TOP - THICKNESS / 2))
+
+
+def policy_of(arm: Arm, other: Arm, options: Mapping[str, Any]) -> Policy:
+    """The policy of an arm, compiled."""
+    own = {"robot": arm.robot, "orientation": "full", "speed": SPEED, "dt": DT, **options}
+    return make_policy("reach", obstacles=len(other.capsules) + 1, **own).compile()
+
+
+def drawn(pair: ArmPair, arms: Sequence[Arm], seed: int) -> list[Array]:
+    """Postures at their targets, which are free and near the middle.
+
+    Raises:
+        ValueError: If none is found.
+    """
+    generator = np.random.default_rng(seed)
+    for _ in range(DRAWS):
+        postures = []
+        for arm, low, high in zip(arms, pair.low, pair.high, strict=True):
+            inside = np.minimum(STOP_DISTANCE, 0.1 * (high - low))
+            posture = draw_postures(low + inside, high - inside, 1, generator)[0]
+            while not is_shared(arm, posture):
+                posture = draw_postures(low + inside, high - inside, 1, generator)[0]
+            postures.append(posture)
+        gaps = pair.measure((postures[0], postures[1]))
+        if gaps.apart > APART and min(gaps) > ROOM:
+            return postures
+    raise ValueError(f"seed {seed}: no free pair of postures in {DRAWS} draws.")
+
+
+def is_shared(arm: Arm, q: Array) -> bool:
+    """Whether its tip is then in the other's half, and above the table."""
+    x, y, z = arm.x_ee(q)[:3].tolist()
+    is_beyond = 0.0 < x - DISTANCE / 2 < BEYOND
+    return bool(is_beyond and abs(y) < BESIDE and z > TABLE_TOP)
+
+
+class Outcome(NamedTuple):
+    """What became of both arms: distances at the end, gaps the least of all, m.
+
+    Attributes:
+        time: When both had arrived, s; NaN where they did not.
+        missing: What each tip lacks to its target.
+        stuck: How many are stuck.
+        gaps: Between the arms, of an arm to itself, and to the table, ``(3,)``.
+    """
+
+    time: float
+    missing: list[float]
+    stuck: int
+    gaps: Array
+
+
+def episode(
+    pair: ArmPair, arms: Sequence[Arm], policies: Sequence[Policy], names: Sequence[str], seed: int
+) -> Outcome:
+    """One episode, from where both arms are at home."""
+    targets = [arm.x_ee(q) for arm, q in zip(arms, drawn(pair, arms, seed), strict=True)]
+    told = [target_reading(target) for target in targets]
+    of_table = reading_of([table()]).numpy()
+    pair.start((home_of(names[0]), home_of(names[1])))
+    memories: list[Any] = [None, None]
+    gaps: Array = np.array(pair.gaps)
+    moved: Array = np.zeros(2)
+    for step in range(round(HORIZON / DT)):
+        joints = pair.joints
+        left = [arm.left(q, to) for arm, q, to in zip(arms, joints, targets, strict=True)]
+        missing = [distance for distance, _ in left]
+        is_there = np.array([distance < NEAR and angle < STRAIGHT for distance, angle in left])
+        if is_there.all():
+            return Outcome(step * DT, missing, 0, gaps)
+
+        # Each sees where the other is now.
+        actions = []
+        for number in range(2):
+            other = arms[1 - number].seen_by_the_other(joints[1 - number])
+            objects = {"obstacles": np.concatenate((other, of_table))}
+            seen = {"q": joints[number], **objects, **told[number]}
+            action, memories[number] = policies[number].predict(seen, memories[number])
+            actions.append(np.asarray(action))
+        pair.step((actions[0], actions[1]))
+        gaps = np.minimum(gaps, pair.gaps)
+        is_moving = [np.abs(action).max() > STUCK for action in actions]
+        moved = np.where(is_moving, step * DT, moved)
+
+    is_stuck = ~is_there & (HORIZON - moved > STUCK_FOR)
+    return Outcome(math.nan, missing, int(is_stuck.sum()), gaps)
+
+
+def target_reading(target: Tensor) -> dict[str, Array]:
+    """What a policy is told of its target."""
+    columns = target[3:].reshape(3, 3) * math.sqrt(2.0)
+    turn = Rotation.from_matrix(columns.mT.numpy()).as_quat(scalar_first=True)
+    return {"target_position": target[:3].numpy(), "target_orientation": turn}
+
+
+def home_of(name: str) -> Array:
+    """Where an arm starts."""
+    return np.array(ROBOTS[name].home)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run what is not yet in the table, and report."""
+    torch.set_num_threads(1)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    label = " and ".join(arguments.robots)
+    table_of_rows = arguments.out / f"{'_'.join(arguments.robots)}.csv"
+    known = {(row.policy, row.seed) for row in read(table_of_rows, Row)}
+    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+
+    first, second = arguments.robots
+    arms = [Arm(first), Arm(second)]
+    pair = ArmPair(ROBOTS[first], ROBOTS[second], DISTANCE)
+    for name in arguments.agents:
+        missing = [seed for seed in seeds if (name, seed) not in known]
+        if not missing:
+            continue
+        options = POLICIES[name]
+        policies = [policy_of(arms[0], arms[1], options), policy_of(arms[1], arms[0], options)]
+        for seed in tqdm(missing, desc=name, disable=None):
+            found = episode(pair, arms, policies, arguments.robots, seed)
+            first_missing, second_missing = found.missing
+            apart, to_itself, to_table = found.gaps.tolist()
+            of_tips = (found.time, first_missing, second_missing, found.stuck)
+            write(table_of_rows, Row(label, name, seed, *of_tips, apart, to_itself, to_table))
+
+    rows = [row for row in read(table_of_rows, Row) if row.seed in seeds]
+    chosen = [row for row in rows if row.policy in arguments.agents]
+    report(chosen)
+    draw(table_of_rows, chosen, HORIZON)
+
+
+def report(rows: Sequence[Row]) -> None:
+    """Print a table."""
+    header = ["robots", "policy", "both arrive, %", "median time", "touched", "stuck", "least gap"]
+    lines = []
+    for name in dict.fromkeys(row.policy for row in rows):
+        own = [row for row in rows if row.policy == name]
+        times = [row.time for row in own if row.time <= HORIZON]
+        low, high = wilson_interval(len(times), len(own))
+        share = f"{100 * len(times) / len(own):.1f} ({100 * low:.1f} to {100 * high:.1f})"
+        median = f"{np.median(times):.1f} s" if times else "–"
+        touched, stuck = (sum(each) for each in ((r.touched for r in own), (r.stuck for r in own)))
+        gap = f"{1e3 * min(row.apart for row in own):.1f} mm"
+        lines.append([own[0].robots, name, share, median, str(touched), str(stuck), gap])
+    print(to_markdown(header, lines))
+    for row in rows:
+        if row.touched or not row.time <= HORIZON:
+            print(row)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is run."""
+    parser.add_argument("robots", nargs=2, choices=sorted(ROBOTS), help="the two arms")
+    parser.add_argument("--agents", nargs="+", choices=POLICIES, default=list(POLICIES))
+    add_option(parser, "--seed", 319000, "of the first episode")
+    add_option(parser, "--episodes", 50, "how many")
+    parser.add_argument("--out", type=Path, default=Path("runs/two_arms"))
+
+
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
+
+if __name__ == "__main__":
+    run_command(COMMAND)
