@@ -465,10 +465,14 @@ class Timed(Protocol):
     """A row with the policy, and when it arrived, s; NaN where it did not."""
 
     @property
-    def policy(self) -> str: ...
+    def policy(self) -> str:
+        """The policy's name."""
+        ...
 
     @property
-    def time(self) -> float: ...
+    def time(self) -> float:
+        """When it arrived."""
+        ...
 
 
 def draw(table: Path, rows: Sequence[Timed], horizon: float = HORIZON) -> None:

@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from torch import Tensor
 from tqdm import tqdm
 
+from aicon_baselines.agents.reach.random_places import RandomPlaces
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.worlds.motion_bench_maker import (
     SPEED,
@@ -28,7 +29,6 @@ from aicon_baselines.worlds.motion_bench_maker import (
     robot_of,
 )
 from aicon_torch.parts import Robot
-from aicon_torch.safety.places import spread
 from clutter import (
     DT,
     ESCAPES,
@@ -54,12 +54,6 @@ OBJECT_GAP, SELF_GAP, SIGHT = 0.003, 0.0025, 0.08
 GAIN, LEVER, DAMPING = 20.0, 0.2, 1e-4
 """As `aicon_baselines.agents.reach.Mink` has them."""
 
-PROGRESS, PATIENCE = 0.03, 0.8
-"""Held up is one whose cost has not fallen by this share for so long, s."""
-
-ARRIVED, SLOW, BLOCKED, LONGEST = 0.4, 0.2, 0.1, 2.5
-"""A way ends so near to its place (rad), below this share of the speed for so long (s), or late."""
-
 
 class Mink:
     """mink among the objects of a problem; held up, it goes to the places of `random_places`.
@@ -72,7 +66,6 @@ class Mink:
 
     def __init__(self, robot: Robot, problem: Problem, goes_elsewhere: bool) -> None:
         self.goes_elsewhere = goes_elsewhere
-        self.low, self.high = robot.chain.low.numpy(), robot.chain.high.numpy()
         model, self_pairs, object_pairs = _model(robot, problem)
         self.configuration = mink.Configuration(model)
         self.reach = mink.FrameTask("tip", "site", 1.0, LEVER, gain=min(1.0, GAIN * DT))
@@ -94,8 +87,7 @@ class Mink:
             ),
         ]
 
-        self.place: Array | None = None
-        self.lowest, self.clock, self.slow, self.number = math.inf, 0.0, 0.0, 0
+        self.elsewhere = RandomPlaces(robot.chain.low.numpy(), robot.chain.high.numpy(), DT)
 
     def predict(self, seen: Mapping[str, Tensor], memory: Any) -> tuple[Tensor, dict[str, Tensor]]:
         """The joints' velocities ``(1, n)``, rad/s, and how often it went elsewhere."""
@@ -105,39 +97,22 @@ class Mink:
             mink.SO3(seen["target_orientation"][0].numpy()), seen["target_position"][0].numpy()
         )
         self.reach.set_target(target)
-        self._decide(q)
-
         task: mink.Task = self.reach
-        if self.place is not None:
-            way = self.place - q
-            self.go.set_target(q + DT * SPEED * way / np.abs(way).max())
-            task = self.go
+        if self.goes_elsewhere:
+            error = self.reach.compute_error(self.configuration)
+            cost = math.hypot(np.linalg.norm(error[:3]), LEVER * np.linalg.norm(error[3:]))
+            way = self.elsewhere.way(q, cost)
+            if way is not None:
+                self.go.set_target(q + DT * SPEED * way / np.abs(way).max())
+                task = self.go
         try:
             velocity = mink.solve_ik(
                 self.configuration, [task], DT, "daqp", damping=DAMPING, limits=self.limits
             )
         except mink.NoSolutionFound:
             velocity = np.zeros(len(q))
-        self.slow = self.slow + DT if np.abs(velocity).max() < SLOW * SPEED else 0.0
-        self.clock += DT
-        return torch.from_numpy(velocity[None]), {ESCAPES: torch.tensor([self.number])}
-
-    def _decide(self, q: Array) -> None:
-        """Whether it goes elsewhere, or has been there."""
-        if self.place is not None:
-            is_there = np.abs(self.place - q).max() < ARRIVED
-            if is_there or self.slow >= BLOCKED or self.clock >= LONGEST:
-                self.place, self.lowest, self.clock = None, math.inf, 0.0
-            return
-
-        error = self.reach.compute_error(self.configuration)
-        cost = math.hypot(np.linalg.norm(error[:3]), LEVER * np.linalg.norm(error[3:]))
-        if cost < (1.0 - PROGRESS) * self.lowest:
-            self.lowest, self.clock = cost, 0.0
-        elif self.goes_elsewhere and self.clock >= PATIENCE:
-            share = spread(torch.tensor(self.number), torch.from_numpy(q)).numpy()
-            self.place = (self.low + self.high) / 2 + share * (self.high - self.low) / 4
-            self.number, self.clock, self.slow = self.number + 1, 0.0, 0.0
+        self.elsewhere.moved(float(np.abs(velocity).max()) / SPEED)
+        return torch.from_numpy(velocity[None]), {ESCAPES: torch.tensor([self.elsewhere.number])}
 
 
 Pairs = list[tuple[list[str], list[str]]]

@@ -7,7 +7,7 @@ An arm reads where the other's links are as it reads any object, and is not told
 
 import argparse
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -197,9 +197,14 @@ class Outcome(NamedTuple):
 
 
 def episode(
-    pair: ArmPair, arms: Sequence[Arm], policies: Sequence[Policy], names: Sequence[str], seed: int
+    pair: ArmPair,
+    arms: Sequence[Arm],
+    policies: Sequence[Policy],
+    names: Sequence[str],
+    seed: int,
+    watch: Callable[[], None] = lambda: None,
 ) -> Outcome:
-    """One episode, from where both arms are at home."""
+    """One episode, from where both arms are at home; it is watched before every step."""
     targets = [arm.x_ee(q) for arm, q in zip(arms, drawn(pair, arms, seed), strict=True)]
     told = [target_reading(target) for target in targets]
     of_table = reading_of([table()]).numpy()
@@ -208,6 +213,7 @@ def episode(
     gaps: Array = np.array(pair.gaps)
     moved: Array = np.zeros(2)
     for step in range(round(HORIZON / DT)):
+        watch()
         joints = pair.joints
         left = [arm.left(q, to) for arm, q, to in zip(arms, joints, targets, strict=True)]
         missing = [distance for distance, _ in left]

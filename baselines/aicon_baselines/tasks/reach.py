@@ -103,7 +103,9 @@ TASK = Task(
     presets=("aicon", "without_escape", "steepest", "potential_field"),
     agents={
         "damped_least_squares": "aicon_baselines.agents.reach:DampedLeastSquares",
+        "damped_least_squares_places": "aicon_baselines.agents.reach:DampedLeastSquaresPlaces",
         "mink": "aicon_baselines.agents.reach:Mink",
+        "mink_places": "aicon_baselines.agents.reach:MinkPlaces",
     },
     look=Look(
         scene="aicon_baselines.view.reach:ReachScene",

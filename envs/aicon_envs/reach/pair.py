@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from aicon_envs.reach.gaps import SIGHT
 from aicon_envs.reach.robots import Robot
-from aicon_envs.reach.scene import PreparedArm, prepare_arm, set_physics
+from aicon_envs.reach.scene import PreparedArm, add_sky, prepare_arm, set_physics
 from aicon_envs.reach.simulation import ACCELERATION, CONTROL_STEP, WINDUP
 
 FloatArray = NDArray[np.float64]
@@ -133,12 +133,14 @@ def _compiled(arms: Sequence[PreparedArm], distance: float) -> mujoco.MjModel:
     """The scene: both arms and the table."""
     spec = mujoco.MjSpec()
     set_physics(spec)
+    add_sky(spec)
     places = (([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]), ([distance, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]))
     for arm, prefix, (place, turn) in zip(arms, PREFIXES, places, strict=True):
         frame = spec.worldbody.add_frame(pos=place, quat=turn)
         spec.attach(arm.spec, prefix=prefix, frame=frame)
     body = spec.worldbody.add_body(name=TABLE, pos=[distance / 2, 0.0, TABLE_TOP - THICKNESS / 2])
-    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[1.0, 1.0, THICKNESS / 2])
+    size, wood = [1.0, 1.0, THICKNESS / 2], [0.8, 0.72, 0.6, 1.0]
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=size, rgba=wood)
     return spec.compile()
 
 

@@ -251,6 +251,22 @@ def _add_balls(spec: mujoco.MjSpec, count: int, radius: float) -> None:
 
 def _add_surroundings(spec: mujoco.MjSpec, span: _Span) -> None:
     """Add what is seen only: the sky, and a camera that looks at the whole robot from outside."""
+    add_sky(spec)
+
+    # So far away that the whole robot is seen.
+    center, size = (span.low + span.high) / 2.0, np.linalg.norm(span.high - span.low)
+    away, right = np.array([0.55, -0.7, 0.25]), np.array([0.7, 0.55, 0.0])
+    up = np.cross(right, -away)
+    spec.worldbody.add_camera(
+        name="outside",
+        pos=center + size * away,
+        xyaxes=[*right, *up],
+        fovy=42.0,
+    )
+
+
+def add_sky(spec: mujoco.MjSpec) -> None:
+    """Add a bright sky, and light from all sides."""
     visual = spec.visual
     visual.quality.shadowsize = 0
     visual.global_.offwidth, visual.global_.offheight = 1280, 960
@@ -266,15 +282,4 @@ def _add_surroundings(spec: mujoco.MjSpec, span: _Span) -> None:
         rgb2=[0.75, 0.78, 0.82],
         width=64,
         height=64 * 6,
-    )
-
-    # So far away that the whole robot is seen.
-    center, size = (span.low + span.high) / 2.0, np.linalg.norm(span.high - span.low)
-    away, right = np.array([0.55, -0.7, 0.25]), np.array([0.7, 0.55, 0.0])
-    up = np.cross(right, -away)
-    spec.worldbody.add_camera(
-        name="outside",
-        pos=center + size * away,
-        xyaxes=[*right, *up],
-        fovy=42.0,
     )

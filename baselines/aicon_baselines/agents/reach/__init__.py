@@ -6,9 +6,13 @@
 | `inverse_kinematics.py` | what both have in common |
 | `damped_least_squares.py` | the damped pseudo-inverse of the Jacobian |
 | `mink.py` | a quadratic program in each step, by mink |
+| `random_places.py` | where both go when they are held up, if they may |
 """
 
-from aicon_baselines.agents.reach.damped_least_squares import DampedLeastSquares
-from aicon_baselines.agents.reach.mink import Mink
+from aicon_baselines.agents.reach.damped_least_squares import (
+    DampedLeastSquares,
+    DampedLeastSquaresPlaces,
+)
+from aicon_baselines.agents.reach.mink import Mink, MinkPlaces
 
-__all__ = ["DampedLeastSquares", "Mink"]
+__all__ = ["DampedLeastSquares", "DampedLeastSquaresPlaces", "Mink", "MinkPlaces"]

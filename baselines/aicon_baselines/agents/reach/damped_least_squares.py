@@ -24,28 +24,33 @@ class DampedLeastSquares(InverseKinematics):
 
     damping: float = 0.2
 
-    def velocity(self, observation: Mapping[str, FloatArray]) -> FloatArray:
+    def velocity(
+        self, observation: Mapping[str, FloatArray], way: FloatArray | None = None
+    ) -> FloatArray:
         """Velocities of the joints ``(n,)``, rad/s or m/s, in one episode."""
-        from aicon_baselines.agents.reach.kinematics import rotation_vector, target_rotation
-
         robot, joints = self.kinematics, observation["q"]
-        robot.move(joints)
-        position, rotation = robot.tip()
-        target = target_rotation(self.orientation, observation, rotation)
-
-        # What is missing, and how the joints move it; of a position only the first three rows.
-        turn = rotation_vector(target @ rotation.T)
-        missing = np.concatenate((observation["target_position"] - position, self.lever * turn))
-        jacobian = robot.jacobian() * np.repeat([1.0, self.lever], 3)[:, None]
-        if self.orientation == "free":
-            missing, jacobian = missing[:3], jacobian[:3]
-
-        damped = jacobian @ jacobian.T + self.damping**2 * np.eye(len(missing))
-        nominal = self.gain * jacobian.T @ np.linalg.solve(damped, missing)
-        nominal /= max(1.0, float(np.abs(nominal / robot.speed).max()))
+        nominal = self._toward_target(observation) if way is None else way / self.dt
+        nominal = nominal / max(1.0, float(np.abs(nominal / robot.speed).max()))
 
         # A joint that would come to its stop in this step goes there.
         least = (robot.low + self.stop_distance - joints) / self.dt
         most = (robot.high - self.stop_distance - joints) / self.dt
         clamped: FloatArray = np.clip(nominal, np.minimum(least, 0.0), np.maximum(most, 0.0))
         return clamped
+
+    def _toward_target(self, observation: Mapping[str, FloatArray]) -> FloatArray:
+        """K Jᵀ (J Jᵀ + λ² I)⁻¹ h, ``(n,)``, rad/s or m/s."""
+        missing = self.missing(observation)
+        jacobian = self.kinematics.jacobian() * np.repeat([1.0, self.lever], 3)[:, None]
+        if self.orientation == "free":
+            missing, jacobian = missing[:3], jacobian[:3]
+        damped = jacobian @ jacobian.T + self.damping**2 * np.eye(len(missing))
+        nominal: FloatArray = self.gain * jacobian.T @ np.linalg.solve(damped, missing)
+        return nominal
+
+
+@dataclass(frozen=True)
+class DampedLeastSquaresPlaces(DampedLeastSquares):
+    """The same, and to random places where it is held up."""
+
+    places: bool = True

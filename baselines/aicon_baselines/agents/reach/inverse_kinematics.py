@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from aicon_baselines.agents.reach.random_places import RandomPlaces
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import pip_command
 
@@ -20,7 +21,9 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class InverseKinematics:
-    """A method that maps the error of the tip to velocities of the joints, without a memory.
+    """A method that maps the error of the tip to velocities of the joints.
+
+    It has no memory, but with `places`: held up, it goes elsewhere within its own limits.
 
     Attributes:
         robot: The file of the URDF.
@@ -34,6 +37,7 @@ class InverseKinematics:
         gain: Rate at which an error should vanish, 1/s.
         lever: A rotation by 1 rad counts as much as a motion by this, m.
         stop_distance: Distance of the joints from their stops, rad or m.
+        places: Whether it goes to random places where it is held up: see :class:`RandomPlaces`.
         modules: What it needs, of the extra "peers".
 
     Raises:
@@ -51,6 +55,7 @@ class InverseKinematics:
     gain: float = 20.0
     lever: float = 0.2
     stop_distance: float = 0.02
+    places: bool = False
 
     modules: ClassVar[tuple[str, ...]] = ()
 
@@ -75,15 +80,51 @@ class InverseKinematics:
         state: Any = None,
         episode_start: NDArray[np.bool_] | None = None,
         deterministic: bool = True,
-    ) -> tuple[FloatArray, int]:
+    ) -> tuple[FloatArray, list[RandomPlaces]]:
         """Choose the next velocities (B, n); see `aicon_baselines.evaluation.Predictor`."""
         count = len(observation["q"])
+        begins = np.ones(count, bool) if state is None else episode_start
+        known = [self._fresh()] * count if state is None else list(state)
         velocities = []
         for row in range(count):
             one = {name: values[row] for name, values in observation.items()}
-            velocities.append(self.velocity(one))
-        return np.array(velocities), 0
+            if begins is not None and begins[row]:
+                known[row] = self._fresh()
+            velocities.append(self._next(one, known[row]))
+        return np.array(velocities), known
 
-    def velocity(self, observation: Mapping[str, FloatArray]) -> FloatArray:
-        """Velocities of the joints ``(n,)``, rad/s or m/s, in one episode."""
+    def velocity(
+        self, observation: Mapping[str, FloatArray], way: FloatArray | None = None
+    ) -> FloatArray:
+        """Velocities of the joints ``(n,)``, rad/s or m/s, in one episode.
+
+        Args:
+            observation: That of one episode.
+            way: The way to go instead of to the target, ``(n,)``, rad or m; None for the target.
+        """
         raise NotImplementedError
+
+    def missing(self, observation: Mapping[str, FloatArray]) -> FloatArray:
+        """What position and, times the lever, rotation of the tip lack, ``(6,)``, m."""
+        from aicon_baselines.agents.reach.kinematics import rotation_vector, target_rotation
+
+        robot = self.kinematics
+        robot.move(observation["q"])
+        position, rotation = robot.tip()
+        turn = rotation_vector(
+            target_rotation(self.orientation, observation, rotation) @ rotation.T
+        )
+        return np.concatenate((observation["target_position"] - position, self.lever * turn))
+
+    def _fresh(self) -> RandomPlaces:
+        """What is known before the first step."""
+        return RandomPlaces(self.kinematics.low, self.kinematics.high, self.dt)
+
+    def _next(self, observation: Mapping[str, FloatArray], known: RandomPlaces) -> FloatArray:
+        """The velocities in one episode, toward the target or to another place."""
+        if not self.places:
+            return self.velocity(observation)
+        cost = float(np.linalg.norm(self.missing(observation)))
+        found = self.velocity(observation, known.way(observation["q"], cost))
+        known.moved(float(np.abs(found / self.kinematics.speed).max()))
+        return found

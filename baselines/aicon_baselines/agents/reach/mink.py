@@ -35,8 +35,8 @@ class Mink(InverseKinematics):
     modules: ClassVar[tuple[str, ...]] = ("mink",)
 
     @cached_property
-    def _problem(self) -> tuple[Any, Any, list[Any]]:
-        """Configuration, task and limits."""
+    def _problem(self) -> tuple[Any, Any, Any, list[Any]]:
+        """Configuration, the tasks to reach and to go elsewhere, and limits."""
         import mink
 
         robot = self.kinematics
@@ -62,26 +62,33 @@ class Mink(InverseKinematics):
                 collision_detection_distance=self.sight,
             ),
         ]
-        return configuration, task, limits
+        return configuration, task, mink.PostureTask(robot.model, cost=1.0), limits
 
-    def velocity(self, observation: Mapping[str, FloatArray]) -> FloatArray:
+    def velocity(
+        self, observation: Mapping[str, FloatArray], way: FloatArray | None = None
+    ) -> FloatArray:
         """Velocities of the joints ``(n,)``, rad/s or m/s, in one episode; 0 without a solution."""
         import mink
 
         from aicon_baselines.agents.reach.kinematics import target_rotation
 
-        robot, (configuration, task, limits) = self.kinematics, self._problem
+        robot, (configuration, reach, posture, limits) = self.kinematics, self._problem
         for number in range(1, self.balls + 1):
             configuration.data.mocap_pos[number] = observation[f"ball_{number}"]
         configuration.update(robot.full_positions(observation["q"]))
 
-        # Where the tip should be.
+        # Where the tip should be, or the joints after a step at full speed.
         now = configuration.get_transform_frame_to_world("tip", "site")
         rotation = target_rotation(self.orientation, observation, now.rotation().as_matrix())
         target = mink.SE3.from_rotation_and_translation(
             mink.SO3.from_matrix(rotation), observation["target_position"]
         )
-        task.set_target(target)
+        reach.set_target(target)
+        task = reach
+        if way is not None:
+            step = way / max(1.0, float(np.abs(way / (self.dt * robot.speed)).max()))
+            posture.set_target(robot.full_positions(observation["q"] + step))
+            task = posture
 
         try:
             velocities = mink.solve_ik(
@@ -90,3 +97,10 @@ class Mink(InverseKinematics):
         except mink.NoSolutionFound:
             return np.zeros(len(robot.joints))
         return robot.own(velocities)
+
+
+@dataclass(frozen=True)
+class MinkPlaces(Mink):
+    """The same, and to random places where it is held up."""
+
+    places: bool = True
