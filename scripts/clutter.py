@@ -362,17 +362,20 @@ def is_valid(robot: Robot, problem: Problem) -> bool:
     return float(np.min(World(robot, problem).gaps(both))) > 0.0
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Run what is not yet in the table, and report."""
-    torch.set_num_threads(1)
+def chosen_problems(arguments: argparse.Namespace) -> tuple[Robot, list[Problem]]:
+    """The robot, and those of the problems asked for whose start and goal are free."""
     folder = resources(arguments.cache)
     robot = robot_of(arguments.robot, folder)
     low, high = arguments.indices
-    chosen = problems(
-        arguments.robot, folder, robot.chain.names, arguments.sets, range(low, high + 1)
-    )
-    to_run = [problem for problem in chosen if is_valid(robot, problem)]
+    numbers = range(low, high + 1)
+    given = problems(arguments.robot, folder, robot.chain.names, arguments.sets, numbers)
+    return robot, [problem for problem in given if is_valid(robot, problem)]
 
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run what is not yet in the table, and report."""
+    torch.set_num_threads(1)
+    robot, to_run = chosen_problems(arguments)
     arguments.out.mkdir(parents=True, exist_ok=True)
     table = arguments.out / f"{arguments.robot}.csv"
     known = {(row.policy, row.set, row.number) for row in read(table, Row)}
@@ -395,9 +398,8 @@ def run(arguments: argparse.Namespace) -> None:
             for problem, episode in zip(group, episodes(agent, robot, group), strict=True):
                 write(table, episode.row(name, robot, problem))
 
-    rows = [
-        row for row in read(table, Row) if low <= row.number <= high and row.set in arguments.sets
-    ]
+    asked_for = {(problem.set, problem.index) for problem in to_run}
+    rows = [row for row in read(table, Row) if (row.set, row.number) in asked_for]
     for name in arguments.agents:
         report(name, [row for row in rows if row.policy == name])
     draw(table, rows)

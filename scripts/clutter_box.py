@@ -22,9 +22,6 @@ from aicon_baselines.worlds.motion_bench_maker import (
     ROBOTS,
     SETS,
     Problem,
-    problems,
-    resources,
-    robot_of,
 )
 from aicon_torch.parts import Robot, Solid
 from clutter import (
@@ -36,8 +33,8 @@ from clutter import (
     Episode,
     World,
     add_problems,
+    chosen_problems,
     episodes,
-    is_valid,
     policy_of,
     read,
     rehearsed,
@@ -286,13 +283,10 @@ def row_of(
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report."""
     torch.set_num_threads(1)
-    folder = resources(arguments.cache)
-    robot = robot_of(arguments.robot, folder)
-    low, high = arguments.indices
-    own, sets = range(low, high + 1), arguments.sets
+    robot, to_run = chosen_problems(arguments)
     drawn = []
-    for problem in problems(arguments.robot, folder, robot.chain.names, sets, own):
-        track = track_of(robot, problem) if is_valid(robot, problem) else None
+    for problem in to_run:
+        track = track_of(robot, problem)
         if track is not None:
             drawn.append((problem, track))
 
@@ -325,7 +319,8 @@ def run(arguments: argparse.Namespace) -> None:
                 for row in rows_of_policy(agent, name, condition, robot, group):
                     write(table, row)
 
-    rows = [row for row in read(table, Row) if row.number in own and row.set in sets]
+    asked_for = {(problem.set, problem.index) for problem in to_run}
+    rows = [row for row in read(table, Row) if (row.set, row.number) in asked_for]
     for condition in arguments.conditions:
         for name in arguments.agents:
             report([row for row in rows if (row.condition, row.policy) == (condition, name)])

@@ -24,9 +24,6 @@ from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.worlds.motion_bench_maker import (
     SPEED,
     Problem,
-    problems,
-    resources,
-    robot_of,
 )
 from aicon_torch.parts import Robot
 from clutter import (
@@ -35,8 +32,8 @@ from clutter import (
     Array,
     Row,
     add_problems,
+    chosen_problems,
     episodes,
-    is_valid,
     read,
     report,
     write,
@@ -183,14 +180,7 @@ def _quaternion(rotation: Array) -> Array:
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report."""
     torch.set_num_threads(1)
-    folder = resources(arguments.cache)
-    robot = robot_of(arguments.robot, folder)
-    low, high = arguments.indices
-    chosen = problems(
-        arguments.robot, folder, robot.chain.names, arguments.sets, range(low, high + 1)
-    )
-    to_run = [problem for problem in chosen if is_valid(robot, problem)]
-
+    robot, to_run = chosen_problems(arguments)
     arguments.out.mkdir(parents=True, exist_ok=True)
     table = arguments.out / f"{arguments.robot}.csv"
     known = {(row.policy, row.set, row.number) for row in read(table, Row)}
@@ -201,9 +191,8 @@ def run(arguments: argparse.Namespace) -> None:
             row = episode.row(name, robot, problem)
             write(table, row._replace(time=row.time - row.thought))  # computing is granted
 
-    rows = [
-        row for row in read(table, Row) if low <= row.number <= high and row.set in arguments.sets
-    ]
+    asked_for = {(problem.set, problem.index) for problem in to_run}
+    rows = [row for row in read(table, Row) if (row.set, row.number) in asked_for]
     for name in arguments.agents:
         report(name, [row for row in rows if row.policy == name])
 
