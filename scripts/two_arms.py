@@ -295,9 +295,12 @@ def report(rows: Sequence[Row]) -> None:
         gap = f"{1e3 * min(row.apart for row in own):.1f} mm"
         lines.append([own[0].robots, name, share, median, str(touched), str(stuck), gap])
     print(to_markdown(header, lines))
-    for row in rows:
-        if row.touched or not row.time <= HORIZON:
-            print(row)
+    for name in dict.fromkeys(row.policy for row in rows):
+        own = [row for row in rows if row.policy == name]
+        late = [str(row.seed) for row in own if not row.time <= HORIZON]
+        touching = [str(row.seed) for row in own if row.touched]
+        print(f"{name}: not there: {', '.join(late) or 'none'}", end="; ")
+        print(f"touched: {', '.join(touching) or 'none'}")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
