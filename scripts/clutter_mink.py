@@ -21,10 +21,7 @@ from tqdm import tqdm
 
 from aicon_baselines.agents.reach.random_places import RandomPlaces
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
-from aicon_baselines.worlds.motion_bench_maker import (
-    SPEED,
-    Problem,
-)
+from aicon_baselines.worlds.motion_bench_maker import SPEED, Problem
 from aicon_torch.parts import Robot
 from clutter import (
     DT,
@@ -63,7 +60,7 @@ class Mink:
 
     def __init__(self, robot: Robot, problem: Problem, goes_elsewhere: bool) -> None:
         self.goes_elsewhere = goes_elsewhere
-        model, self_pairs, object_pairs = _model(robot, problem)
+        model, object_pairs, self_pairs = _model(robot, problem)
         self.configuration = mink.Configuration(model)
         self.reach = mink.FrameTask("tip", "site", 1.0, LEVER, gain=min(1.0, GAIN * DT))
         self.go = mink.PostureTask(model, cost=1.0)
