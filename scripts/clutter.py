@@ -37,13 +37,13 @@ from aicon_torch.models import make_policy
 from aicon_torch.parts import Robot, Solid, TipPose, reading_of
 from aicon_torch.ways import OtherPlaces
 
+RANDOM_PLACES = PlaceEscape(patience=1.2, remembers=False, seeks=False)
+"""The most trivial escape."""
+
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
     "rehearsed": {},
-    "random_places": {
-        "dampers.escape": PlaceEscape(patience=1.2, remembers=False, seeks=False),
-        "advances_within": None,
-    },
+    "random_places": {"dampers.escape": RANDOM_PLACES, "advances_within": None},
     "without_escape": {"dampers.escape": None, "advances_within": None},
 }
 """What differs from the preset "clutter"."""
@@ -398,11 +398,16 @@ def run(arguments: argparse.Namespace) -> None:
             for problem, episode in zip(group, episodes(agent, robot, group), strict=True):
                 write(table, episode.row(name, robot, problem))
 
-    asked_for = {(problem.set, problem.index) for problem in to_run}
-    rows = [row for row in read(table, Row) if (row.set, row.number) in asked_for]
+    rows = rows_of_problems(table, to_run)
     for name in arguments.agents:
         report(name, [row for row in rows if row.policy == name])
     draw(table, rows)
+
+
+def rows_of_problems(table: Path, chosen: Sequence[Problem]) -> list[Row]:
+    """The rows of a table that are of some problems."""
+    asked_for = {(problem.set, problem.index) for problem in chosen}
+    return [row for row in read(table, Row) if (row.set, row.number) in asked_for]
 
 
 def write(table: Path, row: Any) -> None:
@@ -456,11 +461,16 @@ def _print_line(label: str, rows: Sequence[Row], shares: bool = False) -> None:
     for limit in TIMES:
         count = sum(row.time <= limit for row in rows)
         if shares:
-            low, high = wilson_interval(count, len(rows))
-            cells.append(f"{100 * count / len(rows):.1f} ({100 * low:.1f} to {100 * high:.1f})")
+            cells.append(share_of(count, len(rows)))
         else:
             cells.append(str(count))
     print(f"| {label} | {len(rows)} | " + " | ".join(cells) + " |")
+
+
+def share_of(count: int, total: int) -> str:
+    """A share in %, with an interval (95 %, Wilson)."""
+    low, high = wilson_interval(count, total)
+    return f"{100 * count / total:.1f} ({100 * low:.1f} to {100 * high:.1f})"
 
 
 class Timed(Protocol):

@@ -16,7 +16,6 @@ from torch import Tensor
 from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
-from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.worlds.motion_bench_maker import (
     MOST_OBJECTS,
     ROBOTS,
@@ -38,6 +37,7 @@ from clutter import (
     policy_of,
     read,
     rehearsed,
+    share_of,
     write,
 )
 from clutter_planner import Planner
@@ -333,9 +333,7 @@ def report(rows: Sequence[Row]) -> None:
         return
 
     solved = [row for row in rows if row.is_solved]
-    low, high = wilson_interval(len(solved), len(rows))
-    share = f"{100 * len(solved) / len(rows):.1f} ({100 * low:.1f} to {100 * high:.1f})"
-
+    share = share_of(len(solved), len(rows))
     touched_box = sum(row.box_gap < 0 for row in rows)
     touched = sum(min(row.clearance, row.self_gap) < 0 for row in rows)
     time = np.median([row.time for row in solved]) if solved else math.nan

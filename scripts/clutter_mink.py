@@ -33,6 +33,7 @@ from clutter import (
     episodes,
     read,
     report,
+    rows_of_problems,
     write,
 )
 
@@ -91,6 +92,8 @@ class Mink:
             mink.SO3(seen["target_orientation"][0].numpy()), seen["target_position"][0].numpy()
         )
         self.reach.set_target(target)
+
+        # Toward the target, or where it is held up to another place.
         task: mink.Task = self.reach
         if self.goes_elsewhere:
             error = self.reach.compute_error(self.configuration)
@@ -99,6 +102,7 @@ class Mink:
             if way is not None:
                 self.go.set_target(q + DT * SPEED * way / np.abs(way).max())
                 task = self.go
+
         try:
             velocity = mink.solve_ik(
                 self.configuration, [task], DT, "daqp", damping=DAMPING, limits=self.limits
@@ -150,12 +154,15 @@ def _add_chain(spec: mujoco.MjSpec, robot: Robot) -> tuple[list[Any], Array]:
     frames = chain.frames(torch.zeros(len(chain.names), dtype=torch.float64)).numpy()
     links, before = [spec.worldbody], np.eye(4)
     for number, name in enumerate(chain.names):
+        # A body where the joint is while all are at 0.
         own = np.linalg.inv(before) @ frames[number]
         link = links[-1].add_body(pos=own[:3, 3], quat=_quaternion(own[:3, :3]))
         joint = link.add_joint(name=name, axis=chain.axes[number].tolist())
         low, high = float(chain.low[number]), float(chain.high[number])
         if math.isfinite(low) and math.isfinite(high):
             joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, [low, high]
+
+        # MuJoCo wants a mass, and kinematics do not.
         link.mass, link.inertia = 1.0, [0.01, 0.01, 0.01]
         link.explicitinertial = True
         links.append(link)
@@ -188,8 +195,7 @@ def run(arguments: argparse.Namespace) -> None:
             row = episode.row(name, robot, problem)
             write(table, row._replace(time=row.time - row.thought))  # computing is granted
 
-    asked_for = {(problem.set, problem.index) for problem in to_run}
-    rows = [row for row in read(table, Row) if (row.set, row.number) in asked_for]
+    rows = rows_of_problems(table, to_run)
     for name in arguments.agents:
         report(name, [row for row in rows if row.policy == name])
 

@@ -107,7 +107,7 @@ def some_objects(robot: Robot, problem: Problem, count: int) -> tuple[Solid, ...
 
 
 def report(rows: Sequence[Row]) -> None:
-    """Print a table, and how often one object more adds to a step."""
+    """Print a table."""
     header = ["policy", "objects", "distances", "a step, µs", "compilation, s", "machine code, kB"]
     lines = []
     for row in sorted(rows, key=lambda row: (row.policy, row.objects)):

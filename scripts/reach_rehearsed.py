@@ -18,11 +18,10 @@ import torch
 from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
-from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch.models import make_policy
-from clutter import DT, ESCAPES, draw, read, rehearsed, rows_of, write
+from clutter import DT, ESCAPES, draw, read, rehearsed, rows_of, share_of, write
 from reach_study import NEAR, STRAIGHT, Targets, targets
 
 HORIZON = 20.0
@@ -70,10 +69,12 @@ def run(arguments: argparse.Namespace) -> None:
         known = {(row.policy, row.seed) for row in read(table, Row)}
         found = targets(condition, seeds)
         policy = make_policy("reach", **TASK.policy_options(condition)).compile()
+
         for name, agent in {"aicon": policy, "rehearsed": rehearsed(policy)}.items():
             missing = [seed for seed in seeds if (name, seed) not in known]
             for seed in tqdm(missing, desc=f"{condition}, {name}", disable=None):
                 write(table, Row(condition, name, seed, *follow(agent, found, seed - seeds.start)))
+
         rows = [row for row in read(table, Row) if row.seed in seeds]
         report(rows)
         draw(table, rows, HORIZON)
@@ -87,14 +88,15 @@ def report(rows: Sequence[Row]) -> None:
         own = [row for row in rows if row.policy == name]
         times = np.array([row.time for row in own])
         count = int((times <= HORIZON).sum())
-        low, high = wilson_interval(count, len(own))
+
+        # One that does not arrive is later than all that do.
         late = np.where(np.isnan(times), np.inf, times)
         middle, last = np.percentile(late, (50, 95), method="lower").tolist()
-        share = f"{100 * count / len(own):.1f} ({100 * low:.1f} to {100 * high:.1f})"
         thought = f"{np.median([row.thought for row in own]):.2f} s"
-        lines.append([own[0].condition, name, f"{count} of {len(own)}", share])
-        lines[-1] += [f"{middle:.2f} s", f"{last:.2f} s", thought]
+        lines.append([own[0].condition, name, f"{count} of {len(own)}"])
+        lines[-1] += [share_of(count, len(own)), f"{middle:.2f} s", f"{last:.2f} s", thought]
     print(to_markdown(header, lines))
+
     for row in rows:
         if not row.time <= HORIZON:
             print(row)

@@ -26,6 +26,9 @@ SIZE = (300, 300)
 SECONDS, EVERY = 8.0, 5
 """How long the film is, s, and so many steps from a frame to the next."""
 
+RED = "#c4122f"
+"""Of what is told of an episode."""
+
 STAYS = 15
 """So many frames of the end."""
 
@@ -76,12 +79,17 @@ def beside_each_other(films: Mapping[str, list[tuple[Picture, str]]]) -> Iterato
     for frame in [*frames, *[frames[-1]] * STAYS]:
         panels = []
         for name, (picture, told) in zip(films, frame, strict=True):
-            image = Image.fromarray(picture)
-            drawn = ImageDraw.Draw(image)
-            drawn.text((10, 8), name, fill="black", font_size=18)
-            drawn.text((10, 30), told, fill="#c4122f", font_size=15)
-            panels.append(np.asarray(image))
+            panels.append(labelled(picture, name, told, RED))
         yield np.concatenate(panels, axis=1)
+
+
+def labelled(picture: Picture, name: str, told: str, colour: str) -> Picture:
+    """A picture with its name, and what is told of it in a colour."""
+    image = Image.fromarray(picture)
+    drawn = ImageDraw.Draw(image)
+    drawn.text((10, 8), name, fill="black", font_size=18)
+    drawn.text((10, 30), told, fill=colour, font_size=15)
+    return np.asarray(image)
 
 
 COMMAND = Command(__doc__, add_arguments, run)

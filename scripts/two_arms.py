@@ -19,21 +19,19 @@ from torch import Tensor
 from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
-from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_envs.reach import ROBOTS
 from aicon_envs.reach.pair import TABLE_TOP, THICKNESS, ArmPair
 from aicon_envs.reach.robots import draw_postures, find_file
 from aicon_torch import Policy
-from aicon_torch.dampers import PlaceEscape
 from aicon_torch.models import make_policy
 from aicon_torch.parts import CapsuleSegments, Robot, Solid, TipPose, reading_of
 from aicon_torch.parts.solids import ROUND
-from clutter import draw, read, write
+from clutter import RANDOM_PLACES, draw, read, share_of, write
 
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
-    "random_places": {"dampers.escape": PlaceEscape(patience=1.2, remembers=False, seeks=False)},
+    "random_places": {"dampers.escape": RANDOM_PLACES},
     "without_escape": {"dampers.escape": None},
 }
 """What differs from the defaults."""
@@ -128,6 +126,8 @@ def turn_of_z(way: Array) -> Array:
     length = np.linalg.norm(way)
     if length < 1e-9:
         return np.eye(3)
+
+    # About the axis across both; of the opposite direction any axis across will do.
     x, y, z = way / length
     if z < -1.0 + 1e-9:
         return np.diag([1.0, -1.0, -1.0])
@@ -288,13 +288,13 @@ def report(rows: Sequence[Row]) -> None:
     for name in dict.fromkeys(row.policy for row in rows):
         own = [row for row in rows if row.policy == name]
         times = [row.time for row in own if row.time <= HORIZON]
-        low, high = wilson_interval(len(times), len(own))
-        share = f"{100 * len(times) / len(own):.1f} ({100 * low:.1f} to {100 * high:.1f})"
         median = f"{np.median(times):.1f} s" if times else "–"
-        touched, stuck = (sum(each) for each in ((r.touched for r in own), (r.stuck for r in own)))
+        touched, stuck = sum(row.touched for row in own), sum(row.stuck for row in own)
         gap = f"{1e3 * min(row.apart for row in own):.1f} mm"
-        lines.append([own[0].robots, name, share, median, str(touched), str(stuck), gap])
+        arrived = share_of(len(times), len(own))
+        lines.append([own[0].robots, name, arrived, median, str(touched), str(stuck), gap])
     print(to_markdown(header, lines))
+
     for name in dict.fromkeys(row.policy for row in rows):
         own = [row for row in rows if row.policy == name]
         late = [str(row.seed) for row in own if not row.time <= HORIZON]

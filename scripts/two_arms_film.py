@@ -11,11 +11,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_envs.reach import ROBOTS
 from aicon_envs.reach.pair import ArmPair
+from shield_film import labelled
 from two_arms import DISTANCE, DT, POLICIES, Arm, drawn, episode, policy_of
 
 Picture = NDArray[np.uint8]
@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 SHOWN = ("without_escape", "aicon")
 WIDTH, HEIGHT, EVERY = 420, 320, 5
 """Of a picture, px, and so many steps from a frame to the next."""
+
+GREEN = "#1a7a33"
+"""Of what is told of an episode."""
 
 SECONDS, STAYS = 14.0, 15
 """How long the film is at most, s, and so many frames of the end."""
@@ -78,11 +81,12 @@ def beside_each_other(
             for name, states, time in films:
                 data.qpos[:] = states[min(step, len(states) - 1)]
                 mujoco.mj_forward(pair.model, data)
+
                 renderer.update_scene(data, camera())
                 for place, colour in zip(targets, COLOURS, strict=True):
                     mark(renderer.scene, place, colour)
                 told = f"both are there, {time:.1f} s" if step * DT >= time else ""
-                panels.append(labelled(renderer.render(), name, told))
+                panels.append(labelled(renderer.render(), name, told, GREEN))
             yield np.concatenate(panels, axis=1)
 
 
@@ -100,15 +104,6 @@ def mark(scene: mujoco.MjvScene, place: Array, colour: Sequence[float]) -> None:
     geom = scene.geoms[scene.ngeom]
     mujoco.mjv_initGeom(geom, ball, size, place, np.eye(3).ravel(), np.array(colour, np.float32))
     scene.ngeom += 1
-
-
-def labelled(picture: Picture, name: str, told: str) -> Picture:
-    """A picture with what it shows."""
-    image = Image.fromarray(picture)
-    drawn_on = ImageDraw.Draw(image)
-    drawn_on.text((10, 8), name, fill="black", font_size=18)
-    drawn_on.text((10, 30), told, fill="#1a7a33", font_size=15)
-    return np.asarray(image)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -10,6 +10,7 @@ from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
 from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.tip_pose import TipPose
 
 LOWER = 0.97
@@ -93,6 +94,7 @@ class Approach(Estimator):
     def __init__(self, chain: Chain, pose: TipPose, speed: float) -> None:
         super().__init__()
         self.chain, self.pose, self.patience = chain, pose, PATIENCE / speed
+        self.missing = PoseReach(pose)
         self.register_buffer("unknown", torch.tensor([0.0, 0.0, 0.0, FAR, FAR, FAR]))
 
     def initial(self, values: Values) -> dict[str, Tensor]:
@@ -105,8 +107,7 @@ class Approach(Estimator):
         closed, waited, least, place = torch.split(values["x_approach"], [1, 1, 1, 3], dim=-1)
         x_target = values["x_target"]
         x_ee = self.pose.of_frame(self.chain(values["x_joints"]))
-        distance, angle = self.pose.distance(x_ee, x_target)
-        missing = torch.hypot(distance, self.pose.lever * angle).unsqueeze(-1)
+        missing = self.missing(x_ee, x_target).unsqueeze(-1)
 
         # Another target may be open.
         target = x_target[..., :3]

@@ -139,12 +139,15 @@ def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> li
         Deterministic("x_target", _target(pose)),
         joints(len(robot.chain.names)),
     ]
+
+    # The tip, on its way to the target; along the axis of its tool if the direct way is closed.
     of_tip = _of_tip(options)
     if end_effector.advance is not None:
         typical = _typical(speeds_of(options, robot.chain))
         estimators.append(Approach(robot.chain, pose, typical))
         of_tip = ["x_joints", "x_target", "x_approach"]
     estimators.append(Deterministic("x_ee", Interconnection(end_effector, of_tip)))
+
     if robot.shape is not None:
         estimators.append(body(robot))
     return estimators + ball_estimators(options)

@@ -20,6 +20,14 @@ class Gaps(NamedTuple):
     to_balls: float
 
 
+def seeing_near(model: mujoco.MjModel) -> mujoco.MjModel:
+    """A copy of a scene in which MuJoCo lists what is near, not only what touches."""
+    found = copy.copy(model)
+    found.geom_margin[:] = SIGHT / 2.0  # the margins of two shapes add up
+    found.geom_gap[:] = 0.0
+    return found
+
+
 class GapMeter:
     """Measures gaps between the collision shapes of a scene that can meet.
 
@@ -28,10 +36,8 @@ class GapMeter:
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        """Make a copy of the scene in which MuJoCo lists what is near, not only what touches."""
-        self._model = copy.copy(model)
-        self._model.geom_margin[:] = SIGHT / 2.0  # the margins of two shapes add up
-        self._model.geom_gap[:] = 0.0
+        """Make a copy of the scene that sees what is near."""
+        self._model = seeing_near(model)
         self._data = mujoco.MjData(self._model)
 
         bodies = self._model.geom_bodyid

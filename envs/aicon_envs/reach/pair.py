@@ -1,6 +1,5 @@
 """Two arms that share a table: each is in the other's way."""
 
-import copy
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -8,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_envs.reach.gaps import SIGHT
+from aicon_envs.reach.gaps import SIGHT, seeing_near
 from aicon_envs.reach.robots import Robot
 from aicon_envs.reach.scene import PreparedArm, add_sky, prepare_arm, set_physics
 from aicon_envs.reach.simulation import ACCELERATION, CONTROL_STEP, WINDUP
@@ -53,7 +52,7 @@ class ArmPair:
         self.data = mujoco.MjData(self.model)
         self._substeps = round(CONTROL_STEP / self.model.opt.timestep)
 
-        # By arm: where its joints and servos are, and its tip and base.
+        # By arm: where its joints and servos are.
         joints = [
             [self.model.joint(prefix + name) for name in arm.joints]
             for prefix, arm in zip(PREFIXES, arms, strict=True)
@@ -68,10 +67,8 @@ class ArmPair:
         ]
         self._states = [self.model.actuator_actadr[integral] for _, integral in self._servos]
 
-        # In a copy MuJoCo lists what is near, not only what touches.
-        self._near = copy.copy(self.model)
-        self._near.geom_margin[:] = SIGHT / 2.0
-        self._near.geom_gap[:] = 0.0
+        # A copy that sees what is near, and whose each shape is.
+        self._near = seeing_near(self.model)
         self._near_data = mujoco.MjData(self._near)
         owners = [self.model.body(number).name for number in self.model.geom_bodyid]
         self._owner = np.array([_owner(name) for name in owners])

@@ -100,7 +100,7 @@ def prepare_arm(robot: Robot) -> PreparedArm:
     _add_servos(spec, description.joints, span.inertias)
     for first, second in excluded_pairs(bare, robot, description.joints, low, high):
         spec.add_exclude(bodyname1=first, bodyname2=second)
-    _prepare_looks(spec)
+    _compensate_and_paint(spec)
     speeds = np.array(description.speeds)
     return PreparedArm(spec, span, description.joints, low, high, speeds, turns)
 
@@ -184,8 +184,8 @@ def set_physics(spec: mujoco.MjSpec) -> None:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
 
 
-def _prepare_looks(spec: mujoco.MjSpec) -> None:
-    """Compensate the arm's gravity, as its controller does."""
+def _compensate_and_paint(spec: mujoco.MjSpec) -> None:
+    """Compensate the arm's gravity, as its controller does, and paint it."""
     for body in spec.bodies:
         body.gravcomp = 1.0
 

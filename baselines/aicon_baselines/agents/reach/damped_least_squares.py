@@ -39,11 +39,12 @@ class DampedLeastSquares(InverseKinematics):
         return clamped
 
     def _toward_target(self, observation: Mapping[str, FloatArray]) -> FloatArray:
-        """K Jᵀ (J Jᵀ + λ² I)⁻¹ h, ``(n,)``, rad/s or m/s."""
+        """The velocity k Jᵀ (J Jᵀ + λ² I)⁻¹ h, ``(n,)``, rad/s or m/s."""
         missing = self.missing(observation)
         jacobian = self.kinematics.jacobian() * np.repeat([1.0, self.lever], 3)[:, None]
         if self.orientation == "free":
             missing, jacobian = missing[:3], jacobian[:3]
+
         damped = jacobian @ jacobian.T + self.damping**2 * np.eye(len(missing))
         nominal: FloatArray = self.gain * jacobian.T @ np.linalg.solve(damped, missing)
         return nominal

@@ -83,12 +83,11 @@ class InverseKinematics:
     ) -> tuple[FloatArray, list[RandomPlaces]]:
         """Choose the next velocities (B, n); see `aicon_baselines.evaluation.Predictor`."""
         count = len(observation["q"])
-        begins = np.ones(count, bool) if state is None else episode_start
-        known = [self._fresh()] * count if state is None else list(state)
+        known = [self._fresh() for _ in range(count)] if state is None else list(state)
         velocities = []
         for row in range(count):
             one = {name: values[row] for name, values in observation.items()}
-            if begins is not None and begins[row]:
+            if episode_start is not None and episode_start[row]:
                 known[row] = self._fresh()
             velocities.append(self._next(one, known[row]))
         return np.array(velocities), known

@@ -7,15 +7,15 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from aicon_torch.safety.places import spread
+from aicon_torch.safety.places import ARRIVED, PROGRESS, SLOW, spread
 
 FloatArray = NDArray[np.float64]
 
-PROGRESS, PATIENCE = 0.03, 0.8
-"""Held up is one whose cost has not fallen by this share for so long, s."""
+PATIENCE = 0.8
+"""Held up is one that has made no progress for so long, s."""
 
-ARRIVED, SLOW, BLOCKED, LONGEST = 0.4, 0.2, 0.1, 2.5
-"""A way ends so near to its place (rad), below this share of the speed for so long (s), or late."""
+BLOCKED, LONGEST = 0.1, 2.5
+"""A way ends where it has been slow for so long, or late, s."""
 
 NEAR = 0.008
 """A cost below which it has arrived, and is not held up, m."""
