@@ -11,10 +11,9 @@ from aicon_torch.differentiation import stop, values_only
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.link_points import LinkPoints, Point
 from aicon_torch.parts.planar import norm
 from aicon_torch.vectors import select
-
-Point = tuple[float, float, float]
 
 FREE_LINKS = 2
 """Links at most so far apart in the chain are not compared: neighbours always overlap."""
@@ -88,6 +87,8 @@ class SelfCollision(nn.Module):
         cost: Margin d₀ (m) and weight w.
         pairs: The numbers of those that can meet; by default all that are further apart in the
             chain than :data:`FREE_LINKS`.
+        chain: Where it is given, the joints are read instead of the segments: then the slope of one
+            of many gaps takes the motion of two links only.
 
     Raises:
         OptionError: As for :class:`CapsuleSegments`.
@@ -96,16 +97,24 @@ class SelfCollision(nn.Module):
     first: Tensor
     second: Tensor
     radii: Tensor
+    starts: LinkPoints | None
+    ends: LinkPoints | None
 
     def __init__(
         self,
         capsules: Sequence[Capsule],
         cost: SquaredHinge,
         pairs: Sequence[tuple[int, int]] | None = None,
+        chain: Chain | None = None,
     ) -> None:
         super().__init__()
         _check_sizes(capsules)
         self.cost = cost
+        self.starts, self.ends = None, None
+        if chain is not None:
+            links = [capsule.link for capsule in capsules]
+            self.starts = LinkPoints(chain, links, [capsule.start for capsule in capsules])
+            self.ends = LinkPoints(chain, links, [capsule.end for capsule in capsules])
         if pairs is None:
             pairs = distant_pairs(capsules)
         first, second = torch.tensor(pairs, dtype=torch.long).reshape(-1, 2).unbind(-1)
@@ -119,7 +128,7 @@ class SelfCollision(nn.Module):
         self.register_buffer("radii", single[first] + single[second])
 
     def forward(self, x_body: Tensor) -> Tensor:
-        """The cost ``(*B,)`` of the segments ``(*B, C, 6)``, m."""
+        """The cost ``(*B,)`` of the segments ``(*B, C, 6)``, m, or of the joints ``(*B, n)``."""
         return self.cost(self.distances(x_body))
 
     def gaps(self, x_body: Tensor) -> Tensor:
@@ -127,17 +136,29 @@ class SelfCollision(nn.Module):
         return self.distances(x_body) - self.cost.margin
 
     def gap(self, x_body: Tensor, pair: Tensor) -> Tensor:
-        """How far one pair is from that, ``(*B,)``, m, by its number ``(*B,)``."""
-        first, second = (
-            select(x_body, own[pair].unsqueeze(-1)) for own in (self.first, self.second)
-        )
+        """How far one pair is from that, ``(m, *B)``, m, by its number ``(m, *B)``.
+
+        The segments or joints are m copies, see :meth:`aicon_torch.Goal.gap`.
+        """
+        numbers = self.first[pair], self.second[pair]
+        first, second = (self._chosen(x_body, capsule) for capsule in numbers)
         distance = self._of_segments(first, second) - self.radii.to(x_body)[pair]
         return distance - self.cost.margin
 
     def distances(self, x_body: Tensor) -> Tensor:
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
+        if self.starts is not None and self.ends is not None:
+            x_body = torch.cat((self.starts(x_body), self.ends(x_body)), dim=-1)
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
         return self._of_segments(first, second) - self.radii.to(x_body)
+
+    def _chosen(self, x_body: Tensor, capsule: Tensor) -> Tensor:
+        """The segment ``(m, *B, 6)`` of the capsule of a number ``(m, *B)``."""
+        if self.starts is None or self.ends is None:
+            return select(x_body, capsule.unsqueeze(-1))
+        start = self.starts.chosen(x_body, capsule)
+        end = start if self.are_spheres else self.ends.chosen(x_body, capsule)
+        return torch.cat((start, end), dim=-1)
 
     def _of_segments(self, first: Tensor, second: Tensor) -> Tensor:
         """The distance ``(*B,)`` of segments ``(*B, 6)``, which are points if all are spheres."""

@@ -3,15 +3,16 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.differentiation import learns, values_only
+from aicon_torch.differentiation import values_only
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.link_points import LinkPoints
 from aicon_torch.parts.obstacle import nearest_on_segment
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.self_collision import Capsule
@@ -116,28 +117,35 @@ def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:
     In the frame of the object, with half lengths h and b = |p| − h: ‖max(b, 0)‖ + min(max b, 0). A
     cylinder has the distance to its axis instead of x, and no y. What is round is the box or line
     that remains when its radius is taken off, and that radius.
-    """
-    centre, rotation, half, kind = torch.split(solid, [3, 9, 3, 1], dim=-1)
 
-    # 1. p, the point in the frame of the object: Rᵀ by the rows of R.
-    offset_x, offset_y, offset_z = torch.split(point - centre, 1, dim=-1)
-    row_x, row_y, row_z = torch.split(rotation, 3, dim=-1)
-    local = row_x * offset_x + row_y * offset_y + row_z * offset_z
+    Coordinates are taken one by one, so that what is computed of many points and objects lies in a
+    row.
+    """
+    numbers = solid.unbind(-1)
+    centre, rotation, half, kind = numbers[:3], numbers[3:12], numbers[12:15], numbers[15]
+
+    # 1. p, the point in the frame of the object: Rᵀ, by the rows of R.
+    x, y, z = (own - middle for own, middle in zip(point.unbind(-1), centre, strict=True))
+    rows = zip(rotation[:3], rotation[3:6], rotation[6:], strict=True)
+    local_x, local_y, local_z = (by_x * x + by_y * y + by_z * z for by_x, by_y, by_z in rows)
 
     # 2. b, how far it is beyond the sides of the box, or of what remains without the radius.
-    radius = torch.where(kind > (CYLINDER + ROUND) / 2, half[..., :1], 0.0)
-    beyond_x, beyond_y, beyond_z = (local.abs() - (half - radius)).unbind(-1)
+    radius = torch.where(kind > (CYLINDER + ROUND) / 2, half[0], 0.0)
+    width = half[0]
+    beyond_x = local_x.abs() - (width - radius)
+    beyond_y = local_y.abs() - (half[1] - radius)
+    beyond_z = local_z.abs() - (half[2] - radius)
 
     # 3. A cylinder has a side all around instead of those in x and y.
-    width, kind = half[..., 0], kind.squeeze(-1)
     is_cylinder = (kind > (BOX + CYLINDER) / 2) & (kind < (CYLINDER + ROUND) / 2)
-    beyond_x = torch.where(is_cylinder, norm(local[..., :2]) - width, beyond_x)
+    from_axis = norm(torch.stack((local_x, local_y), dim=-1))
+    beyond_x = torch.where(is_cylinder, from_axis - width, beyond_x)
     beyond_y = torch.where(is_cylinder, -width, beyond_y)
 
     # 4. Outside, how far it is beyond all sides; inside, how far the nearest is, as less than 0.
     beyond = torch.stack((beyond_x, beyond_y, beyond_z), dim=-1)
     inside = beyond.amax(-1).clamp(max=0.0)
-    return norm(beyond.clamp(min=0.0)) + inside - radius.squeeze(-1)
+    return norm(beyond.clamp(min=0.0)) + inside - radius
 
 
 class Solids(nn.Module):
@@ -159,10 +167,7 @@ class Solids(nn.Module):
     most_gaps = 40
     """So many of all capsules and objects bound an action, the nearest."""
 
-    starts: Tensor
-    ends: Tensor
     radii: Tensor
-    frames_of: Tensor
     first: Tensor
     second: Tensor
 
@@ -170,22 +175,19 @@ class Solids(nn.Module):
         self, chain: Chain, capsules: Sequence[Capsule], count: int, cost: SquaredHinge
     ) -> None:
         super().__init__()
-        self.chain, self.count, self.cost = chain, count, cost
+        self.count, self.cost = count, cost
         moving = [capsule for capsule in capsules if capsule.link > 0]
+        links = [capsule.link for capsule in moving]
+        self.starts = LinkPoints(chain, links, [capsule.start for capsule in moving])
         self.are_spheres = all(capsule.start == capsule.end for capsule in moving)
-
-        for name in ("start", "end"):
-            points = [getattr(capsule, name) for capsule in moving]
-            self.register_buffer(f"{name}s", torch.tensor(points, dtype=torch.float64))
+        self.ends = LinkPoints(chain, links, [capsule.end for capsule in moving])
         radii = [capsule.radius for capsule in moving]
         self.register_buffer("radii", torch.tensor(radii, dtype=torch.float64))
 
-        # By the number of a gap its capsule and its object; by a capsule its frame.
+        # By the number of a gap its capsule and its object.
         numbers = torch.arange(len(moving) * count)
-        self.register_buffer("first", numbers // count, persistent=False)
-        self.register_buffer("second", numbers % count, persistent=False)
-        frames = torch.tensor([capsule.link - 1 for capsule in moving])
-        self.register_buffer("frames_of", frames, persistent=False)
+        self.register_buffer("first", numbers % len(moving), persistent=False)
+        self.register_buffer("second", numbers // len(moving), persistent=False)
 
     def forward(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
         """The cost ``(*B,)``.
@@ -197,7 +199,7 @@ class Solids(nn.Module):
         return self.cost(self.distances(x_joints, x_obstacles))
 
     def gaps(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
-        """How far each capsule is from where it costs something, dᵢⱼ − d₀, ``(*B, C N)``, m."""
+        """How far each capsule is from where it costs something, dᵢⱼ − d₀, ``(*B, N C)``, m."""
         return self.distances(x_joints, x_obstacles) - self.cost.margin
 
     def gap(self, x_joints: Tensor, x_obstacles: Tensor, which: Tensor) -> Tensor:
@@ -208,36 +210,22 @@ class Solids(nn.Module):
         capsule, number = self.first[which], self.second[which]
         solid = select(self._table(x_obstacles), number.unsqueeze(-1))
 
-        start = self._point(x_joints, self.starts.to(x_joints)[capsule], capsule)
-        end = start
-        if not self.are_spheres:
-            end = self._point(x_joints, self.ends.to(x_joints)[capsule], capsule)
+        start = self.starts.chosen(x_joints, capsule)
+        end = start if self.are_spheres else self.ends.chosen(x_joints, capsule)
         distance = self._of_segment(start, end, solid) - self.radii.to(x_joints)[capsule]
         return distance - self.cost.margin
 
     def distances(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
-        """dᵢⱼ of each capsule and object, ``(*B, C N)``, m; negative where they overlap."""
-        frames = self.chain.frames(x_joints)[..., self.frames_of, :, :]
-        solids = self._table(x_obstacles).unsqueeze(-3)
-        start = _moved(frames, self.starts.to(frames)).unsqueeze(-2)
-        end = start if self.are_spheres else _moved(frames, self.ends.to(frames)).unsqueeze(-2)
+        """dᵢⱼ of each object j and capsule i, ``(*B, N C)``, m; negative where they overlap."""
+        solids = self._table(x_obstacles).unsqueeze(-2)
+        start = self.starts(x_joints).unsqueeze(-3)
+        end = start if self.are_spheres else self.ends(x_joints).unsqueeze(-3)
         of_axes = self._of_segment(start, end, solids)
-        return (of_axes - self.radii.to(frames).unsqueeze(-1)).flatten(-2)
+        return (of_axes - self.radii.to(x_joints)).flatten(-2)
 
     def _table(self, x_obstacles: Tensor) -> Tensor:
         """The numbers of the objects, ``(*B, N, 16)``."""
         return x_obstacles.reshape(*x_obstacles.shape[:-1], self.count, NUMBERS)
-
-    def _point(self, x_joints: Tensor, own: Tensor, capsule: Tensor) -> Tensor:
-        """Where a point of a capsule's link is, ``(*B, 3)``, m, from where it is in its frame."""
-        number = self.frames_of[capsule]
-        if learns() or not x_joints.requires_grad:
-            return _moved(_frame_of(self.chain.frames(x_joints), number), own)
-        joints = torch.arange(x_joints.shape[-1], device=x_joints.device)
-        moves = (joints <= self.frames_of.unsqueeze(-1)).to(x_joints)[capsule]
-        arguments = (x_joints, self.chain, number, own, moves)
-        point: Tensor = _PointOfLink.apply(*arguments)  # type: ignore[no-untyped-call]  # torch's
-        return point
 
     def _of_segment(self, start: Tensor, end: Tensor, solid: Tensor) -> Tensor:
         """The signed distance ``(*B,)`` of segments, or of points, to objects ``(*B, 16)``."""
@@ -251,37 +239,3 @@ class Solids(nn.Module):
         nearest = values_only(nearest_on_segment)
         share = nearest(lambda point: distance_of_point(point, solid), start, end)
         return distance_of_point(start + share.detach().unsqueeze(-1) * (end - start), solid)
-
-
-class _PointOfLink(torch.autograd.Function):
-    """A point of a link forward; backward its Jacobian, in place of a product of transforms."""
-
-    @staticmethod
-    def forward(
-        ctx: Any, x_joints: Tensor, chain: Chain, number: Tensor, own: Tensor, moves: Tensor
-    ) -> Tensor:
-        frames = chain.frames(x_joints[:1])  # all are copies of the first
-        all_frames = frames.expand(len(x_joints), *frames.shape[1:])
-        point = _moved(_frame_of(all_frames, number), own)
-        ctx.chain = chain
-        ctx.save_for_backward(frames, point, moves)
-        return point
-
-    @staticmethod
-    def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None, None, None]:
-        frames, point, moves = ctx.saved_tensors
-        motion = ctx.chain.point_jacobian_at(frames, point)
-        slopes = (motion * gradients[0].unsqueeze(-1)).sum(-2)
-        return slopes * moves, None, None, None, None
-
-
-def _moved(frames: Tensor, points: Tensor) -> Tensor:
-    """Points ``(*B, 3)`` of links with the frames ``(*B, 4, 4)``, in the frame of the base."""
-    turned = (frames[..., :3, :3] * points.unsqueeze(-2)).sum(-1)
-    return turned + frames[..., :3, 3]
-
-
-def _frame_of(frames: Tensor, number: Tensor) -> Tensor:
-    """One of K frames ``(*B, K, 4, 4)`` by its number ``(*B,)``."""
-    chosen = select(frames.flatten(-2), number.unsqueeze(-1))
-    return chosen.reshape(*chosen.shape[:-1], 4, 4)

@@ -8,7 +8,22 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from aicon_torch.export.codegen.scalars import CONSTANT, Kind, Number, Program, array_and_place
+from aicon_torch.export.codegen.grids import (
+    COLUMN,
+    PLACE,
+    ROW,
+    Grid,
+    equally_spaced,
+    index,
+)
+from aicon_torch.export.codegen.scalars import (
+    CONSTANT,
+    LOOP,
+    Kind,
+    Number,
+    Program,
+    array_and_place,
+)
 
 Array = NDArray[Any]
 """The numbers of a tensor, in its shape."""
@@ -115,6 +130,7 @@ class Writer:
 
         # For each argument what the loop reads: one number for all, an array, a table of constants,
         # or a few numbers again and again.
+        grid = Grid.of(shape)
         reads_array = False
         arguments: list[Number] = []
         places: list[str] = []
@@ -122,21 +138,32 @@ class Writer:
             numbers = list(np.broadcast_to(array, shape).reshape(-1))
             if numbers[0].kind == "int":
                 return None
+            few, place = grid.reduced(numbers)
+            is_often = len(few) * OFTEN <= count
             if all(number is numbers[0] for number in numbers):
                 arguments.append(numbers[0])
                 places.append("{}")
-            elif (found := self._in_one_array(numbers)) is not None:
+            elif all(number.operation == CONSTANT for number in numbers):
+                table = self.program.table([number.value for number in few])
+                places.append(f"{table}[{place}]")
+            elif (found := self._in_one_array(few, place, is_often)) is not None:
                 reads_array = True
                 arguments.append(found[0])
                 places.append(found[1])
-            elif all(number.operation == CONSTANT for number in numbers):
-                places.append(f"{self.program.table([n.value for n in numbers])}[i]")
+            elif place != PLACE and is_often:
+                arguments.append(self.program.list(few))
+                places.append(f"{{}}[{place}]")
             else:
-                few = {number: place for place, number in enumerate(dict.fromkeys(numbers))}
-                if len(few) * OFTEN > count:
+                known = {number: number_of for number_of, number in enumerate(dict.fromkeys(few))}
+                if len(known) * OFTEN > count:
                     return None
-                arguments.append(self.program.list(list(few)))
-                places.append(f"{{}}[{self.program.table([few[n] for n in numbers])}[i]]")
+                table = self.program.table([known[number] for number in few])
+                arguments.append(self.program.list(list(known)))
+                places.append(f"{{}}[{table}[{place}]]")
+
+        # What reads no row and no column goes with the array that it reads.
+        if not any(name in place for name in (ROW, COLUMN) for place in places):
+            grid = _grid_of(arguments, places, count)
 
         # Without an array it is written out, unless it is another number nearly everywhere.
         if not reads_array:
@@ -144,7 +171,7 @@ class Writer:
             distinct = len(set(zip(*columns, strict=True)))
             if count < MANY or len(arguments) < len(arrays) or 2 * distinct < count:
                 return None
-        return as_array(self.program.loop(operation, arguments, places, kind, count), shape)
+        return as_array(self.program.loop(operation, arguments, places, kind, grid), shape)
 
     def reduce(
         self, operation: str, kind: Kind, values: Array, dims: Sequence[int], keeps: bool
@@ -198,19 +225,27 @@ class Writer:
         array, place = found
 
         # An array that is read from its beginning is given as it is; any other stretch is copied.
-        if place == "{}[i]":
+        if place == f"{{}}[{PLACE}]":
             return array
-        copy = self.program.loop("to_real", [array], [place], "real", len(numbers))
+        copy = self.program.loop("to_real", [array], [place], "real", Grid(len(numbers), 1))
 
         # Each item of a loop has the loop as its argument, and that is the array.
         return copy[0].arguments[0]
 
-    def _in_one_array(self, numbers: Sequence[Number]) -> tuple[Number, str] | None:
-        """The array that some numbers are in, and what of it is the one at place i, in C."""
+    def _in_one_array(
+        self, numbers: Sequence[Number], place: str = PLACE, is_often: bool = False
+    ) -> tuple[Number, str] | None:
+        """The array that some numbers are in, and what of it is the one at a place, in C.
+
+        Args:
+            numbers: The numbers.
+            place: What the place of one of them is called.
+            is_often: Whether they are read so often that they are better copied than not in a row.
+        """
         start = array_and_place(numbers[0])
         if start is None:
             return None
-        array, first = start
+        array, _ = start
         places: list[int] = []
         for number in numbers:
             found = array_and_place(number)
@@ -218,12 +253,15 @@ class Writer:
                 return None
             places.append(found[1])
 
-        # Scattered ones are found by a table of their places, those in a row by the first place.
-        if places != list(range(first, first + len(places))):
-            text = f"{{}}[{self.program.table(places)}[i]]"
+        # Those at equal distances are found by the first one, others by a table of their places.
+        spaced = equally_spaced(places)
+        if spaced is None:
+            text = f"{self.program.table(places)}[{place}]"
         else:
-            text = f"{{}}[i + {first}]" if first else "{}[i]"
-        return self.program.array(array), text
+            text = index(place, *spaced)
+        if place == COLUMN and is_often and (spaced is None or spaced[1] > 1):
+            return self.program.list(numbers), f"{{}}[{place}]"
+        return self.program.array(array), f"{{}}[{text}]"
 
     def pick(self, candidates: Sequence[Number], index: Number) -> Number:
         """The candidate at an index, which may be known when the program runs only."""
@@ -238,7 +276,8 @@ class Writer:
             return self.program.apply("where", arguments, other.kind)
         if all(candidate is candidates[0] for candidate in candidates):
             return candidates[0]
-        return self.program.pick(index, candidates)
+        array = self.whole(candidates) if len(candidates) >= LOOPED else None
+        return self.program.pick(index, candidates if array is None else array)
 
     def is_at(self, index: Number, place: int) -> Number:
         """Whether an index is this place."""
@@ -260,6 +299,16 @@ class Writer:
         # Noted in its shape: the rows of a batch are looked for among these.
         self.program.arrays.append(result)
         return result
+
+
+def _grid_of(arguments: Sequence[Number], places: Sequence[str], count: int) -> Grid:
+    """The grid of the first loop, as long, that a loop reads place by place; else places only."""
+    reads = zip(arguments, [place for place in places if "{}" in place], strict=True)
+    for argument, place in reads:
+        if argument.operation == LOOP and argument.value[-1] == count and place == f"{{}}[{PLACE}]":
+            grid: Grid = argument.value[-2]
+            return grid
+    return Grid(count, 1)
 
 
 def as_array(numbers: Sequence[Number], shape: tuple[int, ...]) -> Array:

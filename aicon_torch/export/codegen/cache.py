@@ -31,13 +31,13 @@ def cached_library(source: str) -> bytes:
     """
     folder = _folder()
     if folder is None:
-        return compiled(source)
+        return compiled(source, stays_here=True)
 
     # The name is a hash of source and flags, so that no library there is ever out of date.
-    path = folder / f"{identity(source)}.so"
+    path = folder / f"{identity(source, stays_here=True)}.so"
     library = _kept(path, source)
     if library is None:
-        library = compiled(source)
+        library = compiled(source, stays_here=True)
         _keep(library, path)
     return library
 
@@ -85,7 +85,7 @@ def _kept(path: Path, source: str) -> bytes | None:
         return None
 
     # The seal says from which source it was compiled.
-    if seal is None or seal.source != identity(source):
+    if seal is None or seal.source != identity(source, stays_here=True):
         _LOGGER.info("%s is compiled again: it was not compiled from this source.", path)
         return None
     return library

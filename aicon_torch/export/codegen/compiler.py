@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import platform
 import shlex
 import shutil
 import subprocess
@@ -10,6 +11,8 @@ import tempfile
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+
+import torch
 
 from aicon_torch.errors import OptionError
 from aicon_torch.export.codegen.files import check_folder, write_whole
@@ -21,6 +24,12 @@ FLAGS = (
     *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
 )
 """Numbers as torch computes them: nothing contracted, nothing reordered."""
+
+INSTRUCTIONS = {
+    "AVX2": ("-mavx2",),
+    "AVX512": ("-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl"),
+}
+"""What an Intel or AMD processor may know besides, by the name that torch has for it."""
 
 ZIG = (sys.executable, "-m", "ziglang", "cc", "-fno-slp-vectorize")
 """The C compiler that comes as a package, ``pip install 'aicon-torch[compiler]'``.
@@ -130,19 +139,33 @@ def compile_library(source: str, path: Path, target: str | None = None) -> None:
     write_whole(path, compiled(source, target))
 
 
-def compiled(source: str, target: str | None = None) -> bytes:
-    """The library of a source: see :func:`compile_library`."""
+def compiled(source: str, target: str | None = None, stays_here: bool = False) -> bytes:
+    """The library of a source: see :func:`compile_library`.
+
+    Args:
+        source: The source.
+        target: The machine that it shall run on.
+        stays_here: Whether it runs on processors like this one only, and may use all of it. The
+            numbers are the same, to the last digit.
+    """
     with tempfile.TemporaryDirectory() as folder:
         library, text = Path(folder, "policy.so"), Path(folder, "policy.c")
         text.write_text(source + _MARKED)
 
-        # No flag names this very processor: the library is for all of its architecture.
+        # What may go elsewhere is for all of an architecture, and no flag names a processor.
         if target is None:
-            _run(folder, *compiler_command(), *FLAGS, "-shared", "-o", library, text, "-lm")
+            flags = (*FLAGS, *(_instructions() if stays_here else ()))
+            _run(folder, *compiler_command(), *flags, "-shared", "-o", library, text, "-lm")
         else:
             _compile_for(target, folder, text, library)
         content = library.read_bytes()
-    return sealed(content, Seal(target or this_machine(), identity(source, target)))
+    return sealed(content, Seal(target or this_machine(), identity(source, target, stays_here)))
+
+
+def _instructions() -> tuple[str, ...]:
+    """The flags that let gcc or clang compute on several numbers at a time, as torch does here."""
+    is_known = platform.machine().lower() in ("x86_64", "amd64") and _found() != ZIG
+    return INSTRUCTIONS.get(torch.backends.cpu.get_cpu_capability(), ()) if is_known else ()
 
 
 def _compile_for(target: str, folder: str, text: Path, library: Path) -> None:
@@ -180,8 +203,10 @@ def _environment(folder: str) -> dict[str, str]:
     return {**os.environ} if is_usable else {**os.environ, "ZIG_GLOBAL_CACHE_DIR": folder}
 
 
-def identity(source: str, target: str | None = None) -> str:
+def identity(source: str, target: str | None = None, stays_here: bool = False) -> str:
     """A hash of a source and how it is compiled, 32 hexadecimal digits."""
-    # A newer version of the package with other flags shall not take an old library for its own.
-    whole = "\n".join((source, *FLAGS, target or this_machine()))
+    # A newer version of the package with other flags shall not take an old library for its own, nor
+    # shall another processor that shares a home.
+    flags = (*FLAGS, *(_instructions() if stays_here else ()))
+    whole = "\n".join((source, *flags, target or this_machine()))
     return hashlib.sha256(whole.encode()).hexdigest()[:32]

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
 
+from aicon_torch.export.codegen.grids import PLACE, Grid
 from aicon_torch.export.codegen.scalars import CONSTANT, LOOP, OPERATIONS, PICK, Number, Program
 
 FEWEST = 2048
@@ -48,13 +49,13 @@ class Phase:
     Attributes:
         alone: Numbers by themselves.
         loops: Lanes, by how many rows they have.
-        arrays: Operations on the numbers of arrays, by how many these are: a loop of them each, in
-            which what one reads of another is at its own place.
+        arrays: Operations on the numbers of arrays, by the grid of their places: a loop of them
+            each, in which what one reads of another is at its own place.
     """
 
     alone: list[Number] = field(default_factory=list)
     loops: defaultdict[int, list[Lanes]] = field(default_factory=lambda: defaultdict(list))
-    arrays: defaultdict[int, list[Number]] = field(default_factory=lambda: defaultdict(list))
+    arrays: defaultdict[Grid, list[Number]] = field(default_factory=lambda: defaultdict(list))
 
 
 def in_phases(program: Program, needed: Collection[int]) -> list[Phase]:
@@ -97,7 +98,7 @@ def _ordered(program: Program, needed: Collection[int], lanes: Sequence[Lanes]) 
             waits = [phase_of[argument.index] for argument in here]
             waits += [known_from(argument) for argument in number.arguments if argument not in here]
             phase_of[number.index] = max(waits, default=0)
-            phases[phase_of[number.index]].arrays[number.value[-1]].append(number)
+            phases[phase_of[number.index]].arrays[number.value[-2]].append(number)
 
         # A number of its own comes as soon as its arguments are known.
         elif own is None:
@@ -125,13 +126,13 @@ def in_rows(argument: Argument) -> tuple[Number, ...]:
 
 
 def _are_one_loop(loop: Number, other: Number) -> bool:
-    """Whether they can be one: as long, and a loop reads of the other what is at its own place."""
-    if other.operation != LOOP or other.value[-1] != loop.value[-1]:
+    """Whether they can be one: of one grid, and a loop reads of the other what is at its place."""
+    if other.operation != LOOP or other.value[-2] != loop.value[-2]:
         return False
 
     places = [place for place in loop.value[1] if "{}" in place]
     reads = zip(loop.arguments, places, strict=True)
-    return all(place == "{}[i]" for argument, place in reads if argument is other)
+    return all(place == f"{{}}[{PLACE}]" for argument, place in reads if argument is other)
 
 
 def _in_small_loops(phases: Sequence[Phase]) -> set[Lanes]:

@@ -9,6 +9,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from aicon_torch.export.codegen.grids import Grid
+
 Kind = Literal["real", "int", "bool"]
 """What a number is: of the graph's precision, an index, or true or false."""
 
@@ -42,8 +44,8 @@ class Number:
 LOOP = "loop"
 """An elementary operation on every number of arrays: an array itself, as the result of a routine.
 
-Its value are the operation, what each of its arguments is at place i in C, and how many numbers it
-has.
+Its value are the operation, what each of its arguments is at a place in C, the grid of its places,
+and how many they are.
 """
 
 
@@ -194,24 +196,26 @@ class Program:
         arguments: Sequence[Number],
         places: Sequence[str],
         kind: Kind,
-        count: int,
+        grid: Grid,
     ) -> list[Number]:
         """The results of an operation on arrays.
 
         Args:
             operation: The operation.
             arguments: Arrays, and numbers that are the same for all.
-            places: What its arguments are at place i, with ``{}`` for each of these in turn.
+            places: What its arguments are at place i, or in a row or column, with ``{}`` for each
+                of these in turn.
             kind: The kind of the results.
-            count: How many there are.
+            grid: The places.
         """
-        value = (operation, tuple(places), count)
+        count = grid.rows * grid.columns
+        value = (operation, tuple(places), grid, count)
         call = self._number(LOOP, tuple(arguments), kind, value)
         return [self.item(call, place) for place in range(count)]
 
-    def pick(self, index: Number, candidates: Sequence[Number]) -> Number:
-        """The candidate at an index; the first one where there is none."""
-        array = self.list(candidates)
+    def pick(self, index: Number, candidates: "Sequence[Number] | Number") -> Number:
+        """The candidate at an index, of some or of an array; the first one where there is none."""
+        array = candidates if isinstance(candidates, Number) else self.list(candidates)
         return self._number(PICK, (index, array), array.kind)
 
     def list(self, numbers: Sequence[Number]) -> Number:

@@ -17,16 +17,44 @@ COMPARED = 64
 
 SELECTION_ROUTINES = {
     "in_order": """\
-/* The largest of n numbers in order, or the smallest, and their places. NaN is larger than all; of
-   equal ones the first comes first. */
-static void in_order(int n, int count, int largest, const real *x, real *y) {
+/* Whether a stands before b, with the largest first or the smallest; NaN is larger than all. */
+static inline int is_before(int largest, real a, real b) {
+  return largest ? is_above(a, b) : is_above(b, a);
+}
+/* Each of n numbers that stands no later than a bound, sorted in among those before it, of which so
+   many are kept; then their places. */
+static void sort_in(int n, int count, int largest, real bound, const real *x, real *y) {
   real *places = y + count;
-  for (int i = 0; i < n; ++i) {
-    int k = i < count ? i : count;
-    for (; k > 0 && (largest ? is_above(x[i], y[k - 1]) : is_above(y[k - 1], x[i])); --k)
+  for (int i = 0, found = 0; i < n; ++i) {
+    if (largest ? x[i] < bound : x[i] > bound) continue;
+    int k = found;
+    for (; k > 0 && is_before(largest, x[i], y[k - 1]); --k)
       if (k < count) y[k] = y[k - 1], places[k] = places[k - 1];
     if (k < count) y[k] = x[i], places[k] = (real)i;
+    if (found < count) ++found;
   }
+}
+/* The largest of n numbers in order, or the smallest, and their places. Of equal ones the first
+   comes first. */
+static void in_order(int n, int count, int largest, const real *x, real *y) {
+  real bound = NAN; /* nothing stands after it */
+
+  /* Many are dealt into twice as many heaps as are asked for. Then so many of them, the firsts of
+     some heaps, stand no later than the last of these firsts: what stands after it is not meant. A
+     NaN may be first of a heap by mistake, and only lets more of them pass. */
+  int heaps = 2 * count;
+  if (n > 2 * heaps) {
+    real firsts[heaps], ordered[heaps];
+    for (int k = 0; k < heaps; ++k) firsts[k] = x[k];
+    for (int i = heaps; i < n; i += heaps) {
+      int left = n - i < heaps ? n - i : heaps;
+      for (int k = 0; k < left; ++k)
+        firsts[k] = largest ? larger(x[i + k], firsts[k]) : smaller(x[i + k], firsts[k]);
+    }
+    sort_in(heaps, count, largest, bound, firsts, ordered);
+    bound = ordered[count - 1];
+  }
+  sort_in(n, count, largest, bound, x, y);
 }
 """,
 }
@@ -126,7 +154,8 @@ def _in_order(writer: Writer, line: Array, count: int, is_better: str) -> list[B
     # Many numbers: a routine of C sorts them in, and returns the values, then their places.
     if line[0].kind == "real" and count > 1 and len(line) * count >= COMPARED:
         sizes = (len(line), count, int(is_better == "gt"), 2 * count)
-        call = program.call("in_order", line, sizes)
+        array = writer.whole(list(line))
+        call = program.call("in_order", line if array is None else [array], sizes)
         values = [program.item(call, k) for k in range(count)]
         places = [program.cast(program.item(call, count + k), "int") for k in range(count)]
         return list(zip(values, places, strict=True))

@@ -6,6 +6,7 @@ from itertools import chain
 import numpy as np
 import torch
 
+from aicon_torch.export.codegen.grids import COLUMN, PLACE, ROW, Grid
 from aicon_torch.export.codegen.lanes import Lanes, in_phases, in_rows
 from aicon_torch.export.codegen.networks import NETWORK_ROUTINES
 from aicon_torch.export.codegen.scalars import (
@@ -61,8 +62,8 @@ class Statements:
                 lines += self._statement(number, [self.text(each) for each in number.arguments])
             for rows, looped in phase.loops.items():
                 lines += self._loop_over_rows(rows, looped)
-            for count, arrays in phase.arrays.items():
-                lines += self._loop_over_arrays(count, arrays)
+            for grid, arrays in phase.arrays.items():
+                lines += self._loop_over_arrays(grid, arrays)
         return lines
 
     def text(self, number: Number) -> str:
@@ -148,7 +149,7 @@ class Statements:
         elif number.operation == PICK:
             # An index beyond the candidates picks the first; unsigned, a negative one is beyond.
             index, array = arguments
-            (count,) = number.arguments[1].value
+            count = number.arguments[1].value[-1]
             value = f"{array}[(unsigned long long){index} < {count} ? {index} : 0]"
         else:
             operation = OPERATIONS[number.operation]
@@ -163,14 +164,14 @@ class Statements:
         listed = ", ".join(map(self.text, numbers))
         return f"  {qualifiers} {TYPES[numbers[0].kind]} {name}[] = {{{listed}}};"
 
-    def _loop_over_arrays(self, count: int, arrays: Sequence[Number]) -> list[str]:
+    def _loop_over_arrays(self, grid: Grid, arrays: Sequence[Number]) -> list[str]:
         """A loop over the places of arrays, with those of them that are read elsewhere."""
         before: list[str] = []
         inside: list[str] = []
 
         together = set(arrays)
         for number in arrays:
-            operation, places, _ = number.value
+            operation, places, _, count = number.value
             given = iter(number.arguments)
             arguments: list[str] = []
             for place in places:
@@ -184,6 +185,15 @@ class Statements:
                 else:
                     arguments.append(place.format(self.text(argument)))
 
+            # What is chosen from is read first, and not where the choice falls on it: without a
+            # branch several places are computed at a time.
+            if operation == "where":
+                for which, read in enumerate(arguments):
+                    if read.endswith("]"):
+                        type = TYPES["bool" if which == 0 else number.kind]
+                        arguments[which] = f"{_at_place(number)}{which}"
+                        inside.append(f"  const {type} {arguments[which]} = {read};")
+
             kind, name = TYPES[number.kind], f"v{number.index}"
             text = OPERATIONS[operation].text.format(*arguments, f=suffix_of(self.program))
             inside.append(f"  const {kind} {_at_place(number)} = {text};")
@@ -191,7 +201,18 @@ class Statements:
                 before.append(f"  {kind} {name}[{count}];")
                 inside.append(f"  {name}[i] = {_at_place(number)};")
 
-        return [*before, f"  for (int i = 0; i < {count}; ++i) {{", *inside, "  }"]
+        return [*before, *_head(grid), *inside, "  }"]
+
+
+def _head(grid: Grid) -> list[str]:
+    """The head of a loop over the places of a grid."""
+    if grid.columns == 1:
+        return [f"  for (int {PLACE} = 0; {PLACE} < {grid.rows}; ++{PLACE}) {{"]
+    return [
+        f"  for (int {ROW} = 0; {ROW} < {grid.rows}; ++{ROW})",
+        f"  for (int {COLUMN} = 0; {COLUMN} < {grid.columns}; ++{COLUMN}) {{",
+        f"  const int {PLACE} = {grid.columns} * {ROW} + {COLUMN};",
+    ]
 
 
 def is_array(number: Number) -> bool:

@@ -167,8 +167,10 @@ def bounds(options: Options, robot: Robot, table: float | None = None) -> list[G
         distance = Interconnection(solids, inputs=["x_joints", "z_obstacles"])
         goals.append(Goal("obstacles", distance, safety=options.safety))
     if robot.shape.pairs:
-        collision = SelfCollision(robot.shape.capsules, options.self_collision, robot.shape.pairs)
-        goals.append(Goal("self_collision", collision, safety=options.safety))
+        shape, chain = robot.shape, robot.chain
+        collision = SelfCollision(shape.capsules, options.self_collision, shape.pairs, chain)
+        distance = Interconnection(collision, inputs=["x_joints"])
+        goals.append(Goal("self_collision", distance, safety=options.safety))
     return goals
 
 
