@@ -102,34 +102,33 @@ class Rehearsal:
 
     def _better_way(self, observation: Mapping[str, Any], memory: Memory, begins: Tensor) -> Memory:
         """The memory with the best way in the rows in which it decides."""
-        seen = {name: torch.as_tensor(value)[begins] for name, value in observation.items()}
-        rows = {name: value[begins] for name, value in memory.items()}
+        after = {name: value.clone() for name, value in memory.items()}
+        fewest = torch.full(begins.shape, torch.inf, dtype=torch.float64)
 
-        best = {name: value.clone() for name, value in rows.items()}
-        fewest = torch.full((int(begins.sum()),), torch.inf, dtype=torch.float64)
+        # Where a way arrives no other one is looked for.
+        seeking = begins
         for number in range(self.rounds):
-            ways = self.ways.of(rows, number)
+            seen = {name: torch.as_tensor(value)[seeking] for name, value in observation.items()}
+            ways = self.ways.of({name: value[seeking] for name, value in memory.items()}, number)
             steps, which = self._rehearse(seen, ways).min(0)
-            better = (steps < fewest).nonzero().squeeze(-1)
+
+            is_better = torch.zeros_like(seeking)
+            is_better[seeking] = steps < fewest[seeking]
+            better = is_better[seeking].nonzero().squeeze(-1)
             for name, value in ways.items():
-                best[name][better] = value[which[better], better]
+                after[name][is_better] = value[which[better], better]
 
-            # Where all of them arrive, no other way is looked for.
-            fewest = torch.minimum(fewest, steps)
-            if (fewest <= self.steps).all():
+            fewest[is_better] = steps[better]
+            seeking = begins & (fewest > self.steps)
+            if not seeking.any():
                 break
-
-        after = {}
-        for name, value in memory.items():
-            after[name] = value.clone()
-            after[name][begins] = best[name]
         return after
 
     def _rehearse(self, seen: Readings, memory: Memory) -> Tensor:
         """In how many steps each of the ways arrives, ``(k, n)``; fewer are better.
 
-        One that does not arrive counts as one step more than all of them, and a share of another
-        that grows with how far off it stayed.
+        One that does not arrive before all others counts as one step more than all of them, and a
+        share of another that grows with how far off it stayed.
 
         Args:
             seen: What is read where it decides, ``(n, size)``.
@@ -139,12 +138,21 @@ class Rehearsal:
         readings: Readings = {name: torch.stack([value] * count) for name, value in seen.items()}
         nearest = torch.full_like(self.cost(memory), torch.inf, dtype=torch.float64)
         arrived = torch.full_like(nearest, torch.inf)
+
+        # Of the rows that go on, those where a way has arrived are no longer tried.
+        going = torch.arange(nearest.shape[-1])
         for step in range(self.steps + 1):
-            cost = self.cost(memory)
-            nearest = torch.minimum(nearest, cost)
-            arrived = torch.where(cost <= self.enough, arrived.clamp(max=step), arrived)
-            if step == self.steps or arrived.amin(0).isfinite().all():
+            cost = self.cost(memory).to(nearest)
+            nearest[:, going] = torch.minimum(nearest[:, going], cost)
+            arrives = cost <= self.enough
+            arrived[:, going] = torch.where(arrives, step, arrived[:, going])
+            goes_on = ~arrives.any(0)
+            if step == self.steps or not goes_on.any():
                 break
+            if not goes_on.all():
+                going = going[goes_on]
+                readings = {name: value[:, goes_on] for name, value in readings.items()}
+                memory = {name: value[:, goes_on] for name, value in memory.items()}
             readings = self.imagine(readings, memory)
             _, memory = self.policy.predict(readings, memory)
         return torch.where(arrived.isfinite(), arrived, self.steps + 1 + nearest / (1.0 + nearest))
