@@ -15,6 +15,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "sb3": ("stable_baselines3",),
     "lerobot": ("lerobot", "diffusers"),
     "peers": ("torchjd", "quadprog", "clarabel", "pytorch_mppi", "mink"),
+    "kinematics": ("pink", "placo", "daqp"),  # pink brings pinocchio
     "cluster": ("distributed",),
     "compiler": ("ziglang",),
 }

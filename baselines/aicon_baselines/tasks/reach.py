@@ -106,6 +106,10 @@ TASK = Task(
         "damped_least_squares_places": "aicon_baselines.agents.reach:DampedLeastSquaresPlaces",
         "mink": "aicon_baselines.agents.reach:Mink",
         "mink_places": "aicon_baselines.agents.reach:MinkPlaces",
+        "pink": "aicon_baselines.agents.reach:Pink",
+        "pink_places": "aicon_baselines.agents.reach:PinkPlaces",
+        "placo": "aicon_baselines.agents.reach:Placo",
+        "placo_places": "aicon_baselines.agents.reach:PlacoPlaces",
     },
     look=Look(
         scene="aicon_baselines.view.reach:ReachScene",

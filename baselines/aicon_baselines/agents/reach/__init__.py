@@ -14,5 +14,16 @@ from aicon_baselines.agents.reach.damped_least_squares import (
     DampedLeastSquaresPlaces,
 )
 from aicon_baselines.agents.reach.mink import Mink, MinkPlaces
+from aicon_baselines.agents.reach.pink import Pink, PinkPlaces
+from aicon_baselines.agents.reach.placo import Placo, PlacoPlaces
 
-__all__ = ["DampedLeastSquares", "DampedLeastSquaresPlaces", "Mink", "MinkPlaces"]
+__all__ = [
+    "DampedLeastSquares",
+    "DampedLeastSquaresPlaces",
+    "Mink",
+    "MinkPlaces",
+    "Pink",
+    "PinkPlaces",
+    "Placo",
+    "PlacoPlaces",
+]

@@ -38,7 +38,8 @@ class InverseKinematics:
         lever: A rotation by 1 rad counts as much as a motion by this, m.
         stop_distance: Distance of the joints from their stops, rad or m.
         places: Whether it goes to random places where it is held up: see :class:`RandomPlaces`.
-        modules: What it needs, of the extra "peers".
+        modules: What it needs.
+        extra: The extra that brings it.
 
     Raises:
         ComparisonError: If a module is not installed; it says how to install it.
@@ -58,13 +59,14 @@ class InverseKinematics:
     places: bool = False
 
     modules: ClassVar[tuple[str, ...]] = ()
+    extra: ClassVar[str] = "peers"
 
     def __post_init__(self) -> None:
         """Check that what it needs is there."""
         missing = [module for module in self.modules if find_spec(module) is None]
         if missing:
             raise ComparisonError(
-                f"{type(self).__name__} needs {' and '.join(missing)}: {pip_command('peers')}"
+                f"{type(self).__name__} needs {' and '.join(missing)}: {pip_command(self.extra)}"
             )
 
     @cached_property
