@@ -48,8 +48,8 @@ class Pink(InverseKinematics):
 
         # Convex hulls, as in MuJoCo: the barrier needs distances that have a gradient.
         for shape in shapes.geometryObjects:
-            if hasattr(shape.geometry, "buildConvexRepresentation"):
-                shape.geometry.buildConvexRepresentation(True)
+            if hasattr(shape.geometry, "buildConvexHull"):
+                shape.geometry.buildConvexHull(True, "Qt")
                 shape.geometry = shape.geometry.convex
 
         counts = pairs_of_links(self.kinematics)
