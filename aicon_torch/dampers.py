@@ -67,6 +67,9 @@ class VelocityDampers:
             times s: rad for an arm.
         escape: How a stalemate is left; None stays there.
         sweeps: Of the solver, at most: among many gaps it needs more of them.
+        haste: So many times the nominal action is what it comes near to. Where the actuator has a
+            metric, components that are not at their limits then go on faster, as far as the metric
+            gains by it; at 1 the nominal action itself is within the limits, and they do not.
 
     Raises:
         OptionError: If a number is not positive.
@@ -78,11 +81,13 @@ class VelocityDampers:
     braking: float = 0.3
     escape: PlaceEscape | WayAround | None = field(default_factory=PlaceEscape)
     sweeps: int = 12
+    haste: float = 1.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         _check_positive("braking", self.braking)
         _check_positive("sweeps", self.sweeps)
+        _check_positive("haste", self.haste)
 
 
 def _check_positive(name: str, value: float) -> None:

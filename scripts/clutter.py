@@ -42,11 +42,11 @@ RANDOM_PLACES = PlaceEscape(patience=1.2, remembers=False, seeks=False)
 
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
-    "rehearsed": {},
+    "rehearsed": {"dampers.haste": 2.0},
     "random_places": {"dampers.escape": RANDOM_PLACES, "advances_within": None},
     "without_escape": {"dampers.escape": None, "advances_within": None},
 }
-"""What differs from the preset "clutter"."""
+"""What differs from the preset "clutter". What is rehearsed may go askew: it is tried before."""
 
 REHEARSED = "rehearsed"
 """This one tries on its own model first: see aicon_torch.Rehearsal."""
@@ -54,8 +54,8 @@ REHEARSED = "rehearsed"
 ESCAPES = "a/escape/escapes"
 """Under which the memory has how often it went elsewhere."""
 
-PLACES, AHEAD, ROUNDS = 15, 5.0, 8
-"""It looks 5 s ahead, at sixteen ways at a time, and up to eight times for one that arrives."""
+PLACES, AHEAD, ROUNDS = 31, 4.5, 6
+"""It looks 4.5 s ahead, at 32 ways at a time, and up to six times for one that arrives."""
 
 CACHE = Path.home() / ".cache" / "aicon"
 """Where what is downloaded is kept."""

@@ -56,6 +56,7 @@ class ActuatorSafety:
         self.limits = limits
         self.time = declared.dampers.braking / float(limits.median())
         self.sweeps = declared.dampers.sweeps
+        self.haste = declared.dampers.haste
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
         self._boxed = [goal.name for goal in goals if self._is_box(goal)]
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
@@ -87,8 +88,11 @@ class ActuatorSafety:
         """
         within = self.bounds(values, goal_factors)
         inverse = self._inverse_metric(values)
+        wanted = nominal
+        if self.haste != 1.0:
+            wanted = self._constrained(values, self.haste * nominal)
         if self.stalemate is None:
-            return nearest_safe(nominal, within, self.sweeps, inverse).action, {}
+            return nearest_safe(wanted, within, self.sweeps, inverse).action, {}
 
         # While escaping, the direction of the escape stands for the nominal action, and serves no
         # goal: all components count alike.
@@ -99,7 +103,7 @@ class ActuatorSafety:
             identity = torch.eye(nominal.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
         if isinstance(self.stalemate, Places):  # a detour leads to no target, and slows for none
-            aim = self.stalemate.aim(self._constrained(values, nominal), own)
+            aim = self.stalemate.aim(self._constrained(values, wanted), own)
         else:
             aim = self._constrained(values, self.stalemate.aim(nominal, own))
         safe = nearest_safe(aim, within, self.sweeps, inverse)

@@ -1,6 +1,7 @@
 """The body of an arm: its joints, its links, and what it must not do, whatever it is for."""
 
 import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -65,9 +66,8 @@ def body_model(options: Options, table: float | None = None) -> WorldModel:
 
     count = len(robot.chain.names)
     speeds = speeds_of(options, robot.chain)
-    velocity = Actuator(
-        count, "rad/s or m/s", speeds, keeps_direction=True, dampers=options.dampers
-    )
+    as_proposed = replace(options.dampers, haste=1.0)
+    velocity = Actuator(count, "rad/s or m/s", speeds, keeps_direction=True, dampers=as_proposed)
     return WorldModel(
         sensors={"z_joints": Sensor(count, "rad or m", key="q"), **obstacle_sensors(options)},
         actuators={"a": velocity},

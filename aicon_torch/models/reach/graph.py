@@ -114,7 +114,7 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
 def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actuator:
     """The velocities of the joints, in proportion within their limits."""
     speeds = speeds_of(options, robot.chain)
-    arrive = Arrive(end_effector, time=options.dampers.braking / _typical(speeds))
+    arrive = Arrive(end_effector, time=options.arrives_within / _typical(speeds))
     return Actuator(
         len(speeds),
         "rad/s or m/s",

@@ -48,6 +48,8 @@ class Options:
             tool waits until the tip is about so near beside it, m: see
             :class:`aicon_torch.parts.ToolAxis`. None where it does not wait; a target of free
             orientation has no such axis.
+        arrives_within: The tip slows down where it would come past its target in the time in which
+            a joint at its limit goes this way, rad: see :class:`aicon_torch.parts.arrive.Arrive`.
         tolerance: Within which a target asks for nothing, m.
         watchdog: Whether the arm stops on readings of its joints that are too old or frozen.
     """
@@ -59,7 +61,7 @@ class Options:
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     resolution: Resolution = field(default_factory=NullspaceProjection)
     law: ActionLaw = field(default_factory=lambda: DirectDescent(smoothing=0.0))
-    dampers: VelocityDampers = field(default_factory=VelocityDampers)
+    dampers: VelocityDampers = field(default_factory=lambda: VelocityDampers(haste=2.0))
     safety: bool = True
     joint_limits: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.02, 1.0))
     self_collision: SquaredHinge = field(default_factory=lambda: SquaredHinge(0.01, 1.0))
@@ -73,6 +75,7 @@ class Options:
     damping: float = 0.15
     turns_within: float | None = None
     advances_within: float | None = None
+    arrives_within: float = 0.15
     tolerance: float = 0.001
     watchdog: bool = True
 
@@ -83,7 +86,7 @@ class Options:
             OptionError: If an option is not what it may be.
         """
         check_choice(self, "orientation", ("free", "axis", "full"))
-        check_positive(self, ("dt", "lever", "damping", "ball_radius"))
+        check_positive(self, ("dt", "lever", "damping", "ball_radius", "arrives_within"))
         check_not_negative(self, ("tolerance", "balls", "obstacles"))
         if self.speed is not None:
             check_positive(self, ("speed",))

@@ -21,6 +21,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "clutter": {
             "dampers.braking": 0.15,
             "dampers.sweeps": 150,
+            "dampers.haste": 1.0,
             "dampers.escape": PlaceEscape(whole=(1, 3)),
             "self_collision": SquaredHinge(0.0025, 1.0),
             "damping": 0.05,
