@@ -6,7 +6,9 @@ from importlib import import_module
 import pytest
 from gymnasium.error import DependencyNotInstalled
 
+from aicon_baselines.agents import reach
 from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
+from aicon_baselines.agents.reach import inverse_kinematics
 from aicon_baselines.agents.registry import import_mppi, import_sb3
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.backends import joblib_backend
@@ -95,6 +97,15 @@ def test_what_is_imported_when_it_is_needed_names_the_extra(
         pass
 
 
+@pytest.mark.parametrize(("opponent", "extra"), [("Mink", "peers"), ("Pink", "kinematics")])
+def test_inverse_kinematics_names_its_extra(
+    monkeypatch: pytest.MonkeyPatch, opponent: str, extra: str
+) -> None:
+    monkeypatch.setattr(inverse_kinematics, "find_spec", lambda name: None)
+    with pytest.raises(ComparisonError, match=rf"pip install 'aicon-torch\[{extra}\]'"):
+        getattr(reach, opponent)()
+
+
 def test_the_condition_upstream_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(upstream, "find_spec", lambda name: None)
     with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[upstream\]'"):
@@ -121,5 +132,6 @@ def test_a_robot_that_reaches_names_its_extra(monkeypatch: pytest.MonkeyPatch) -
 
 def test_every_extra_is_tried() -> None:
     when_imported = {extra for _, _, extra in IMPORTS}
-    when_needed = {"sb3", "lerobot", "cluster", "peers", "upstream", "robots", "reach", "compiler"}
+    when_needed = {"sb3", "lerobot", "cluster", "peers", "kinematics", "upstream", "robots"}
+    when_needed |= {"reach", "compiler"}
     assert when_imported | when_needed == set(EXTRAS)
