@@ -69,7 +69,7 @@ class ReachRollout(Rollout):
 
 def make_figure(
     out: Path,
-    seed: int = 1020,
+    seed: int = 1000,
     video: str = "mp4",
     *,
     horizon: int = 1_000,
