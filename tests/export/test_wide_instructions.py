@@ -29,7 +29,6 @@ def test_a_compiled_step_and_an_exported_one_agree_to_the_last_bit(tmp_path: Pat
 def test_another_processor_takes_no_library_of_this_one(monkeypatch: pytest.MonkeyPatch) -> None:
     names = set()
     monkeypatch.setattr(compiler.platform, "machine", lambda: "x86_64")
-    monkeypatch.setattr(compiler, "_found", lambda: ("cc",))
     for widest in ("DEFAULT", "AVX2", "AVX512"):
         monkeypatch.setattr(torch.backends.cpu, "get_cpu_capability", lambda widest=widest: widest)
         names.add(compiler.identity("int a;", stays_here=True))

@@ -154,8 +154,9 @@ def compiled(source: str, target: str | None = None, stays_here: bool = False) -
 
         # What may go elsewhere is for all of an architecture, and no flag names a processor.
         if target is None:
-            flags = (*FLAGS, *(_instructions() if stays_here else ()))
-            _run(folder, *compiler_command(), *flags, "-shared", "-o", library, text, "-lm")
+            command = compiler_command()
+            flags = (*FLAGS, *(_instructions() if stays_here and command != ZIG else ()))
+            _run(folder, *command, *flags, "-shared", "-o", library, text, "-lm")
         else:
             _compile_for(target, folder, text, library)
         content = library.read_bytes()
@@ -164,7 +165,7 @@ def compiled(source: str, target: str | None = None, stays_here: bool = False) -
 
 def _instructions() -> tuple[str, ...]:
     """The flags that let gcc or clang compute on several numbers at a time, as torch does here."""
-    is_known = platform.machine().lower() in ("x86_64", "amd64") and _found() != ZIG
+    is_known = platform.machine().lower() in ("x86_64", "amd64")
     return INSTRUCTIONS.get(torch.backends.cpu.get_cpu_capability(), ()) if is_known else ()
 
 
@@ -206,7 +207,7 @@ def _environment(folder: str) -> dict[str, str]:
 def identity(source: str, target: str | None = None, stays_here: bool = False) -> str:
     """A hash of a source and how it is compiled, 32 hexadecimal digits."""
     # A newer version of the package with other flags shall not take an old library for its own, nor
-    # shall another processor that shares a home.
+    # shall another processor that shares a home. Which compiler it was does not matter.
     flags = (*FLAGS, *(_instructions() if stays_here else ()))
     whole = "\n".join((source, *flags, target or this_machine()))
     return hashlib.sha256(whole.encode()).hexdigest()[:32]
