@@ -56,14 +56,17 @@ def follow(condition: str, seed: int) -> Contact:
     policy, safety = plain.compile(), safety_of(plain.model)["a"]
     env = TASK.make_env(1, condition, TASK.horizon)
     seen, _ = env.reset(seed=seed)
+
     memory: Any = None
     least: list[float] = []
     missed: list[float] = []
     for step in range(TASK.horizon):
         action, memory = policy.predict(seen, memory)
+
         bounds = bounds_of(policy, safety, memory)
         least.append(least_miss(bounds))
         missed.append(miss_of(bounds, torch.as_tensor(action)[0].numpy()))
+
         seen, _, done, late, info = env.step(np.asarray(action))
         if float(np.ravel(info["ball_gap"])[0]) <= 0.0:
             return _contact(condition, seed, step, least, missed)

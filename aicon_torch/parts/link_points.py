@@ -59,7 +59,8 @@ class LinkPoints(nn.Module):
         joints = torch.arange(x_joints.shape[-1], device=x_joints.device)
         moves = (joints < self.links.unsqueeze(-1)).to(x_joints)[which]
         arguments = (x_joints, self.chain, link, own, moves)
-        point: Tensor = _Chosen.apply(*arguments)  # type: ignore[no-untyped-call]  # torch's
+        # torch gives `apply` no types.
+        point: Tensor = _Chosen.apply(*arguments)  # type: ignore[no-untyped-call]
         return point
 
 

@@ -77,6 +77,32 @@ class CapsuleSegments(nn.Module):
         return ends.flatten(-2)
 
 
+class CapsuleEnds(nn.Module):
+    """Where the ends of capsules are, so that the slope of one takes its own link's motion only.
+
+    Args:
+        chain: From the joints to the links.
+        capsules: The shape of the robot, or a part of it.
+    """
+
+    def __init__(self, chain: Chain, capsules: Sequence[Capsule]) -> None:
+        super().__init__()
+        links = [capsule.link for capsule in capsules]
+        self.starts = LinkPoints(chain, links, [capsule.start for capsule in capsules])
+        self.ends = LinkPoints(chain, links, [capsule.end for capsule in capsules])
+        self.are_spheres = all_are_spheres(capsules)
+
+    def forward(self, x_joints: Tensor) -> tuple[Tensor, Tensor]:
+        """Both ends of all C capsules, ``(*B, C, 3)``, m, at the joint angles ``(*B, n)``, rad."""
+        start = self.starts(x_joints)
+        return start, start if self.are_spheres else self.ends(x_joints)
+
+    def chosen(self, x_joints: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
+        """Both ends of some, ``(m, *B, 3)``, m, by their numbers: see :meth:`LinkPoints.chosen`."""
+        start = self.starts.chosen(x_joints, which)
+        return start, start if self.are_spheres else self.ends.chosen(x_joints, which)
+
+
 class SelfCollision(nn.Module):
     """g = w Σ max(0, 1 − d/d₀)² over the pairs of capsules that can meet, d being their distance.
 
@@ -97,8 +123,6 @@ class SelfCollision(nn.Module):
     first: Tensor
     second: Tensor
     radii: Tensor
-    starts: LinkPoints | None
-    ends: LinkPoints | None
 
     def __init__(
         self,
@@ -110,11 +134,7 @@ class SelfCollision(nn.Module):
         super().__init__()
         _check_sizes(capsules)
         self.cost = cost
-        self.starts, self.ends = None, None
-        if chain is not None:
-            links = [capsule.link for capsule in capsules]
-            self.starts = LinkPoints(chain, links, [capsule.start for capsule in capsules])
-            self.ends = LinkPoints(chain, links, [capsule.end for capsule in capsules])
+        self.ends = None if chain is None else CapsuleEnds(chain, capsules)
         if pairs is None:
             pairs = distant_pairs(capsules)
         first, second = torch.tensor(pairs, dtype=torch.long).reshape(-1, 2).unbind(-1)
@@ -122,7 +142,7 @@ class SelfCollision(nn.Module):
         self.register_buffer("second", second, persistent=False)
 
         # The distance of two capsules is that of their segments, less both radii.
-        self.are_spheres = all(capsule.start == capsule.end for capsule in capsules)
+        self.are_spheres = all_are_spheres(capsules)
         radii = [capsule.radius for capsule in capsules]
         single = torch.tensor(radii, dtype=torch.float64)
         self.register_buffer("radii", single[first] + single[second])
@@ -147,24 +167,27 @@ class SelfCollision(nn.Module):
 
     def distances(self, x_body: Tensor) -> Tensor:
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
-        if self.starts is not None and self.ends is not None:
-            x_body = torch.cat((self.starts(x_body), self.ends(x_body)), dim=-1)
+        if self.ends is not None:
+            x_body = torch.cat(self.ends(x_body), dim=-1)
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
         return self._of_segments(first, second) - self.radii.to(x_body)
 
     def _chosen(self, x_body: Tensor, capsule: Tensor) -> Tensor:
         """The segment ``(m, *B, 6)`` of the capsule of a number ``(m, *B)``."""
-        if self.starts is None or self.ends is None:
+        if self.ends is None:
             return select(x_body, capsule.unsqueeze(-1))
-        start = self.starts.chosen(x_body, capsule)
-        end = start if self.are_spheres else self.ends.chosen(x_body, capsule)
-        return torch.cat((start, end), dim=-1)
+        return torch.cat(self.ends.chosen(x_body, capsule), dim=-1)
 
     def _of_segments(self, first: Tensor, second: Tensor) -> Tensor:
         """The distance ``(*B,)`` of segments ``(*B, 6)``, which are points if all are spheres."""
         if self.are_spheres:
             return norm(first[..., :3] - second[..., :3])
         return segment_distance(first, second)
+
+
+def all_are_spheres(capsules: Sequence[Capsule]) -> bool:
+    """Whether no capsule has a length."""
+    return all(capsule.start == capsule.end for capsule in capsules)
 
 
 def _check_sizes(capsules: Sequence[Capsule]) -> None:

@@ -12,10 +12,9 @@ from aicon_torch.differentiation import values_only
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.link_points import LinkPoints
 from aicon_torch.parts.obstacle import nearest_on_segment
 from aicon_torch.parts.planar import norm
-from aicon_torch.parts.self_collision import Capsule
+from aicon_torch.parts.self_collision import Capsule, CapsuleEnds
 from aicon_torch.parts.tip_pose import rotation_of_quaternion
 from aicon_torch.vectors import select
 
@@ -177,10 +176,7 @@ class Solids(nn.Module):
         super().__init__()
         self.count, self.cost = count, cost
         moving = [capsule for capsule in capsules if capsule.link > 0]
-        links = [capsule.link for capsule in moving]
-        self.starts = LinkPoints(chain, links, [capsule.start for capsule in moving])
-        self.are_spheres = all(capsule.start == capsule.end for capsule in moving)
-        self.ends = LinkPoints(chain, links, [capsule.end for capsule in moving])
+        self.ends = CapsuleEnds(chain, moving)
         radii = [capsule.radius for capsule in moving]
         self.register_buffer("radii", torch.tensor(radii, dtype=torch.float64))
 
@@ -210,16 +206,14 @@ class Solids(nn.Module):
         capsule, number = self.first[which], self.second[which]
         solid = select(self._table(x_obstacles), number.unsqueeze(-1))
 
-        start = self.starts.chosen(x_joints, capsule)
-        end = start if self.are_spheres else self.ends.chosen(x_joints, capsule)
+        start, end = self.ends.chosen(x_joints, capsule)
         distance = self._of_segment(start, end, solid) - self.radii.to(x_joints)[capsule]
         return distance - self.cost.margin
 
     def distances(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
         """dᵢⱼ of each object j and capsule i, ``(*B, N C)``, m; negative where they overlap."""
         solids = self._table(x_obstacles).unsqueeze(-2)
-        start = self.starts(x_joints).unsqueeze(-3)
-        end = start if self.are_spheres else self.ends(x_joints).unsqueeze(-3)
+        start, end = (points.unsqueeze(-3) for points in self.ends(x_joints))
         of_axes = self._of_segment(start, end, solids)
         return (of_axes - self.radii.to(x_joints)).flatten(-2)
 
@@ -229,7 +223,7 @@ class Solids(nn.Module):
 
     def _of_segment(self, start: Tensor, end: Tensor, solid: Tensor) -> Tensor:
         """The signed distance ``(*B,)`` of segments, or of points, to objects ``(*B, 16)``."""
-        if self.are_spheres:
+        if self.ends.are_spheres:
             return distance_of_point(start, solid)
 
         # No derivative of where the nearest point is: there the distance is stationary, or it is

@@ -11,7 +11,6 @@ from torch import Tensor
 from aicon_torch.export.codegen.grids import (
     COLUMN,
     PLACE,
-    ROW,
     Grid,
     equally_spaced,
     index,
@@ -131,19 +130,22 @@ class Writer:
         # For each argument what the loop reads: one number for all, an array, a table of constants,
         # or a few numbers again and again.
         grid = Grid.of(shape)
-        reads_array = False
+        is_along = reads_array = False  # whether it reads by row or column, and an array
         arguments: list[Number] = []
         places: list[str] = []
         for array in arrays:
             numbers = list(np.broadcast_to(array, shape).reshape(-1))
             if numbers[0].kind == "int":
                 return None
-            few, place = grid.reduced(numbers)
-            is_often = len(few) * OFTEN <= count
             if all(number is numbers[0] for number in numbers):
                 arguments.append(numbers[0])
                 places.append("{}")
-            elif all(number.operation == CONSTANT for number in numbers):
+                continue
+
+            few, place = grid.reduced(numbers)
+            is_along = is_along or place != PLACE
+            is_often = len(few) * OFTEN <= count
+            if all(number.operation == CONSTANT for number in numbers):
                 table = self.program.table([number.value for number in few])
                 places.append(f"{table}[{place}]")
             elif (found := self._in_one_array(few, place, is_often)) is not None:
@@ -162,7 +164,7 @@ class Writer:
                 places.append(f"{{}}[{table}[{place}]]")
 
         # What reads no row and no column goes with the array that it reads.
-        if not any(name in place for name in (ROW, COLUMN) for place in places):
+        if not is_along:
             grid = _grid_of(arguments, places, count)
 
         # Without an array it is written out, unless it is another number nearly everywhere.

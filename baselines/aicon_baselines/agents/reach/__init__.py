@@ -1,12 +1,13 @@
-"""Inverse kinematics, to compare AICON with: damped least squares, and mink.
+"""Inverse kinematics, to compare AICON with: damped least squares, mink, pink and placo.
 
 | file | content |
 |---|---|
 | `kinematics.py` | the robot as they know it, and how far it is from its target |
-| `inverse_kinematics.py` | what both have in common |
+| `inverse_kinematics.py` | what all have in common |
 | `damped_least_squares.py` | the damped pseudo-inverse of the Jacobian |
-| `mink.py` | a quadratic program in each step, by mink |
-| `random_places.py` | where both go when they are held up, if they may |
+| `mink.py`, `pink.py`, `placo.py` | a quadratic program in each step, by the library of this name |
+| `pinocchio_files.py` | the robot as pink and placo read it |
+| `random_places.py` | where they go when they are held up, if they may |
 """
 
 from aicon_baselines.agents.reach.damped_least_squares import (

@@ -117,6 +117,12 @@ class InverseKinematics:
         )
         return np.concatenate((observation["target_position"] - position, self.lever * turn))
 
+    def _step_of(self, way: FloatArray) -> FloatArray:
+        """How far a step at full speed leads on a way ``(n,)``, rad or m: at most to its end."""
+        excess = float(np.abs(way / (self.dt * self.kinematics.speed)).max())
+        step: FloatArray = way / max(1.0, excess)
+        return step
+
     def _fresh(self) -> RandomPlaces:
         """What is known before the first step."""
         return RandomPlaces(self.kinematics.low, self.kinematics.high, self.dt)

@@ -86,8 +86,8 @@ class Mink(InverseKinematics):
         reach.set_target(target)
         task = reach
         if way is not None:
-            step = way / max(1.0, float(np.abs(way / (self.dt * robot.speed)).max()))
-            posture.set_target(robot.full_positions(observation["q"] + step))
+            there = observation["q"] + self._step_of(way)
+            posture.set_target(robot.full_positions(there))
             task = posture
 
         try:

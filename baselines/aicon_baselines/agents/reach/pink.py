@@ -107,7 +107,14 @@ class Pink(InverseKinematics):
         from aicon_baselines.agents.reach.kinematics import target_rotation
 
         own, reach, posture, limits, barriers = self._problem
-        configuration = self._configuration(observation["q"])
+        model, shapes = self._model
+        configuration = pink.Configuration(
+            model,
+            model.createData(),
+            self._full_positions(observation["q"]),
+            collision_model=shapes,
+            collision_data=shapes.createData(),
+        )
 
         # Where the tip should be, or the joints after a step at full speed.
         now = configuration.get_transform_frame_to_world(self.tip).rotation
@@ -115,8 +122,7 @@ class Pink(InverseKinematics):
         reach.set_target(pinocchio.SE3(rotation, observation["target_position"]))
         task = reach
         if way is not None:
-            step = way / max(1.0, float(np.abs(way / (self.dt * self.kinematics.speed)).max()))
-            posture.set_target(self._configuration(observation["q"] + step).q)
+            posture.set_target(self._full_positions(observation["q"] + self._step_of(way)))
             task = posture
 
         try:
@@ -135,18 +141,15 @@ class Pink(InverseKinematics):
         found: FloatArray = velocities[own]
         return found
 
-    def _configuration(self, joints: FloatArray) -> Any:
-        """The robot with its joints at values, ``(n,)``."""
-        import pink
+    def _full_positions(self, joints: FloatArray) -> FloatArray:
+        """Pinocchio's `q` at values of the joints, ``(n,)``."""
         import pinocchio
 
-        model, shapes = self._model
-        own = self._problem[0]
+        model, _ = self._model
         turned = np.zeros(model.nv)
-        turned[own] = joints
-        q = pinocchio.integrate(model, pinocchio.neutral(model), turned)
-        seen = {"collision_model": shapes, "collision_data": shapes.createData()}
-        return pink.Configuration(model, model.createData(), q, **seen)
+        turned[self._problem[0]] = joints
+        found: FloatArray = pinocchio.integrate(model, pinocchio.neutral(model), turned)
+        return found
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,6 @@ def pairs_of_links(kinematics: "Kinematics") -> set[LinkPair]:
     return found
 
 
-def write_pairs(folder: Path, pairs: list[tuple[str, str]]) -> None:
-    """Write pairs of shapes where placo looks for them."""
+def write_pairs(folder: Path, pairs: list[LinkPair]) -> None:
+    """Write the pairs of links whose shapes are compared, as placo reads them."""
     (folder / "collisions.json").write_text(json.dumps(pairs))

@@ -122,8 +122,7 @@ class Placo(InverseKinematics):
             target[:3, 3] = observation["target_position"]
             task.T_world_frame = target
         else:
-            step = way / max(1.0, float(np.abs(way / (self.dt * self.kinematics.speed)).max()))
-            there = observation["q"] + step
+            there = observation["q"] + self._step_of(way)
             posture.set_joints(dict(zip(names, there.tolist(), strict=True)))
             solver = elsewhere
 
