@@ -6,7 +6,8 @@ Example: python scripts/shield.py nav2d --episodes 100 --seed 300000 --out runs/
 import argparse
 import json
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -59,29 +60,36 @@ def navigation() -> World:
     )
 
 
-def pushing() -> World:
-    """PPO and LeRobot's student, with a region in the way."""
+def pushing(is_moving: bool = False) -> World:
+    """PPO and LeRobot's student, with a region in the way, or one that moves."""
     ppo = saved_agent("pusht", shipped_folder("sb3", "pusht"), sampled=True)[1]
     student = diffusion_policy("pusht", str(shipped_folder("diffusion", "pusht")))[1]
     proposers = {
         "PPO": lambda: ppo("deterministic"),
         "student": lambda: student("deterministic"),
     }
-    start = seeded(lambda count: pusht.make_env(count, 1000))
+    start = seeded(lambda count: pusht.make_env(count, 1000, is_moving))
     guarded = guards(pusht.clamped, pusht.shielded)
     return World(proposers, guarded, start, time_step=0.1, still=(50, 20.0))
 
 
-def moving() -> World:
-    """An arm whose joints go straight, with a ball in the way."""
-    start = seeded(lambda count: arm.make_env(count, 1000))
-    guarded = guards(arm.clamped, arm.shielded)
+def posing(is_moving: bool = False) -> World:
+    """An arm whose joints go straight, with a ball in the way, or several that move."""
+    start = seeded(lambda count: arm.make_env(count, 1000, is_moving))
+    shielded = partial(arm.shielded, balls=arm.MOVING) if is_moving else arm.shielded
+    guarded = guards(arm.clamped, shielded)
     return World(
         {"straight": arm.Straight}, guarded, start, time_step=0.02, still=(100, 0.1), at_once=25
     )
 
 
-WORLDS = {"nav2d": navigation, "pusht": pushing, "arm": moving}
+WORLDS: dict[str, Callable[[], World]] = {
+    "nav2d": navigation,
+    "pusht": pushing,
+    "pusht_moving": partial(pushing, is_moving=True),
+    "arm": posing,
+    "arm_moving": partial(posing, is_moving=True),
+}
 """The tasks, by name; each loads its own policies."""
 
 

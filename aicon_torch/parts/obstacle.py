@@ -142,26 +142,31 @@ class Obstacle(nn.Module):
 
 
 def moved_evenly(x: Tensor, dt: Tensor) -> Tensor:
-    """(p + v dt, v): position and velocity ``(*B, 6)``, m and m/s, after a time dt, s."""
-    position, velocity = x[..., :3], x[..., 3:]
+    """(p + v dt, v): position and velocity ``(*B, 2 n)``, m and m/s, after a time dt, s."""
+    position, velocity = x.chunk(2, dim=-1)
     return torch.cat((position + velocity * dt, velocity), dim=-1)
 
 
 class Transition(nn.Module):
-    """The Jacobian of :func:`moved_evenly` by position and velocity: (I, I dt; 0, I)."""
+    """The Jacobian of :func:`moved_evenly` by position and velocity: (I, I dt; 0, I).
+
+    Args:
+        size: Number n of components of a position.
+    """
 
     identity: Tensor
     by_time: Tensor
 
-    def __init__(self) -> None:
+    def __init__(self, size: int) -> None:
         super().__init__()
 
-        # (0, I; 0, 0) is the identity moved three columns on, without what comes round again.
-        self.register_buffer("identity", torch.eye(6, dtype=torch.float64))
-        self.register_buffer("by_time", torch.eye(6, dtype=torch.float64).roll(3, 1).triu(1))
+        # (0, I; 0, 0) is the identity moved n columns on, without what comes round again.
+        identity = torch.eye(2 * size, dtype=torch.float64)
+        self.register_buffer("identity", identity)
+        self.register_buffer("by_time", identity.roll(size, 1).triu(1))
 
     def forward(self, dt: Tensor) -> Tensor:
-        """``(6, 6)``, or ``(*B, 6, 6)`` by a time that differs from row to row, ``(*B, 1)``, s."""
+        """``(2 n, 2 n)``, or ``(*B, 2 n, 2 n)`` by a time of each row, ``(*B, 1)``, s."""
         return self.identity + dt.unsqueeze(-1) * self.by_time
 
 
@@ -172,35 +177,38 @@ def moving_point(
     noise: float = 0.002,
     acceleration: float = 2.0,
     speed: float = 0.5,
+    size: int = 3,
 ) -> EKF:
     """Position and velocity of something that is seen: a Kalman filter with constant velocity.
 
     p⁻ = p + v dt, v⁻ = v + N(0, (σ dt)²) in each component.
 
     Args:
-        name: Of the estimate ``(*B, 6)``, m and m/s, such as ``"x_ball"``; its covariance is
+        name: Of the estimate ``(*B, 2 n)``, m and m/s, such as ``"x_ball"``; its covariance is
             ``"P_ball"``.
-        reading: The sensor of its position, ``(*B, 3)``, m.
+        reading: The sensor of its position, ``(*B, n)``, m.
         dt: Time step in which the velocity changes, s; the motion takes as long as a clock tells.
         noise: Standard deviation of a reading, m.
         acceleration: σ, m/s².
         speed: Standard deviation of the velocity before the first motion, m/s.
+        size: n: 3 in space, 2 in a plane.
 
     Example:
         >>> moving_point("x_ball", "z_ball", dt=0.02)
     """
-    position = torch.eye(6, dtype=torch.float64)[:3]
+    position = torch.eye(2 * size, dtype=torch.float64)[:size]
 
     # An acceleration that lasts a step moves it by σ dt²/2, and changes its velocity by σ dt.
-    drift = [(acceleration * dt**2 / 2) ** 2] * 3 + [(acceleration * dt) ** 2] * 3
+    drift = [(acceleration * dt**2 / 2) ** 2] * size
+    drift += [(acceleration * dt) ** 2] * size
     difference: dict[str, float | Tensor] = {name: position, reading: -1.0}
-    prior = ReadingPrior((noise**2,) * 3 + (speed**2,) * 3)
+    prior = ReadingPrior((noise**2,) * size + (speed**2,) * size)
     return EKF(
         name,
         covariance_name(name),
-        predict=Interconnection(moved_evenly, [name, "dt"], **{name: Transition()}),
+        predict=Interconnection(moved_evenly, [name, "dt"], **{name: Transition(size)}),
         noise=drift,
         initial=first_belief(prior, reading),
-        correct=[Measurement(Affine(**difference), noise**2, size=3)],
-        size=6,
+        correct=[Measurement(Affine(**difference), noise**2, size=size)],
+        size=2 * size,
     )

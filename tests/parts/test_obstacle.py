@@ -83,9 +83,11 @@ def test_the_motion_of_a_point_is_estimated() -> None:
     torch.testing.assert_close(values["x_ball"][3:], velocity, rtol=0, atol=5e-3)
 
 
-def test_a_point_moves_for_as_long_as_the_clock_tells() -> None:
-    motion = moving_point("x_ball", "z_ball", 0.02)
-    state, times = normal(2, 6), torch.tensor([[0.02], [0.1]], dtype=torch.float64)
-    moved, jacobian = motion.double().predict.linearize({"x_ball": state, "dt": times}, "x_ball", 6)
-    torch.testing.assert_close(moved[:, :3], state[:, :3] + times * state[:, 3:])
+@pytest.mark.parametrize("size", [2, 3])
+def test_a_point_moves_for_as_long_as_the_clock_tells(size: int) -> None:
+    motion = moving_point("x_ball", "z_ball", 0.02, size=size).double()
+    state, times = normal(2, 2 * size), torch.tensor([[0.02], [0.1]], dtype=torch.float64)
+    known = {"x_ball": state, "dt": times}
+    moved, jacobian = motion.predict.linearize(known, "x_ball", 2 * size)
+    torch.testing.assert_close(moved[:, :size], state[:, :size] + times * state[:, size:])
     torch.testing.assert_close((jacobian @ state.unsqueeze(-1)).squeeze(-1), moved)

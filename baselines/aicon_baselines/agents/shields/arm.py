@@ -1,4 +1,4 @@
-"""An arm behind a shield: its joints go straight where they shall be, and a ball is in the way."""
+"""An arm behind a shield: its joints go straight where they shall be, and balls are in the way."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -22,7 +22,10 @@ from aicon_torch.parts import CapsuleSegments, Obstacle, Sphere, SquaredHinge
 from aicon_torch.shield import Shield
 
 SPEED, BALL = 1.5, 0.05
-"""The largest speed of a joint, rad/s, and the radius of the ball, m."""
+"""The largest speed of a joint, rad/s, and the radius of a ball, m."""
+
+MOVING, BALL_SPEED = 3, 0.2
+"""So many balls move at once, at up to so many m/s."""
 
 SETTLING = 0.1
 """A joint goes where it shall be in so long, s, as far as its speed allows."""
@@ -31,7 +34,7 @@ NEAR = 0.03
 """A joint has arrived within this, rad."""
 
 ROOM = 0.05
-"""So far from the ball does the arm begin and end, m."""
+"""So far from a ball at rest does the arm begin and end, m."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +55,25 @@ class Posture(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     The ball leaves room at both ends. Where the joints shall be is in the observation,
     `target_joints` (n,), rad.
+
+    Args:
+        is_moving: Whether there are several balls instead that go to and fro about the way, where
+            they come neither near the base nor near the arm at its end.
     """
 
-    def __init__(self) -> None:
-        env = ReachEnv("so101", "axis", "random", speed=SPEED, balls=1, ball_radius=BALL)
+    def __init__(self, is_moving: bool = False) -> None:
+        balls, speed = (MOVING, BALL_SPEED) if is_moving else (1, 0.0)
+        env = ReachEnv(
+            "so101",
+            "axis",
+            "random",
+            speed=SPEED,
+            balls=balls,
+            ball_radius=BALL,
+            ball_speed=speed,
+        )
         super().__init__(env)
-        self._arm = env
+        self._arm, self._is_moving = env, is_moving
         seen = env.observation_space
         assert isinstance(seen, spaces.Dict)
         self.observation_space = spaces.Dict({**seen.spaces, "target_joints": seen["q"]})
@@ -67,6 +83,9 @@ class Posture(gymnasium.Wrapper[Any, Any, Any, Any]):
         while True:
             observation, info = super().reset(**arguments)
             self._target, start = info["target_joints"], observation["q"]
+            if self._is_moving:
+                return self._seen(observation, info)
+
             ball = _tip((start + self._target) / 2)
             if min(_distance(start, ball), _distance(self._target, ball)) > ROOM:
                 break
@@ -112,15 +131,15 @@ def _distance(joints: NDArray[Any], ball: NDArray[Any]) -> float:
     return float(obstacle.distances(segments, torch.as_tensor(ball)).min())
 
 
-def shielded(policy: Predictor, goes_around: bool = True) -> Shield:
+def shielded(policy: Predictor, goes_around: bool = True, balls: int = 1) -> Shield:
     """A shield around a policy that proposes velocities of the joints, rad/s, compiled."""
-    return Shield(policy, model(), goes_around=goes_around).compile()
+    return Shield(policy, model(balls), goes_around=goes_around).compile()
 
 
-def model() -> WorldModel:
-    """The arm, and a ball that it sees."""
+def model(balls: int = 1) -> WorldModel:
+    """The arm, and the balls that it sees."""
     return body_model(
-        Options(robot=robot(), speed=SPEED, dt=CONTROL_STEP, balls=1, ball_radius=BALL)
+        Options(robot=robot(), speed=SPEED, dt=CONTROL_STEP, balls=balls, ball_radius=BALL)
     )
 
 
@@ -129,6 +148,6 @@ def clamped(policy: Predictor) -> Clamped:
     return Clamped(policy, lambda action, _: np.clip(action, -SPEED / 2, SPEED / 2))
 
 
-def make_env(number: int, horizon: int) -> SideBySide:
-    """Episodes with a ball about on the way."""
-    return side_by_side(Posture, number, horizon)
+def make_env(number: int, horizon: int, is_moving: bool = False) -> SideBySide:
+    """Episodes with a ball on the way, or several that move about it."""
+    return side_by_side(lambda: Posture(is_moving), number, horizon)

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import count
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from aicon_baselines.ablations import PIXEL
@@ -21,6 +21,7 @@ from aicon_torch.models.pusht.benchmark import GOAL_POSE, SUBSTEP
 from aicon_torch.models.pusht.interface import actuator
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.models.pusht.pusher import pusher_estimators
+from aicon_torch.parts.obstacle import moving_point
 from aicon_torch.parts.servo import Servo
 from aicon_torch.shield import Shield
 
@@ -36,6 +37,12 @@ BRAKING = 0.1
 IN_THE_WAY = 100
 """So often a region in the way is drawn, and any if none fits."""
 
+AMPLITUDE, SPEED = 80.0, 40.0
+"""A region that moves goes to and fro, so far to each side, px, and at most so fast, px/s."""
+
+NOISE, ACCELERATION = 1e-3, 1.0
+"""How well the middle of a region is seen, m, and how fast its velocity changes, m/s²."""
+
 SERVO = Servo.of(substep=SUBSTEP)
 
 
@@ -45,8 +52,11 @@ def shielded(policy: Predictor, goes_around: bool = True) -> Shield:
 
 
 def model() -> WorldModel:
-    """The pusher, its controller, and the region that it sees."""
+    """The pusher, its controller, and the region that it sees, with its velocity."""
     options = Options()
+    region = moving_point(
+        "x_region", "z_region", options.dt, NOISE, ACCELERATION, SPEED * PIXEL, size=2
+    )
     velocity = replace(actuator(options, SERVO), dampers=VelocityDampers(braking=BRAKING))
     return WorldModel(
         sensors={
@@ -54,16 +64,16 @@ def model() -> WorldModel:
             "z_region": Sensor(2, "m", key="region", scale=PIXEL),
         },
         actuators={"a": velocity},
-        estimators=pusher_estimators(options, SERVO),
+        estimators=[*pusher_estimators(options, SERVO), region],
         goals=[Goal("region", inside, safety=True)],
         dt=options.dt,
         dtype=options.dtype,
     )
 
 
-def inside(x_pusher: Tensor, z_region: Tensor) -> Tensor:
+def inside(x_pusher: Tensor, x_region: Tensor) -> Tensor:
     """How far it is inside, r + m − ‖x − c‖, ``(*B,)``, m."""
-    distance = (x_pusher - z_region).square().sum(-1).clamp(min=1e-12).sqrt()
+    distance = (x_pusher - x_region[..., :2]).square().sum(-1).clamp(min=1e-12).sqrt()
     return (RADIUS + MARGIN) * PIXEL - distance
 
 
@@ -93,20 +103,26 @@ class Region(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     Its middle is in the observation, `region` (2,), px; `info["collision"]` says whether the pusher
     was inside in this step, or in one of the sub-steps of its controller.
+
+    Args:
+        env: pushT.
+        is_moving: Whether it goes to and fro.
     """
 
-    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+    def __init__(self, env: gymnasium.Env[Any, Any], is_moving: bool = False) -> None:
         super().__init__(env)
         region = gymnasium.spaces.Box(0.0, 512.0, (2,), np.float64)
         seen = cast(gymnasium.spaces.Dict, env.observation_space)
         self.observation_space = gymnasium.spaces.Dict({**seen.spaces, "region": region})
+        self._amplitude = AMPLITUDE if is_moving else 0.0
 
     def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
         """Start an episode; the region hangs on its seed."""
         observation, info = super().reset(**arguments)
-        self._middle = _drawn(observation, np.random.default_rng(arguments["seed"]))
-        self._before = info
-        return observation | {"region": self._middle}, info
+        random = np.random.default_rng(arguments["seed"])
+        self._track = _drawn(observation, self._amplitude, random)
+        self._before, self._time = info, 0.0
+        return observation | {"region": self._track.at(0.0)}, info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Move by one control step."""
@@ -116,28 +132,60 @@ class Region(gymnasium.Wrapper[Any, Any, Any, Any]):
         offset = np.clip(action, 0.0, 512.0) - place
         by_offset = np.outer(SERVO.displacement_by_offset, offset)
         way = place + by_offset + np.outer(SERVO.displacement_by_velocity, velocity)
-        nearest = np.linalg.norm(way - self._middle, axis=-1).min()
+        times = self._time + SUBSTEP * (1 + np.arange(len(way)))
+        nearest = np.linalg.norm(way - self._track.at(times), axis=-1).min()
 
-        self._before = info
+        self._before, self._time = info, float(times[-1])
         info = info | {"collision": bool(nearest < RADIUS)}
-        return observation | {"region": self._middle}, reward, terminated, truncated, info
+        seen = observation | {"region": self._track.at(self._time)}
+        return seen, reward, terminated, truncated, info
 
 
-def _drawn(observation: Any, random: np.random.Generator) -> NDArray[Any]:
-    """A middle, px, between pusher and object where it fits, off both and off the goal."""
+class _Track(NamedTuple):
+    """Where a region is: middle + way · sin(ωt + φ), px."""
+
+    middle: NDArray[Any]
+    way: NDArray[Any]
+    phase: float
+
+    def at(self, time: ArrayLike) -> NDArray[Any]:
+        """Its middle at times (*T,), s, (*T, 2), px."""
+        turn = SPEED / AMPLITUDE * np.asarray(time) + self.phase
+        middle: NDArray[Any] = self.middle + np.sin(turn)[..., None] * self.way
+        return middle
+
+    def ends(self) -> NDArray[Any]:
+        """The ends of its way and its middle, (3, 2), px."""
+        ends: NDArray[Any] = self.middle + np.array([-1.0, 0.0, 1.0])[:, None] * self.way
+        return ends
+
+
+def _drawn(observation: Any, amplitude: float, random: np.random.Generator) -> _Track:
+    """A region between pusher and object where it fits; off both at first, and always off the goal.
+
+    One that moves stays within the board.
+    """
     goal = np.asarray(GOAL_POSE[:2]) / PIXEL
     pusher, corners = observation["agent_pos"], observation["environment_state"].reshape(-1, 2)
     for attempt in count():
         between = pusher + random.uniform(0.3, 0.8) * (corners.mean(0) - pusher)
         middle = between if attempt < IN_THE_WAY else random.uniform(RADIUS, 512.0 - RADIUS, 2)
-        is_off_goal = np.linalg.norm(middle - goal) > 70.0 + RADIUS
-        is_off_object = np.linalg.norm(corners - middle, axis=-1).min() > 30.0 + RADIUS
-        is_off_pusher = np.linalg.norm(pusher - middle) > 20.0 + RADIUS
-        if is_off_goal and is_off_object and is_off_pusher:
+        track = _Track(middle, np.zeros(2), 0.0)
+        if amplitude > 0.0:
+            angle, phase = random.uniform(-np.pi, np.pi, 2)
+            way = amplitude * np.array([np.cos(angle), np.sin(angle)])
+            track = _Track(middle, way, phase)
+
+        first, ends = track.at(0.0), track.ends()
+        is_off_goal = np.linalg.norm(ends - goal, axis=-1).min() > 70.0 + RADIUS
+        is_off_object = np.linalg.norm(corners - first, axis=-1).min() > 30.0 + RADIUS
+        is_off_pusher = np.linalg.norm(pusher - first) > 20.0 + RADIUS
+        is_on_board = amplitude == 0.0 or np.abs(ends - 256.0).max() < 256.0 - RADIUS
+        if is_off_goal and is_off_object and is_off_pusher and is_on_board:
             break
-    return middle
+    return track
 
 
-def make_env(number: int, horizon: int) -> SideBySide:
+def make_env(number: int, horizon: int, is_moving: bool = False) -> SideBySide:
     """Episodes of pushT with a region each."""
-    return side_by_side(lambda: Region(PushTEnv()), number, horizon)
+    return side_by_side(lambda: Region(PushTEnv(), is_moving), number, horizon)
