@@ -8,12 +8,16 @@ from torch import Tensor
 
 from aicon_torch.differentiation import learns
 
-MOST_UNROLLED = 4
-"""Of more rows the sweeps are one operation, for which there is a routine in C."""
+MOST_UNROLLED = 48
+"""Where rows are looked at more often, it is one operation, for which there is a routine in C."""
 
 SLACK = 1e-4
 """By how much a bound may be missed, as a share of the widest range of a component: rounding must
 not bring a robot to rest."""
+
+YIELDING, YIELDING_SWEEPS = 0.05, 100
+"""κ, as a share of the longest row, and how many sweeps at least. The less κ is, the less is
+missed in the end, and the more sweeps it takes to come there."""
 
 
 class SafetyBounds(NamedTuple):
@@ -52,9 +56,9 @@ def nearest_safe(
 
     After a fixed number of sweeps the action is drawn back by one factor toward a retreat, the one
     nearest to rest that came out likewise, until it keeps every row as well as the retreat does.
-    Where no action keeps all rows, the last ones are kept best, since a sweep ends with them.
     Where rest keeps all rows (b ≤ 0) it is the retreat, so that the action is safe where the sweeps
-    have not converged; where something comes nearer, the retreat gets out of its way.
+    have not converged. Where something comes nearer (b > 0), the retreat gets out of its way; and
+    where no action keeps all rows, it is the one that misses least (:func:`_yielding`).
 
     Args:
         nominal: w, ``(*B, n)``.
@@ -67,7 +71,14 @@ def nearest_safe(
     """
     rows = _normalised(within)
     action, force = _projected(nominal, rows, within, sweeps, inverse)
+    if rows.bounds.shape[-1] == 0:
+        return SafeAction(action, force)
+
     retreat, _ = _projected(torch.zeros_like(nominal), rows, within, sweeps)
+    yielding = _yielding(rows, within, sweeps if learns() else max(sweeps, YIELDING_SWEEPS))
+    slack = _slack(within) * rows.lengths.amax(-1, keepdim=True)  # no choice hangs on rounding
+    misses_less = _most_missed(yielding, rows) + slack < _most_missed(retreat, rows)
+    retreat = torch.where(misses_less, yielding, retreat)
     return SafeAction(_drawn_back(action, retreat, rows, within), force)
 
 
@@ -77,10 +88,49 @@ class _Rows(NamedTuple):
     Attributes:
         normals: n, ``(*B, m, n)``.
         bounds: b, ``(*B, m)``, in the action's unit.
+        lengths: What they were divided by, ``(*B, m)``, in the gaps' unit by the action's and s.
     """
 
     normals: Tensor
     bounds: Tensor
+    lengths: Tensor
+
+
+def _yielding(rows: _Rows, within: SafetyBounds, sweeps: int) -> Tensor:
+    """The action near rest that misses least of the bounds that rest does not keep, ``(*B, n)``.
+
+    Where not all of them can be kept, they may all be missed by the same speed κs:
+
+        min ‖a‖² + s²  with  c·a + κs ≥ b where b > 0,  c·a ≥ b elsewhere,
+
+    the same programme with one component more. What stands still is kept.
+
+    Args:
+        rows: The rows.
+        within: The bounds, with the box.
+        sweeps: How many.
+    """
+    price = YIELDING * rows.lengths.amax(-1, keepdim=True) / rows.lengths
+    price = torch.where(rows.bounds > 0.0, price, 0.0)
+    length = (1.0 + price * price).sqrt()
+    wider = _Rows(
+        normals=torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1),
+        bounds=rows.bounds / length,
+        lengths=rows.lengths * length,
+    )
+
+    nothing = torch.zeros_like(within.low[..., :1])
+    anything = nothing + torch.finfo(nothing.dtype).max
+    low, high = torch.cat((within.low, nothing), -1), torch.cat((within.high, anything), -1)
+    wider_box = SafetyBounds(wider.normals, wider.bounds, low, high)
+    found, _ = _projected(torch.zeros_like(low), wider, wider_box, sweeps)
+    return found[..., :-1]
+
+
+def _most_missed(action: Tensor, rows: _Rows) -> Tensor:
+    """The speed by which the worst row is missed, ``(*B, 1)``, in the gaps' unit a second."""
+    missed = rows.bounds - (rows.normals * action.unsqueeze(-2)).sum(-1)
+    return (rows.lengths * missed.clamp(min=0.0)).amax(-1, keepdim=True)
 
 
 def _projected(
@@ -92,11 +142,12 @@ def _projected(
     earlier sweep changed too much is taken back. The least change for a row n is along M⁻¹n, and
     brings n·a forward by nᵀM⁻¹n.
     """
-    if rows.bounds.shape[-1] > MOST_UNROLLED and not learns():
+    if sweeps * rows.bounds.shape[-1] > MOST_UNROLLED and not learns():
         identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
         metric = identity if inverse is None else inverse
-        given = (nominal, *rows, _effects_of(rows, metric), within.low, within.high, metric)
-        action, force = swept(*given, sweeps).chunk(2, dim=-1)
+        given = (nominal, rows.normals, rows.bounds, _effects_of(rows, metric))
+        box = (within.low, within.high, metric)
+        action, force = swept(*given, *box, sweeps).chunk(2, dim=-1)
     else:
         effects = None if inverse is None else _effects_of(rows, inverse)
         action, force = _sweep(nominal, rows, effects, within, sweeps, inverse)
@@ -116,6 +167,7 @@ def _sweep(
     within: SafetyBounds,
     sweeps: int,
     inverse: Tensor | None,
+    until_still: bool = False,
 ) -> tuple[Tensor, Tensor]:
     """The action and the force of the bounds after some sweeps, ``(*B, n)`` both.
 
@@ -126,6 +178,7 @@ def _sweep(
         within: The bounds, with the box.
         sweeps: How many.
         inverse: M⁻¹; None for M = I.
+        until_still: Whether to stop where a sweep has changed nothing.
     """
     normal_of, bound_of = rows.normals.unbind(-2), rows.bounds.unbind(-1)
     change_of: Sequence[Tensor] = normal_of
@@ -136,6 +189,8 @@ def _sweep(
     action, push = nominal, torch.zeros_like(nominal)
     multipliers = [torch.zeros_like(bound) for bound in bound_of]
     for _ in range(sweeps):
+        before = action
+
         # Each row: the least multiplier ≥ 0 that satisfies it.
         for index, normal in enumerate(normal_of):
             missing = bound_of[index] - (normal * action).sum(-1)
@@ -146,6 +201,8 @@ def _sweep(
 
         # The box is the last one, and pushes each component by a multiplier of its own.
         action, push = _into_box(action, push, within, inverse)
+        if until_still and torch.equal(action, before):
+            break
 
     force = push
     for normal, multiplier in zip(normal_of, multipliers, strict=True):
@@ -180,8 +237,9 @@ def swept(
         The action and the force of the bounds, one after the other, ``(*B, 2 n)``.
     """
     within = SafetyBounds(normals, bounds, low, high)
-    rows = _Rows(normals, bounds)
-    return torch.cat(_sweep(nominal, rows, effects, within, sweeps, inverse), dim=-1)
+    rows = _Rows(normals, bounds, torch.ones_like(bounds))
+    found = _sweep(nominal, rows, effects, within, sweeps, inverse, until_still=True)
+    return torch.cat(found, dim=-1)
 
 
 @swept.register_fake
@@ -222,6 +280,11 @@ def _clamped(action: Tensor, within: SafetyBounds) -> Tensor:
     return torch.minimum(torch.maximum(action, within.low), within.high)
 
 
+def _slack(within: SafetyBounds) -> Tensor:
+    """By how much a row of length one may be missed, ``(*B, 1)``, in the action's unit."""
+    return SLACK * (within.high - within.low).amax(-1, keepdim=True)
+
+
 def _normalised(within: SafetyBounds) -> _Rows:
     """Rows of length one; those that no action changes ask for nothing."""
     lengths = torch.linalg.vector_norm(within.slopes, dim=-1)
@@ -230,16 +293,13 @@ def _normalised(within: SafetyBounds) -> _Rows:
     divisor = torch.where(matters, lengths, 1.0)
     normals = torch.where(matters.unsqueeze(-1), within.slopes / divisor.unsqueeze(-1), 0.0)
     bounds = torch.where(matters, within.bounds / divisor, -1.0)
-    return _Rows(normals, bounds)
+    return _Rows(normals, bounds, divisor)
 
 
 def _drawn_back(action: Tensor, retreat: Tensor, rows: _Rows, within: SafetyBounds) -> Tensor:
     """The action on the way from the retreat that goes farthest and keeps every row."""
-    normals, bounds = rows
-    if normals.shape[-2] == 0:
-        return action
-
-    slack = SLACK * (within.high - within.low).amax(-1, keepdim=True)
+    normals, bounds, _ = rows
+    slack = _slack(within)
     closing = -(normals * (action - retreat).unsqueeze(-2)).sum(-1)
     kept = (normals * retreat.unsqueeze(-2)).sum(-1) - bounds
     room = slack + kept.clamp(min=0.0)  # how much faster than in the retreat each gap may close

@@ -19,7 +19,7 @@ def test_one_operation_is_the_sweeps_written_out(
     inverse = (root @ root.mT).expand(*batch, size, size) if in_metric else None
 
     together = nearest_safe(2 * nominal, within, 12, inverse)
-    monkeypatch.setattr(quadratic_programme, "MOST_UNROLLED", rows)
+    monkeypatch.setattr(quadratic_programme, "MOST_UNROLLED", 12 * rows)
     written_out = nearest_safe(2 * nominal, within, 12, inverse)
 
     assert not torch.equal(written_out.action, nominal)

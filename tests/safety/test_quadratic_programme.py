@@ -1,8 +1,10 @@
+import numpy as np
 import pytest
 import torch
 from _inputs import normal
 from _inputs.random_numbers import BATCHES
 from _inputs.safety_bounds import closing, random_bounds
+from scipy.optimize import linprog
 
 from aicon_torch.safety import SafetyBounds, nearest_safe
 
@@ -89,10 +91,38 @@ def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
         torch.testing.assert_close(found, expected)
 
 
-def test_where_not_all_rows_can_be_kept_the_last_is() -> None:
+def test_where_not_all_rows_can_be_kept_they_are_missed_alike() -> None:
     slopes, limits = torch.tensor([[1.0, 0.1], [-1.0, 0.1]]), torch.ones(2)
     within = SafetyBounds(slopes, torch.tensor([0.5, 0.5]), -limits, limits)
-    action, _ = nearest_safe(torch.zeros(2), within, sweeps=12)
-    first, last = closing(action, within).tolist()
-    assert last > -0.05
-    assert first < -0.5
+    action, _ = nearest_safe(torch.tensor([5.0, 0.0]), within, sweeps=2000)
+    torch.testing.assert_close(
+        closing(action, within), torch.tensor([-0.4, -0.4]), atol=0.01, rtol=0
+    )
+
+
+def test_what_stands_still_is_kept_where_what_comes_on_cannot_be_dodged() -> None:
+    slopes, limits = torch.tensor([[1.0, 0.1], [-1.0, 0.0]]), torch.ones(2)
+    within = SafetyBounds(slopes, torch.tensor([0.5, 0.0]), -limits, limits)
+    action, _ = nearest_safe(torch.tensor([5.0, 0.0]), within, sweeps=12)
+    coming, standing = closing(action, within).tolist()
+    assert standing > -1e-3
+    assert coming == pytest.approx(-0.4, abs=0.02)
+
+
+def test_of_what_cannot_be_dodged_hardly_more_is_missed_than_has_to_be() -> None:
+    """The least speed t by which some bound is missed is a linear programme: c·a + t ≥ b."""
+    within = random_bounds(60, rows=8)
+    within.bounds[:] = 0.5 + normal(60, 8, seed=3).abs()
+    action, _ = nearest_safe(5 * normal(60, 4, seed=9), within, sweeps=12)
+    missed = -closing(action, within).amin(-1)
+
+    least = []
+    for slopes, bounds, low, high in zip(*within, strict=True):
+        box = [*zip(low.tolist(), high.tolist(), strict=True), (None, None)]
+        rows = np.column_stack((-slopes.numpy(), -np.ones(8)))
+        found = linprog([0.0] * 4 + [1.0], A_ub=rows, b_ub=-bounds.numpy(), bounds=box)
+        least.append(max(0.0, found.fun))
+    ratio = missed.clamp(min=0.0).numpy() / np.array(least).clip(min=1e-9)
+    assert (np.array(least) > 0.1).mean() > 0.8
+    assert np.median(ratio) < 1.15
+    assert np.quantile(ratio, 0.9) < 1.5

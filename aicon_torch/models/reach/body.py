@@ -153,8 +153,6 @@ def bounds(options: Options, robot: Robot, table: float | None = None) -> list[G
     if robot.shape is None:
         return goals
 
-    # Itself comes last: where a ball leaves no room for both, it is the wider margin of the ball
-    # that gives way.
     if table is not None:
         below = Table.under(robot, table, TABLE_DISTANCE)
         goals.append(Goal("table", below, safety=options.safety))
