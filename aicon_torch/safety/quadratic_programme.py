@@ -145,9 +145,9 @@ def _projected(
     if sweeps * rows.bounds.shape[-1] > MOST_UNROLLED and not learns():
         identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
         metric = identity if inverse is None else inverse
-        given = (nominal, rows.normals, rows.bounds, _effects_of(rows, metric))
-        box = (within.low, within.high, metric)
-        action, force = swept(*given, *box, sweeps).chunk(2, dim=-1)
+        of_rows = (rows.normals, rows.bounds, _effects_of(rows, metric))
+        found = swept(nominal, *of_rows, within.low, within.high, metric, sweeps)
+        action, force = found.chunk(2, dim=-1)
     else:
         effects = None if inverse is None else _effects_of(rows, inverse)
         action, force = _sweep(nominal, rows, effects, within, sweeps, inverse)
