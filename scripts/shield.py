@@ -221,9 +221,11 @@ def timed(out: Path, count: int) -> None:
         ("pusht", pusht, {"agent_pos": 2, "region": 2, "proposal": 2}),
     ):
         module.shielded(lambda observation: 0).export(out / f"{name}.so")
+
         shield = load_exported(out / f"{name}.so")
         reading = {key: generator.random(size) for key, size in seen.items()}
         _, memory = shield.predict(reading)  # the first begins an episode, and allocates
+
         taken = []
         for _ in range(count):
             before = time.thread_time_ns()

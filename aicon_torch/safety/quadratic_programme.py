@@ -69,15 +69,18 @@ def nearest_safe(
     Returns:
         The action and the force of the bounds.
     """
-    rows = _normalised(within)
+    rows, lengths = _normalised(within)
     action, force = _projected(nominal, rows, within, sweeps, inverse)
     if rows.bounds.shape[-1] == 0:
         return SafeAction(action, force)
 
     retreat, _ = _projected(torch.zeros_like(nominal), rows, within, sweeps)
-    yielding = _yielding(rows, within, sweeps if learns() else max(sweeps, YIELDING_SWEEPS))
-    slack = _slack(within) * rows.lengths.amax(-1, keepdim=True)  # no choice hangs on rounding
-    misses_less = _most_missed(yielding, rows) + slack < _most_missed(retreat, rows)
+    enough = sweeps if learns() else max(sweeps, YIELDING_SWEEPS)
+    yielding = _yielding(rows, lengths, within, enough)
+    slack = _slack(within) * lengths.amax(-1, keepdim=True)  # no choice hangs on rounding
+    misses_less = _most_missed(yielding, rows, lengths) + slack < _most_missed(
+        retreat, rows, lengths
+    )
     retreat = torch.where(misses_less, yielding, retreat)
     return SafeAction(_drawn_back(action, retreat, rows, within), force)
 
@@ -88,15 +91,13 @@ class _Rows(NamedTuple):
     Attributes:
         normals: n, ``(*B, m, n)``.
         bounds: b, ``(*B, m)``, in the action's unit.
-        lengths: What they were divided by, ``(*B, m)``, in the gaps' unit by the action's and s.
     """
 
     normals: Tensor
     bounds: Tensor
-    lengths: Tensor
 
 
-def _yielding(rows: _Rows, within: SafetyBounds, sweeps: int) -> Tensor:
+def _yielding(rows: _Rows, lengths: Tensor, within: SafetyBounds, sweeps: int) -> Tensor:
     """The action near rest that misses least of the bounds that rest does not keep, ``(*B, n)``.
 
     Where not all of them can be kept, they may all be missed by the same speed κs:
@@ -107,16 +108,16 @@ def _yielding(rows: _Rows, within: SafetyBounds, sweeps: int) -> Tensor:
 
     Args:
         rows: The rows.
+        lengths: What they were divided by, ``(*B, m)``.
         within: The bounds, with the box.
         sweeps: How many.
     """
-    price = YIELDING * rows.lengths.amax(-1, keepdim=True) / rows.lengths
+    price = YIELDING * lengths.amax(-1, keepdim=True) / lengths
     price = torch.where(rows.bounds > 0.0, price, 0.0)
     length = (1.0 + price * price).sqrt()
     wider = _Rows(
         normals=torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1),
         bounds=rows.bounds / length,
-        lengths=rows.lengths * length,
     )
 
     nothing = torch.zeros_like(within.low[..., :1])
@@ -127,10 +128,14 @@ def _yielding(rows: _Rows, within: SafetyBounds, sweeps: int) -> Tensor:
     return found[..., :-1]
 
 
-def _most_missed(action: Tensor, rows: _Rows) -> Tensor:
+def _kept(action: Tensor, rows: _Rows) -> Tensor:
+    """By how much each row is kept, n·a − b, ``(*B, m)``, in the action's unit."""
+    return (rows.normals * action.unsqueeze(-2)).sum(-1) - rows.bounds
+
+
+def _most_missed(action: Tensor, rows: _Rows, lengths: Tensor) -> Tensor:
     """The speed by which the worst row is missed, ``(*B, 1)``, in the gaps' unit a second."""
-    missed = rows.bounds - (rows.normals * action.unsqueeze(-2)).sum(-1)
-    return (rows.lengths * missed.clamp(min=0.0)).amax(-1, keepdim=True)
+    return (lengths * (-_kept(action, rows)).clamp(min=0.0)).amax(-1, keepdim=True)
 
 
 def _projected(
@@ -237,7 +242,7 @@ def swept(
         The action and the force of the bounds, one after the other, ``(*B, 2 n)``.
     """
     within = SafetyBounds(normals, bounds, low, high)
-    rows = _Rows(normals, bounds, torch.ones_like(bounds))
+    rows = _Rows(normals, bounds)
     found = _sweep(nominal, rows, effects, within, sweeps, inverse, until_still=True)
     return torch.cat(found, dim=-1)
 
@@ -285,24 +290,27 @@ def _slack(within: SafetyBounds) -> Tensor:
     return SLACK * (within.high - within.low).amax(-1, keepdim=True)
 
 
-def _normalised(within: SafetyBounds) -> _Rows:
-    """Rows of length one; those that no action changes ask for nothing."""
+def _normalised(within: SafetyBounds) -> tuple[_Rows, Tensor]:
+    """Rows of length one, and what they were divided by, ``(*B, m)``.
+
+    Those that no action changes ask for nothing.
+    """
     lengths = torch.linalg.vector_norm(within.slopes, dim=-1)
     matters = lengths > torch.finfo(lengths.dtype).eps
 
     divisor = torch.where(matters, lengths, 1.0)
     normals = torch.where(matters.unsqueeze(-1), within.slopes / divisor.unsqueeze(-1), 0.0)
     bounds = torch.where(matters, within.bounds / divisor, -1.0)
-    return _Rows(normals, bounds, divisor)
+    return _Rows(normals, bounds), divisor
 
 
 def _drawn_back(action: Tensor, retreat: Tensor, rows: _Rows, within: SafetyBounds) -> Tensor:
     """The action on the way from the retreat that goes farthest and keeps every row."""
-    normals, bounds, _ = rows
     slack = _slack(within)
-    closing = -(normals * (action - retreat).unsqueeze(-2)).sum(-1)
-    kept = (normals * retreat.unsqueeze(-2)).sum(-1) - bounds
-    room = slack + kept.clamp(min=0.0)  # how much faster than in the retreat each gap may close
+    closing = -(rows.normals * (action - retreat).unsqueeze(-2)).sum(-1)
+    room = slack + _kept(retreat, rows).clamp(
+        min=0.0
+    )  # how much faster than in the retreat each gap may close
 
     exceeds = closing > room
     share = torch.where(exceeds, room / torch.where(exceeds, closing, 1.0), 1.0)

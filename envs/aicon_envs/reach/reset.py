@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.checks import given_options
-from aicon_envs.reach.balls import BallPath, draw_path
+from aicon_envs.reach.balls import draw_path
 from aicon_envs.reach.gaps import SIGHT
 from aicon_envs.reach.robots import check_posture, draw_postures
 from aicon_envs.reach.simulation import Simulation
+from aicon_envs.to_and_fro import ToAndFro
 
 FloatArray = NDArray[np.float64]
 Start = Literal["home", "random"]
@@ -45,7 +46,7 @@ class EpisodeStart(NamedTuple):
 
     joints: FloatArray
     target_joints: FloatArray
-    balls: tuple[BallPath, ...]
+    balls: tuple[ToAndFro, ...]
 
 
 class EpisodeDrawer:
@@ -143,11 +144,11 @@ class EpisodeDrawer:
 
     def _draw_balls(
         self, joints: FloatArray, target_joints: FloatArray, generator: np.random.Generator
-    ) -> tuple[BallPath, ...] | None:
+    ) -> tuple[ToAndFro, ...] | None:
         """Return paths that leave the target reachable at all times, or None if these do not."""
         start, _ = self._simulation.tip_at(joints)
         target, _ = self._simulation.tip_at(target_joints)
-        paths: list[BallPath] = []
+        paths: list[ToAndFro] = []
         for _ in range(self._balls):
             # Of several there would hardly ever be a draw in which none is in the way.
             draws = _PATHS if self._balls > 1 else 1
@@ -162,7 +163,7 @@ class EpisodeDrawer:
             return None
         return tuple(paths)
 
-    def _is_in_the_way(self, path: BallPath, target_joints: FloatArray) -> bool:
+    def _is_in_the_way(self, path: ToAndFro, target_joints: FloatArray) -> bool:
         """Whether a ball comes near a robot at the target, or near what cannot dodge."""
         places, balls = path.everywhere(), self._nowhere.copy()
         bases = self._simulation.base_points(target_joints)

@@ -11,7 +11,8 @@ pytest.importorskip("mujoco")
 pytest.importorskip("trimesh")
 
 from aicon_envs.reach import ROBOTS, ReachEnv, Robot
-from aicon_envs.reach.balls import SAMPLES, draw_path
+from aicon_envs.reach.balls import draw_path
+from aicon_envs.to_and_fro import SAMPLES
 
 TARGETS = ("position", "axis", "pose")
 

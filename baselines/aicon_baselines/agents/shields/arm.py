@@ -72,8 +72,10 @@ class Posture(gymnasium.Wrapper[Any, Any, Any, Any]):
             ball_radius=BALL,
             ball_speed=speed,
         )
+
         super().__init__(env)
         self._arm, self._is_moving = env, is_moving
+
         seen = env.observation_space
         assert isinstance(seen, spaces.Dict)
         self.observation_space = spaces.Dict({**seen.spaces, "target_joints": seen["q"]})

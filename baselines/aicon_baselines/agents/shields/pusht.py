@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import count
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.ablations import PIXEL
@@ -15,6 +15,7 @@ from aicon_baselines.agents.shields.clamped import Clamped
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.tasks.side_by_side import SideBySide, side_by_side
 from aicon_envs.pusht import PushTEnv
+from aicon_envs.to_and_fro import ToAndFro
 from aicon_torch import Goal, Sensor, WorldModel
 from aicon_torch.dampers import VelocityDampers
 from aicon_torch.models.pusht.benchmark import GOAL_POSE, SUBSTEP
@@ -57,7 +58,9 @@ def model() -> WorldModel:
     region = moving_point(
         "x_region", "z_region", options.dt, NOISE, ACCELERATION, SPEED * PIXEL, size=2
     )
+
     velocity = replace(actuator(options, SERVO), dampers=VelocityDampers(braking=BRAKING))
+
     return WorldModel(
         sensors={
             "z_pusher": Sensor(2, "m", key="agent_pos", scale=PIXEL),
@@ -133,7 +136,8 @@ class Region(gymnasium.Wrapper[Any, Any, Any, Any]):
         by_offset = np.outer(SERVO.displacement_by_offset, offset)
         way = place + by_offset + np.outer(SERVO.displacement_by_velocity, velocity)
         times = self._time + SUBSTEP * (1 + np.arange(len(way)))
-        nearest = np.linalg.norm(way - self._track.at(times), axis=-1).min()
+        middles = [self._track.at(time) for time in times]
+        nearest = np.linalg.norm(way - middles, axis=-1).min()
 
         self._before, self._time = info, float(times[-1])
         info = info | {"collision": bool(nearest < RADIUS)}
@@ -141,26 +145,7 @@ class Region(gymnasium.Wrapper[Any, Any, Any, Any]):
         return seen, reward, terminated, truncated, info
 
 
-class _Track(NamedTuple):
-    """Where a region is: middle + way · sin(ωt + φ), px."""
-
-    middle: NDArray[Any]
-    way: NDArray[Any]
-    phase: float
-
-    def at(self, time: ArrayLike) -> NDArray[Any]:
-        """Its middle at times (*T,), s, (*T, 2), px."""
-        turn = SPEED / AMPLITUDE * np.asarray(time) + self.phase
-        middle: NDArray[Any] = self.middle + np.sin(turn)[..., None] * self.way
-        return middle
-
-    def ends(self) -> NDArray[Any]:
-        """The ends of its way and its middle, (3, 2), px."""
-        ends: NDArray[Any] = self.middle + np.array([-1.0, 0.0, 1.0])[:, None] * self.way
-        return ends
-
-
-def _drawn(observation: Any, amplitude: float, random: np.random.Generator) -> _Track:
+def _drawn(observation: Any, amplitude: float, random: np.random.Generator) -> ToAndFro:
     """A region between pusher and object where it fits; off both at first, and always off the goal.
 
     One that moves stays within the board.
@@ -170,13 +155,13 @@ def _drawn(observation: Any, amplitude: float, random: np.random.Generator) -> _
     for attempt in count():
         between = pusher + random.uniform(0.3, 0.8) * (corners.mean(0) - pusher)
         middle = between if attempt < IN_THE_WAY else random.uniform(RADIUS, 512.0 - RADIUS, 2)
-        track = _Track(middle, np.zeros(2), 0.0)
+        track = ToAndFro(middle, np.zeros(2), 0.0, 0.0)
         if amplitude > 0.0:
             angle, phase = random.uniform(-np.pi, np.pi, 2)
             way = amplitude * np.array([np.cos(angle), np.sin(angle)])
-            track = _Track(middle, way, phase)
+            track = ToAndFro(middle, way, SPEED / AMPLITUDE, phase)
 
-        first, ends = track.at(0.0), track.ends()
+        first, ends = track.at(0.0), track.everywhere(3)
         is_off_goal = np.linalg.norm(ends - goal, axis=-1).min() > 70.0 + RADIUS
         is_off_object = np.linalg.norm(corners - first, axis=-1).min() > 30.0 + RADIUS
         is_off_pusher = np.linalg.norm(pusher - first) > 20.0 + RADIUS
