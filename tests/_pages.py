@@ -12,6 +12,9 @@ from playwright.sync_api import Browser, Locator, Page, expect
 NAMES = ("navigation", "pusht", "arm", "theory")
 TASKS = NAMES[:3]
 
+REST = 500
+"""A finger is in the air so long after a drag, ms: what it taps within 100 is taken for no tap."""
+
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 """A small screen, and a finger."""
 
@@ -114,6 +117,7 @@ class Hand:
         for kind, left in (("touchStart", 0), ("touchMove", 8), ("touchMove", 16)):
             self.touch(kind, x - left, y - left / 2)
         self.session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        self.page.wait_for_timeout(REST)
 
     def touch(self, kind: str, x: float, y: float) -> None:
         """Put a finger to a place, or move it there."""
