@@ -393,4 +393,5 @@ def spread(index: Tensor, like: Tensor) -> Tensor:
         root = (1.0 + root) ** (1.0 / (size + 1))
 
     steps = like.new_tensor([root ** -(component + 1) for component in range(size)])
-    return 2.0 * torch.remainder(0.5 + (index.unsqueeze(-1) + 1) * steps, 1.0) - 1.0
+    added = 0.5 + (index.unsqueeze(-1) + 1) * steps
+    return 2.0 * (added - added.floor()) - 1.0

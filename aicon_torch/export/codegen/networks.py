@@ -32,12 +32,16 @@ static void weigh(int m, int k, const real *w, const real *x, real *y) {
 }
 """,
     "add_rows": """\
-/* The sum of each row of k numbers. */
+/* The sum of each row of k numbers, in eight parts that are added up side by side. */
 static void add_rows(int k, int m, const real *x, real *y) {
-  for (int i = 0; i < m; ++i) {
-    real sum = x[i * k];
-    for (int j = 1; j < k; ++j) sum += x[i * k + j];
-    y[i] = sum;
+  for (int i = 0; i < m; ++i, x += k) {
+    real part[8] = {0};
+    int whole = k - k % 8;
+    for (int j = 0; j < whole; j += 8)
+      for (int p = 0; p < 8; ++p) part[p] += x[j + p];
+    for (int j = whole; j < k; ++j) part[j - whole] += x[j];
+    y[i] = ((part[0] + part[1]) + (part[2] + part[3])) +
+           ((part[4] + part[5]) + (part[6] + part[7]));
   }
 }
 """,

@@ -39,20 +39,20 @@ static void sort_in(int n, int count, int largest, real bound, const real *x, re
 static void in_order(int n, int count, int largest, const real *x, real *y) {
   real bound = NAN; /* nothing stands after it */
 
-  /* Many are dealt into twice as many heaps as are asked for. Then so many of them, the firsts of
-     some heaps, stand no later than the last of these firsts: what stands after it is not meant. A
-     NaN may be first of a heap by mistake, and only lets more of them pass. */
-  int heaps = 2 * count;
-  if (n > 2 * heaps) {
-    real firsts[heaps], ordered[heaps];
-    for (int k = 0; k < heaps; ++k) firsts[k] = x[k];
-    for (int i = heaps; i < n; i += heaps) {
-      int left = n - i < heaps ? n - i : heaps;
+  /* Many are dealt into as many heaps as are asked for. So many of them, the firsts of the heaps,
+     stand no later than the last of these firsts: what stands after it is not meant. A NaN may be
+     first of a heap by mistake, and only lets more of them pass. */
+  if (n > 4 * count) {
+    real firsts[count];
+    for (int k = 0; k < count; ++k) firsts[k] = x[k];
+    for (int i = count; i < n; i += count) {
+      int left = n - i < count ? n - i : count;
       for (int k = 0; k < left; ++k)
         firsts[k] = largest ? larger(x[i + k], firsts[k]) : smaller(x[i + k], firsts[k]);
     }
-    sort_in(heaps, count, largest, bound, firsts, ordered);
-    bound = ordered[count - 1];
+    bound = firsts[0];
+    for (int k = 1; k < count; ++k)
+      bound = largest ? smaller(firsts[k], bound) : larger(firsts[k], bound);
   }
   sort_in(n, count, largest, bound, x, y);
 }
