@@ -79,7 +79,8 @@ class ActuatorSafety:
 
         Args:
             values: Values after the new readings.
-            nominal: The nominal action: what the other goals ask for, ``(*B, n)``.
+            nominal: The nominal action: what the other goals ask for, within the constraints of the
+                actuator, ``(*B, n)``.
             memory: The memory before the step.
             goal_factors: Factor of each goal, ``(*B, goals)``.
 
@@ -103,7 +104,7 @@ class ActuatorSafety:
             identity = torch.eye(nominal.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
         if isinstance(self.stalemate, Places):  # a detour leads to no target, and slows for none
-            aim = self.stalemate.aim(self._constrained(values, wanted), own)
+            aim = self.stalemate.aim(wanted, own)
         else:
             aim = self._constrained(values, self.stalemate.aim(nominal, own))
         safe = nearest_safe(aim, within, self.sweeps, inverse)
