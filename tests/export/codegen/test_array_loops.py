@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 import torch
 from _asserts.loops import assert_loops_give_the_same_bits
-from _inputs.translated import SIZE, source_of
+from _inputs import normal
+from _inputs.translated import SIZE, source_of, translated
 from torch import Tensor
 
 from aicon_torch.export.codegen import arrays, has_compiler
@@ -77,6 +78,17 @@ def test_what_goes_on_from_each_other_is_one_loop_with_one_array(
     body = source_of(one_after_the_other).split("static void")[-1]
     assert body.count("for (int i") == 1
     assert body.count(f"[{SIZE}];") == 1
+
+
+@pytest.mark.parametrize("length", [96, 101], ids="{} numbers".format)
+def test_long_rows_are_added_up_in_c(length: int, tmp_path: Path) -> None:
+    def sums(x: Tensor) -> Tensor:
+        return (x.unsqueeze(-1) * torch.arange(length, dtype=x.dtype)).sum(-1)
+
+    assert f"add_rows({length}, {SIZE}" in source_of(sums)
+    x = normal(SIZE, seed=1)
+    found = translated(sums, torch.float64, tmp_path)(x)
+    torch.testing.assert_close(found, sums(x), rtol=1e-12, atol=1e-12)
 
 
 def everything_looped(monkeypatch: pytest.MonkeyPatch) -> None:
