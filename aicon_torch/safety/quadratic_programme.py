@@ -78,10 +78,9 @@ def nearest_safe(
     enough = sweeps if learns() else max(sweeps, YIELDING_SWEEPS)
     yielding = _yielding(rows, lengths, within, enough)
     slack = _slack(within) * lengths.amax(-1, keepdim=True)  # no choice hangs on rounding
-    misses_less = _most_missed(yielding, rows, lengths) + slack < _most_missed(
-        retreat, rows, lengths
-    )
-    retreat = torch.where(misses_less, yielding, retreat)
+    missed = _most_missed(yielding, rows, lengths)
+    missed_at_rest = _most_missed(retreat, rows, lengths)
+    retreat = torch.where(missed + slack < missed_at_rest, yielding, retreat)
     return SafeAction(_drawn_back(action, retreat, rows, within), force)
 
 
@@ -308,9 +307,9 @@ def _drawn_back(action: Tensor, retreat: Tensor, rows: _Rows, within: SafetyBoun
     """The action on the way from the retreat that goes farthest and keeps every row."""
     slack = _slack(within)
     closing = -(rows.normals * (action - retreat).unsqueeze(-2)).sum(-1)
-    room = slack + _kept(retreat, rows).clamp(
-        min=0.0
-    )  # how much faster than in the retreat each gap may close
+
+    # How much faster than in the retreat each gap may close.
+    room = slack + _kept(retreat, rows).clamp(min=0.0)
 
     exceeds = closing > room
     share = torch.where(exceeds, room / torch.where(exceeds, closing, 1.0), 1.0)

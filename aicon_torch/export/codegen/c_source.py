@@ -54,9 +54,9 @@ typedef long long integer;
 #define ROUNDING {rounding}
 static inline real magnitude(real a) {{ return fabs{suffix}(a); }}
 static inline real root(real a) {{ return sqrt{suffix}(a); }}
-static inline real larger(real a, real b) {{ return (!(a <= b) & (b == b)) ? a : b; }}
-static inline real smaller(real a, real b) {{ return (!(a >= b) & (b == b)) ? a : b; }}
 static inline int is_above(real a, real b) {{ return !(a <= b) & (b == b); }}
+static inline real larger(real a, real b) {{ return is_above(a, b) ? a : b; }}
+static inline real smaller(real a, real b) {{ return (!(a >= b) & (b == b)) ? a : b; }}
 {FUNCTIONS}
 static inline real modulo(real a, real b) {{
   real rest = rest_of(a, b);

@@ -1,4 +1,4 @@
-"""What is done with many numbers becomes a loop, and computes the same to the last bit."""
+"""What is done with many numbers becomes a loop: all but long sums are the same to the last bit."""
 
 from collections.abc import Callable
 from pathlib import Path
