@@ -2,13 +2,37 @@
 
 from collections.abc import Callable
 
+import torch
 from torch import Tensor
 
-from aicon_torch.errors import GraphError
+from aicon_torch.errors import GraphError, OptionError
 from aicon_torch.interconnections import Interconnection, Node, Values
 
 MOST_GAPS = 8
 """So many gaps of a safety goal bound an action, the smallest, unless its cost says otherwise."""
+
+
+def factor_of(goal: str, factor: bool | float | Tensor, factors: Tensor) -> Tensor:
+    """The factor by which a goal counts from now on.
+
+    Args:
+        goal: Name of the goal.
+        factor: What was given: a number, or one for each row ``(*B,)``.
+        factors: The factors of all goals, ``(*B, goals)``.
+
+    Raises:
+        OptionError: If it is none.
+    """
+    batch = tuple(factors.shape[:-1])
+    try:
+        value = torch.as_tensor(factor, dtype=factors.dtype, device=factors.device)
+    except (TypeError, ValueError, RuntimeError):
+        value = factors.new_full((), torch.nan)
+    if tuple(value.shape) not in ((), batch) or not (value.isfinite() & (value >= 0)).all():
+        raise OptionError(
+            f"{goal}={factor!r}: expected a finite factor >= 0, one for all or one a row, {batch}."
+        )
+    return value
 
 
 class Goal(Node):

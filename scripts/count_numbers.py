@@ -121,8 +121,8 @@ SERVES = {
 """Options that count where another is set."""
 
 
-NO_LIMIT = frozenset({"FARTHEST"})
-"""Constants that are so large that nothing depends on them."""
+NO_LIMIT = frozenset({"FARTHEST", "ROUNDING"})
+"""Constants that are so large, or so small, that nothing depends on them."""
 
 
 class Numbers(NamedTuple):

@@ -23,7 +23,10 @@ OUTLASTS_EPISODES = (GOAL_FACTORS,)
 """Keys of factors, one by default, that stay where an episode begins anew."""
 
 STEPS = "steps"
-"""Key of the number of steps since the episode began, ``(*B,)``."""
+"""Key of the number of steps since the episode began, ``(*B,)``, up to STEPS_AT_MOST."""
+
+STEPS_AT_MOST = 4096 * 4093
+"""So many steps single precision can count; at a multiple of its period a dither goes on."""
 
 
 def memory_shapes(

@@ -10,6 +10,7 @@ from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.memory import (
     GOAL_FACTORS,
     STEPS,
+    STEPS_AT_MOST,
     initial_memory,
     lasting,
     restart_rows,
@@ -138,11 +139,15 @@ class ControlStep:
             lower[name] = action
         return (lower,)
 
+    @values_only
     def finish(self, memory: Memory, values: Named, descent: Named) -> tuple[Memory, Actions]:
         """The memory, and what to send to each actuator."""
         # What the last gradient of the descent has left is what is remembered.
         final, goal_factors = dict(values), memory[GOAL_FACTORS]
-        remembered: Memory = {GOAL_FACTORS: goal_factors, STEPS: memory[STEPS] + 1}
+        remembered: Memory = {
+            GOAL_FACTORS: goal_factors,
+            STEPS: (memory[STEPS] + 1) % STEPS_AT_MOST,
+        }
         remembered |= {key: descent[key] for key in self.backward.keys}
 
         # From 1 to 0 as readings grow old; an action is executed by this share.

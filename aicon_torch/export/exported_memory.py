@@ -55,4 +55,4 @@ class ExportedMemory(Mapping[str, Tensor]):
     def of(cls, memory: Mapping[str, Tensor], layout: Layout, dtype: Any) -> "ExportedMemory":
         """A memory of the policy that was exported."""
         like = torch.from_numpy(np.empty(0, dtype=dtype))
-        return cls(np.ascontiguousarray(layout.pack(memory, like).numpy()), layout)
+        return cls(np.ascontiguousarray(layout.pack(memory, like).detach().numpy()), layout)

@@ -15,6 +15,7 @@ from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
 from aicon_torch.export.library import Library
 from aicon_torch.export.plain_readings import PlainReadings
+from aicon_torch.goals import factor_of
 from aicon_torch.quantities import Actuator, Sensor
 from aicon_torch.readings.observation import read
 from aicon_torch.readings.perception import Perception
@@ -103,7 +104,7 @@ class ExportedPolicy:
         if (
             readings is not None
             and (before is not None and before.ndim == 1)
-            and (episode_start is None or not np.any(episode_start))
+            and (episode_start is None or (np.size(episode_start) == 1 and not episode_start))
         ):
             after, commands = self._library.run(readings, before, None)
             return self._action(commands, False), ExportedMemory(after, self._layout)
@@ -127,19 +128,19 @@ class ExportedPolicy:
 
         Args:
             memory: The memory to start from.
-            **goals: For each goal to change its factor, a number or ``(*B,)``.
+            **goals: For each goal to change its factor, a number >= 0 or ``(*B,)`` of them.
 
         Raises:
-            OptionError: If there is no such goal.
+            OptionError: If there is no such goal, or a factor is none.
         """
         # A copy: the memory that was given stays what it is.
         flat = torch.from_numpy(self._flat(memory).copy())
-        factors = self._layout.entries[GOAL_FACTORS]
+        start = self._layout.entries[GOAL_FACTORS].start
+        factors = flat[..., start : start + len(self.goals)]
         for name, factor in goals.items():
             if name not in self.goals:
                 raise OptionError(f"No goal is named {name!r}. Goals: {choices(self.goals)}.")
-            place = factors.start + self.goals.index(name)
-            flat[..., place] = torch.as_tensor(factor, dtype=flat.dtype, device="cpu")
+            factors[..., self.goals.index(name)] = factor_of(name, factor, factors)
         return ExportedMemory(flat.numpy(), self._layout)
 
     def flat_readings(self, observation: Mapping[str, Any]) -> Array:

@@ -17,7 +17,7 @@ class NativeSteps:
 
     def __init__(self) -> None:
         self._steps: dict[torch.dtype, ExportedPolicy | None] = {}
-        self._versions: dict[torch.dtype, list[tuple[torch.Tensor, int]]] = {}
+        self._versions: dict[torch.dtype, list[tuple[torch.Tensor, int, int]]] = {}
 
     def of(self, step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
         """The library of a step, as a policy; None where it must run otherwise.
@@ -35,11 +35,12 @@ class NativeSteps:
 
         if like.dtype not in self._steps:
             self._steps[like.dtype] = self._translated(step, perception)
-            self._versions[like.dtype] = [(p, p._version) for p in step.model.parameters()]
+            learned = step.model.parameters()
+            self._versions[like.dtype] = [(p, p._version, p.data_ptr()) for p in learned]
 
         # torch counts changes in place, and the C code holds the parameters as they were.
-        for parameter, version in self._versions[like.dtype]:
-            if parameter._version != version:
+        for parameter, version, place in self._versions[like.dtype]:
+            if parameter._version != version or parameter.data_ptr() != place:
                 raise OptionError(
                     "The policy was compiled before its parameters changed: call compile() again."
                 )

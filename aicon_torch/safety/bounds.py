@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import cache
 
 import torch
 from torch import Tensor
@@ -21,6 +22,9 @@ from aicon_torch.safety.way_around import Around, initial_way
 
 FARTHEST = 1e3
 """A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
+
+ROUNDING = 64
+"""So many units in the last place of the largest component of a slope are but rounding."""
 
 LEAST_SPEED = 1e-6
 """A gap that the action can change by less than this, in its unit a second, is none of its own."""
@@ -58,6 +62,7 @@ class ActuatorSafety:
         self.sweeps = declared.dampers.sweeps
         self.haste = declared.dampers.haste
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
+        self._ahead_of_now = _memoryless_after(model, actuator)
         self._boxed = [goal.name for goal in goals if self._is_box(goal)]
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
 
@@ -87,13 +92,14 @@ class ActuatorSafety:
         Returns:
             The action ``(*B, n)``, and what is remembered of it.
         """
-        within = self.bounds(values, goal_factors)
+        within, known = self.bounds(values, goal_factors)
         inverse = self._inverse_metric(values)
         wanted = nominal
         if self.haste != 1.0:
             wanted = self._constrained(values, self.haste * nominal)
         if self.stalemate is None:
-            return nearest_safe(wanted, within, self.sweeps, inverse).action, {}
+            action = nearest_safe(wanted, within, self.sweeps, inverse).action
+            return torch.where(known, action, 0.0), {}
 
         # While escaping, the direction of the escape stands for the nominal action, and serves no
         # goal: all components count alike.
@@ -117,6 +123,9 @@ class ActuatorSafety:
             allowed, room = action, self._room(values)
             action = _unless_escaping(cost.not_beyond(allowed), allowed, within, own)
             remembered = self.stalemate.judge(cost, nominal, allowed, action, room, own)
+
+        # Where nobody knows what bounds it, nothing moves.
+        action = torch.where(known, action, 0.0)
         return action, {start + key: value for key, value in remembered.items()}
 
     def _constrained(self, values: Mapping[str, Tensor], action: Tensor) -> Tensor:
@@ -136,31 +145,42 @@ class ActuatorSafety:
         """How far each component may go down and up, ``(*B, n)`` both; ∞ where nothing says it."""
         down = torch.full_like(values[self.actuator], torch.inf)
         up = down
+        now = self._now(values)
         for goal in self._ranged:
-            to_low, to_high = goal.room(values)
+            to_low, to_high = goal.room(now)
             down, up = torch.minimum(down, to_low), torch.minimum(up, to_high)
         return down, up
 
-    def bounds(self, values: Mapping[str, Tensor], goal_factors: Tensor) -> SafetyBounds:
+    def bounds(
+        self, values: Mapping[str, Tensor], goal_factors: Tensor
+    ) -> tuple[SafetyBounds, Tensor]:
         """What all goals ask of the action, and its limits.
 
         Args:
             values: Values after the new readings.
             goal_factors: Factor of each goal, ``(*B, goals)``; one that is off asks for nothing.
+
+        Returns:
+            The bounds, and in which rows of the batch all of them are numbers, ``(*B, 1)``.
         """
         names = list(self.model.goals)
         at_rest = torch.zeros_like(values[self.actuator])
         high = at_rest + self.limits.to(at_rest)
         low = -high
         slopes, bounds = [at_rest.unsqueeze(-2)[..., :0, :]], [at_rest[..., :0]]
+        known = torch.ones_like(at_rest[..., :1], dtype=torch.bool)
 
         # A goal's rows; one that is off, or that the action cannot serve, gets a bound that never
         # holds anything up.
         for goal in self.goals:
             is_box = goal.name in self._boxed
-            slope, bound, _ = self.rows_of(goal, values, most=None if is_box else goal.most_gaps)
+            slope, bound, gaps = self.rows_of(goal, values, most=None if is_box else goal.most_gaps)
             is_on = goal_factors[..., names.index(goal.name), None] != 0
             fastest = (slope.abs() * self.limits.to(slope)).sum(-1)
+
+            # What is no number bounds nothing, and says nothing either.
+            is_known = (gaps + bound + fastest).isfinite().all(-1, keepdim=True)
+            known = known & (is_known | ~is_on)
             counts = is_on & (is_box | (fastest > LEAST_SPEED))  # what cannot give way is no bound
             bound = torch.where(counts, bound, -FARTHEST / self.model.dt)
 
@@ -170,7 +190,8 @@ class ActuatorSafety:
             else:
                 slopes.append(slope)
                 bounds.append(bound)
-        return SafetyBounds(torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1), low, high)
+        rows = torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1)
+        return SafetyBounds(*rows, low, high), known
 
     def rows_of(
         self, goal: Goal, values: Mapping[str, Tensor], most: int | None = None
@@ -189,7 +210,8 @@ class ActuatorSafety:
         Returns:
             c ``(*B, m, n)``, b ``(*B, m)`` and the gaps ``(*B, m)``.
         """
-        gaps = goal.gaps(values).clamp(max=FARTHEST)
+        gaps = goal.gaps(self._now(values)).clamp(max=FARTHEST)
+        gaps = torch.where(gaps.isnan(), -torch.inf, gaps)  # the smallest, which no bound keeps
         count = gaps.shape[-1] if most is None else min(most, gaps.shape[-1])
         smallest = gaps.topk(count, dim=-1, largest=False).indices
 
@@ -197,6 +219,15 @@ class ActuatorSafety:
         least = math.exp(-self.model.dt / self.time) * gaps
         at_rest, slopes = self._ahead(goal, values, smallest)
         return slopes / self.model.dt, (least - at_rest) / self.model.dt, gaps
+
+    def _now(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """The values before the action: what does not remember has moved on by the last one."""
+        now = dict(values)
+        if self._ahead_of_now:
+            now[self.actuator] = torch.zeros_like(values[self.actuator])
+        for name in self._ahead_of_now:
+            now[name] = self.model.owners[name](now, name)
+        return now
 
     def _ahead(
         self, goal: Goal, values: Mapping[str, Tensor], which: Tensor
@@ -244,7 +275,7 @@ class ActuatorSafety:
 
         values = self.model.update(self.model.initial(readings, (4,)))
         slopes, _, _ = self.rows_of(goal, values)
-        components = (slopes != 0).sum(-1)
+        components = (_without_rounding(slopes) != 0).sum(-1)
         return bool((components <= 1).all() and (components == 1).any())
 
 
@@ -266,6 +297,7 @@ def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tupl
     Should one depend on several after all, each of them gets an equal share of its bound.
     """
     largest = torch.finfo(slopes.dtype).max
+    slopes = _without_rounding(slopes)
     components = (slopes != 0).sum(-1).clamp(min=1)
     shares = (bounds / components).unsqueeze(-1)
     ratios = shares / torch.where(slopes == 0, 1.0, slopes)
@@ -276,6 +308,12 @@ def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tupl
     lowest = torch.minimum(torch.maximum(low, from_below), high)
     highest = torch.maximum(torch.minimum(high, from_above), lowest)
     return lowest, highest
+
+
+def _without_rounding(slopes: Tensor) -> Tensor:
+    """Slopes ``(*B, m, n)`` with zeros where a component is but the rounding of another."""
+    smallest = ROUNDING * torch.finfo(slopes.dtype).eps * slopes.abs().amax(-1, keepdim=True)
+    return torch.where(slopes.abs() > smallest, slopes, 0.0)
 
 
 def safety_of(model: WorldModel) -> dict[str, ActuatorSafety]:
@@ -302,20 +340,21 @@ def _safety_goals(model: WorldModel) -> dict[str, list[Goal]]:
     """The safety goals that depend on each actuator on which one of them does."""
     found: dict[str, list[Goal]] = {}
     for actuator in model.actuators:
-        goals: list[Goal] = []
-        for goal in model.goals.values():
-            if goal.safety and _depends(model, goal.name, actuator):
-                goals.append(goal)
+        reached = _led_to(model, actuator)
+        goals = [goal for goal in model.goals.values() if goal.safety and goal.name in reached]
         if goals:
             found[actuator] = goals
     return found
 
 
-def _depends(model: WorldModel, name: str, actuator: str) -> bool:
-    """Whether a gradient leads from a goal or quantity to an actuator."""
-    return name == actuator or any(
-        _depends(model, edge.source, actuator) for edge in model.edges.get(name, ())
-    )
+def _led_to(model: WorldModel, actuator: str) -> set[str]:
+    """The goals and quantities from which a gradient leads to an actuator, itself included."""
+
+    @cache
+    def leads(name: str) -> bool:
+        return name == actuator or any(leads(edge.source) for edge in model.edges.get(name, ()))
+
+    return {name for name in (actuator, *model.edges) if leads(name)}
 
 
 def _upstream(model: WorldModel, inputs: tuple[str, ...]) -> tuple[str, ...]:
@@ -328,6 +367,17 @@ def _upstream(model: WorldModel, inputs: tuple[str, ...]) -> tuple[str, ...]:
             found.extend(reversed(own))
             needed.update(estimator.inputs)
     return tuple(reversed(found))
+
+
+def _memoryless_after(model: WorldModel, actuator: str) -> tuple[str, ...]:
+    """The estimates without a memory that the action moves in the same step, in their order."""
+    moved = {actuator}
+    found: list[str] = []
+    for estimator in model.estimators:
+        if not estimator.recursive and moved.intersection(estimator.inputs):
+            found.extend(estimator.outputs)
+            moved.update(estimator.outputs)
+    return tuple(found)
 
 
 def _initial(escape: PlaceEscape | WayAround, size: int) -> Memory:

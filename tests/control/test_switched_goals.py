@@ -1,5 +1,7 @@
 """Goals that are switched off, on, and weighted."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import torch
@@ -44,6 +46,14 @@ def test_a_switch_outlasts_the_episode() -> None:
     _, after = policy.predict(recorded[4], memory, episode_start=np.array([True, False]))
     assert torch.equal(after["goals/active"], memory["goals/active"])
     assert not arrived(policy, after, "x_rob")["avoid → x_obs → x_rob"].any()
+
+
+@pytest.mark.parametrize("factor", [float("nan"), float("inf"), -1.0, "1", torch.ones(5), None])
+def test_a_factor_that_is_none_is_named(factor: Any) -> None:
+    policy = navigation()
+    _, memory = policy.predict(observation_with())
+    with pytest.raises(OptionError, match="avoid=.*: expected a finite factor >= 0"):
+        policy.switch(memory, avoid=factor)
 
 
 def test_an_unknown_goal_is_named() -> None:
