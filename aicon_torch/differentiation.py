@@ -6,7 +6,7 @@ something learns (:func:`through_time`) the same functions compute the same numb
 they are made of, so that a loss may be differentiated by any parameter through any number of steps.
 One hop still ends where it did: its gradient is taken by an alias of the value (:func:`hop_from`),
 and what a model stops (:func:`stop`) is stopped in the hop (:func:`pull`) and nowhere else. So an
-action that is differentiable is the action that would be taken, to the last bit. Ranks, switches
+action that is differentiable is the action that would be taken, but for rounding. Ranks, switches
 and gates are constants of the step; one thread learns at a time.
 """
 

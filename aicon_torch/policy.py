@@ -26,12 +26,13 @@ from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.export.exported_policy import ExportedPolicy
 from aicon_torch.export.native import NativeSteps
-from aicon_torch.goals import Goal
+from aicon_torch.goals import Goal, factor_of
 from aicon_torch.graph import Filtered, Information, WorldModel
+from aicon_torch.graph.checks import check_mode
 from aicon_torch.inspection.explanation import Explanation, explain
 from aicon_torch.inspection.trace import StepTrace, trace
 from aicon_torch.quantities import Sensor
-from aicon_torch.readings.observation import read
+from aicon_torch.readings.observation import as_tensor, read
 from aicon_torch.readings.perception import Perception
 from aicon_torch.readings.validation import BEGINS
 from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
@@ -68,6 +69,8 @@ class Policy(nn.Module):
         self.resolution = NullspaceProjection() if resolution is None else resolution
         self.law = Foresight() if law is None else law
         self.perception = perception
+        if isinstance(perception, nn.Module):
+            check_mode("perception", perception)
         for name, actuator in model.actuators.items():
             self.law.check(name, actuator)
 
@@ -96,8 +99,8 @@ class Policy(nn.Module):
             deterministic: Accepted for the signature's sake; the policy has no randomness.
             create_graph: Whether action and memory are to be differentiable by what learns, and by
                 the memory that went in: for imitation, and for search through the model's own
-                prediction. The action is the same. Ranks, switches and gates of the
-                mechanism are constants of the step.
+                prediction. The action is the same but for rounding. Ranks, switches and gates of
+                the mechanism are constants of the step.
 
         Returns:
             The action ``(*B, size)``, of the observation's kind (a dict of them if there are
@@ -109,8 +112,9 @@ class Policy(nn.Module):
                 beyond the sensor's range is no error but no reading, in its row alone.
         """
         if create_graph:
+            readable = self if self._native is None else self._readable()
             with through_time():
-                return self._readable().predict(observation, state, episode_start)
+                return readable.predict(observation, state, episode_start)
         native = None if self._native is None else self._native.of(self._step, self.perception)
         if native is not None and self._earlier(state) is None:
             action, after = native.predict(observation, state, episode_start)
@@ -137,7 +141,7 @@ class Policy(nn.Module):
         self,
         observation: Mapping[str, Any],
         state: Memory | None = None,
-        action: Mapping[str, Tensor] | None = None,
+        action: Mapping[str, Any] | None = None,
         episode_start: ArrayLike | Tensor | None = None,
     ) -> Memory:
         """Update the estimates alone, while somebody else acts.
@@ -153,12 +157,11 @@ class Policy(nn.Module):
             OptionError: If there is no such actuator.
             ObservationError: If the action has another shape, or is not finite.
         """
-        # What somebody else did takes the place of the action in the memory.
-        executed = dict(action or {})
-        self._check_executed(executed)
-
         with torch.inference_mode(False):
             memory, readings = self._begin(observation, state, episode_start)
+
+            # What somebody else did takes the place of the action in the memory.
+            executed = self._checked_actions(action or {}, tuple(memory[BEGINS].shape))
             values = lasting(self.model, self._step.estimate(memory, readings, executed))
             _, kept = keep_finite(self.model, {}, values, memory)
         return memory | kept
@@ -332,10 +335,10 @@ class Policy(nn.Module):
 
         Args:
             memory: The memory to start from.
-            **goals: For each goal to change its factor, a number or ``(*B,)``.
+            **goals: For each goal to change its factor, a number >= 0 or ``(*B,)`` of them.
 
         Raises:
-            OptionError: If there is no such goal.
+            OptionError: If there is no such goal, or a factor is none.
             ObservationError: If the memory is one of the policy that this one was made of.
         """
         names = list(self.model.goals)
@@ -350,8 +353,7 @@ class Policy(nn.Module):
         for name, factor in goals.items():
             if name not in names:
                 raise OptionError(f"No goal is named {name!r}. Goals: {choices(names)}.")
-            value = torch.as_tensor(factor, dtype=factors.dtype, device=factors.device)
-            factors[..., names.index(name)] = value
+            factors[..., names.index(name)] = factor_of(name, factor, factors)
         return memory | {GOAL_FACTORS: factors}
 
     def trace(self, memory: Memory) -> StepTrace:
@@ -455,17 +457,25 @@ class Policy(nn.Module):
         starts = starting_rows(episode_start, batch, self.model.like.device)
         return perception(observation, values, None if starts is None else starts.numpy(force=True))
 
-    def _check_executed(self, executed: Mapping[str, Tensor]) -> None:
-        for name, action in executed.items():
+    def _checked_actions(
+        self, actions: Mapping[str, Any], batch: tuple[int, ...]
+    ) -> dict[str, Tensor]:
+        """What somebody else did, ``(*B, size)``, of the model's type."""
+        executed: dict[str, Tensor] = {}
+        for name, given in actions.items():
             if name not in self.model.actuators:
                 raise OptionError(
                     f"No actuator is named {name!r}. Actuators: {choices(self.model.actuators)}."
                 )
-            size = self.model.actuators[name].size
-            if action.shape[-1:] != (size,) or not action.isfinite().all():
+            actuator = self.model.actuators[name]
+            action = as_tensor(f"action of {name!r}", actuator.unit, given, self.model.like)
+            shape = (*batch, actuator.size)
+            if tuple(action.shape) != shape or not action.isfinite().all():
                 raise ObservationError(
-                    f"action of {name!r}: expected finite values of shape (*batch, {size})."
+                    f"action of {name!r}: expected finite values of shape {shape}, got {given!r}."
                 )
+            executed[name] = action
+        return executed
 
 
 def _as_numpy(commands: Mapping[str, Tensor]) -> dict[str, Any]:

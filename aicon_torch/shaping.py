@@ -134,11 +134,14 @@ def by_worth(weight: Tensor, like: Tensor, step: float) -> Tensor:
 class _ByWorth(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, weight: Tensor, like: Tensor, step: float) -> Tensor:
-        ctx.step = step
+        ctx.step, ctx.learns = step, learns()
         return torch.zeros_like(like)
 
     @staticmethod
     def backward(ctx: Any, *gradients: Any) -> tuple[Tensor, None, None]:
+        if ctx.learns and not is_hop():  # of a loss: the value is zero, whatever the weight
+            return torch.zeros_like(gradients[0][..., :1]), None, None
+
         slope = torch.linalg.vector_norm(gradients[0], dim=-1, keepdim=True)
 
         # t‖h‖ − t²/2 is largest at t = min(‖h‖, s).

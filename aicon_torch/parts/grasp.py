@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
 from aicon_torch.parts.contact import likelihood_across
@@ -42,7 +43,7 @@ def from_above(
         beside = torch.maximum(beside, lacking)
 
     above = (STEEPNESS * beside).clamp(0.0, clearance)
-    above = above.detach()  # stops the gradient: where to aim is no goal
+    above = stop(above)  # stops the gradient: where to aim is no goal
     return above.unsqueeze(-1) * upward(offset)
 
 
@@ -115,6 +116,8 @@ class Grasp:
     def __post_init__(self) -> None:
         """Check the lengths."""
         check_positive(self, ("size", "reach"))
+        if self.clearance is not None:
+            check_positive(self, ("clearance",))
 
     def likelihood(self, x_rel: Tensor, x_opening: Tensor, *others: Tensor) -> Tensor:
         """p_grasp, ``(*B, 1)``.
@@ -136,7 +139,7 @@ class Grasp:
         way = approach + between * too_open + (1 - between) * too_narrow
 
         # To let go has a way of its own: the fingers open in the middle, and then the tip rises.
-        shut = (too_narrow / self.gripper.range).detach()  # stops the gradient: it weighs
+        shut = stop(too_narrow / self.gripper.range)  # stops the gradient: it weighs
         leave = (1 - shut) * offset[..., 2] - shut * norm(offset)
         let_go = straight_through(way, opening + self.about(x_rel).squeeze(-1) * leave)
 
@@ -159,7 +162,7 @@ class Grasp:
         """exp(−(‖Δ‖/l)⁶), ``(*B, 1)``."""
         share = norm(self._offset(x_rel)) / length
         likely = torch.exp(-(share**6))
-        return likely.detach().unsqueeze(-1)  # stops the gradient: it weighs, and is no goal
+        return stop(likely).unsqueeze(-1)  # stops the gradient: it weighs, and is no goal
 
     def held(self, name: str = "", by_open_fingers: bool = False) -> "Held":
         """The estimator of p_held, of one object of several by what its names end with."""
@@ -209,7 +212,7 @@ class Held(Estimator):
 
     def forward(self, values: Values, output: str) -> Tensor:
         """As it is now."""
-        return values[output].detach()  # stops the gradient: p_grasp has it
+        return stop(values[output])  # stops the gradient: p_grasp has it
 
 
 def carried(x_object: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
@@ -221,12 +224,12 @@ def carried(x_object: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
         a: Velocity of the tip, ``(*B, 3)``, m/s.
         dt: s.
     """
-    return x_object + p_held.detach() * a * dt  # stops the gradient, as all of p_held's
+    return x_object + stop(p_held) * a * dt  # stops the gradient, as all of p_held's
 
 
 def approached(x_rel: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
     """Where the tip then is from the object, Δ + (1 − p_held) a dt, ``(*B, 3)``, m."""
-    return x_rel + (1 - p_held.detach()) * a * dt  # stops the gradient, as all of p_held's
+    return x_rel + (1 - stop(p_held)) * a * dt  # stops the gradient, as all of p_held's
 
 
 @dataclass(frozen=True)
@@ -265,7 +268,7 @@ class Carrying:
         Returns:
             ``(*B, 3)``, m.
         """
-        p_held = p_held.detach()  # stops the gradient: that of a grasp is p_grasp's
+        p_held = stop(p_held)  # stops the gradient: that of a grasp is p_grasp's
 
         # What a grasp is worth, which moves the object anywhere, and what it is worth to be free of
         # the table, which moves it aside and not up.
@@ -276,7 +279,7 @@ class Carrying:
         # What is held goes where the tip goes: up at once, aside as far as it is off the table.
         share = (p_held * p_free.clamp(min=0.0)).expand_as(aside)
         follows = torch.cat((share, p_held.expand_as(upright)), dim=-1)
-        follows = follows.detach()  # stops what the likelihoods are told
+        follows = stop(follows)  # stops what the likelihoods are told
         return straight_through(
             x_object, anywhere + torch.cat((aside, upright), dim=-1) + follows * x_tip
         )

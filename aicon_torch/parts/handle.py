@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.grasp import Grasp, way_from_above
@@ -52,11 +53,11 @@ class Handle:
 
     def carried(self, x_object: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
         """Where it is after a step, x + p_held e (e·a) dt, ``(*B, n)``, m."""
-        return x_object + p_held.detach() * self.along(a) * dt  # stops the gradient: p_grasp has it
+        return x_object + stop(p_held) * self.along(a) * dt  # stops the gradient: p_grasp has it
 
     def approached(self, x_rel: Tensor, p_held: Tensor, a: Tensor, dt: Tensor) -> Tensor:
         """Where the tip then is from it, Δ + (a − p_held e (e·a)) dt, ``(*B, n)``, m."""
-        return x_rel + (a - p_held.detach() * self.along(a)) * dt  # stops the gradient, likewise
+        return x_rel + (a - stop(p_held) * self.along(a)) * dt  # stops the gradient, likewise
 
     def __call__(
         self,
@@ -81,15 +82,15 @@ class Handle:
             ``(*B, n)``, m.
         """
         # Stops of each product the factor whose gradient is told otherwise.
-        is_open, p_held = p_unlocked.detach(), p_held.detach()
+        is_open, p_held = stop(p_unlocked), stop(p_held)
         grasped = by_worth(p_grasp * is_open, x_object, self.step)
         unlocked = by_worth(p_unlocked, x_object, self.step)
         follows = is_open * p_held * self.along(x_tip)
         moved = grasped + unlocked + follows
 
         # At an end nothing moves it on: no gradient that asks for that goes further.
-        down = torch.where(z_way < END, moved.detach(), moved)
-        up = torch.where(z_way > self.travel - END, moved.detach(), moved)
+        down = torch.where(z_way < END, stop(moved), moved)
+        up = torch.where(z_way > self.travel - END, stop(moved), moved)
         return straight_through(x_object, by_sign(down, up))
 
 
@@ -132,7 +133,7 @@ class Button:
         narrowest = self.grasp.gripper.narrowest
         offset, too_open = x_tip[..., :3] - pressed, x_opening[..., 0] - narrowest
         way = way_from_above(offset, 0.0, self.clearance) + too_open
-        upward = norm(offset[..., :2]).detach() + offset[..., 2]
+        upward = stop(norm(offset[..., :2])) + offset[..., 2]
         let_go = straight_through(way, upward)
 
         press = by_sign(*(likelihood_across(gap, self.grasp.reach) for gap in (let_go, way)))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.parts.grasp import upward, way_from_above
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.validation import check_positive
@@ -83,7 +84,7 @@ class Room:
             # It counts as far as its own place carries it; what is missing there counts in full.
             rest = things[:number] + things[number + 1 :]
             support = self._carried(its_place, rest)
-            carries = straight_through(near * support, near * support.detach() + support)
+            carries = straight_through(near * support, near * stop(support) + support)
 
             depth = self._depth(place, its_place)
             belongs_right_below = (depth > 0) & (depth < 1.5 * self.size)
@@ -112,4 +113,4 @@ def worth_of_room(cost: Tensor, p_room: Tensor) -> Tensor:
     """
     p = p_room[..., 0]
     # Stops of each product the factor whose gradient the other one has.
-    return p.detach() * cost + (1 - p) * cost.detach()
+    return stop(p) * cost + (1 - p) * stop(cost)

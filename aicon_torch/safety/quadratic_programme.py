@@ -75,7 +75,7 @@ def nearest_safe(
         return SafeAction(action, force)
 
     retreat, _ = _projected(torch.zeros_like(nominal), rows, within, sweeps)
-    enough = sweeps if learns() else max(sweeps, YIELDING_SWEEPS)
+    enough = max(sweeps, YIELDING_SWEEPS)
     yielding = _yielding(rows, lengths, within, enough)
     slack = _slack(within) * lengths.amax(-1, keepdim=True)  # no choice hangs on rounding
     missed = _most_missed(yielding, rows, lengths)

@@ -60,6 +60,15 @@ def _of_reach() -> list[dict[str, Tensor]]:
     return [{"q": joints[t], "target_position": target} for t in range(STEPS)]
 
 
+def _of_a_ball() -> list[dict[str, Tensor]]:
+    """A ball comes down on the tip, which has to get out of its way."""
+    readings = _of_reach()
+    for step, reading in enumerate(readings):
+        ball = torch.tensor([0.72, 0.63 - 0.02 * step, 0.0], dtype=torch.float64)
+        reading["ball_1"] = ball.expand(ROWS, 3)
+    return readings
+
+
 def _double(name: str, **options: Any) -> Callable[[], Policy]:
     return lambda: lean(name, dtype=torch.float64, **options)
 
@@ -138,6 +147,11 @@ LOGS: dict[str, Log] = {
             "x_ee.relation.damping",
             "x_ee.relation.chain.product.constant",
         ),
+    ),
+    "reach, with a ball": Log(
+        _double("reach", robot=planar_arm(), balls=1),
+        _of_a_ball,
+        ("x_joints.noise", "x_joints.measurements.0.noise"),
     ),
     "a network": Log(
         _seeing,

@@ -5,8 +5,9 @@ import torch
 from _inputs.logs import AGREES, LOGS, Log, slope_off
 from torch import Tensor
 
-from aicon_torch import Policy, by_gain, by_sign, straight_through
+from aicon_torch import Policy, by_gain, by_sign, by_worth, straight_through
 from aicon_torch.differentiation import is_hop, pull, stop, through_time
+from aicon_torch.models.picking import Hand, build_policy
 
 ONE_NUMBER = LOGS["nav2d"]._replace(numbers=LOGS["nav2d"].numbers[:1])
 LOG = pytest.mark.parametrize(
@@ -34,7 +35,8 @@ def test_actions_are_the_same_with_a_graph(log: Log) -> None:
     shipped = drive(log.make(), observations, False)
 
     for acted, same, before in zip(plain, differentiable, shipped, strict=True):
-        assert torch.equal(acted, same) and torch.equal(acted, before)
+        assert torch.equal(acted, before)
+        torch.testing.assert_close(acted, same.detach(), rtol=0, atol=1e-12)
         assert same.requires_grad and not acted.requires_grad
 
 
@@ -57,6 +59,36 @@ def test_actions_have_the_gradient_of_finite_differences(log: Log) -> None:
         wanted = torch.stack([slope.sum() for slope in slopes])
         assert wanted.abs().max() > 0, name
         assert slope_off(what_is_done, parameter, wanted) <= AGREES, name
+
+
+@pytest.mark.parametrize("number", ["x_tip.measurements.0.noise", "x_object.measurements.0.noise"])
+def test_what_a_hand_does_has_the_gradient_of_finite_differences(number: str) -> None:
+    """All that a model of picking stops is stopped in a hop only."""
+    steps = (0.05, 0.05, 0.05)
+    hand = Hand(time_step=0.1, steps=steps, widest=0.08, first=0.06, speed=0.3, height=0.0)
+    learner = build_policy(hand).learn(number)
+    block, goal = torch.tensor([0.08, 0.03, 0.02]), torch.tensor([0.2, 0.1, 0.02])
+    (parameter,) = learner.parameters()
+
+    def what_is_done(graph: bool = False) -> Tensor:
+        memory, total = None, torch.zeros(())
+        for step in range(8):
+            tip = torch.tensor([0.05 + 0.004 * step, 0.02, 0.08 - 0.006 * step])
+            seen = {"z_tip": tip, "z_block": block, "z_goal": goal}
+            actions, memory = learner.predict(seen, memory, create_graph=graph)
+            if step >= 2:
+                total = total + actions["tip"].sum() + 0.5 * actions["jaw"].sum()
+        return total
+
+    (slope,) = torch.autograd.grad(what_is_done(graph=True), parameter)
+    sides: list[Tensor] = []
+    for width in (1e-4, -1e-4):
+        with torch.no_grad():
+            parameter += width
+            sides.append(what_is_done())
+            parameter -= width
+    assert slope.abs() > 1e-6
+    torch.testing.assert_close(slope.sum(), (sides[0] - sides[1]) / 2e-4, rtol=1e-3, atol=0)
 
 
 # --- what a hop stops, a loss does not
@@ -91,3 +123,12 @@ def test_shaped_gradients_are_those_of_the_value_for_a_loss() -> None:
         wanted = 3 * x**2 if name == "by gain" else 2 * x
         torch.testing.assert_close(slope, wanted.detach())
         assert not torch.equal(slope, hop[name][0])
+
+
+def test_what_a_motion_is_worth_is_nothing_to_a_loss() -> None:
+    weight, place = torch.tensor([0.5], requires_grad=True), torch.tensor([0.2, 0.0])
+    with through_time():
+        moved = place + by_worth(weight, place, step=0.05)
+        (of_hop,) = pull(moved, weight, place, retain_graph=True)
+        (of_loss,) = torch.autograd.grad(moved.square().sum(), weight)
+    assert of_hop < 0 and of_loss == 0

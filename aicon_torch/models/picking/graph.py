@@ -15,6 +15,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from aicon_torch.differentiation import stop
 from aicon_torch.estimation import (
     EKF,
     Deterministic,
@@ -241,7 +242,7 @@ def without_grasp(carrying: Carrying) -> Moves:
     def moves(
         x_object: Tensor, x_tip: Tensor, p_grasp: Tensor, p_held: Tensor, p_free: Tensor
     ) -> Tensor:
-        return carrying(x_object, x_tip, p_grasp.detach(), p_held, p_free)  # stops that path
+        return carrying(x_object, x_tip, stop(p_grasp), p_held, p_free)  # stops that path
 
     return moves
 
