@@ -7,6 +7,9 @@ from torch import Tensor
 
 from aicon_torch.differentiation import stop
 
+CANCELS = 1e-10
+"""Of a type whose numbers differ by a larger share, a difference of covariances is not sure."""
+
 
 class Correction(NamedTuple):
     """x⁺ = x − Kν and P⁺ = P − K S Kᵀ, with S = H P Hᵀ + R and K = P Hᵀ S⁻¹.
@@ -51,6 +54,21 @@ class Correction(NamedTuple):
 
         reduction: Tensor = self.gain.mT @ self.cross
         return (reduction + reduction.mT) / 2
+
+    def corrected(self, covariance: Tensor, jacobian: Tensor, noise: Tensor) -> Tensor:
+        """P⁺, ``(*B, n, n)``, symmetric, of what the correction is :meth:`by`.
+
+        In single precision the difference cancels where a reading is far better than the belief,
+        and P⁺ may become negative. There it is Joseph's form, a sum of squares:
+        (I − KH) P (I − KH)ᵀ + K R Kᵀ (Bucy and Joseph 1968).
+        """
+        if torch.finfo(covariance.dtype).eps < CANCELS:
+            return covariance - self.of_covariance()
+
+        gain = self.gain.mT
+        rest = torch.eye(covariance.shape[-1]).to(covariance) - gain @ jacobian
+        corrected: Tensor = rest @ covariance @ rest.mT + gain @ noise @ gain.mT
+        return (corrected + corrected.mT) / 2
 
     def squared_distance(self, residual: Tensor) -> Tensor:
         """Squared Mahalanobis distance νᵀS⁻¹ν of a residual ν ``(*B, m)``, ``(*B,)``."""

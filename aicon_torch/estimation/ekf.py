@@ -121,7 +121,8 @@ class EKF(Estimator):
 
     def filtered(self, values: Values) -> tuple[dict[str, Tensor], list[Innovation]]:
         """The belief after prediction and correction, and the innovations."""
-        mean, covariance = self._predicted(values)
+        mean, transition = self._predicted_mean(values)
+        covariance = self._predicted_covariance(values, transition)
         mean, covariance, innovations = self._corrections(values, mean, covariance)
         return {self.mean: mean, self.covariance: covariance}, innovations
 
@@ -198,11 +199,6 @@ class EKF(Estimator):
         mean, covariance = self.prior(values)
         return mean, covariance
 
-    def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
-        """The belief before the measurements, x⁻ and P⁻."""
-        mean, transition = self._predicted_mean(values)
-        return mean, self._predicted_covariance(values, transition)
-
     def _predicted_mean(
         self, values: Values, differentiable: bool = False
     ) -> tuple[Tensor, Tensor | None]:
@@ -239,7 +235,7 @@ class EKF(Estimator):
             residual, jacobian, noise = measurement.innovation(belief, self.mean)
             correction = Correction.by(covariance, jacobian, noise)
             mean_change = correction.of_mean(residual)
-            covariance_change = correction.of_covariance()
+            corrected = correction.corrected(covariance, jacobian, noise)
 
             # A reading that is absent or refused changes nothing in its row.
             distance = partial(correction.squared_distance, residual)
@@ -249,9 +245,9 @@ class EKF(Estimator):
             innovations.append(Innovation(measurement.inputs, *told))
             if accepted is not None:
                 mean_change = torch.where(accepted[..., None], mean_change, 0.0)
-                covariance_change = torch.where(accepted[..., None, None], covariance_change, 0.0)
+                corrected = torch.where(accepted[..., None, None], corrected, covariance)
 
-            mean, covariance = mean - mean_change, covariance - covariance_change
+            mean, covariance = mean - mean_change, corrected
 
         return mean, covariance, innovations
 

@@ -29,7 +29,8 @@ class LateEKF(EKF):
             a time.
         steps: L, the largest age of a reading that is made up for; an older one counts as so old.
         moved_by: What ``predict`` and ``prompt`` read besides the mean, with the number of its
-            components; with ``"dt": 1`` each step counts as long as the clock says.
+            components; with ``"dt": 1`` each step counts as long as the clock says. Of a sensor
+            that ``prompt`` reads, ``"name.present": 1`` remembers when it had a reading.
         prompt: Measurements that are on time, such as of a force that is felt. Each corrects the
             belief of its own step, and again whenever that step is gone through.
         **options: As for :class:`EKF`.
@@ -57,12 +58,15 @@ class LateEKF(EKF):
         self.prompt = nn.ModuleList(prompt)  # registers them
 
         # What is to be remembered of a step.
-        read = list(self.predict.inputs)
+        felt: list[str] = []
         for measurement in prompt:
             self._must_read_mean(f"A prompt measurement of {mean!r}", measurement.residual)
-            read.extend(measurement.inputs)
+            felt.extend(measurement.inputs)
+        self.felt = tuple(dict.fromkeys(felt))
+        read = [*self.predict.inputs, *self.felt]
+        flags = [name + PRESENT for name in self.felt]
         for name in self.moved_by:
-            if name not in (*read, "dt"):
+            if name not in (*read, *flags, "dt"):
                 raise GraphError(
                     f"moved_by of {mean!r}: predict and prompt read "
                     f"{choices(dict.fromkeys(read))}, not {name!r}."
@@ -118,11 +122,6 @@ class LateEKF(EKF):
         super().check(values)
         self._check_measurements(self._prompt, values)
 
-    def _predicted(self, values: Values) -> tuple[Tensor, Tensor]:
-        """The belief of when the reading was taken, before it is corrected."""
-        moves = self._remembered_moves(values)
-        return self._at_reading(values, moves, self._new_lag(values, moves))
-
     def _at_reading(self, values: Values, moves: Tensor, new_lag: Tensor) -> tuple[Tensor, Tensor]:
         """The belief of when the last reading was taken, moved from that of the one before it.
 
@@ -176,7 +175,12 @@ class LateEKF(EKF):
         kept = values[self.moves]
 
         # The oldest step goes, and the latest comes last.
-        last = torch.cat([_per_row(values[name], kept) for name in self.moved_by], dim=-1)
+        parts: list[Tensor] = []
+        for name in self.moved_by:
+            is_flag = name.endswith(PRESENT)
+            value = values[name].to(kept.dtype).unsqueeze(-1) if is_flag else values[name]
+            parts.append(_per_row(value, kept))
+        last = torch.cat(parts, dim=-1)
         kept = kept[..., last.shape[-1] :]
         return torch.cat((kept, last), dim=-1)
 
@@ -192,7 +196,8 @@ class LateEKF(EKF):
             parts: dict[str, Tensor] = {}
             start = 0
             for name, size in self.moved_by.items():
-                parts[name] = step[..., start : start + size]
+                part = step[..., start : start + size]
+                parts[name] = part.squeeze(-1) > 0 if name.endswith(PRESENT) else part
                 start += size
             yield self.steps + 1 - index, parts
 

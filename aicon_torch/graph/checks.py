@@ -2,19 +2,22 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import torch
 from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices
-from aicon_torch.estimation import Estimator
+from aicon_torch.estimation import Estimator, LateEKF
 from aicon_torch.goals import Goal
 from aicon_torch.graph.paths import Edge
 from aicon_torch.interconnections import Values
-from aicon_torch.quantities import Actuator, Quantity, Sensor
+from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
 
 Result = TypeVar("Result")
+
+OF_LAYERS = ("input", "x")
+"""What the layers and networks of torch call what they read."""
 
 UNREADY = (nn.modules.batchnorm._BatchNorm, nn.modules.dropout._DropoutNd)
 """Layers of networks that are something else in training."""
@@ -34,6 +37,7 @@ def check_names(
     Raises:
         GraphError: If not, or if something is read that is not there; it lists the names known.
     """
+    _check_kinds(sensors, actuators, estimators, goals)
     outputs = [name for estimator in estimators for name in estimator.outputs]
     declared = [*sensors, *actuators, *outputs, *(goal.name for goal in goals)]
 
@@ -68,10 +72,65 @@ def check_names(
     for node in nodes:
         for name in node.inputs:
             if name not in known:
+                hint = ""
+                if name in OF_LAYERS:
+                    hint = " A layer of torch is wired by Interconnection(layer, inputs=[...])."
                 raise GraphError(
                     f"{names_of(node)[0]!r} reads {name!r}, which is not in the graph. "
-                    f"Known: {choices(known)}."
+                    f"Known: {choices(known)}.{hint}"
                 )
+
+
+def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> None:
+    """Check that the parts are what they are given as."""
+    for kind, parts, example in (
+        ("sensors", sensors, "Sensor"),
+        ("actuators", actuators, "Actuator"),
+    ):
+        if not isinstance(parts, Mapping):
+            raise GraphError(
+                f"{kind}: expected them by name, {{'name': {example}(...)}}, got "
+                f"{type(parts).__name__}."
+            )
+
+    for estimator in estimators:
+        if not isinstance(estimator, Estimator):
+            hint = "; call its .estimator()" if hasattr(estimator, "estimator") else ""
+            raise GraphError(
+                f"estimators: expected a sequence of estimators, got in it {estimator!r}{hint}."
+            )
+    for goal in goals:
+        if not isinstance(goal, Goal):
+            raise GraphError(
+                f"goals: expected a sequence of Goal('name', cost), got in it {goal!r}."
+            )
+
+
+def check_late(estimators: Sequence[Estimator], sensors: Mapping[str, Sensor]) -> None:
+    """Check that what makes up for late readings is told how late they are, and which are missing.
+
+    Raises:
+        GraphError: If not.
+    """
+    for estimator in estimators:
+        if not isinstance(estimator, LateEKF):
+            continue
+        for name in estimator.sensors:
+            if name in sensors and not sensors[name].is_aged:
+                raise GraphError(
+                    f"{estimator.mean!r} makes up for late readings of {name!r}, which has no age: "
+                    "expected Sensor(age=...) or Sensor(age_key=...)."
+                )
+
+        # A reading that is felt at once may have been missing at a step that is gone through again.
+        for name in estimator.felt:
+            for needed in (name, name + PRESENT):
+                if name in sensors and needed not in estimator.moved_by:
+                    raise GraphError(
+                        f"prompt of {estimator.mean!r} reads the sensor {name!r}: moved_by has to "
+                        f"remember {needed!r} of each step as well, got "
+                        f"{choices(estimator.moved_by)}."
+                    )
 
 
 def check_clock(clock: str | None, sensors: Mapping[str, Sensor]) -> None:
@@ -151,7 +210,7 @@ def check_mode(name: str, node: nn.Module) -> None:
 
     Args:
         name: What the module stands for.
-        node: An estimator, a goal or a function of an actuator.
+        node: An estimator, a goal, a function of an actuator, or a perception.
 
     Raises:
         GraphError: If one has a layer that mixes the rows of a batch, or acts at random.

@@ -1,5 +1,6 @@
 """What a user declares: the parts of a graph, with every name checked and every function wired."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -8,7 +9,7 @@ from torch import Tensor
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
-from aicon_torch.graph.checks import check_clock, check_names
+from aicon_torch.graph.checks import check_clock, check_late, check_names
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.quantities import Actuator, Sensor
 
@@ -59,6 +60,9 @@ class Declaration:
         # What may be read by name, and dt.
         check_names(sensors, actuators, estimators, goals)
         check_clock(clock, sensors)
+        check_late(estimators, sensors)
+        if isinstance(dt, bool | str) or not 0 < dt < math.inf:
+            raise GraphError(f"dt={dt!r}: expected the time of a step, a number > 0, in s.")
         estimates = [name for estimator in estimators for name in estimator.outputs]
         known = [*sensors, *actuators, *estimates, "dt"]
 

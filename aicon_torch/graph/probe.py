@@ -35,7 +35,10 @@ def probe(
 
     values = initial_values(declaration, estimators, readings, BATCH, like)
 
-    # One step: every estimator on what those before it gave.
+    # One step: every estimator on what those before it gave, with dt as a clock tells it.
+    dt = values["dt"]
+    if declaration.clock is not None:
+        values["dt"] = dt.expand(*BATCH, 1)
     for estimator in estimators:
         updated = attempt(estimator, estimator.update, values)
         for name, value in updated.items():
@@ -43,6 +46,7 @@ def probe(
             if value.dtype != like.dtype:
                 raise GraphError(f"{name!r} is of {value.dtype}. {other_precision(like.dtype)}")
         values.update(updated)
+    values["dt"] = dt
 
     # What the last values are for.
     _check_goals(declaration, values)

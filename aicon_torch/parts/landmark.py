@@ -15,7 +15,12 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_d
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.planar import quarter_turn
 from aicon_torch.parts.prior import ReadingPrior, first_belief
-from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
+from aicon_torch.parts.validation import (
+    check_choice,
+    check_not_negative,
+    check_positive,
+    check_steps,
+)
 from aicon_torch.parts.wheels import Wheels
 from aicon_torch.vectors import wrap_angle
 
@@ -139,6 +144,7 @@ class Landmark:
         check_positive(self, ("noise",))
         check_not_negative(self, ("motion_noise",))
         check_choice(self, "sees", get_args(Sight))
+        check_steps(self, "delay")
 
     @property
     def covariance(self) -> str:

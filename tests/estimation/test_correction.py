@@ -2,7 +2,7 @@
 
 import pytest
 import torch
-from _inputs import BATCHES, normal, random_covariance
+from _inputs import BATCHES, DTYPES, normal, random_covariance
 
 from aicon_torch.estimation import Correction
 
@@ -27,6 +27,24 @@ def test_a_correction_is_the_textbook_s(batch: tuple[int, ...], rows: int) -> No
     mahalanobis = residual.unsqueeze(-2) @ torch.linalg.inv(spread) @ residual.unsqueeze(-1)
     squared_distance = correction.squared_distance(residual)
     torch.testing.assert_close(squared_distance, mahalanobis.squeeze(-1).squeeze(-1))
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_single_precision_knows_what_double_does_of_what_is_measured_well(rows: int) -> None:
+    """A prior of 10 m, and then, one after the other, readings of a millimetre on all sides."""
+    known: dict[torch.dtype, torch.Tensor] = {}
+    for dtype in DTYPES:
+        covariance = 100.0 * torch.eye(3, dtype=dtype)
+        noise = 1e-6 * torch.eye(rows, dtype=dtype)
+        for seed in range(6):
+            jacobian = normal(rows, 3, seed=seed).to(dtype)
+            correction = Correction.by(covariance, jacobian, noise)
+            covariance = correction.corrected(covariance, jacobian, noise)
+        known[dtype] = torch.linalg.eigvalsh(covariance.double())
+
+    # The difference P − K S Kᵀ has negative ones, or some a hundred times too small.
+    share = known[torch.float32] / known[torch.float64]
+    assert (share > 0.25).all() and (share < 4.0).all()
 
 
 def test_the_distance_divides_by_the_spread() -> None:

@@ -143,6 +143,34 @@ def test_what_is_on_time_corrects_the_belief_of_its_own_step() -> None:
     torch.testing.assert_close(belief["P"], expected["P"])
 
 
+def test_what_was_missing_at_a_step_is_missing_whenever_that_is_gone_through() -> None:
+    """As an EKF that gets all of it again, from the prior on, once a late reading has come."""
+
+    def felt(x: Tensor, f: Tensor) -> Tensor:
+        return x[..., :1] - f
+
+    seen, touched = Measurement(residual, 0.04, size=2), Measurement(felt, 0.01)
+    moved_by = {"u": 2, "f": 1, "f" + PRESENT: 1}
+    own: dict[str, Any] = {"sensor": "z", "steps": 4, "moved_by": moved_by}
+    filtered = LateEKF("x", "P", **own, correct=[seen], prompt=[touched], **OPTIONS).double()
+    at_once = EKF("x", "P", correct=[touched, seen], **OPTIONS).double()
+
+    # It is felt at two steps of six, and seen at the last one as it was three steps before.
+    moves, forces, reading = normal(6, 2, seed=2), normal(6, 1, seed=1), normal(2, seed=3)
+    belief, expected = filtered.initial({}), at_once.initial({})
+    for step in range(6):
+        now = {"u": moves[step], "f": forces[step], "dt": DT}
+        now["f" + PRESENT] = torch.tensor(step in (0, 5))
+        sight = {"z": reading, "z" + AGE: torch.tensor(3 * DT)}
+        belief = filtered.update({**belief, **now, **sight, "z" + PRESENT: torch.tensor(step == 5)})
+        expected = at_once.update(
+            {**expected, **now, **sight, "z" + PRESENT: torch.tensor(step == 2)}
+        )
+
+    torch.testing.assert_close(belief["x"], expected["x"])
+    torch.testing.assert_close(belief["P"], expected["P"])
+
+
 def test_whichever_sensor_has_read_tells_when() -> None:
     seen = Measurement(residual, 0.04, size=2)
     own: dict[str, Any] = {"sensor": ("z", "y"), "steps": 3, "moved_by": {"u": 2}}

@@ -5,10 +5,38 @@ from typing import Any
 
 import pytest
 import torch
-from _inputs import MOVE, TRACK, move, near, tracked_point, tracking_model
+from _inputs import MOVE, TRACK, approach, match, move, near, tracked_point, tracking_model
 from torch import Tensor
 
-from aicon_torch import Actuator, Deterministic, Goal, GraphError, Measurement, Sensor
+from aicon_torch import (
+    Actuator,
+    Deterministic,
+    Goal,
+    GraphError,
+    LateEKF,
+    Measurement,
+    Sensor,
+    WorldModel,
+)
+from aicon_torch.parts import Landmark
+
+LATE: dict[str, Any] = {
+    "predict": approach,
+    "noise": 0.1,
+    "initial": ((1.0, 2.0), 1.0),
+    "correct": [Measurement(match, 0.1, size=2)],
+    "sensor": "z",
+    "steps": 3,
+    "moved_by": {"x": 2},
+}
+
+
+def late_model(moved_by: dict[str, int]) -> WorldModel:
+    """Seen late, and felt at once."""
+    felt = Measurement(lambda p, f: p - f, 0.1, size=2)
+    point = LateEKF("p", "P", **LATE | {"moved_by": moved_by}, prompt=[felt])
+    sensors = {"z": Sensor(2, "m", age=0.1), "f": Sensor(2, "m")}
+    return tracking_model(MOVE, point, sensors=sensors)
 
 
 def misspelt(p: Tensor, speed: Tensor) -> Tensor:
@@ -63,6 +91,10 @@ MISNAMED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tracking_model(goals=[Goal("near/by", near)]),
         r"'near/by' is taken",
     ),
+    "what a layer calls its input": (
+        lambda: tracking_model(Deterministic("x", lambda input: input), TRACK),
+        r"'x' reads 'input'.*wired by Interconnection\(layer",
+    ),
     "a flag's name": (
         lambda: tracking_model(sensors={"z": Sensor(2, "m"), "z.present": Sensor(1, "1")}),
         r"'z.present' is taken",
@@ -74,6 +106,32 @@ INCOMPLETE: dict[str, tuple[Callable[[], Any], str]] = {
     "a type without fractions": (
         lambda: tracking_model(dtype=torch.int64),
         r"torch.int64.*floating-point",
+    ),
+    "sensors without names": (
+        lambda: tracking_model(sensors=[Sensor(2, "m")]),
+        r"sensors: expected them by name, \{'name': Sensor\(...\)\}, got list",
+    ),
+    "a part in place of its estimator": (
+        lambda: tracking_model(Landmark("p", "z", noise=0.1, motion_noise=0.1)),
+        r"estimators: .*Landmark.*; call its .estimator\(\)",
+    ),
+    "a cost in place of a goal": (
+        lambda: tracking_model(goals=[near]),
+        r"goals: expected a sequence of Goal\('name', cost\), got in it <function near",
+    ),
+    "a time step of nothing": (lambda: tracking_model(dt=0.0), r"dt=0.0: expected .* > 0, in s"),
+    "a time step in words": (lambda: tracking_model(dt="0.1"), r"dt='0.1': expected"),
+    "readings that are late, of no age": (
+        lambda: tracking_model(MOVE, LateEKF("p", "P", **LATE)),
+        r"'p' makes up for late readings of 'z', which has no age",
+    ),
+    "a prompt reading that nobody remembers": (
+        lambda: late_model(moved_by={"x": 2}),
+        r"prompt of 'p' reads the sensor 'f': moved_by has to remember 'f'.*got 'x'",
+    ),
+    "a prompt reading that may have been missing": (
+        lambda: late_model(moved_by={"x": 2, "f": 2}),
+        r"moved_by has to remember 'f.present'.*got 'x', 'f'",
     ),
     "no goals": (lambda: tracking_model(goals=[]), "at least one goal"),
     "no actuators": (lambda: tracking_model(actuators={}), "at least one actuator"),
@@ -107,6 +165,11 @@ def test_names_that_do_not_fit_are_refused(make: Callable[[], Any], culprit: str
 def test_a_graph_that_cannot_work_is_refused(make: Callable[[], Any], culprit: str) -> None:
     with pytest.raises(GraphError, match=culprit):
         make()
+
+
+def test_what_is_late_and_what_is_remembered_make_a_model_that_works() -> None:
+    model = late_model(moved_by={"x": 2, "f": 2, "f.present": 1})
+    assert model.quantities["p_moves"].size == 5 * 4
 
 
 def test_the_same_parts_make_a_model_that_works() -> None:

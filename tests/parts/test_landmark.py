@@ -81,7 +81,9 @@ def test_a_landmark_that_is_seen_where_it_is_begins_there() -> None:
     assert float(found["P_tree"].diagonal().max()) == pytest.approx(0.01**2 / 5)
 
 
-@pytest.mark.parametrize("wrong", [{"noise": 0.0}, {"motion_noise": -1.0}, {"sees": "colour"}])
+@pytest.mark.parametrize(
+    "wrong", [{"noise": 0.0}, {"motion_noise": -1.0}, {"sees": "colour"}, {"delay": 1.5}]
+)
 def test_what_a_landmark_cannot_be_is_an_error(wrong: dict[str, Any]) -> None:
     (name,) = wrong
     with pytest.raises(OptionError, match=name):
