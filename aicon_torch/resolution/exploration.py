@@ -213,7 +213,9 @@ class Exploration:
     def tangent(self, ranked: RankedGradients, normals: list[Tensor], before: Tensor) -> Tensor:
         """The unit direction in a nullspace that best continues the motion before, ``(*B, d)``."""
         # The motion so far decides; where it has no say the descent does, and else an axis.
-        descent = -1e-6 * ranked.weighted.sum(-2)
+        strength = ranked.weights.sum(-1, keepdim=True)
+        smallest = torch.finfo(strength.dtype).tiny
+        descent = -1e-6 * ranked.weighted.sum(-2) / strength.clamp(min=smallest)
         components = torch.arange(before.shape[-1], device=before.device)
         largest = torch.stack(normals).abs().amax(0)
         axis = 1e-9 * (components == largest.argmin(-1, keepdim=True)).to(torch.float32)

@@ -92,7 +92,8 @@ class NullspaceProjection(Resolution):
         weighted = directions * weights.unsqueeze(-1)
 
         # 2. Order by magnitude and project (Eq. 7-8).
-        projected, rank = self.project_in_order(weighted, weights, held=memory["rank"])
+        strengths = torch.where(magnitudes > 0, weights, 0.0)  # what is zero asks for nothing
+        projected, rank = self.project_in_order(weighted, strengths, held=memory["rank"])
         resolved = projected.sum(-2)
         new_memory = {"rank": rank}
 
@@ -142,11 +143,11 @@ class NullspaceProjection(Resolution):
         Args:
             gradients: ``(*B, n, d)``.
             magnitudes: Theirs, ``(*B, n)``.
-            held: Which gradient held each rank in the last step, ``(*B, min(n, d))``.
+            held: Which gradient held each rank in the last step, ``(*B, ranks)``.
 
         Returns:
-            The selected, mutually orthogonal gradients ``(*B, min(n, d), d)`` by rank, and the
-            index of each, −1 where none was left.
+            The selected gradients ``(*B, ranks, d)`` by rank, and the index of each, −1 where none
+            was left. They are mutually orthogonal, unless nothing is projected.
         """
         project = PROJECTORS[self.projector]
         indices = torch.arange(gradients.shape[-2], device=gradients.device)
@@ -155,7 +156,7 @@ class NullspaceProjection(Resolution):
         selected_index: list[Tensor] = []
 
         for rank in range(ranks):
-            # The strongest comes next; the one that held this rank before is favoured.
+            # The strongest comes next (Eq. 7); the one that held this rank before is favoured.
             was_here = indices == held[..., rank : rank + 1]
             favoured = magnitudes * (1.0 + self.margin * was_here.to(torch.float32))
             magnitude, index = favoured.max(-1, keepdim=True)
@@ -163,7 +164,7 @@ class NullspaceProjection(Resolution):
             selected.append(strongest)
             selected_index.append(index.masked_fill(magnitude == 0, -1))  # nothing was left
 
-            # The others lose their component along it.
+            # The others lose their component along it (Eq. 8).
             if rank + 1 < ranks:
                 is_taken = (indices == index).unsqueeze(-1)
                 gradients = project(strongest, gradients).masked_fill(is_taken, 0.0)

@@ -54,6 +54,17 @@ def test_motion_goes_on_in_the_direction_it_came_from(side: float) -> None:
     torch.testing.assert_close(-total, expected, rtol=0, atol=1e-4)
 
 
+@pytest.mark.parametrize("unit", [1e-4, 1.0, 1e4])
+def test_the_unit_of_the_costs_does_not_choose_the_side(unit: float) -> None:
+    """The descent counts a millionth beside the motion, whatever the slopes are measured in."""
+    gradients = unit * pair(-0.95)
+    for side in (1.0, -1.0):
+        average = torch.tensor([0.0, side * 1e-3], dtype=torch.float64)
+        memory = exploring_memory(gradients, literal(), average=average)
+        total, _ = resolve(literal(), gradients, memory)
+        assert -total[1] * side > 0
+
+
 @pytest.mark.parametrize("time", [0.2, 1.0, 2.0])
 @pytest.mark.parametrize("dt", [0.05, 0.5])
 def test_the_average_is_an_exponential_moving_one(time: float, dt: float) -> None:

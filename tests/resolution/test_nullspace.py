@@ -13,9 +13,11 @@ from _inputs import (
     STACKS,
     direction,
     for_each,
+    fresh,
     lengths,
     normal,
     projection_in_paper,
+    resolve,
     resolved,
     selected,
     unweighted,
@@ -38,6 +40,19 @@ def test_resolved_gradients_are_mutually_orthogonal(stack: Tensor, projector: An
     # In a degenerate stack a remainder of rounding is no direction.
     if any(stack is random for random in RANDOM.values()):
         assert_orthogonal(vectors, length.unsqueeze(-1) * length.unsqueeze(-2))
+
+
+def test_a_goal_that_asks_for_nothing_takes_no_rank() -> None:
+    """Not even one that held it before."""
+    rule = projection_in_paper()
+    gradients = torch.tensor([[0.0, 0.0], [0.05, 0.0], [0.0, 0.04]], dtype=torch.float64)
+    memory = fresh(rule, gradients) | {"rank": torch.tensor([0, 1])}
+    _, after = resolve(rule, gradients, memory)
+    assert after["rank"].tolist() == [1, 2]
+
+    opposed = torch.tensor([[0.0, 0.0], [0.05, 0.0], [-0.05, 0.001]], dtype=torch.float64)
+    _, after = resolve(rule, opposed, memory)
+    assert after["exploring"]
 
 
 @for_each("stack", STACKS)
