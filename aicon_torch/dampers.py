@@ -72,7 +72,7 @@ class VelocityDampers:
             gains by it; at 1 the nominal action itself is within the limits, and they do not.
 
     Raises:
-        OptionError: If a number is not positive.
+        OptionError: If a number is not positive, or there is haste with a :class:`WayAround`.
 
     Example:
         >>> Actuator(6, "rad/s", limit=(3.1,) * 6, dampers=VelocityDampers(braking=0.3))
@@ -88,6 +88,11 @@ class VelocityDampers:
         _check_positive("braking", self.braking)
         _check_positive("sweeps", self.sweeps)
         _check_positive("haste", self.haste)
+        if isinstance(self.escape, WayAround) and self.haste != 1.0:
+            raise OptionError(
+                f"haste={self.haste!r}: expected 1 with a WayAround, since nothing moves faster "
+                "than is proposed."
+            )
 
 
 def _check_positive(name: str, value: float) -> None:

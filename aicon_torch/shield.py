@@ -12,7 +12,8 @@ from torch import Tensor
 
 from aicon_torch.control import DirectDescent
 from aicon_torch.dampers import WayAround
-from aicon_torch.errors import GraphError, OptionError, choices
+from aicon_torch.differentiation import stop
+from aicon_torch.errors import GraphError, ObservationError, OptionError, choices
 from aicon_torch.estimation import Deterministic
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
@@ -21,6 +22,7 @@ from aicon_torch.inspection.trace import StepTrace
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Sensor
+from aicon_torch.readings.observation import as_array
 from aicon_torch.resolution import Memory
 
 PROPOSAL = "proposal"
@@ -113,9 +115,20 @@ class Shield:
         Returns:
             The action ``(*B, size)``, and the state.
         """
+        if not isinstance(observation, Mapping):
+            raise ObservationError(
+                f"expected an observation by key, with a reading for each sensor of the shield "
+                f"({choices(self.model.sensors)}), got {type(observation).__name__}."
+            )
+
         memory, inner = (None, None) if state is None else state
         if hasattr(self.inner, "predict"):
-            proposal, inner = self.inner.predict(observation, inner, episode_start, deterministic)
+            told = self.inner.predict(observation, inner, episode_start, deterministic)
+            if not isinstance(told, tuple) or len(told) != 2:
+                raise OptionError(
+                    f"policy: its predict returned {told!r}; expected an action and a state."
+                )
+            proposal, inner = told
         else:
             proposal = self.inner(observation)
 
@@ -168,6 +181,16 @@ def _following(
     goes_around: bool,
 ) -> WorldModel:
     """The model with the goal to do what is proposed."""
+    if not isinstance(model, WorldModel):
+        raise OptionError(
+            f"model: expected a WorldModel, such as policy.model, got {type(model).__name__}."
+        )
+    for sensor_name, sensor in model.sensors.items():
+        if PROPOSAL in (sensor_name, sensor.key):
+            raise GraphError(
+                f"model: the sensor {sensor_name!r} has the name or the key {PROPOSAL!r}, under "
+                "which a shield reads what is proposed."
+            )
     if len(model.actuators) != 1:
         raise GraphError(
             f"model: it has the actuators {choices(model.actuators)}; a shield drives exactly one."
@@ -179,13 +202,14 @@ def _following(
         )
 
     ((name, actuator),) = model.actuators.items()
-    dampers = replace(actuator.dampers, escape=WayAround() if goes_around else None)
+    escape = WayAround() if goes_around else None
+    dampers = replace(actuator.dampers, escape=escape, haste=1.0)  # no faster than is proposed
 
     # The proposal is read, what it means is estimated, and to do that is the goal.
-    proposal = Sensor(size or actuator.size, actuator.unit)
+    proposal = Sensor(actuator.size if size is None else size, actuator.unit)
     asked = Deterministic(NOMINAL, _asked if nominal is None else nominal)
     follow = Goal("follow", Interconnection(_disagreement, inputs=[name, NOMINAL]))
-    return WorldModel(
+    following = WorldModel(
         sensors={**model.sensors, PROPOSAL: proposal},
         actuators={name: replace(actuator, dampers=dampers)},
         estimators=[*model.declaration.estimators, asked],
@@ -195,6 +219,15 @@ def _following(
         dtype=model.like.dtype,
     )
 
+    # An action of one component would count for all of them.
+    shape = following.quantities[NOMINAL].shape
+    if shape != (actuator.size,):
+        raise GraphError(
+            f"What is proposed means an action of shape {shape}; expected {(actuator.size,)}, as "
+            f"the actuator {name!r} has it: see nominal= and size=."
+        )
+    return following
+
 
 def _asked(proposal: Tensor) -> Tensor:
     """The proposal is an action, ``(*B, size)``."""
@@ -203,12 +236,14 @@ def _asked(proposal: Tensor) -> Tensor:
 
 def _disagreement(action: Tensor, nominal: Tensor) -> Tensor:
     """The cost g = −a·w ``(*B,)``, whose gradient is −w wherever the action is."""
-    return -(action * nominal.detach()).sum(-1)  # stops: moving is not to change what is asked for
+    return -(action * stop(nominal)).sum(-1)  # stops: moving is not to change what is asked for
 
 
 def _finite(proposal: Any) -> Any:
     """The proposal with zeros, which ask for nothing, where it is not finite, ``(*B, size)``."""
     if isinstance(proposal, Tensor):
         return torch.where(proposal.isfinite(), proposal, 0.0)
-    proposal = np.asarray(proposal)
-    return np.where(np.isfinite(proposal), proposal, 0.0)
+    array = as_array("what the policy within proposes", "the unit of a proposal", proposal)
+    if isinstance(array, np.ma.MaskedArray):
+        array = np.where(array.mask, np.nan, array.data)
+    return np.where(np.isfinite(array), array, 0.0)

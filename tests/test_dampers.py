@@ -1,6 +1,6 @@
 import pytest
 
-from aicon_torch.dampers import PlaceEscape, VelocityDampers
+from aicon_torch.dampers import PlaceEscape, VelocityDampers, WayAround
 from aicon_torch.errors import OptionError
 
 
@@ -9,6 +9,11 @@ def test_a_damper_without_a_way_is_refused() -> None:
         VelocityDampers(braking=0)
     with pytest.raises(OptionError, match="sweeps=0: expected a number > 0"):
         VelocityDampers(sweeps=0)
+
+
+def test_nothing_goes_around_faster_than_is_proposed() -> None:
+    with pytest.raises(OptionError, match="haste=3.0: expected 1 with a WayAround"):
+        VelocityDampers(escape=WayAround(), haste=3.0)
 
 
 def test_an_escape_from_everywhere_is_refused() -> None:

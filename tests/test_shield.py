@@ -1,64 +1,17 @@
 """A shield does what is proposed, keeps its safety goals, and goes around what is in the way."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pytest
-import torch
+from _inputs.pillars import DT, PILLARS, RADIUS, TARGET, TRAP, straight, world
 from torch import Tensor
 
 from aicon_torch import (
-    Actuator,
-    Affine,
-    Goal,
-    GraphError,
-    Interconnection,
-    KalmanFilter,
-    Measurement,
-    OptionError,
-    Sensor,
     Shield,
-    WorldModel,
     load_exported,
 )
-from aicon_torch.dampers import VelocityDampers
-
-DT, RADIUS, TARGET = 0.05, 0.5, (3.0, 0.0)
-PILLARS = {"pillar": (1.5, 0.0)}
-TRAP = {f"post_{i}": (1.5 + 0.25 * abs(i), 0.6 * i) for i in (-1, 0, 1)} | {
-    f"end_{i}": (1.0, 0.9 * i) for i in (-1, 1)
-}
-
-
-def located() -> KalmanFilter:
-    """Where the point is: as it is read, and moved by its velocity."""
-    agreement = Measurement(Affine(x=1.0, position=-1.0), 1e-12, size=2)
-    moved, start = Affine(x=1.0, v="dt"), ((0.0, 0.0), 1.0)
-    return KalmanFilter("x", "P", predict=moved, noise=1e-6, initial=start, correct=[agreement])
-
-
-def world(pillars: Mapping[str, tuple[float, float]] = PILLARS, **actuator: Any) -> WorldModel:
-    """A point that knows where it is, among round pillars."""
-
-    def gap_to(centre: tuple[float, float]) -> Callable[[Tensor], Tensor]:
-        return lambda x: RADIUS - (x - x.new_tensor(centre)).norm(dim=-1)
-
-    dampers = VelocityDampers(braking=0.2)
-    return WorldModel(
-        sensors={"position": Sensor(2, "m")},
-        actuators={"v": Actuator(2, "m/s", limit=1.0, **{"dampers": dampers, **actuator})},
-        estimators=[located()],
-        goals=[Goal(name, gap_to(centre), safety=True) for name, centre in pillars.items()],
-        dt=DT,
-        dtype=torch.float64,
-    )
-
-
-def straight(observation: Mapping[str, Any]) -> Any:
-    """Toward the target, whatever is in the way."""
-    way = np.asarray(TARGET) - observation["position"]
-    return way / np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), 0.3)
 
 
 def drive(shield: Shield, start: Any, steps: int = 400) -> tuple[Any, Any]:
@@ -183,22 +136,3 @@ def test_for_those_in_a_hurry_it_keeps_its_state_itself() -> None:
     shield.act(seen)
     shield.reset()
     np.testing.assert_array_equal(shield.act(seen), first)
-
-
-def test_what_cannot_be_shielded_is_refused_by_name() -> None:
-    with pytest.raises(OptionError, match="something with predict, or a function"):
-        Shield(3, world())
-
-    def far(x: Tensor) -> Tensor:
-        return x.square().sum(dim=-1)
-
-    parts: dict[str, Any] = {"sensors": {"position": Sensor(2, "m")}, "estimators": [located()]}
-    one = {"v": Actuator(2, "m/s", limit=1.0)}
-    with pytest.raises(GraphError, match="'far'.* is a safety goal"):
-        Shield(straight, WorldModel(**parts, actuators=one, goals=[Goal("far", far)]))
-
-    two = {**one, "w": Actuator(2, "m/s", limit=1.0)}
-    norm = Interconnection(far, inputs=["w"])
-    goals = [Goal("far", far, safety=True), Goal("w rests", norm, safety=True)]
-    with pytest.raises(GraphError, match="'v'.*'w'.* drives exactly one"):
-        Shield(straight, WorldModel(**parts, actuators=two, goals=goals))

@@ -1,7 +1,6 @@
 """The body of an arm: its joints, its links, and what it must not do, whatever it is for."""
 
 import copy
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from aicon_torch.models.reach.options import Options
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
-from aicon_torch.parts.obstacle import Obstacle, Sphere, moving_point
+from aicon_torch.parts.obstacle import Obstacle, moving_point
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 from aicon_torch.parts.solids import NUMBERS, Solids
@@ -66,8 +65,9 @@ def body_model(options: Options, table: float | None = None) -> WorldModel:
 
     count = len(robot.chain.names)
     speeds = speeds_of(options, robot.chain)
-    as_proposed = replace(options.dampers, haste=1.0)
-    velocity = Actuator(count, "rad/s or m/s", speeds, keeps_direction=True, dampers=as_proposed)
+    velocity = Actuator(
+        count, "rad/s or m/s", speeds, keeps_direction=True, dampers=options.dampers
+    )
     return WorldModel(
         sensors={"z_joints": Sensor(count, "rad or m", key="q"), **obstacle_sensors(options)},
         actuators={"a": velocity},
@@ -104,9 +104,12 @@ def speeds_of(options: Options, chain: Chain) -> tuple[float, ...]:
             "expected numbers above 0 (rad/s or m/s)."
         )
     if not speeds.isfinite().all():
+        pairs = zip(chain.names, speeds, strict=True)
+        without = [name for name, speed in pairs if not speed.isfinite()]
         raise OptionError(
-            f"speed=None: the robot's description has no largest speed for all of its joints "
-            f"({choices(chain.names)}); expected speed=, a number (rad/s)."
+            f"speed=None: the robot's description has no largest speed for {choices(without)}; "
+            "expected velocity= in its <limit>, or speed=, a number that no joint then exceeds "
+            "(rad/s or m/s)."
         )
     return tuple(speeds.tolist())
 
@@ -157,7 +160,7 @@ def bounds(options: Options, robot: Robot, table: float | None = None) -> list[G
         below = Table.under(robot, table, TABLE_DISTANCE)
         goals.append(Goal("table", below, safety=options.safety))
     for ball in _balls(options):
-        obstacle = Obstacle(Sphere(options.ball_radius), robot.shape.capsules, BALL_DISTANCE)
+        obstacle = Obstacle(options.ball_radius, robot.shape.capsules, BALL_DISTANCE)
         distance = Interconnection(obstacle, inputs=["x_body", f"x_{ball}"])
         goals.append(Goal(ball, distance, safety=options.safety))
     if options.obstacles:

@@ -97,7 +97,7 @@ def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
         watched["max_age"] = MAX_GAP * options.dt
     moving = watched | ({"driven_by": "a"} if options.watchdog else {})
     sensors = {
-        "z_elapsed": clock(options.dt),
+        "z_elapsed": clock(),
         "z_joints": Sensor(len(robot.chain.names), "rad or m", key="q", **moving),
         "z_position": Sensor(3, "m", key="target_position", **watched),
     }

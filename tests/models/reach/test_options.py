@@ -17,7 +17,7 @@ def test_a_robot_is_needed() -> None:
 
 def test_a_robot_without_speeds_needs_one() -> None:
     chain = Chain([shift(), shift(0.3)], shift(0.3), [Joint("shoulder"), Joint("elbow")])
-    with pytest.raises(OptionError, match="speed=None: .*'shoulder', 'elbow'.* expected speed="):
+    with pytest.raises(OptionError, match="speed=None: .*for 'shoulder', 'elbow'; .*or speed="):
         make_policy("reach", robot=Robot(chain))
     assert make_policy("reach", robot=Robot(chain), speed=1.0).model.actuators["a"].limit == (1, 1)
 

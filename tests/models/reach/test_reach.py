@@ -9,7 +9,7 @@ from _inputs.reaching import DT, planar_arm, reach, targets_of
 
 from aicon_torch import make_policy
 from aicon_torch.models.reach import Robot
-from aicon_torch.parts import Obstacle, SelfCollision, Sphere, SquaredHinge
+from aicon_torch.parts import Obstacle, SelfCollision, SquaredHinge
 from aicon_torch.parts.self_collision import CapsuleSegments
 
 ARMS = ("panda", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ur5", "xarm7")))
@@ -105,7 +105,7 @@ def test_an_arm_gives_way_to_a_ball(ball_speed: float) -> None:
     assert robot.shape is not None
     policy = quick(make_policy("reach", robot=robot, balls=1, ball_radius=0.05))
     segments = CapsuleSegments(robot.chain, robot.shape.capsules)
-    distance = Obstacle(Sphere(0.05), robot.shape.capsules, SquaredHinge(1.0, 1.0))
+    distance = Obstacle(0.05, robot.shape.capsules, SquaredHinge(1.0, 1.0))
 
     q = torch.tensor([0.6, 0.8, 0.6], dtype=torch.float64)
     target = robot.chain(q)[:3, 3]
