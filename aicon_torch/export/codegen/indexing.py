@@ -210,9 +210,17 @@ def gather(writer: Writer, kind: Kind, value: Array, dim: int, index: Array, **_
 
 
 def scatter(
-    writer: Writer, kind: Kind, value: Array, dim: int, index: Array, source: Any, **_: Any
+    writer: Writer,
+    kind: Kind,
+    value: Array,
+    dim: int,
+    index: Array,
+    source: Any,
+    reduce: str | None = None,
 ) -> Array:
     """The value, with elements of a source where the index says."""
+    if reduce is not None:
+        raise NotImplementedError(f"with reduce={reduce!r}")
     return _scatter(writer, kind, value, dim, index, source, adds=False)
 
 

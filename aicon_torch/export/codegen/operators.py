@@ -7,6 +7,8 @@ the operator's arguments, with an array of numbers in place of each tensor.
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from aicon_torch.export.codegen.arrays import Array, Writer
 from aicon_torch.export.codegen.scalars import Kind
 
@@ -17,7 +19,7 @@ Translation = Callable[..., Any]
 def elementwise(operation: str) -> Translation:
     """The translation of an operator that is an elementary operation itself."""
 
-    def translation(writer: Writer, kind: Kind, *values: Any, **_: Any) -> Array:
+    def translation(writer: Writer, kind: Kind, *values: Any) -> Array:
         return writer.map(operation, kind, *values)
 
     return translation
@@ -50,6 +52,11 @@ def divide(
     writer: Writer, kind: Kind, first: Any, second: Any, rounding_mode: str | None = None
 ) -> Array:
     """Quotient, rounded if asked."""
+    # Rounded down it is that of what divides without a remainder: 0.5 holds 0.1 four times.
+    if rounding_mode == "floor":
+        remainder = writer.map("remainder", "real", first, second)
+        first, rounding_mode = writer.map("sub", "real", first, remainder), "round"
+
     quotient = writer.map("div", "real", first, second)
     if rounding_mode is None:
         return quotient
@@ -58,6 +65,8 @@ def divide(
 
 def power(writer: Writer, kind: Kind, base: Any, exponent: Any) -> Array:
     """Power; the common ones as products and roots."""
+    if isinstance(exponent, np.ndarray):  # of each number its own
+        return writer.map("pow", kind, base, exponent)
     if exponent == 1:
         return writer.array(base, kind)
     if exponent == 2:

@@ -95,6 +95,8 @@ def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
         result = translation(writer, _kind(operation), *args, **kwargs)
     except NotImplementedError as error:
         raise GraphError(f"{_what(operation)} cannot be exported {error}.") from error
+    except TypeError as error:  # an argument that its translation does not know
+        raise GraphError(f"{_what(operation)} cannot be exported: {error}.") from error
     if changes_in_place:
         # Slices of this array share its numbers, and see the change as views of a tensor do.
         args[0][...] = result

@@ -47,6 +47,8 @@ FUNCTIONS: dict[str, Function] = {
     "logic": lambda x: torch.where((x > 0) & ~(x > 1) | (x < -1), x, -x) + (x > 0).to(x.dtype),
     "missing": lambda x: (x / (x - x)).nan_to_num(nan=3.0, posinf=2.0, neginf=1.0),
     "finite": lambda x: (x / x.relu()).isfinite().to(x.dtype),
+    "powers of their own": lambda x: 2.0**x + x.abs() ** x.flip(0),
+    "rounded down": lambda x: torch.div((10 * x).round() / 10, 0.1, rounding_mode="floor") + x // 1,
     "powers": lambda x: x.abs() ** 1.5 + x**3 + x.abs().rsqrt() + torch.sign(x),
     # Sums and the like.
     "sums": lambda x: x.reshape(3, 4).sum(-1) + x.reshape(3, 4).mean(1) + x.prod(),
@@ -90,6 +92,22 @@ def test_single_precision_stays_single(tmp_path: Path) -> None:
     x = normal(SIZE, seed=3).float()
     found = translated(function, torch.float32, tmp_path)(x)
     torch.testing.assert_close(found, function(x), rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("function", "culprit"),
+    [
+        (lambda x: x.round(decimals=1), "round"),
+        (lambda x: x.scatter(0, index_of(x), 2.0, reduce="add"), "scatter"),
+        (
+            lambda x: torch.addmm(x[:4].view(2, 2), x[4:8].view(2, 2), x[8:].view(2, 2), beta=2),
+            "mm",
+        ),
+    ],
+)
+def test_an_argument_without_a_translation_is_refused(function: Function, culprit: str) -> None:
+    with pytest.raises(GraphError, match=f"{culprit}.* cannot be exported"):
+        in_c("f", lambda x: (function(x).flatten(),), ["x"], ["y"], {"x": normal(SIZE, seed=1)})
 
 
 def test_what_has_no_translation_is_named() -> None:
