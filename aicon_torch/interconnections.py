@@ -29,7 +29,7 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     """The quantities that a function (or a module's ``forward``) reads: its parameters.
 
     Raises:
-        GraphError: If a parameter is variadic, so that it names no quantity.
+        GraphError: If a parameter names no quantity, or cannot be given by its place.
     """
     called = function.forward if isinstance(function, nn.Module) else function
     names: list[str] = []
@@ -41,6 +41,10 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
 
         # What has a default is an option of the function, and no quantity.
         if parameter.default is parameter.empty:
+            if parameter.kind is parameter.KEYWORD_ONLY:
+                raise GraphError(
+                    f"{function!r}: {name!r} may be given by name only; leave out '*'."
+                )
             names.append(name)
     return tuple(names)
 

@@ -3,7 +3,9 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -109,19 +111,25 @@ class Sensor:
 
     def __post_init__(self) -> None:
         """Check size, range, scale and times."""
-        if self.size < 1:
-            raise GraphError(f"Sensor size {self.size!r}: expected 1 or more components.")
-        if self.range is not None and not self.range[0] < self.range[1]:
-            raise GraphError(f"Sensor range {self.range!r}: expected (lowest, highest).")
-        if not isinstance(self.scale, int | float) and len(self.scale) != self.size:
+        _check_size("Sensor", self.size)
+        _check_range("Sensor range", self.range)
+        scale = _numbers(self.scale)
+        factors = scale if isinstance(scale, tuple) else (scale,) * self.size
+        is_right = all(math.isfinite(factor) and factor != 0 for factor in factors)
+        if len(factors) != self.size or not is_right:
             raise GraphError(
                 f"Sensor scale {self.scale!r}: expected one factor, or {self.size}, one a "
-                "component."
+                "component, finite and not 0."
             )
+        object.__setattr__(self, "scale", scale)
         for name in ("max_age", "max_gap", "rate_limit", "period"):
             value = getattr(self, name)
             if value is not None and not value > 0:
                 raise GraphError(f"Sensor {name}={value!r}: expected a number > 0, or None.")
+        if self.period is not None and math.isinf(self.period):
+            raise GraphError(f"Sensor period={self.period!r}: expected a finite number, or None.")
+        if not 0 <= self.age < math.inf:
+            raise GraphError(f"Sensor age={self.age!r}: expected a number >= 0, in s.")
 
     @property
     def is_aged(self) -> bool:
@@ -174,20 +182,20 @@ class Actuator:
 
     def __post_init__(self) -> None:
         """Check limit, constraints and the range of commands."""
-        limits = (self.limit,) if isinstance(self.limit, int | float) else tuple(self.limit)
+        _check_size("Actuator", self.size)
+        limit = _numbers(self.limit)
+        limits = limit if isinstance(limit, tuple) else (limit,)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
             raise GraphError(
                 f"Actuator limit {self.limit!r}: expected one positive number (a norm) or "
                 f"{self.size} of them."
             )
+        object.__setattr__(self, "limit", limit)
         if not isinstance(self.constraints, Sequence):
             raise GraphError(
                 f"Actuator constraints {self.constraints!r}: expected a sequence of functions."
             )
-        if self.command_range is not None and not self.command_range[0] < self.command_range[1]:
-            raise GraphError(
-                f"Actuator command_range {self.command_range!r}: expected (lowest, highest)."
-            )
+        _check_range("Actuator command_range", self.command_range)
 
     def limit_like(self, values: Tensor) -> Tensor:
         """The limit, a scalar or ``(size,)``, of the type and on the device of some values.
@@ -226,3 +234,25 @@ class Actuator:
     def clip_command(self, command: Tensor) -> Tensor:
         """The nearest command within :attr:`command_range`, ``(*B, size)``."""
         return command if self.command_range is None else command.clamp(*self.command_range)
+
+
+def _numbers(given: Any) -> float | tuple[float, ...]:
+    """A number or several, whatever they come in; NaN where they are none."""
+    try:
+        array = np.asarray(given)
+    except (TypeError, ValueError):  # a ragged list
+        return math.nan
+    if array.dtype.kind not in "fiu" and array.size > 0:
+        return math.nan
+    return float(array) if array.ndim == 0 else tuple(map(float, array.flatten().tolist()))
+
+
+def _check_size(what: str, size: Any) -> None:
+    if not isinstance(size, int | np.integer) or size < 1:
+        raise GraphError(f"{what} size {size!r}: expected 1 or more components.")
+
+
+def _check_range(what: str, ends: Any) -> None:
+    numbers = (0.0, 1.0) if ends is None else _numbers(ends)
+    if not (isinstance(numbers, tuple) and len(numbers) == 2 and numbers[0] < numbers[1]):
+        raise GraphError(f"{what} {ends!r}: expected (lowest, highest).")

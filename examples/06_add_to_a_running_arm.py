@@ -24,7 +24,6 @@ from aicon_torch.parts import (
     Chain,
     Joint,
     Obstacle,
-    Sphere,
     SquaredHinge,
     moving_point,
 )
@@ -49,7 +48,7 @@ def small_arm() -> Robot:
 def with_ball(policy: Policy, arm: Robot) -> Policy:
     """The same graph with a sensor, an estimator and a goal more."""
     assert arm.shape is not None
-    obstacle = Obstacle(Sphere(RADIUS), arm.shape.capsules, SquaredHinge(0.02, 1.0))
+    obstacle = Obstacle(RADIUS, arm.shape.capsules, SquaredHinge(0.02, 1.0))
     keep_off = Interconnection(obstacle, inputs=["x_body", "x_ball"])
 
     ball = moving_point("x_ball", "z_ball", DT)
@@ -63,7 +62,7 @@ def run(adds_goal: bool) -> tuple[float, float]:
     policy = make_policy("reach", robot=arm, speed=2.0, dt=DT).compile()  # the same, much faster
     q = torch.tensor([0.6, 0.8, 0.6], dtype=torch.float64)
     target = arm.chain(q)[:3, 3]
-    checked = Obstacle(Sphere(RADIUS), small_arm().shape.capsules, SquaredHinge(0.02, 1.0))
+    checked = Obstacle(RADIUS, small_arm().shape.capsules, SquaredHinge(0.02, 1.0))
 
     memory: Memory | None = None
     least_gap = math.inf

@@ -62,6 +62,14 @@ def test_inputs_may_have_other_names() -> None:
     assert relation.linearize(values, "object", 1)[1].item() == -1.0
 
 
+def test_a_parameter_after_a_star_is_refused() -> None:
+    def late(x: Tensor, *, y: Tensor) -> Tensor:
+        return x + y
+
+    with pytest.raises(GraphError, match="'y' may be given by name only"):
+        Interconnection.of(late)
+
+
 @pytest.mark.parametrize("function", [lambda *x: x, lambda a, **rest: a])
 def test_a_variadic_parameter_names_nothing(function: Callable[..., Any]) -> None:
     with pytest.raises(GraphError, match="names no quantity"):

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 from _inputs import BATCHES, DTYPES, direction, normal, slower, where_to
@@ -100,7 +101,15 @@ def test_a_range_of_commands_that_is_none_is_named(wrong: tuple[float, float]) -
         Actuator(2, "m/s", 0.5, command=where_to, command_range=wrong)
 
 
-@pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, (1.0, 0.0), (1.0, 2.0, 3.0), ()])
+def test_numbers_may_come_as_a_space_has_them() -> None:
+    high = np.array([0.5, 0.7], dtype=np.float32)
+    assert Actuator(2, "m/s", high[0]).limit == 0.5
+    assert Actuator(2, "m/s", torch.tensor(0.5)).limit == 0.5
+    assert Actuator(2, "m/s", high).limit == tuple(high.tolist())
+    assert Sensor(2, "m", scale=np.array([1.0, 2.0])).scale == (1.0, 2.0)
+
+
+@pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, (1.0, 0.0), (1.0, 2.0, 3.0), (), "1", None])
 def test_a_limit_that_does_not_fit_is_named(limit: Any) -> None:
     with pytest.raises(GraphError, match=r"limit .*expected one positive number"):
         Actuator(2, "m/s", limit)
@@ -112,6 +121,13 @@ def test_a_limit_that_does_not_fit_is_named(limit: Any) -> None:
         ({"size": 0}, "size 0"),
         ({"size": 1, "range": (2.0, 1.0)}, r"range \(2.0, 1.0\)"),
         ({"size": 1, "range": (0.0, math.nan)}, "range"),
+        ({"size": 2.0}, "size 2.0"),
+        ({"size": 1, "scale": 0.0}, r"scale 0.0: .*not 0"),
+        ({"size": 1, "scale": math.nan}, "scale nan"),
+        ({"size": 2, "range": ([0.0, 0.0], [1.0, 1.0])}, "range"),
+        ({"size": 1, "period": math.inf}, "period=inf"),
+        ({"size": 1, "age": -0.5}, "age=-0.5: expected a number >= 0, in s"),
+        ({"size": 1, "age": math.nan}, "age=nan"),
         ({"size": 2, "scale": (1.0,)}, r"scale \(1.0,\): expected one factor, or 2"),
     ],
 )

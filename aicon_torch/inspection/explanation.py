@@ -94,10 +94,12 @@ def explain(backward: BackwardPass, memory: Memory, row: int | tuple[int, ...] =
     model = backward.model
 
     # The memory of one robot: the same entries, without the batch.
-    one_robot = {key: value[row] for key, value in memory.items()}
-    if one_robot[next(iter(model.actuators))].dim() != 1:
-        batch = tuple(memory[next(iter(model.actuators))].shape[:-1])
+    batch = tuple(memory[next(iter(model.actuators))].shape[:-1])
+    places = row if isinstance(row, tuple) else (row,)
+    is_there = [-count <= place < count for place, count in zip(places, batch, strict=False)]
+    if len(places) != len(batch) or not all(is_there):
         raise ValueError(f"row={row!r}: the memory has batch shape {batch}; name one row of it.")
+    one_robot = {key: value[row] for key, value in memory.items()}
 
     step = trace(backward, one_robot)
     actions = {name: step.values[name] for name in model.actuators}

@@ -53,7 +53,7 @@ from aicon_torch.parts.landmark import (
 )
 from aicon_torch.parts.moving_discs import MovingDiscs
 from aicon_torch.parts.moving_obstacle import MovingObstacle
-from aicon_torch.parts.obstacle import Box, Obstacle, Sphere, moving_point
+from aicon_torch.parts.obstacle import Obstacle, moving_point
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn, rotate
 from aicon_torch.parts.planar_dither import PlanarDither
 from aicon_torch.parts.pose import (
@@ -94,7 +94,6 @@ __all__ = [
     "Arrive",
     "BearingPrior",
     "Bicycle",
-    "Box",
     "Button",
     "CameraFrame",
     "Capsule",
@@ -146,7 +145,6 @@ __all__ = [
     "Servo",
     "Solid",
     "Solids",
-    "Sphere",
     "SquaredHinge",
     "Table",
     "TipMetric",

@@ -107,7 +107,7 @@ class Capsules:
         if len(candidates) > MOST_PAIRS:
             raise OptionError(
                 f"The robot's {len(capsules)} capsules make {len(candidates)} pairs that may meet: "
-                f"expected at most {MOST_PAIRS}. Disable some with srdf=, or take per_link=1."
+                f"expected at most {MOST_PAIRS}. Disable some with srdf=."
             )
         pairs = _that_can_meet(chain, capsules, links, candidates)
         return cls(tuple(capsules), tuple(links), tuple(pairs))

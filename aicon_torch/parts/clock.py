@@ -3,7 +3,7 @@
 from aicon_torch.quantities import Sensor
 
 
-def clock(dt: float) -> Sensor:
+def clock() -> Sensor:
     """How long the last step took, ``elapsed`` ``(*B, 1)``, s, for ``WorldModel(clock=)``.
 
     An observation need not tell it: then the step took as long as it should, as it does where the
@@ -12,12 +12,9 @@ def clock(dt: float) -> Sensor:
     predicted; but readings are older by all of that time, and where they are too old the robot
     stands.
 
-    Args:
-        dt: How long a step should take, s.
-
     Example:
         >>> WorldModel(
-        ...     sensors={"z": Sensor(2, "m"), "z_elapsed": clock(0.05)}, clock="z_elapsed", dt=0.05,
+        ...     sensors={"z": Sensor(2, "m"), "z_elapsed": clock()}, clock="z_elapsed", dt=0.05,
         ...     ...
         ... )
     """

@@ -50,14 +50,14 @@ class ForceServo:
         return shorten(force, self.largest)
 
     def displacement(self, a: Tensor, v_robot: Tensor, dt: Tensor) -> Tensor:
-        """V dt + (a − v) dt²/(2τ): how far the mass goes in a step, ``(*B, d)``, m.
+        """How far the mass goes in a step: v dt + F dt²/(2m), ``(*B, d)``, m.
 
         Args:
             a: The nominal velocity, ``(*B, d)``, m/s.
             v_robot: The velocity now, ``(*B, d)``, m/s.
             dt: Duration of the step, s.
         """
-        return v_robot * dt + (a - v_robot) * (dt**2 / (2 * self.time))
+        return v_robot * dt + self(a, v_robot) * (dt**2 / (2 * self.mass))
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ import torch
 from torch import Tensor
 
 from aicon_torch.parts.contact import inward_normal
-from aicon_torch.parts.planar import cross, norm
+from aicon_torch.parts.planar import cross
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.shaping import by_gain, straight_through
 
-ContactEffect = Literal["quasi_static", "sine", "angle"]
+ContactEffect = Literal["quasi_static", "angle"]
 """What a contact is taken to do to the object: see :class:`ContactDynamics`."""
 
 
@@ -23,14 +23,13 @@ class ContactDynamics:
     radius of gyration r by (n, λ/r²)/(1 + (λ/r)²) for each metre, if it slides without friction at
     the contact and stops at once. As the effect Δ of a contact this direction counts at unit
     length, (n, λ/r²)/√(1 + (Lλ/r²)²), and all contacts move the object by s Σᵢ pᵢ Δᵢ. In the text Δ
-    is (n, α/L), with the angle α between the normal and the line to the centre; ``"sine"`` has
-    sin α for α.
+    is (n, α/L), with the angle α between the normal and the line to the centre.
 
     Attributes:
         body: The object.
         rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
         step: s, m: how far a contact that is certain moves the object.
-        effect: Which of the three effects.
+        effect: Which of the two effects.
         intent: T, by which the gain b of a contact (that of Δ) decides softly, by σ(−b/T), whether
             it is intended; 0 decides by sign.
     """
@@ -82,11 +81,8 @@ class ContactDynamics:
         if self.effect == "quasi_static":
             return self._quasi_static_effects(lever, normals)
 
-        # The text's angle α between the normal and the line to the centre, or its sine λ/‖arm‖.
-        if self.effect == "angle":
-            angle = torch.atan2(lever, -(arm * normals).sum(-1))
-        else:
-            angle = lever / norm(arm)
+        # The text's angle α between the normal and the line to the centre.
+        angle = torch.atan2(lever, -(arm * normals).sum(-1))
         return torch.cat((normals, angle.unsqueeze(-1) / self.rotation_length), dim=-1)
 
     def response(self, pose: Tensor, points: Tensor, normals: Tensor) -> Tensor:

@@ -21,7 +21,6 @@ class Gripper(Estimator):
         widest: Largest opening, m.
         speed: Largest rate, m/s; the fingers follow a command that moves no faster.
         first: Opening at the beginning, m; by default the narrowest.
-        actuator: Name of the actuator.
 
     Raises:
         OptionError: If the openings are not in order, or the speed is not positive.
@@ -41,7 +40,6 @@ class Gripper(Estimator):
         widest: float,
         speed: float,
         first: float | None = None,
-        actuator: str = "jaw",
     ) -> None:
         super().__init__()
         first = narrowest if first is None else first
@@ -53,10 +51,9 @@ class Gripper(Estimator):
         if not speed > 0:
             raise OptionError(f"speed={speed!r}: expected a number > 0 (m/s).")
         self.narrowest, self.widest, self.speed = narrowest, widest, speed
-        self.name = actuator
 
         # Its own last value, the rate that it was told, and for how long.
-        self.inputs = ("x_opening", actuator, "dt")
+        self.inputs = ("x_opening", "jaw", "dt")
         self.register_buffer("start", torch.tensor([first]))
 
     @property
@@ -70,7 +67,7 @@ class Gripper(Estimator):
         def target(rate: Tensor, x_opening: Tensor, dt: Tensor) -> Tensor:
             return (x_opening + rate * dt) / self.widest
 
-        command = Interconnection(target, inputs=[self.name, "x_opening", "dt"])
+        command = Interconnection(target, inputs=["jaw", "x_opening", "dt"])
         return Actuator(1, "m/s", limit=self.speed, command=command, command_range=(0.0, 1.0))
 
     def initial(self, values: Values) -> dict[str, Tensor]:
@@ -84,5 +81,5 @@ class Gripper(Estimator):
 
     def forward(self, values: Values, output: str) -> Tensor:
         """The opening ``(*B, 1)`` that the action brings, m."""
-        opening = values["x_opening"] + values[self.name] * values["dt"]
+        opening = values["x_opening"] + values["jaw"] * values["dt"]
         return straight_through_clamp(opening, self.narrowest, self.widest)

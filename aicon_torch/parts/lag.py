@@ -31,7 +31,7 @@ class Lag:
         check_positive(self, ("time",))
 
     def displacement(self, a: Tensor, v_robot: Tensor, dt: Tensor) -> Tensor:
-        """A dt − (a − v) τ (1 − e^(−dt/τ)): how far it gets while it is told a, ``(*B, d)``, m.
+        """How far it gets while it is told a: a dt − (a − v) τ (1 − e^(−dt/τ)), ``(*B, d)``, m.
 
         Args:
             a: What it is told, ``(*B, d)``, m/s.
@@ -42,7 +42,7 @@ class Lag:
         return a * dt - (a - v_robot) * behind
 
     def velocity(self, a: Tensor, v_robot: Tensor, dt: Tensor) -> Tensor:
-        """A − (a − v) e^(−dt/τ): the velocity after that time, ``(*B, d)``, m/s.
+        """The velocity after that time: a − (a − v) e^(−dt/τ), ``(*B, d)``, m/s.
 
         Args:
             a: What it is told, ``(*B, d)``, m/s.

@@ -46,14 +46,15 @@ class LinkPoints(nn.Module):
 
         Args:
             x_joints: m copies of one and the same posture, ``(m, *B, n)``, rad or m.
-            which: The number of the point for each copy, ``(m, *B)``.
+            which: The numbers of k points for each copy, ``(k, ..., m, *B)``.
 
         Returns:
-            ``(m, *B, 3)``, m.
+            ``(k, ..., m, *B, 3)``, m.
         """
         own, link = self.points.to(x_joints)[which], self.links[which]
         if learns() or not x_joints.requires_grad:
-            return _moved(_frame_of(_with_base(self.chain.frames(x_joints)), link), own)
+            frames = _with_base(self.chain.frames(x_joints))
+            return _moved(_frame_of(frames.expand(*link.shape, *frames.shape[-3:]), link), own)
 
         # A link is moved by the joints before it.
         joints = torch.arange(x_joints.shape[-1], device=x_joints.device)
@@ -72,9 +73,11 @@ class _Chosen(torch.autograd.Function):
         ctx: Any, x_joints: Tensor, chain: Chain, link: Tensor, own: Tensor, moves: Tensor
     ) -> Tensor:
         frames = chain.frames(x_joints[:1])  # all are copies of the first
+        frames = frames[(None,) * (link.dim() + 3 - frames.dim())]
         with_base = _with_base(frames)
-        of_copies = with_base.expand(len(x_joints), *with_base.shape[1:])
+        of_copies = with_base.expand(*link.shape, *with_base.shape[-3:])
         point = _moved(_frame_of(of_copies, link), own)
+        ctx.joints = x_joints.shape
         ctx.chain = chain
         ctx.save_for_backward(frames, point, moves)
         return point
@@ -84,7 +87,8 @@ class _Chosen(torch.autograd.Function):
         frames, point, moves = ctx.saved_tensors
         motion = ctx.chain.point_jacobian_at(frames, point)
         slopes = (motion * gradients[0].unsqueeze(-1)).sum(-2)
-        return slopes * moves, None, None, None, None
+        slopes = slopes * moves
+        return slopes.reshape(-1, *ctx.joints).sum(0), None, None, None, None
 
 
 def _with_base(frames: Tensor) -> Tensor:

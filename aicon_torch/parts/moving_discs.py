@@ -58,7 +58,8 @@ class MovingDiscs:
         before, now = recent.reshape(*recent.shape[:-1], 2, -1, 2).unbind(-3)
         velocity, away = (now - before) / self.dt, now - position.unsqueeze(-2)
 
-        # There the distance is stationary, or the time is an end of the horizon.
+        # There the distance is stationary, or the time is an end of the horizon; and to be surer by
+        # waiting is no aim.
         speed_squared = (velocity * velocity).sum(-1).clamp(min=torch.finfo(velocity.dtype).eps)
         nearest = -(away * velocity).sum(-1) / speed_squared
         nearest = stop(nearest.clamp(0.0, self.horizon))

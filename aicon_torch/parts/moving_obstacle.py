@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Interconnection
-from aicon_torch.parts.clearance import CollisionLikelihood
+from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.landmark import bearing_jacobian, bearing_residual
 from aicon_torch.parts.planar import norm, rotate
 from aicon_torch.parts.prior import first_belief
@@ -100,7 +100,7 @@ class MovingObstacle:
         """
         ahead = 0.0 if self.wheels is None else self.wheels.ahead
         gap = GapToCome(radius, horizon, ahead)
-        return Interconnection(CollisionToCome(gap, CollisionLikelihood(length)), [self.name])
+        return Interconnection(CollisionToCome(gap, length), [self.name])
 
     def _moved(self, x: Tensor, x_rob: Tensor, dt: Tensor) -> Tensor:
         """Position and velocity after a step, ``(*B, 4)``, m and m/s."""
@@ -183,15 +183,15 @@ class CollisionToCome:
 
     Attributes:
         gap: d.
-        likelihood: Of a collision with a gap.
+        length: ℓ, m.
     """
 
     gap: GapToCome
-    likelihood: CollisionLikelihood
+    length: float
 
     def __call__(self, x: Tensor) -> Tensor:
         """The cost ``(*B,)`` of (p, v), ``(*B, 4)``, m and m/s."""
-        return self.likelihood(self.gap(x).unsqueeze(-1))
+        return likelihood_across(self.gap(x), self.length)
 
 
 @dataclass(frozen=True)

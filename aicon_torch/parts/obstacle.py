@@ -1,8 +1,6 @@
-"""Obstacles, still or moving, and how far a robot's capsules are from them."""
+"""A ball, still or moving, and how far a robot's capsules are from it."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Sequence
 
 import torch
 from torch import Tensor, nn
@@ -10,111 +8,31 @@ from torch import Tensor, nn
 from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.planar import norm
 from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.self_collision import Capsule, segment_distance
 
-SECTIONS = 24
-"""Golden sections by which the point of a segment nearest to a box is found: 1e-5 of its length."""
-
-GOLDEN = 0.6180339887498949
-"""What each of them leaves of the interval."""
-
-
-class Shape(Protocol):
-    """The shape of an obstacle, about its own origin."""
-
-    def distance(self, start: Tensor, end: Tensor) -> Tensor:
-        """From a segment to the surface, ``(*B,)``, m; negative inside.
-
-        Args:
-            start: One end of the segment, ``(*B, 3)``, m, relative to the obstacle.
-            end: The other end.
-        """
-        ...
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """A sphere.
-
-    Attributes:
-        radius: m.
-    """
-
-    radius: float
-
-    def distance(self, start: Tensor, end: Tensor) -> Tensor:
-        """From a segment to the sphere, ``(*B,)``: see :class:`Shape`."""
-        origin = torch.zeros_like(start)
-        segment = torch.cat((start, end), dim=-1)
-        return segment_distance(segment, torch.cat((origin, origin), dim=-1)) - self.radius
-
-
-@dataclass(frozen=True)
-class Box:
-    """A box whose sides are parallel to the axes of the base.
-
-    Attributes:
-        size: Its lengths along x, y and z, m.
-    """
-
-    size: tuple[float, float, float]
-
-    def distance(self, start: Tensor, end: Tensor) -> Tensor:
-        """From a segment to the box, ``(*B,)``: see :class:`Shape`."""
-        with torch.no_grad():  # at the nearest point the distance is stationary, or it is an end
-            share = nearest_on_segment(self._of_point, start, end)
-        return self._of_point(start + share.unsqueeze(-1) * (end - start))
-
-    def _of_point(self, point: Tensor) -> Tensor:
-        """The signed distance ``(*B,)`` of points ``(*B, 3)``, which is convex."""
-        # Outside by the way to a face, an edge or a corner; inside by that to the nearest face.
-        beyond = point.abs() - point.new_tensor(self.size) / 2
-        outside = norm(beyond.clamp(min=0.0))
-        return outside + beyond.amax(-1).clamp(max=0.0)
-
-
-def nearest_on_segment(of_point: Callable[[Tensor], Tensor], start: Tensor, end: Tensor) -> Tensor:
-    """Where a convex distance is least on a segment, ``(*B,)`` in [0, 1], by golden sections.
-
-    Args:
-        of_point: The distance ``(*B,)`` of a point ``(*B, 3)``.
-        start: One end of the segment, ``(*B, 3)``, m.
-        end: The other end.
-    """
-    low = torch.zeros_like(start[..., 0])
-    high = torch.ones_like(low)
-    for _ in range(SECTIONS):
-        # What is convex has its least on the side of the lower of two points.
-        width = high - low
-        first, second = high - GOLDEN * width, low + GOLDEN * width
-        at_first = of_point(start + first.unsqueeze(-1) * (end - start))
-        at_second = of_point(start + second.unsqueeze(-1) * (end - start))
-        is_left = at_first < at_second
-        low, high = torch.where(is_left, low, first), torch.where(is_left, second, high)
-    return (low + high) / 2
-
 
 class Obstacle(nn.Module):
-    """g = w Σ max(0, 1 − dᵢ/d₀)², where dᵢ is the distance of capsule i to an obstacle.
+    """g = w Σ max(0, 1 − dᵢ/d₀)², where dᵢ is the distance of capsule i to a ball.
+
+    Objects of other shapes are :class:`aicon_torch.parts.Solids`.
 
     Args:
-        shape: Of the obstacle.
+        radius: Of the ball, m.
         capsules: The shape of the robot; those on its base are left out, since they cannot give
             way.
         cost: Margin d₀ (m) and weight w.
 
     Example:
-        >>> ball = Obstacle(Sphere(0.08), shape.capsules, SquaredHinge(margin=0.02, weight=1.0))
+        >>> ball = Obstacle(0.08, shape.capsules, SquaredHinge(margin=0.02, weight=1.0))
         >>> Goal("ball", Interconnection(ball, inputs=["x_body", "x_ball"]), safety=True)
     """
 
     radii: Tensor
 
-    def __init__(self, shape: Shape, capsules: Sequence[Capsule], cost: SquaredHinge) -> None:
+    def __init__(self, radius: float, capsules: Sequence[Capsule], cost: SquaredHinge) -> None:
         super().__init__()
-        self.shape, self.cost = shape, cost
+        self.radius, self.cost = radius, cost
         self.moving = [index for index, capsule in enumerate(capsules) if capsule.link > 0]
 
         radii = [capsules[index].radius for index in self.moving]
@@ -125,7 +43,7 @@ class Obstacle(nn.Module):
 
         Args:
             x_body: The segments of the robot's capsules, ``(*B, C, 6)``, m.
-            x_obstacle: Where the obstacle is, ``(*B, 3)``, m; what follows, such as its velocity,
+            x_obstacle: Where the ball is, ``(*B, 3)``, m; what follows, such as its velocity,
                 is not read.
         """
         return self.cost(self.distances(x_body, x_obstacle))
@@ -136,9 +54,13 @@ class Obstacle(nn.Module):
 
     def distances(self, x_body: Tensor, x_obstacle: Tensor) -> Tensor:
         """The distance of each capsule, ``(*B, C)``, m; negative where they overlap."""
-        origin = x_obstacle[..., None, :3]
+        centre = x_obstacle[..., None, :3]
         start, end = torch.split(x_body[..., self.moving, :], 3, dim=-1)
-        return self.shape.distance(start - origin, end - origin) - self.radii.to(x_body)
+        segment = torch.cat((start - centre, end - centre), dim=-1)
+
+        # From there the centre is the origin, a segment without length.
+        of_axes = segment_distance(segment, torch.zeros_like(segment))
+        return of_axes - self.radius - self.radii.to(x_body)
 
 
 def moved_evenly(x: Tensor, dt: Tensor) -> Tensor:

@@ -119,7 +119,7 @@ class RoundObject:
         return place + velocity * norm(velocity).unsqueeze(-1) / (2 * self._slower)
 
     def normal(self, x_pusher: Tensor, x_rest: Tensor) -> Tensor:
-        """N = (c − x)/‖c − x‖, along which the pusher at x would push it, ``(*B, 2)``."""
+        """Along which the pusher at x would push it: n = (c − x)/‖c − x‖, ``(*B, 2)``."""
         to_centre = stop(x_rest) - x_pusher  # stops the gradient: where it is is the push's matter
         return to_centre / norm(to_centre).unsqueeze(-1)
 

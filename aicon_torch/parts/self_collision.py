@@ -40,7 +40,7 @@ class CapsuleSegments(nn.Module):
 
     Args:
         chain: From the joints to the links.
-        capsules: The shape of the robot.
+        capsules: The shape of the robot, or a part of it.
 
     Attributes:
         radii: Their radii, m.
@@ -49,58 +49,32 @@ class CapsuleSegments(nn.Module):
         OptionError: If a number of a capsule is not finite, or a radius not positive.
     """
 
-    ends: Tensor
-
     def __init__(self, chain: Chain, capsules: Sequence[Capsule]) -> None:
         super().__init__()
         _check_sizes(capsules)
-        self.chain = chain
-        self.links = [capsule.link for capsule in capsules]
+        self.count, self.are_spheres = len(capsules), all_are_spheres(capsules)
         self.radii = tuple(capsule.radius for capsule in capsules)
 
-        ends = torch.ones(len(capsules), 2, 4, dtype=torch.float64)  # homogeneous
-        for index, capsule in enumerate(capsules):
-            points = (capsule.start, capsule.end)
-            ends[index, :, :3] = torch.tensor(points, dtype=torch.float64)
-        self.register_buffer("ends", ends)
+        # Starts, then ends, which are the same points of spheres.
+        links = [capsule.link for capsule in capsules]
+        points = [capsule.start for capsule in capsules]
+        if not self.are_spheres:
+            links += links
+            points += [capsule.end for capsule in capsules]
+        self.points = LinkPoints(chain, links, points)
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """The C segments ``(*B, C, 6)``, m, at the joint angles ``(*B, n)``, rad."""
-        frames = self.chain.frames(x_joints)
+        points = self.points(x_joints)
+        start, end = (points, points) if self.are_spheres else points.chunk(2, dim=-2)
+        return torch.cat((start, end), dim=-1)
 
-        # Link 0 is the base, whose frame is the identity.
-        base = torch.eye(4, dtype=frames.dtype, device=frames.device)
-        base = base.expand_as(frames[..., :1, :, :])
-
-        of_links = torch.cat((base, frames), dim=-3)[..., self.links, :3, :]
-        ends = self.ends.to(frames) @ of_links.mT
-        return ends.flatten(-2)
-
-
-class CapsuleEnds(nn.Module):
-    """Where the ends of capsules are, so that the slope of one takes its own link's motion only.
-
-    Args:
-        chain: From the joints to the links.
-        capsules: The shape of the robot, or a part of it.
-    """
-
-    def __init__(self, chain: Chain, capsules: Sequence[Capsule]) -> None:
-        super().__init__()
-        links = [capsule.link for capsule in capsules]
-        self.starts = LinkPoints(chain, links, [capsule.start for capsule in capsules])
-        self.ends = LinkPoints(chain, links, [capsule.end for capsule in capsules])
-        self.are_spheres = all_are_spheres(capsules)
-
-    def forward(self, x_joints: Tensor) -> tuple[Tensor, Tensor]:
-        """Both ends of all C capsules, ``(*B, C, 3)``, m, at the joint angles ``(*B, n)``, rad."""
-        start = self.starts(x_joints)
-        return start, start if self.are_spheres else self.ends(x_joints)
-
-    def chosen(self, x_joints: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
-        """Both ends of some, ``(m, *B, 3)``, m, by their numbers: see :meth:`LinkPoints.chosen`."""
-        start = self.starts.chosen(x_joints, which)
-        return start, start if self.are_spheres else self.ends.chosen(x_joints, which)
+    def chosen(self, x_joints: Tensor, which: Tensor) -> Tensor:
+        """Some segments ``(k, m, *B, 6)``, m, by their numbers: see :meth:`LinkPoints.chosen`."""
+        numbers = which if self.are_spheres else torch.stack((which, which + self.count))
+        points = self.points.chosen(x_joints, numbers)
+        start, end = (points, points) if self.are_spheres else points
+        return torch.cat((start, end), dim=-1)
 
 
 class SelfCollision(nn.Module):
@@ -134,7 +108,7 @@ class SelfCollision(nn.Module):
         super().__init__()
         _check_sizes(capsules)
         self.cost = cost
-        self.ends = None if chain is None else CapsuleEnds(chain, capsules)
+        self.segments = None if chain is None else CapsuleSegments(chain, capsules)
         if pairs is None:
             pairs = distant_pairs(capsules)
         first, second = torch.tensor(pairs, dtype=torch.long).reshape(-1, 2).unbind(-1)
@@ -160,23 +134,22 @@ class SelfCollision(nn.Module):
 
         The segments or joints are m copies, see :meth:`aicon_torch.Goal.gap`.
         """
-        numbers = self.first[pair], self.second[pair]
-        first, second = (self._chosen(x_body, capsule) for capsule in numbers)
+        first, second = self._chosen(x_body, torch.stack((self.first[pair], self.second[pair])))
         distance = self._of_segments(first, second) - self.radii.to(x_body)[pair]
         return distance - self.cost.margin
 
     def distances(self, x_body: Tensor) -> Tensor:
         """The distance of each pair of capsules, ``(*B, pairs)``, m; negative if they overlap."""
-        if self.ends is not None:
-            x_body = torch.cat(self.ends(x_body), dim=-1)
+        if self.segments is not None:
+            x_body = self.segments(x_body)
         first, second = x_body[..., self.first, :], x_body[..., self.second, :]
         return self._of_segments(first, second) - self.radii.to(x_body)
 
-    def _chosen(self, x_body: Tensor, capsule: Tensor) -> Tensor:
-        """The segment ``(m, *B, 6)`` of the capsule of a number ``(m, *B)``."""
-        if self.ends is None:
-            return select(x_body, capsule.unsqueeze(-1))
-        return torch.cat(self.ends.chosen(x_body, capsule), dim=-1)
+    def _chosen(self, x_body: Tensor, capsules: Tensor) -> Tensor:
+        """The segments ``(2, m, *B, 6)`` of the capsules of some numbers ``(2, m, *B)``."""
+        if self.segments is not None:
+            return self.segments.chosen(x_body, capsules)
+        return torch.stack([select(x_body, number.unsqueeze(-1)) for number in capsules])
 
     def _of_segments(self, first: Tensor, second: Tensor) -> Tensor:
         """The distance ``(*B,)`` of segments ``(*B, 6)``, which are points if all are spheres."""

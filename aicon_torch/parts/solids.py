@@ -1,21 +1,20 @@
 """Many still or moving objects of any shape and place as one goal, read as a table of numbers."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.differentiation import values_only
 from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.obstacle import nearest_on_segment
 from aicon_torch.parts.planar import norm
-from aicon_torch.parts.self_collision import Capsule, CapsuleEnds
+from aicon_torch.parts.self_collision import Capsule, CapsuleSegments
 from aicon_torch.parts.tip_pose import rotation_of_quaternion
+from aicon_torch.parts.validation import numbers as finite_numbers
 from aicon_torch.vectors import select
 
 Kind = Literal["box", "cylinder", "capsule", "sphere"]
@@ -29,6 +28,12 @@ BOX, CYLINDER, ROUND = 0.0, 1.0, 2.0
 
 LENGTHS = {"box": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
 """How many numbers the size of each kind has."""
+
+SECTIONS = 24
+"""Golden sections by which the point of a segment nearest to an object is found: 1e-5 of it."""
+
+GOLDEN = 0.6180339887498949
+"""What each of them leaves of the interval."""
 
 FAR = 99.0
 """Where an object is that there is not, m."""
@@ -47,7 +52,7 @@ class Solid:
         orientation: A quaternion (w, x, y, z) of any length.
 
     Raises:
-        OptionError: If there is no such kind, or its size is not what it may be.
+        OptionError: If there is no such kind, or a number is not what it may be.
 
     Example:
         >>> can = Solid("cylinder", (0.12, 0.03), position=(0.5, 0.0, 0.06))
@@ -61,15 +66,19 @@ class Solid:
     orientation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        """Check the kind and the size."""
+        """Check the kind and the numbers."""
         if self.kind not in LENGTHS:
             raise OptionError(f"kind={self.kind!r}: expected one of {choices(get_args(Kind))}.")
         count = LENGTHS[self.kind]
-        is_right = len(self.size) == count and all(0 < x < math.inf for x in self.size)
-        if not is_right:
+        is_right = isinstance(self.size, Sequence) and len(self.size) == count
+        if not (is_right and all(0 < length < math.inf for length in self.size)):
             raise OptionError(
-                f"size={self.size!r}: expected {count} numbers above 0 m for a {self.kind}."
+                f"size={self.size!r}: expected {count} numbers above 0 m for a {self.kind}, in a "
+                "tuple."
             )
+        finite_numbers("position", self.position, 3)
+        if not any(finite_numbers("orientation", self.orientation, 4)):
+            raise OptionError(f"orientation={self.orientation!r}: expected a quaternion, not zero.")
 
     def numbers(self) -> Tensor:
         """Centre, rotation by rows, half the lengths of the box about it, and kind, ``(16,)``."""
@@ -176,7 +185,7 @@ class Solids(nn.Module):
         super().__init__()
         self.count, self.cost = count, cost
         moving = [capsule for capsule in capsules if capsule.link > 0]
-        self.ends = CapsuleEnds(chain, moving)
+        self.segments = CapsuleSegments(chain, moving)
         radii = [capsule.radius for capsule in moving]
         self.register_buffer("radii", torch.tensor(radii, dtype=torch.float64))
 
@@ -206,14 +215,14 @@ class Solids(nn.Module):
         capsule, number = self.first[which], self.second[which]
         solid = select(self._table(x_obstacles), number.unsqueeze(-1))
 
-        start, end = self.ends.chosen(x_joints, capsule)
+        start, end = torch.split(self.segments.chosen(x_joints, capsule), 3, dim=-1)
         distance = self._of_segment(start, end, solid) - self.radii.to(x_joints)[capsule]
         return distance - self.cost.margin
 
     def distances(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
         """dᵢⱼ of each object j and capsule i, ``(*B, N C)``, m; negative where they overlap."""
         solids = self._table(x_obstacles).unsqueeze(-2)
-        start, end = (points.unsqueeze(-3) for points in self.ends(x_joints))
+        start, end = torch.split(self.segments(x_joints).unsqueeze(-3), 3, dim=-1)
         of_axes = self._of_segment(start, end, solids)
         return (of_axes - self.radii.to(x_joints)).flatten(-2)
 
@@ -223,13 +232,47 @@ class Solids(nn.Module):
 
     def _of_segment(self, start: Tensor, end: Tensor, solid: Tensor) -> Tensor:
         """The signed distance ``(*B,)`` of segments, or of points, to objects ``(*B, 16)``."""
-        if self.ends.are_spheres:
+        if self.segments.are_spheres:
             return distance_of_point(start, solid)
 
-        # No derivative of where the nearest point is: there the distance is stationary, or it is
+        # Where the nearest point is has no derivative: the distance is stationary there, or it is
         # an end.
         nothing = torch.zeros_like(start) * solid[..., :1]  # of the shape of both
         start, end = start + nothing, end + nothing
-        nearest = values_only(nearest_on_segment)
-        share = nearest(lambda point: distance_of_point(point, solid), start, end)
-        return distance_of_point(start + share.detach().unsqueeze(-1) * (end - start), solid)
+        share = _nearest_on_segment(lambda point: distance_of_point(point, solid), start, end)
+        return distance_of_point(start + share.unsqueeze(-1) * (end - start), solid)
+
+
+@torch.no_grad()
+def _nearest_on_segment(of_point: Callable[[Tensor], Tensor], start: Tensor, end: Tensor) -> Tensor:
+    """Where a convex distance is least on a segment, ``(*B,)`` in [0, 1], by golden sections.
+
+    Args:
+        of_point: The distance ``(*B,)`` of a point ``(*B, 3)``.
+        start: One end of the segment, ``(*B, 3)``, m.
+        end: The other end.
+    """
+
+    def at(share: Tensor) -> Tensor:
+        return of_point(start + share.unsqueeze(-1) * (end - start))
+
+    low = torch.zeros_like(start[..., 0])
+    high = torch.ones_like(low)
+    first, second = high - GOLDEN, low + GOLDEN
+    at_first, at_second = at(first), at(second)
+    for _ in range(SECTIONS):
+        # What is convex has its least on the side of the lower of two points.
+        is_left = at_first < at_second
+        low, high = torch.where(is_left, low, first), torch.where(is_left, second, high)
+
+        # By the golden ratio the lower one is one of the next two: only the other one is new.
+        kept = torch.where(is_left, first, second)
+        at_kept = torch.where(is_left, at_first, at_second)
+        new = low + high - kept
+        at_new = at(new)
+
+        # One that was kept on the left is the second of the next two.
+        first, second = torch.where(is_left, new, kept), torch.where(is_left, kept, new)
+        at_first = torch.where(is_left, at_new, at_kept)
+        at_second = torch.where(is_left, at_kept, at_new)
+    return (low + high) / 2

@@ -1,5 +1,6 @@
 """Walls that a map tells: how far a robot in the plane is from each of their faces."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -26,11 +27,11 @@ class Walls:
         thickness: Of a wall at least, m: within half of it behind a face, gaps are negative.
 
     Raises:
-        OptionError: If there is no face, or the radius is negative.
+        OptionError: If there is no face, a face is a point, or the radius is negative.
 
     Example:
         >>> walls = Walls.from_grid(["#####", "#   #", "### #", "#   #", "#####"], radius=0.1)
-        >>> Goal("avoid", Interconnection(walls.collision_likelihood, ["p_robot"]))
+        >>> Goal("avoid", Interconnection(walls.collision_likelihood(0.04), ["p_robot"]))
     """
 
     faces: tuple[Face, ...]
@@ -42,6 +43,9 @@ class Walls:
         check_not_negative(self, ("radius",))
         if not self.faces or any(len(face) != 4 for face in self.faces):
             raise OptionError(f"faces={self.faces!r}: expected one or more (x, y, x, y), m.")
+        for face in self.faces:
+            if not all(map(math.isfinite, face)) or face[:2] == face[2:]:
+                raise OptionError(f"faces: {face!r}: expected two points apart, (x, y, x, y), m.")
 
     @classmethod
     def from_grid(cls, rows: Sequence[str], cell: float = 1.0, radius: float = 0.0) -> "Walls":

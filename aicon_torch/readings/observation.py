@@ -82,7 +82,7 @@ def _executed(
     if key not in observation:
         return like.new_full(shape, torch.nan)
 
-    action = _as_tensor(repr(key), "the action's unit", observation[key], like)
+    action = as_tensor(repr(key), "the action's unit", observation[key], like)
     if tuple(action.shape) != shape:
         raise ObservationError(
             f"{key!r}: expected an action for each row, shape {shape}, got {tuple(action.shape)}."
@@ -100,7 +100,7 @@ def _reading(
     called: str, sensor: Sensor, value: Any, batch: tuple[int, ...] | None, like: Tensor
 ) -> Tensor:
     """One reading, checked, NaN where there is none, in the graph's unit."""
-    reading = _as_tensor(called, sensor.unit, value, like)
+    reading = as_tensor(called, sensor.unit, value, like)
     _check_shape(called, sensor, tuple(reading.shape), batch)
     return in_unit(reading, sensor)
 
@@ -131,7 +131,7 @@ def _age(
     if key is None or key not in observation:
         return like.new_full(batch, sensor.age)
 
-    age = _as_tensor(repr(key), "s", observation[key], like)
+    age = as_tensor(repr(key), "s", observation[key], like)
 
     # An age may come with a dimension of its own, as readings do.
     if tuple(age.shape) == (*batch, 1):
@@ -144,11 +144,11 @@ def _age(
     return age
 
 
-def _as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
+def as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
     """Numbers as a tensor of the wanted type and device, as they are; NaN where a mask is."""
     if is_masked_tensor(value):
         masked: Any = value  # torch leaves it untyped
-        data = _as_tensor(called, unit, masked.get_data(), like)
+        data = as_tensor(called, unit, masked.get_data(), like)
         return torch.where(masked.get_mask().to(like.device), data, torch.nan)
 
     if isinstance(value, Tensor):
@@ -159,8 +159,14 @@ def _as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
         reading: Tensor = value.detach().to(like)  # a reading is a constant of the step
         return reading.clone() if reading.is_inference() else reading  # to be differentiated by
 
+    if value is None:
+        raise ObservationError(
+            f"{called}: None; where there is no reading, give NaN, or leave out the key of an "
+            "optional sensor."
+        )
+
     # Whatever numpy has: other byte orders, other widths, reversed.
-    array = _as_array(called, unit, value)
+    array = as_array(called, unit, value)
     with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
         numbers = array.astype(np.float64, order="C")
     return torch.from_numpy(_ma.filled(numbers, np.nan)).to(like)
@@ -178,7 +184,7 @@ def tensor_kind(tensor: Tensor) -> str:
     return f"a tensor of {tensor.dtype}, {nested}{tensor.layout} on {tensor.device}"
 
 
-def _as_array(called: str, unit: str, value: ArrayLike) -> NDArray[Any]:
+def as_array(called: str, unit: str, value: ArrayLike) -> NDArray[Any]:
     """A reading as an array of real numbers, masked where one that it is made of is."""
     try:
         array = value if type(value) is np.ndarray else _ma.asarray(value)
@@ -198,5 +204,5 @@ def _check_shape(
     if has_size and batch in (None, shape[:-1]):
         return
 
-    leading = "*batch" if batch is None else ", ".join(map(str, batch))
-    raise ObservationError(f"{called}: expected shape ({leading}, {sensor.size}), got {shape}.")
+    expected = f"(*batch, {sensor.size})" if batch is None else str((*batch, sensor.size))
+    raise ObservationError(f"{called}: expected shape {expected}, got {shape}.")

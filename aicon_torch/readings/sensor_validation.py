@@ -239,7 +239,7 @@ class SensorValidation(NamedTuple):
         repeats = (reading == memory[self.name]).all(-1)
         if self.sensor.range is not None:  # at its ends an instrument repeats itself
             scale = reading.new_tensor(self.sensor.scale)
-            low, high = self.sensor.range
-            inside = (reading > low * scale) & (reading < high * scale)
+            ends = [end * scale for end in self.sensor.range]
+            inside = (reading > torch.minimum(*ends)) & (reading < torch.maximum(*ends))
             repeats = repeats & inside.all(-1)
         return repeats & (acts | was_frozen)

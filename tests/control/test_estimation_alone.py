@@ -99,6 +99,20 @@ def test_the_limit_holds_after_somebody_else_was_faster(limit: Any, law: DirectD
     assert np.linalg.norm(action) <= np.linalg.norm(limit) + 1e-6
 
 
+def test_what_was_executed_may_come_as_predict_gives_it() -> None:
+    """In numpy and in single precision."""
+    policy, reading = navigation(), observation_with()
+    action, memory = policy.predict(reading)
+    told = policy.estimate(reading, memory, action={"a": action.astype(np.float32)})
+    torch.testing.assert_close(told["a"], torch.as_tensor(action).to(told["a"]))
+
+
+def test_an_action_for_each_row_is_needed() -> None:
+    reading = {key: np.stack((value,) * 3) for key, value in observation_with().items()}
+    with pytest.raises(ObservationError, match=r"shape \(3, 2\)"):
+        navigation().estimate(reading, action={"a": np.zeros(2)})
+
+
 def test_an_unknown_actuator_is_named() -> None:
     with pytest.raises(OptionError, match=r"'v'.*'a'"):
         navigation().estimate(observation_with(), action={"v": torch.zeros(2)})
@@ -108,5 +122,5 @@ def test_an_unknown_actuator_is_named() -> None:
     "action", [torch.zeros(3), torch.tensor([0.0, torch.nan]), torch.tensor([torch.inf, 0.0])]
 )
 def test_an_executed_action_that_cannot_be_is_named(action: Tensor) -> None:
-    with pytest.raises(ObservationError, match=r"'a'.*finite values of shape \(\*batch, 2\)"):
+    with pytest.raises(ObservationError, match=r"'a'.*finite values of shape \(2,\)"):
         navigation().estimate(observation_with(), action={"a": action})

@@ -40,7 +40,7 @@ def near_the_puddle(p_puddle: Tensor) -> Tensor:
 def to_the_door() -> Policy:
     """The way to a door."""
     model = WorldModel(
-        sensors={"z_door": Sensor(2, "m"), "z_elapsed": clock(0.1)},
+        sensors={"z_door": Sensor(2, "m"), "z_elapsed": clock()},
         actuators={"v": Actuator(2, "m/s", limit=1.0)},
         estimators=[Deterministic("x_rob", move, is_motion=True), DOOR.estimator()],
         goals=[Goal("arrive", DOOR.expected_distance())],

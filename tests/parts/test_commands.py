@@ -66,6 +66,13 @@ def test_the_displacement_is_that_of_the_mass() -> None:
     torch.testing.assert_close(foreseen, moved, atol=2e-4, rtol=0.0)
 
 
+def test_a_force_at_its_largest_moves_the_mass_no_farther() -> None:
+    servo = ForceServo(mass=2.0, time=0.1, largest=4.0)
+    at_rest = torch.zeros(1, dtype=torch.float64)
+    foreseen = servo.displacement(at_rest + 2.0, at_rest, 0.1 + at_rest)
+    torch.testing.assert_close(foreseen, at_rest + 4.0 / 2.0 * 0.1**2 / 2)
+
+
 def test_a_mass_that_is_commanded_forces_comes_to_its_target_and_rests_there() -> None:
     servo = ForceServo(mass=2.0, time=0.1, largest=40.0)
     target = Landmark("p_tar", "z_tar", noise=0.002, motion_noise=1e-3, sees="position")

@@ -57,7 +57,6 @@ def test_the_effects_differ_in_how_far_they_turn() -> None:
         return float(effects[0, 2] / effects[0, 1])
 
     assert turn_by("quasi_static") == pytest.approx(30 * PIXEL / gyration**2)
-    assert turn_by("sine") == pytest.approx(0.6 / length)
     assert turn_by("angle") == pytest.approx(math.atan2(30, 40) / length)
 
 

@@ -164,3 +164,5 @@ def test_what_cannot_be_is_refused() -> None:
         Gripper(narrowest=0.0, widest=0.05, speed=0)
     with pytest.raises(OptionError, match="reach"):
         Grasp(GRIPPER, size=0.04, height=0.0, reach=0.0)
+    with pytest.raises(OptionError, match="clearance=-0.1"):
+        Grasp(GRIPPER, size=0.04, height=0.0, reach=0.1, clearance=-0.1)

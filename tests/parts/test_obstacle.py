@@ -5,56 +5,17 @@ from torch import Tensor
 
 from aicon_torch import Actuator, Affine, Deterministic, Goal, Sensor, WorldModel
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.obstacle import Box, Obstacle, Shape, Sphere, moving_point
+from aicon_torch.parts.obstacle import Obstacle, moving_point
 from aicon_torch.parts.self_collision import Capsule
 
-SHAPES: tuple[Shape, ...] = (
-    Sphere(0.2),
-    Box((0.3, 0.2, 0.4)),
-)
 CAPSULES = (
     Capsule(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.1), 0.05),
     Capsule(1, (0.0, 0.0, 0.0), (0.0, 0.0, 0.3), 0.04),
 )
 
 
-def along(start: Tensor, end: Tensor, count: int = 400) -> Tensor:
-    """Points of segments, ``(count, *B, 3)``."""
-    shares = torch.linspace(0, 1, count, dtype=start.dtype)
-    return start + shares.reshape(-1, *[1] * start.dim()) * (end - start)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_a_segment_is_as_far_as_its_nearest_point(shape: Shape) -> None:
-    start, end = 0.6 * normal(100, 3, seed=1), 0.6 * normal(100, 3, seed=2)
-    points = along(start, end)
-    expected = shape.distance(points, points).amin(0)
-    found = shape.distance(start, end)
-    assert (found <= expected + 1e-4).all()
-    assert (found >= expected - 3e-3).all()  # the nearest point lies between two of those
-
-
-def test_a_point_is_as_far_from_a_box_as_from_its_nearest_side() -> None:
-    box = Box((0.2, 0.4, 0.6))
-    points = torch.tensor([[0.3, 0.0, 0.0], [0.2, 0.2, 0.0], [0.05, 0.0, 0.0], [0.4, 0.6, 0.3]])
-    expected = torch.tensor([0.2, 0.1, -0.05, 0.5])
-    torch.testing.assert_close(box.distance(points, points), expected)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_the_distance_grows_by_what_the_segment_moves_away(shape: Shape) -> None:
-    start, end = 0.4 * normal(20, 3, seed=1) + 0.6, 0.4 * normal(20, 3, seed=2) + 0.6
-    shift = torch.zeros(20, 3, dtype=torch.float64, requires_grad=True)
-    distance = shape.distance(start + shift, end + shift)
-    (slope,) = torch.autograd.grad(distance.sum(), shift)
-
-    ahead = shape.distance(start + 1e-5 * slope, end + 1e-5 * slope)
-    torch.testing.assert_close(slope.norm(dim=-1), torch.ones(20, dtype=torch.float64))
-    torch.testing.assert_close(ahead - distance, torch.full_like(distance, 1e-5), atol=1e-7, rtol=0)
-
-
 def test_capsules_of_the_base_are_left_out_and_radii_count() -> None:
-    obstacle = Obstacle(Sphere(0.1), CAPSULES, SquaredHinge(0.05, 1.0))
+    obstacle = Obstacle(0.1, CAPSULES, SquaredHinge(0.05, 1.0))
     segments = torch.tensor([[0.0, 0, 0, 0, 0, 0.1], [0.5, 0, 0, 0.5, 0, 1.0]])
     state = torch.tensor([0.0, 0.0, 0.5, 9.0, 9.0, 9.0])
     found = obstacle.gaps(segments, state)

@@ -166,6 +166,10 @@ def test_objects_that_there_are_not_are_far_away() -> None:
         (("cone", (0.1,), (0.0, 0.0, 0.0)), "'box', 'cylinder'"),
         (("sphere", (0.1, 0.2), (0.0, 0.0, 0.0)), "expected 1 numbers above 0 m for a sphere"),
         (("box", (0.1, 0.2, 0.0), (0.0, 0.0, 0.0)), "expected 3 numbers"),
+        (("sphere", 0.1, (0.0, 0.0, 0.0)), "size=0.1: expected 1 numbers"),
+        (("sphere", (0.1,), (0.0, 0.0)), "position=.*expected 3 finite numbers"),
+        (("sphere", (0.1,), (0.0, 0.0, float("nan"))), "position=.*expected 3 finite numbers"),
+        (("sphere", (0.1,), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)), "orientation=.*not zero"),
     ],
 )
 def test_a_wrong_object_is_refused(arguments: tuple[object, ...], message: str) -> None:

@@ -49,6 +49,13 @@ def test_a_batch_is_its_rows() -> None:
     torch.testing.assert_close(walls.gaps(places)[2, 1], walls.gaps(places[2, 1]))
 
 
+def test_a_face_without_length_is_refused() -> None:
+    with pytest.raises(OptionError, match=r"\(1.0, 2.0, 1.0, 2.0\): expected two points apart"):
+        Walls(((1.0, 2.0, 1.0, 2.0),))
+    with pytest.raises(OptionError, match="two points apart"):
+        Walls.from_grid(U, cell=0.0)
+
+
 @pytest.mark.parametrize(("rows", "what"), [(["##", "#"], "one length"), (["  "], "one or more")])
 def test_what_is_no_map_is_refused(rows: list[str], what: str) -> None:
     with pytest.raises(OptionError, match=what):

@@ -10,9 +10,16 @@ import torch
 from _asserts import assert_same_memory
 from _inputs import as_arrays, drifting, navigation, observation_with, tracking_model
 from numpy.typing import NDArray
-from torch import Tensor
+from torch import Tensor, nn
 
-from aicon_torch import DirectDescent, ObservationError, Policy, Sensor, load_exported
+from aicon_torch import (
+    DirectDescent,
+    GraphError,
+    ObservationError,
+    Policy,
+    Sensor,
+    load_exported,
+)
 from aicon_torch.export.codegen import has_compiler
 from aicon_torch.parts import clock
 
@@ -92,6 +99,18 @@ def test_estimates_alone_are_perceived_too() -> None:
     assert_same_memory(memory, navigation().estimate(observation_with()), 0.0)
 
 
+def test_a_perception_that_is_still_being_trained_is_refused() -> None:
+    class Network(Camera, nn.Module):
+        def __init__(self) -> None:
+            nn.Module.__init__(self)
+            Camera.__init__(self)
+            self.layer = nn.Dropout()
+
+    with pytest.raises(GraphError, match="'perception' has a layer Dropout in training mode"):
+        Policy(tracking_model(), law=DirectDescent(gain=1.0), perception=Network())
+    Policy(tracking_model(), law=DirectDescent(gain=1.0), perception=Network().eval())
+
+
 def test_a_compiled_policy_keeps_its_perception() -> None:
     policy, camera = seeing()
     assert policy.compile().perception is camera
@@ -109,7 +128,7 @@ def test_what_it_returns_is_checked_like_an_observation() -> None:
 @pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 def test_a_loaded_policy_asks_for_what_was_perceived_and_not_for_the_time(tmp_path: Path) -> None:
     """Without its perception it would be blind, and would not know."""
-    sensors = {"z": Sensor(2, "m", optional=True), "z_elapsed": clock(0.1)}
+    sensors = {"z": Sensor(2, "m", optional=True), "z_elapsed": clock()}
     model = tracking_model(sensors=sensors, clock="z_elapsed")
     policy = Policy(model, law=DirectDescent(gain=1.0), perception=Camera())
     policy.export(tmp_path / "policy.so")

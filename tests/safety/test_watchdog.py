@@ -82,6 +82,13 @@ def test_a_reading_that_repeats_itself_while_it_should_change_is_none() -> None:
     assert found == pytest.approx([1, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 1])
 
 
+@pytest.mark.parametrize("scale", [1.0, -1.0])
+def test_within_its_range_a_sensor_freezes_whatever_its_scale(scale: float) -> None:
+    sensor = {"max_age": 0.1, "driven_by": "a", "range": (-5.0, 5.0), "scale": scale}
+    found = speeds(policy(**sensor), [*MOVING[:4], *[MOVING[3]] * 5])
+    assert found[-1] == 0.0
+
+
 def test_a_reading_that_jumps_farther_than_it_can_is_none_for_a_while() -> None:
     """Where it stays, it is believed in the end."""
     watched = policy(rate_limit=2.0)

@@ -110,34 +110,14 @@ class CertainPush:
         return uncertain if self.ring is None else uncertain + self.ring(x_obj)
 
 
-@dataclass(frozen=True)
-class KeepHeight:
-    """g₂ = max(0, ‖x_heights‖ − ε).
+def off_height(x_heights: Tensor) -> Tensor:
+    """g₂ = ‖x_heights‖ ``(*B,)``, m, of a deviation from the height ``(*B, 1)``, m."""
+    return norm(x_heights)
 
-    Attributes:
-        tolerance: ε, m; 0 in the text.
+
+def tilt(x_ee: Tensor) -> Tensor:
+    """L ‖tilt‖ ``(*B,)``, m, of an end effector ``(*B, 6)``: the sine of the stick's angle.
+
+    It is a length already: see :class:`aicon_torch.parts.end_effector.ToolPose`.
     """
-
-    tolerance: float
-
-    def __call__(self, x_heights: Tensor) -> Tensor:
-        """The cost ``(*B,)``, m, of a deviation from the height ``(*B, 1)``, m."""
-        return dead_zone(norm(x_heights), self.tolerance)
-
-
-@dataclass(frozen=True)
-class StayUpright:
-    """g = L max(0, ‖tilt‖ − ε), where the tilt of the stick is the sine of its angle.
-
-    Attributes:
-        lever: L, the lever of x_ee, m.
-        tolerance: ε, rad.
-    """
-
-    lever: float
-    tolerance: float
-
-    def __call__(self, x_ee: Tensor) -> Tensor:
-        """The cost ``(*B,)``, m, of an end effector ``(*B, 6)``."""
-        tilt = x_ee[..., 3:5]  # as a length: see :class:`aicon_torch.parts.end_effector.ToolPose`
-        return dead_zone(norm(tilt), self.lever * self.tolerance)
+    return norm(x_ee[..., 3:5])

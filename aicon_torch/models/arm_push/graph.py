@@ -18,10 +18,10 @@ from aicon_torch.graph import WorldModel
 from aicon_torch.models.arm_push.arm import HeightAtObject, HeightOverTable, arm, hand
 from aicon_torch.models.arm_push.goals import (
     CertainPush,
-    KeepHeight,
     PushWithinReach,
     Ring,
-    StayUpright,
+    off_height,
+    tilt,
 )
 from aicon_torch.models.arm_push.image_registration import ImageRegistration
 from aicon_torch.models.arm_push.limits import JOINT_SPEED, TIP_SPEED, ArmLimits
@@ -102,7 +102,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 
     # Always: the time, the encoders and the target.
     sensors = {
-        "z_elapsed": clock(options.dt),
+        "z_elapsed": clock(),
         "z_joints": Sensor(len(options.robot.chain.names), "rad", key="q", range=TURNS, **moving),
         "z_target": Sensor(3, "m, m, rad", key="target", range=TURNS, **prompt),
     }
@@ -162,11 +162,13 @@ def _contacts(scene: Scene) -> list[Estimator]:
 def _goals(scene: Scene) -> list[Goal]:
     """Pushing, and the goals of the arm that the options ask for; all costs are in m."""
     options, robot = scene.options, scene.options.robot
-    goals = [Goal("push", _push(scene)), Goal("height", KeepHeight(options.height_tolerance))]
+    height = Goal("height", off_height, tolerance=options.height_tolerance)
+    goals = [Goal("push", _push(scene)), height]
 
     # What an arm has to keep besides.
     if options.upright_tolerance is not None:
-        goals.append(Goal("upright", StayUpright(options.lever, options.upright_tolerance)))
+        most = options.lever * options.upright_tolerance
+        goals.append(Goal("upright", tilt, tolerance=most))
     if options.workspace is not None:
         goals.append(Goal("workspace", Workspace(robot.reach, options.workspace)))
     if options.joint_limits is not None:

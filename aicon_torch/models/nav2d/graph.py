@@ -104,7 +104,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 
     if options.sensing == "range_bearing":
         sensors["z_dir"] = Sensor(1, "rad", key="obstacle_bearing", **angle)
-    sensors["z_elapsed"] = clock(options.dt)
+    sensors["z_elapsed"] = clock()
     return sensors
 
 

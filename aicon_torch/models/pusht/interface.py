@@ -49,7 +49,7 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
         found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", **watched)
 
     if options.command == "velocity":  # a place is reached, and held, in a time of its own
-        found["z_elapsed"] = clock(options.dt)
+        found["z_elapsed"] = clock()
     if options.observe_goal:
         scale = (PIXEL, PIXEL, 1.0)
         prompt: dict[str, Any] = {"max_age": MAX_GAP * options.dt} if options.watchdog else {}

@@ -30,7 +30,8 @@ class ArmScene(MuJoCoScene):
 
     def _radii(self) -> tuple[float, ...]:
         """The radii of the capsules, m."""
-        for module in self.episode.policy.model.modules():
+        body = self.episode.policy.model.owners["x_body"]
+        for module in body.modules():
             if isinstance(module, CapsuleSegments):
                 return module.radii
         return ()

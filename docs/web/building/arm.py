@@ -33,7 +33,6 @@ from aicon_torch.parts import (
     JointLimits,
     Obstacle,
     PoseReach,
-    Sphere,
     SquaredHinge,
     TipPose,
 )
@@ -69,7 +68,7 @@ def build(options: Options) -> Policy:
         Capsule(number, (0.0, 0.0, 0.0), (length, 0.0, 0.0), THICKNESS)
         for number, length in enumerate(LINKS, start=1)
     ]
-    ball = Obstacle(Sphere(BALL), capsules, SquaredHinge(margin=0.08, weight=0.5))
+    ball = Obstacle(BALL, capsules, SquaredHinge(margin=0.08, weight=0.5))
     stops = JointLimits([-STOP] * 3, [STOP] * 3, SquaredHinge(margin=0.15, weight=0.05))
     agreement = Measurement(Affine(q=1.0, z_joints=-1.0), noise=1e-8, size=3)
 

@@ -45,7 +45,7 @@ def torn_policy() -> Policy:
         correct=[sight],
     )
     model = WorldModel(
-        sensors={"z": Sensor(2, "m", optional=True), "z_elapsed": clock(0.1)},
+        sensors={"z": Sensor(2, "m", optional=True), "z_elapsed": clock()},
         actuators={"a": Actuator(2, "m/s", limit=0.5)},
         estimators=[place],
         goals=[Goal("left", to_the_left), Goal("right", to_the_right)],

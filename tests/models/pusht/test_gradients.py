@@ -39,11 +39,6 @@ def effect_of_a_contact(
         effect = np.array([*normal, np.arctan2(lever, facing) / length])
         return effect, np.array([0.0, 0.0, facing / size**2 / length])
 
-    if contact.contact.effect == "sine":
-        effect = np.array([*normal, lever / size / length])
-        slope = (1.0 / size - lever * (arm @ tangent) / size**3) / length
-        return effect, np.array([0.0, 0.0, slope])
-
     # (n, λ/r²)/√(1 + (Lλ/r²)²), and λ grows by one metre a metre along the side
     k = gyration**-2.0
     scale = np.sqrt(1.0 + (length * k * lever) ** 2)
@@ -101,8 +96,7 @@ FORMS: dict[str, dict[str, Any]] = {
     "ours": {},
     "soft": {"contact.intent": 0.1},
     "soft and hot": {"contact.intent": 3.0, "contact.facing": False},
-    "sine": {"contact.effect": "sine"},
-    "sine and soft": {"contact.effect": "sine", "contact.intent": 0.1, "contact.aim": 0.0},
+    "no aim": {"contact.effect": "angle", "contact.intent": 0.1, "contact.aim": 0.0},
     "angle": {"contact.effect": "angle", "contact.rotation": 1.0},
     "angle and soft": {"contact.effect": "angle", "keypoints": NOTCHED, "contact.intent": 0.3},
     "one likelihood for both": {
@@ -111,7 +105,7 @@ FORMS: dict[str, dict[str, Any]] = {
         "contact.facing": False,
     },
     "a triangle": {"keypoints": TRIANGLE, "contact.reach": 0.4},
-    "a notch": {"keypoints": NOTCHED, "contact.effect": "sine", "contact.rotation": 0.7},
+    "a notch": {"keypoints": NOTCHED, "contact.effect": "angle", "contact.rotation": 0.7},
     "off its middle": {
         "keypoints": TRIANGLE,
         "center_of_mass": (10 * PIXEL, 5 * PIXEL),

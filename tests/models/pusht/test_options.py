@@ -48,7 +48,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ),
     ({"command": "best"}, "command='best'.*'position', 'velocity'"),
     ({"contact.reach": 0.0}, "reach=0.0"),
-    ({"contact.effect": "best"}, "effect='best'.*'quasi_static', 'sine', 'angle'"),
+    ({"contact.effect": "best"}, "effect='best'.*'quasi_static', 'angle'"),
     ({"resolution.projector": "best"}, "projector='best'"),
     ({"resolution.temperature": 0.0}, "temperature"),
     ({"resolution.margin": -0.1}, "margin"),

@@ -18,7 +18,7 @@ from aicon_envs.reach.robots import ROBOTS, find_file
 from aicon_envs.reach.simulation import CONTROL_STEP
 from aicon_torch import WorldModel
 from aicon_torch.models.reach import Options, Robot, body_model
-from aicon_torch.parts import CapsuleSegments, Obstacle, Sphere, SquaredHinge
+from aicon_torch.parts import CapsuleSegments, Obstacle, SquaredHinge
 from aicon_torch.shield import Shield
 
 SPEED, BALL = 1.5, 0.05
@@ -129,7 +129,7 @@ def _distance(joints: NDArray[Any], ball: NDArray[Any]) -> float:
     shape = robot().shape
     assert shape is not None
     segments = CapsuleSegments(robot().chain, shape.capsules)(torch.as_tensor(joints))
-    obstacle = Obstacle(Sphere(BALL), shape.capsules, SquaredHinge(ROOM, 1.0))
+    obstacle = Obstacle(BALL, shape.capsules, SquaredHinge(ROOM, 1.0))
     return float(obstacle.distances(segments, torch.as_tensor(ball)).min())
 
 

@@ -57,7 +57,7 @@ def model() -> WorldModel:
     return WorldModel(
         sensors={
             "z_wall": Sensor(1, "m", key="range", range=(-1.0, 20.0), max_gap=physics.dt),
-            "z_elapsed": clock(physics.dt),
+            "z_elapsed": clock(),
         },
         actuators={"a": velocity},
         estimators=[Deterministic("x_rob", displacement, is_motion=True), walls.estimator()],
