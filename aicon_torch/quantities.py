@@ -86,7 +86,7 @@ class Sensor:
             that has jumped farther since the last one is none. The longer there is none, the
             farther it may be. Four in a row that agree with each other are believed wherever they
             are, and estimates of what they measure begin anew.
-        period: Of a reading that wraps, such as 2π of an angle in rad.
+        period: Of a reading that wraps, in the observation's unit, such as 2π of an angle in rad.
         is_possible: A function of a reading ``(*B, size)``, in the graph's unit, that says which
             rows ``(*B,)`` can be, such as those of points of a rigid body; others are none.
         driven_by: An actuator whose motion the reading must show: one that stays the same to the

@@ -103,7 +103,7 @@ class Rehearsal:
     def _better_way(self, observation: Mapping[str, Any], memory: Memory, begins: Tensor) -> Memory:
         """The memory with the best way in the rows in which it decides."""
         after = {name: value.clone() for name, value in memory.items()}
-        fewest = torch.full(begins.shape, torch.inf, dtype=torch.float64)
+        fewest = torch.full_like(begins, torch.inf, dtype=torch.float64)
 
         # Where a way arrives no other one is looked for.
         seeking = begins
@@ -140,7 +140,7 @@ class Rehearsal:
         arrived = torch.full_like(nearest, torch.inf)
 
         # Of the rows that go on, those where a way has arrived are no longer tried.
-        going = torch.arange(nearest.shape[-1])
+        going = torch.arange(nearest.shape[-1], device=nearest.device)
         for step in range(self.steps + 1):
             cost = self.cost(memory).to(nearest)
             nearest[:, going] = torch.minimum(nearest[:, going], cost)

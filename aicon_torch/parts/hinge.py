@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
+from aicon_torch.parts.validation import check_not_negative, check_positive
+
 
 @dataclass(frozen=True)
 class SquaredHinge:
@@ -13,6 +15,9 @@ class SquaredHinge:
         margin: d₀, in the unit of the distances.
         weight: w, in the unit of the cost.
 
+    Raises:
+        OptionError: If the margin is not positive, or the weight is negative.
+
     Example:
         >>> SquaredHinge(margin=0.1, weight=0.5)(torch.tensor([0.2, 0.05]))
         tensor(0.1250)
@@ -20,6 +25,11 @@ class SquaredHinge:
 
     margin: float
     weight: float
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_positive(self, ("margin",))
+        check_not_negative(self, ("weight",))
 
     def __call__(self, distances: Tensor) -> Tensor:
         """The cost ``(*B,)`` of distances ``(*B, n)``, negative where a limit is exceeded."""

@@ -9,7 +9,8 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.prior import ReadingPrior, first_belief
-from aicon_torch.parts.self_collision import Capsule, segment_distance
+from aicon_torch.parts.self_collision import Capsule, check_sizes, segment_distance
+from aicon_torch.parts.validation import check_positive
 
 
 class Obstacle(nn.Module):
@@ -23,6 +24,9 @@ class Obstacle(nn.Module):
             way.
         cost: Margin d₀ (m) and weight w.
 
+    Raises:
+        OptionError: If a radius is not positive.
+
     Example:
         >>> ball = Obstacle(0.08, shape.capsules, SquaredHinge(margin=0.02, weight=1.0))
         >>> Goal("ball", Interconnection(ball, inputs=["x_body", "x_ball"]), safety=True)
@@ -33,6 +37,8 @@ class Obstacle(nn.Module):
     def __init__(self, radius: float, capsules: Sequence[Capsule], cost: SquaredHinge) -> None:
         super().__init__()
         self.radius, self.cost = radius, cost
+        check_positive(self, ("radius",))
+        check_sizes(capsules)
         self.moving = [index for index, capsule in enumerate(capsules) if capsule.link > 0]
 
         radii = [capsules[index].radius for index in self.moving]

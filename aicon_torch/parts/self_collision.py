@@ -51,7 +51,7 @@ class CapsuleSegments(nn.Module):
 
     def __init__(self, chain: Chain, capsules: Sequence[Capsule]) -> None:
         super().__init__()
-        _check_sizes(capsules)
+        check_sizes(capsules)
         self.count, self.are_spheres = len(capsules), all_are_spheres(capsules)
         self.radii = tuple(capsule.radius for capsule in capsules)
 
@@ -106,7 +106,7 @@ class SelfCollision(nn.Module):
         chain: Chain | None = None,
     ) -> None:
         super().__init__()
-        _check_sizes(capsules)
+        check_sizes(capsules)
         self.cost = cost
         self.segments = None if chain is None else CapsuleSegments(chain, capsules)
         if pairs is None:
@@ -163,7 +163,7 @@ def all_are_spheres(capsules: Sequence[Capsule]) -> bool:
     return all(capsule.start == capsule.end for capsule in capsules)
 
 
-def _check_sizes(capsules: Sequence[Capsule]) -> None:
+def check_sizes(capsules: Sequence[Capsule]) -> None:
     """Check that each capsule has a size and a place."""
     for number, capsule in enumerate(capsules):
         numbers = (*capsule.start, *capsule.end, capsule.radius)

@@ -109,11 +109,13 @@ def reading_of(solids: Sequence[Solid], count: int | None = None) -> Tensor:
         count: How many a policy reads; those that there are not are far away. All by default.
 
     Raises:
-        OptionError: If there are more than that.
+        OptionError: If there are more than that, or none at all.
     """
     count = len(solids) if count is None else count
     if len(solids) > count:
         raise OptionError(f"solids: got {len(solids)} of them, expected at most {count}.")
+    if count == 0:
+        raise OptionError("solids: got none; expected some, or count=, how many a policy reads.")
     nothing = Solid("sphere", (1e-3,), (FAR, 0.0, 0.0))
     filled = [*solids, *[nothing] * (count - len(solids))]
     return torch.cat([solid.numbers() for solid in filled])

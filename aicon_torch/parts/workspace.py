@@ -7,6 +7,7 @@ from torch import Tensor
 
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.validation import check_positive
 
 SAMPLES = 8192
 """Random postures of which the one that reaches farthest counts."""
@@ -23,12 +24,19 @@ class Workspace:
         radius: Radius of the circle, m.
         cost: Margin m₀ (m) and weight w.
 
+    Raises:
+        OptionError: If the radius is not positive.
+
     Example:
         >>> Goal("workspace", Workspace.of_chain(chain, SquaredHinge(margin=0.05, weight=1.0)))
     """
 
     radius: float
     cost: SquaredHinge
+
+    def __post_init__(self) -> None:
+        """Check the radius."""
+        check_positive(self, ("radius",))
 
     @classmethod
     def of_chain(cls, chain: Chain, cost: SquaredHinge) -> "Workspace":

@@ -4,6 +4,7 @@ from _inputs import normal
 from torch import Tensor
 
 from aicon_torch import Actuator, Affine, Deterministic, Goal, Sensor, WorldModel
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.obstacle import Obstacle, moving_point
 from aicon_torch.parts.self_collision import Capsule
@@ -21,6 +22,14 @@ def test_capsules_of_the_base_are_left_out_and_radii_count() -> None:
     found = obstacle.gaps(segments, state)
     torch.testing.assert_close(found, torch.tensor([0.5 - 0.1 - 0.04 - 0.05]))
     assert obstacle(segments, state) == 0
+
+
+def test_a_ball_of_no_size_is_refused() -> None:
+    with pytest.raises(OptionError, match="radius=-1.0: expected a positive number"):
+        Obstacle(-1.0, CAPSULES, SquaredHinge(0.05, 1.0))
+    flat = [Capsule(1, (0.0, 0.0, 0.0), (0.0, 0.0, 0.3), 0.0)]
+    with pytest.raises(OptionError, match="a radius above 0 m"):
+        Obstacle(0.1, flat, SquaredHinge(0.05, 1.0))
 
 
 def test_the_motion_of_a_point_is_estimated() -> None:
