@@ -199,6 +199,10 @@ class Task:
         are_faults = len(parts) == len(set(parts)) and set(parts) <= set(self.faults)
         return name in self.conditions or are_faults
 
+    def is_noiseless(self, name: str) -> bool:
+        """Whether repeats would be copies: in each of the faults at once, where they are joined."""
+        return name in self.noiseless or set(name.split("+")) <= set(self.noiseless)
+
     def episode(self, seed: int, repeat: int = 0) -> Episode:
         """Return the episode of a seed."""
         return Episode(seed, repeat, self.maps[seed % len(self.maps)])
