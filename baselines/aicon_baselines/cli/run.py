@@ -121,8 +121,9 @@ def _film_writer(path: Path | None, interval: float) -> Iterator[Any]:
         import imageio.v2 as imageio
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    is_gif = path.suffix == ".gif"
-    options = {"duration": 1000 * interval, "loop": 0} if is_gif else {"fps": 1.0 / interval}
+    options: dict[str, Any] = {"fps": 1.0 / interval}
+    if path.suffix == ".gif":
+        options = {"duration": 1000 * interval, "loop": 0}
     with replacing(path) as place, imageio.get_writer(place, **options) as writer:
         yield writer
 
