@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.util import find_spec
 
+from aicon_baselines.evaluation.errors import ComparisonError
+
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "compare": ("imageio", "joblib", "matplotlib", "tqdm"),
     "pusht": ("pymunk", "pygame"),
@@ -25,6 +27,22 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
 def missing_modules(extra: str) -> tuple[str, ...]:
     """Name those modules of an extra that are not installed."""
     return tuple(module for module in EXTRAS[extra] if find_spec(module) is None)
+
+
+def require(user: str, extra: str, *modules: str) -> None:
+    """Refuse to go on without modules.
+
+    Args:
+        user: What needs them, such as "the dask backend".
+        extra: The extra that brings them.
+        *modules: Their names.
+
+    Raises:
+        ComparisonError: If one is not installed; it says how to install it.
+    """
+    missing = [module for module in modules if find_spec(module) is None]
+    if missing:
+        raise ComparisonError(f"{user} needs {' and '.join(missing)}: {pip_command(extra)}")
 
 
 def extra_of(module: str | None) -> str | None:

@@ -16,7 +16,8 @@ def find(source: str) -> Any:
     """Import what "module:name" names; the module may lie in this folder.
 
     Raises:
-        ComparisonError: If there is no such module, or nothing of this name in it.
+        ComparisonError: If there is no such module, or nothing of this name in it; or where a file
+            is named instead.
         ModuleNotFoundError: If the module is there and imports another that is not.
     """
     module, _, name = source.partition(":")
@@ -24,10 +25,14 @@ def find(source: str) -> Any:
     if here not in sys.path:
         sys.path.append(here)
 
+    if module.endswith(".py") or not all(module.split(".")):
+        raise ComparisonError(f"{source!r}: MODULE is a name such as my_module, not a file")
+
     try:
         return attrgetter(name)(import_module(module))
     except ModuleNotFoundError as error:
-        if error.name != module:
+        is_itself = error.name is not None and f"{module}.".startswith(f"{error.name}.")
+        if not is_itself:
             raise
         raise ComparisonError(f"{source!r}: {error}") from error
     except AttributeError as error:

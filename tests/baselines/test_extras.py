@@ -6,7 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from aicon_baselines.extras import EXTRAS, extra_of, missing_extra, missing_modules, pip_command
+from aicon_baselines.evaluation import ComparisonError
+from aicon_baselines.extras import (
+    EXTRAS,
+    extra_of,
+    missing_extra,
+    missing_modules,
+    pip_command,
+    require,
+)
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
@@ -39,6 +47,13 @@ def test_what_is_missing_has_a_command(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(EXTRAS, "cluster", ("json", "no_such_module"))
     assert missing_modules("cluster") == ("no_such_module",)
     assert pip_command("cluster") == "pip install 'aicon-torch[cluster]'"
+
+
+def test_what_needs_modules_says_which_are_missing() -> None:
+    require("the clock", "cluster", "json", "math")
+    message = r"the clock needs no_such_one and no_such_two: pip install 'aicon-torch\[cluster\]'"
+    with pytest.raises(ComparisonError, match=message):
+        require("the clock", "cluster", "json", "no_such_one", "no_such_two")
 
 
 def test_a_failed_import_says_what_to_install() -> None:

@@ -8,7 +8,6 @@ from gymnasium.error import DependencyNotInstalled
 
 from aicon_baselines.agents import reach
 from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
-from aicon_baselines.agents.reach import inverse_kinematics
 from aicon_baselines.agents.registry import import_mppi, import_sb3
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.backends import joblib_backend
@@ -101,13 +100,14 @@ def test_what_is_imported_when_it_is_needed_names_the_extra(
 def test_inverse_kinematics_names_its_extra(
     monkeypatch: pytest.MonkeyPatch, opponent: str, extra: str
 ) -> None:
-    monkeypatch.setattr(inverse_kinematics, "find_spec", lambda name: None)
+    for module in getattr(reach, opponent).modules:
+        hide(monkeypatch, module)
     with pytest.raises(ComparisonError, match=rf"pip install 'aicon-torch\[{extra}\]'"):
         getattr(reach, opponent)()
 
 
 def test_the_condition_upstream_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(upstream, "find_spec", lambda name: None)
+    hide(monkeypatch, "gym_pusht")
     with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[upstream\]'"):
         upstream.UpstreamPushT()
 

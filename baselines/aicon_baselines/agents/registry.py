@@ -16,8 +16,8 @@ from typing import Any
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Factory, Predictor
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.extras import pip_command
-from aicon_baselines.named import find, made
+from aicon_baselines.extras import require
+from aicon_baselines.named import Later, find, made
 from aicon_baselines.tasks.registry import lesson_of, load
 
 PLANNERS = ("mppi", "mppi_small")
@@ -88,7 +88,9 @@ def factory(task: TaskOrName, name: str, **options: Any) -> Factory:
     # are made once here, so that what is not installed is an error before anything runs.
     if name in AGGREGATIONS:
         return ModelPolicy(task, "aicon", {"resolution": find(AGGREGATIONS[name])(), **options})
-    agent = PlainAgent(find(content.agents[name]), task, options)
+    named = content.agents[name]
+    later = named if isinstance(named, Later) else Later(named)
+    agent = PlainAgent(find(later.source), task, {**later.arguments, **options})
     agent.make()
     return agent
 
@@ -300,16 +302,11 @@ def _load_diffusion(
 
 def import_mppi() -> ModuleType:
     """Import `aicon_baselines.agents.mppi`; an error says what to install for it."""
-    return _import("mppi", "planning by MPPI needs", "peers")
+    require("planning by MPPI", "peers", "pytorch_mppi")
+    return import_module("aicon_baselines.agents.mppi")
 
 
 def import_sb3() -> ModuleType:
     """Import `aicon_baselines.agents.sb3`; an error says what to install for it."""
-    return _import("sb3", "agents of stable-baselines3 need", "sb3")
-
-
-def _import(name: str, use: str, extra: str) -> ModuleType:
-    try:
-        return import_module(f"aicon_baselines.agents.{name}")
-    except ModuleNotFoundError as error:
-        raise ComparisonError(f"{error}; {use}: {pip_command(extra)}") from error
+    require("an agent of stable-baselines3", "sb3", "stable_baselines3")
+    return import_module("aicon_baselines.agents.sb3")

@@ -27,7 +27,7 @@ from aicon_baselines.extras import naming_extra
 from aicon_baselines.files import replacing
 from aicon_baselines.tasks import choices, load
 
-_PICTURES_PER_SECOND = 20  # of a video, at most; it runs as fast as the episode did
+_PICTURES_PER_SECOND = 20  # of a video, about; it runs as fast as the episode did
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,11 +69,12 @@ def run(arguments: argparse.Namespace) -> None:
     steps = 0
     episodes = [task.episode(arguments.seed)]
     every = max(1, round(1.0 / (_PICTURES_PER_SECOND * task.time_step)))
-    with _film_writer(arguments.video, task.time_step) as film:
+    with _film_writer(arguments.video, every * task.time_step) as film:
 
         def on_step(env: VectorEnv[Any, Any, Any], step: Step) -> None:
             nonlocal memory, steps
-            if film is not None and steps % every == 0:
+            is_last = step.ended.all() or steps + 1 == task.horizon
+            if film is not None and (steps % every == 0 or is_last):
                 film.append_data((env.render() or ())[0])
             memory, steps = step.memory, steps + 1
 
@@ -108,8 +109,8 @@ def describe_outcome(task: Task, outcome: Outcome) -> str:
 
 
 @contextmanager
-def _film_writer(path: Path | None, time_step: float) -> Iterator[Any]:
-    """Give what writes pictures into a film; None without a path."""
+def _film_writer(path: Path | None, interval: float) -> Iterator[Any]:
+    """Give what writes pictures, one in so many seconds, into a film; None without a path."""
     if path is None:
         yield None
         return
@@ -120,8 +121,9 @@ def _film_writer(path: Path | None, time_step: float) -> Iterator[Any]:
         import imageio.v2 as imageio
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    rate = min(_PICTURES_PER_SECOND, round(1.0 / time_step))
-    options = {"duration": 1000 / rate, "loop": 0} if path.suffix == ".gif" else {"fps": rate}
+    options: dict[str, Any] = {"fps": 1.0 / interval}
+    if path.suffix == ".gif":
+        options = {"duration": 1000 * interval, "loop": 0}
     with replacing(path) as place, imageio.get_writer(place, **options) as writer:
         yield writer
 

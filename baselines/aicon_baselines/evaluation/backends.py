@@ -10,7 +10,7 @@ from threading import Thread
 from typing import Any
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import naming_extra
+from aicon_baselines.extras import naming_extra, require
 
 with naming_extra():
     from joblib import parallel_config
@@ -54,12 +54,8 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
 
 def _connect(stack: ExitStack, jobs: int, scheduler: str | None) -> None:
     """Open a client of dask that is closed with the stack, and a local cluster if need be."""
-    try:
-        distributed = import_module("distributed")
-    except ModuleNotFoundError as error:
-        raise ComparisonError(
-            "the dask backend needs: pip install 'aicon-torch[cluster]'"
-        ) from error
+    require("the dask backend", "cluster", "distributed")
+    distributed = import_module("distributed")
 
     if scheduler is None:
         # Port 0 is any free one: its usual port may be taken by another cluster of this machine.

@@ -17,6 +17,7 @@ from aicon_baselines.evaluation.progress import progress_bar
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 from aicon_baselines.evaluation.row import Key, Row, key
 from aicon_baselines.evaluation.run_folder import RunFolder, keep
+from aicon_baselines.evaluation.sources import note_sources
 from aicon_baselines.evaluation.task import Episode, Task
 from aicon_baselines.extras import naming_extra
 
@@ -65,6 +66,7 @@ def compare(
 
     # What is missing, and how many rows are there already.
     finished = {key(row) for row in folder.rows()}
+    note_sources(folder.path, task, policies, has_rows=bool(finished))
     missing = list(_list_jobs(task, config, list(policies), finished))
     total = len(policies) * len(config.conditions) * config.repeats * config.episodes
     done = total - sum(len(job.seeds) for job in missing)

@@ -115,7 +115,7 @@ def configure(
     """
     # The repeats of an episode differ in their noise only.
     conditions = _check_conditions(conditions or task.conditions[:1], task)
-    noiseless = [name for name in conditions if name in task.noiseless]
+    noiseless = [name for name in conditions if task.is_noiseless(name)]
     if repeats > 1 and noiseless:
         raise ComparisonError(
             f"repeats must be 1, not {repeats}, without noise, as in {', '.join(noiseless)}"

@@ -10,6 +10,7 @@ from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.episodes import Step, run_episodes
+from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.evaluation.task import Episode, Measure, Task
 
@@ -67,6 +68,9 @@ def rollout(
 
     Returns:
         The outcome of each episode.
+
+    Raises:
+        ComparisonError: If the environment does not report what an outcome is made of.
     """
     options |= getattr(policy, "env_options", {})
     wanted_rows = np.isin([episode.seed for episode in episodes], list(wanted))
@@ -94,6 +98,7 @@ def rollout(
 
 def _begin(count: int, info: dict[str, Any], measures: tuple[Measure, ...]) -> Outcome:
     """Return the outcome of `count` episodes that have just been reset."""
+    _check_info(info, ("position", "distance", *(measure.key for measure in measures)))
     values = {measure.key: np.array(info[measure.key], np.float64) for measure in measures}
     return Outcome(
         steps=np.zeros(count, np.int64),
@@ -108,6 +113,7 @@ def _begin(count: int, info: dict[str, Any], measures: tuple[Measure, ...]) -> O
 def _record(outcome: Outcome, step: Step, measures: tuple[Measure, ...]) -> None:
     """Add one step to the episodes still running."""
     running, info = step.running, step.info
+    _check_info(info, ("position", "distance", "is_success", "collision"))
 
     # What adds up, and what only the latest step says.
     way = np.subtract(info["position"], step.before["position"], dtype=np.float64)
@@ -123,3 +129,13 @@ def _record(outcome: Outcome, step: Step, measures: tuple[Measure, ...]) -> None
         if measure.least:
             latest = np.minimum(values, latest)
         values[running] = latest[running]
+
+
+def _check_info(info: dict[str, Any], keys: Collection[str]) -> None:
+    """Refuse an info without what an outcome is made of."""
+    missing = [key for key in keys if key not in info]
+    if missing:
+        raise ComparisonError(
+            f"info has no {', '.join(missing)}: "
+            "aicon_baselines.tasks.check_task(TASK) says what a task lacks"
+        )

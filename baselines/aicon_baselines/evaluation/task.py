@@ -2,11 +2,14 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from aicon_baselines.named import Later
 
 
 @dataclass(frozen=True)
@@ -152,7 +155,8 @@ class Task:
         presets: The presets of the model that are compared, ours first.
         ablations: Ours without a part: for each name the options that differ.
         agents: Policies of others, each named: a dataclass with `predict`, whose fields are its
-            options and which needs none of them.
+            options and which needs none of them; as :class:`~aicon_baselines.named.Later` with some
+            of them.
         timed_condition: The condition that `aicon bench` times; by default the usual one.
         look: How it is shown.
         lesson: What a student sees and does that learns it from demonstrations; None where there is
@@ -179,7 +183,7 @@ class Task:
     model: str = ""
     presets: tuple[str, ...] = ()
     ablations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    agents: Mapping[str, str] = field(default_factory=dict)
+    agents: Mapping[str, "str | Later"] = field(default_factory=dict)
     timed_condition: str = ""
     look: Look = Look()
     lesson: Lesson | None = None
@@ -198,6 +202,10 @@ class Task:
         parts = name.split("+")
         are_faults = len(parts) == len(set(parts)) and set(parts) <= set(self.faults)
         return name in self.conditions or are_faults
+
+    def is_noiseless(self, name: str) -> bool:
+        """Whether repeats would be copies: in each of the faults at once, where they are joined."""
+        return name in self.noiseless or set(name.split("+")) <= set(self.noiseless)
 
     def episode(self, seed: int, repeat: int = 0) -> Episode:
         """Return the episode of a seed."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import naming_extra, pip_command
+from aicon_baselines.extras import naming_extra, require
 from aicon_baselines.files import replacing
 
 with naming_extra():
@@ -82,12 +82,8 @@ def _save_webp(frames: Iterable[Frame], path: Path, rate: int) -> None:
 
 
 def _save_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    try:
-        import imageio.v2 as imageio  # pictures and webp do without
-    except ModuleNotFoundError as error:
-        raise ComparisonError(
-            f"mp4 needs imageio: {pip_command('compare')}; or choose --video webp"
-        ) from error
+    require("mp4, unlike --video webp,", "compare", "imageio")
+    import imageio.v2 as imageio
 
     writer: Any
     with imageio.get_writer(path, fps=rate, quality=6, macro_block_size=_CODEC_BLOCK) as writer:

@@ -2,14 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import ClassVar
 
 import torch
 from torch import Tensor
 
-from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import pip_command
+from aicon_baselines.extras import require
 from aicon_torch.resolution import GradientStack, Memory, Resolution
 
 
@@ -40,11 +38,7 @@ class Aggregation(Resolution):
 
     def __post_init__(self) -> None:
         """Check that what it needs is there."""
-        missing = [module for module in self.modules if find_spec(module) is None]
-        if missing:
-            raise ComparisonError(
-                f"{type(self).__name__} needs {' and '.join(missing)}: {pip_command('peers')}"
-            )
+        require(type(self).__name__, "peers", *self.modules)
 
     def aggregate(self, matrix: Tensor) -> Tensor:
         """The gradient ``(d,)`` of a finite matrix ``(n, d)`` whose longest row has length one."""

@@ -107,7 +107,7 @@ class _Check:
             found = f"seed {episode.seed} alone is another episode than in a batch, in step"
             self._compare(first, alone, found, slice(row, row + 1))
 
-        if self._condition in self._task.noiseless:
+        if self._task.is_noiseless(self._condition):
             repeats = [self._task.episode(episode.seed, repeat=1) for episode in self._episodes]
             _, copies = self._play(repeats, actions)
             found = "it is declared noiseless, and its repeats differ in step"

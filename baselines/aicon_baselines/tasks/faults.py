@@ -1,8 +1,9 @@
 """Faults of sensors and of the way to the robot, for any task: conditions of a comparison.
 
 A fault changes what the policy reads, or which of its actions the robot executes; the world stays
-as it is. Its randomness comes from the episode's seed alone. Faults that happen at once are joined
-by a plus, such as ``late+bias``, and what is told of each stays true.
+as it is. Its randomness comes from the episode's seed alone, or from its ``noise_seed`` where it
+has one. Faults that happen at once are joined by a plus, such as ``late+bias``, and what is told of
+each stays true.
 """
 
 from collections.abc import Callable, Mapping
@@ -149,10 +150,14 @@ class _Faulty(VectorWrapper):
         self._layer: int = env._layer + 1 if isinstance(env, _Faulty) else 0
 
     def reset(self, *, seed: Any = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
-        """Start all episodes; ``seed`` is one number for each."""
+        """Start all episodes; ``seed`` is one number for each, and so may be ``noise_seed``."""
         observation, info = self.env.reset(seed=seed, options=options)
+
+        # Repeats of an episode share its seed where only their noise may differ.
+        own = (options or {}).get("per_env") or [{}] * len(seed)
+        noises = [each.get("noise_seed", one) for each, one in zip(own, seed, strict=True)]
         stream = _STREAM + self._layer
-        self._generators = [np.random.default_rng([stream, one]) for one in seed]
+        self._generators = [np.random.default_rng([stream, one]) for one in noises]
         return self._begin(dict(observation), info), info
 
     def _draw(self, draw: Callable[[np.random.Generator], Any]) -> NDArray[Any]:

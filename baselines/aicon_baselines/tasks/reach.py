@@ -11,6 +11,7 @@ from typing import Any
 from gymnasium.vector import VectorEnv
 
 from aicon_baselines.evaluation.task import Look, Measure, Task
+from aicon_baselines.named import Later
 from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_envs.reach import ReachEnv
 
@@ -50,6 +51,7 @@ def _arguments() -> dict[str, dict[str, Any]]:
 
 
 _ARGUMENTS = _arguments()
+_AGENTS = "aicon_baselines.agents.reach"
 
 
 def _make_env(count: int, condition: str, horizon: int, **options: Any) -> VectorEnv[Any, Any, Any]:
@@ -102,14 +104,14 @@ TASK = Task(
     model="reach",
     presets=("aicon", "without_escape", "steepest", "potential_field"),
     agents={
-        "damped_least_squares": "aicon_baselines.agents.reach:DampedLeastSquares",
-        "damped_least_squares_places": "aicon_baselines.agents.reach:DampedLeastSquaresPlaces",
-        "mink": "aicon_baselines.agents.reach:Mink",
-        "mink_places": "aicon_baselines.agents.reach:MinkPlaces",
-        "pink": "aicon_baselines.agents.reach:Pink",
-        "pink_places": "aicon_baselines.agents.reach:PinkPlaces",
-        "placo": "aicon_baselines.agents.reach:Placo",
-        "placo_places": "aicon_baselines.agents.reach:PlacoPlaces",
+        "damped_least_squares": f"{_AGENTS}:DampedLeastSquares",
+        "damped_least_squares_places": Later(f"{_AGENTS}:DampedLeastSquares", {"places": True}),
+        "mink": f"{_AGENTS}:Mink",
+        "mink_places": Later(f"{_AGENTS}:Mink", {"places": True}),
+        "pink": f"{_AGENTS}:Pink",
+        "pink_places": Later(f"{_AGENTS}:Pink", {"places": True}),
+        "placo": f"{_AGENTS}:Placo",
+        "placo_places": Later(f"{_AGENTS}:Placo", {"places": True}),
     },
     look=Look(
         scene="aicon_baselines.view.reach:ReachScene",

@@ -1,13 +1,11 @@
 """gym-pusht itself behind the interface of a comparison."""
 
-from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
 import numpy as np
 
-from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import pip_command
+from aicon_baselines.extras import require
 from aicon_envs.pusht import DEFAULT_GOAL, OBJECTS, Goal
 
 _GOAL = Goal(OBJECTS["T"], DEFAULT_GOAL)
@@ -22,10 +20,7 @@ class UpstreamPushT(gymnasium.Wrapper[Any, Any, Any, Any]):
         Raises:
             ComparisonError: If it is not installed.
         """
-        if find_spec("gym_pusht") is None:
-            needed = pip_command("upstream")
-            raise ComparisonError(f"the condition 'upstream' needs gym-pusht: {needed}")
-
+        require("the condition 'upstream'", "upstream", "gym_pusht")
         name = "gym_pusht:gym_pusht/PushT-v0"
         super().__init__(
             gymnasium.make(

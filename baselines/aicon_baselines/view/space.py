@@ -13,6 +13,7 @@ from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.scene import GradientArrow, Handle, Scene
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.shapes import Shapes
+from aicon_baselines.worlds.shape import spread_axes
 
 _THINNEST = 0.15  # of the thickest arrow
 
@@ -127,9 +128,7 @@ class MuJoCoScene(Scene):
 
     def ellipsoid_axes(self, covariance: ArrayLike) -> FloatArray:
         """Two standard deviations along the axes of a covariance (3, 3), as columns."""
-        variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
-        axes: FloatArray = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
-        return axes
+        return spread_axes(covariance)
 
     def check_going_on(self) -> None:
         """Refuse to move anything after the end.

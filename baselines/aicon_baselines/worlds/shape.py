@@ -78,10 +78,15 @@ def arrow(
 
 def believed(mean: ArrayLike, covariance: ArrayLike, layer: float, color: str) -> Shape:
     """Two standard deviations of a covariance (2, 2) around a mean (2,)."""
-    variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
-    axes = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
-    points = np.asarray(mean, np.float64) + circle() @ axes.T
+    points = np.asarray(mean, np.float64) + circle() @ spread_axes(covariance).T
     return Shape(points, layer, color, opacity=0.2, edge=color, width=1.8)
+
+
+def spread_axes(covariance: ArrayLike) -> FloatArray:
+    """Two standard deviations along the axes of a covariance (n, n), as columns."""
+    variances, directions = np.linalg.eigh(np.asarray(covariance, np.float64))
+    axes: FloatArray = 2.0 * np.sqrt(np.maximum(variances, 0.0)) * directions
+    return axes
 
 
 def circle(count: int = 48) -> FloatArray:

@@ -120,6 +120,7 @@ class AiconShield(Robot):
                 f"{', '.join(self.action_features)}."
             )
         measured = self.get_observation() if self._measured is None else self._measured
+        self._measured = None  # once it has moved, it stands elsewhere
         allowed = self._shield(measured, action)
         self._interference.note()
         sent: dict[str, Any] = self.inner.send_action(allowed)

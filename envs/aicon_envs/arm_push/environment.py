@@ -114,10 +114,10 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
 
     ## Info
     `object_pose`, `target_pose` (3,); `position` (2,): the tip; `tip` (3,); `distance`, m; `angle`,
-    rad; `is_success`; `collision`: whether the robot touched itself or the table; `fallen`;
-    `limit_margin`, rad, the joint nearest to its limits; `self_distance`, m, the smallest gap
-    between parts of the robot that can meet: capsules of a Panda, and else its collision shapes, up
-    to 50 mm.
+    rad; `is_success`; `collision`: whether the robot touched itself or the table during the last
+    step; `fallen`; at its end: `limit_margin`, rad, the joint nearest to its limits;
+    `self_distance`, m, the smallest gap between parts of the robot that can meet: capsules of a
+    Panda, and else its collision shapes, up to 50 mm.
 
     ## Version history
     v0: first version.

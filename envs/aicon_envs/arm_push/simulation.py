@@ -41,6 +41,8 @@ class Simulation:
         model: The compiled scene.
         data: Its state.
         wrench: Force (N) and torque (Nm) at the flange, ``(6,)``, mean over the last control step.
+        collides: Whether the robot touched itself, or anything but the object with its stick, at
+            any time in the last control step.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class Simulation:
 
         self.data.time = 0.0
         self.wrench: FloatArray = self.data.sensordata[:6].copy()
+        self.collides = self._is_touching()
 
     def place(self, pose: ArrayLike) -> None:
         """Put the object on the table at (x, y, θ), at rest."""
@@ -111,11 +114,13 @@ class Simulation:
         external_force[:] = 0.0 if force is None else force
         self.data.ctrl[:] = velocity
 
-        # The sensor's mean over the control step.
+        # The sensor's mean over the control step, and whatever is touched in it.
         total_wrench = np.zeros(6)
+        self.collides = False
         for _ in range(self._substeps):
             mujoco.mj_step(self.model, self.data)
             total_wrench += self.data.sensordata[:6]
+            self.collides = self.collides or self._is_touching()
 
         self.wrench = total_wrench / self._substeps  # contact chatters at 1 kHz
         external_force[:] = 0.0
@@ -169,24 +174,21 @@ class Simulation:
         return bool(height < _FALLEN_HEIGHT or tilt < _FALLEN_TILT)
 
     @property
-    def collides(self) -> bool:
-        """Whether the robot touches itself, or anything but the object with its stick."""
-        for contact in self.data.contact[: self.data.ncon]:
-            if self._is_collision(*contact.geom.tolist()):
-                return True
-        return False
-
-    @property
     def limit_margin(self) -> float:
-        """Smallest distance of a joint to its limits, rad."""
+        """Smallest distance of a joint to its limits, now, rad."""
         angles = self.joints
         low, high = self._joint_range.T
         return float(np.minimum(angles - low, high - angles).min())
 
     @property
     def self_distance(self) -> float:
-        """Smallest gap between parts of the robot that can meet, m."""
+        """Smallest gap between parts of the robot that can meet, now, m."""
         return self._self_distance(self.data)
+
+    def _is_touching(self) -> bool:
+        """Whether the robot touches what it may not, now."""
+        pairs: list[list[int]] = self.data.contact.geom.tolist()
+        return any(self._is_collision(first, second) for first, second in pairs)
 
     def _is_collision(self, first: int, second: int) -> bool:
         """Whether two shapes may not touch."""

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from aicon_baselines.cli.main import main
 
@@ -30,6 +30,17 @@ def test_run_saves_a_film(tmp_path: Path) -> None:
     main(["run", "--task", "nav2d", "--horizon", "5", "--video", str(film)])
     with Image.open(film) as picture:
         assert getattr(picture, "n_frames", 1) == 5
+
+
+def test_a_film_lasts_as_long_as_the_episode_and_shows_its_end(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    film = tmp_path / "film.gif"
+    main(["run", "--task", "reach", "--horizon", "20", "--no-compile", "--video", str(film)])
+    with Image.open(film) as picture:
+        frames = [frame.info["duration"] for frame in ImageSequence.Iterator(picture)]
+
+    # A picture after every second step of 20 ms, and after the last.
+    assert frames == [40] * 11
 
 
 @pytest.mark.parametrize(

@@ -55,11 +55,16 @@ def test_rows_come_back_from_their_text() -> None:
             {"conditions": ["usual", "other"], "repeats": 2},
             "repeats must be 1, not 2, without noise, as in other",
         ),
+        (
+            {"conditions": ["other+third"], "repeats": 2},
+            "repeats must be 1, not 2, without noise, as in other\\+third",
+        ),
     ],
 )
 def test_bad_configurations_say_what_would_be_right(options: dict[str, Any], message: str) -> None:
+    task = replace(POINTS, noiseless=("other", "third"), faults=("other", "third"))
     with pytest.raises(ComparisonError, match=message):
-        configure(replace(POINTS, noiseless=("other",)), **options)
+        configure(task, **options)
 
 
 def test_a_comparison_keeps_the_milestones_below_its_horizon() -> None:

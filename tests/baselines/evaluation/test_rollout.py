@@ -1,11 +1,14 @@
 """Running a batch of episodes."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from _inputs.comparison import POINTS, Walker
+import pytest
+from _inputs.comparison import POINTS, PointEnv, Walker
 from numpy.typing import NDArray
 
+from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.evaluation.rollout import Outcome, rollout
 
 
@@ -40,3 +43,16 @@ def test_it_stops_when_the_wanted_episodes_have_ended() -> None:
 
     one = rollout(Walker(2.0), POINTS, "usual", episodes, [quickest])
     assert one.steps.max() == all_of_them.steps[quickest] < all_of_them.steps.max()
+
+
+@pytest.mark.parametrize("key", ["distance", "position", "is_success", "collision"])
+def test_an_info_that_lacks_something_is_a_sentence(key: str) -> None:
+    class Silent(PointEnv):
+        def _observe(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
+            observation, info = super()._observe()
+            del info[key]
+            return observation, info
+
+    task = replace(POINTS, make_env=lambda count, condition, horizon: Silent(count))
+    with pytest.raises(ComparisonError, match=f"info has no {key}: .*check_task"):
+        rollout(Walker(2.0), task, "usual", POINTS.chunk(0, repeat=0), range(8))

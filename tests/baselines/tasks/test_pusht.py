@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 pytest.importorskip("pymunk")
 
@@ -12,6 +13,7 @@ from _inputs import driven
 from aicon_baselines.evaluation.rollout import rollout
 from aicon_baselines.evaluation.task import Episode
 from aicon_baselines.tasks import pusht
+from aicon_baselines.tasks.faults import FAULTS
 from aicon_baselines.tasks.pusht import TASK
 from aicon_torch.models.pusht import PIXEL
 
@@ -35,6 +37,27 @@ def test_starts_are_those_of_gym_pusht_and_repeats_differ_in_noise(condition: st
         ends.append(info["position"])
         env.close()
     assert (ends[0] == ends[1]).all() == (condition in TASK.noiseless)
+
+
+def readings(condition: str, repeat: int) -> NDArray[np.float64]:
+    """What is read of the object, and where the pusher is, while it is told to move around."""
+    generator = np.random.default_rng(0)
+    env = TASK.make_env(1, condition, 80)
+    env.reset(**TASK.reset_arguments([TASK.episode(3, repeat)]))
+
+    found = []
+    for _ in range(65):
+        action = generator.uniform(100.0, 400.0, (1, 2)).astype(np.float32)
+        observation, *_, info = env.step(action)
+        found.append(np.concatenate([observation["environment_state"], info["position"]], axis=1))
+    env.close()
+    return np.array(found)
+
+
+@pytest.mark.parametrize("condition", [*FAULTS, "late+bias", "late+held"])
+def test_repeats_of_a_fault_differ_unless_it_draws_nothing(condition: str) -> None:
+    first, second = readings(condition, 0), readings(condition, 1)
+    assert np.array_equal(first, second, equal_nan=True) == TASK.is_noiseless(condition)
 
 
 def test_the_policy_is_told_lengths_in_metres() -> None:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,6 +29,12 @@ def test_the_task_is_found_by_name_and_has_presets_and_opponents() -> None:
     assert load("reach") is TASK
     assert names("reach")[0] == "aicon"
     assert {"steepest", "potential_field", "damped_least_squares", "mink"} <= set(names("reach"))
+
+
+def test_an_opponent_that_goes_to_places_is_the_same_with_them() -> None:
+    alone: Any = factory("reach", "damped_least_squares")("ur5_pose_home")
+    escaping = factory("reach", "damped_least_squares_places")("ur5_pose_home")
+    assert escaping == replace(alone, places=True) != alone
 
 
 def test_the_patterns_of_a_shell_are_the_conditions() -> None:

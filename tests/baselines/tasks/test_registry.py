@@ -53,6 +53,11 @@ def test_a_task_of_your_own_is_named_by_its_module(
     for name in ("task_of_mine:OTHER", "nowhere:OWN"):
         with pytest.raises(ComparisonError, match=f"'{name}': .*(OTHER|nowhere)"):
             tasks.load(name)
+    for name in ("./task_of_mine.py:OWN", "task_of_mine.py:OWN", ":OWN"):
+        with pytest.raises(ComparisonError, match=f"'{name}': MODULE is a name such as my_module"):
+            tasks.load(name)
+    with pytest.raises(ComparisonError, match="'nowhere.mine:OWN': No module named 'nowhere'"):
+        tasks.load("nowhere.mine:OWN")
     with pytest.raises(ComparisonError, match="'math:pi' is a float; expected a Task"):
         tasks.load("math:pi")
 

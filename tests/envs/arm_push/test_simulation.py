@@ -52,6 +52,19 @@ def test_the_self_distance_is_that_of_points_on_the_capsules(env: ArmPushEnv) ->
     assert env._simulation.self_distance == pytest.approx(min(gaps), abs=1e-4)
 
 
+def test_what_was_touched_within_a_step_is_told_although_it_has_let_go(env: ArmPushEnv) -> None:
+    env.reset(seed=7)
+    velocity = 0.4 * np.random.default_rng(7).uniform(env.action_space.low, env.action_space.high)
+
+    told, still_touching = [], []
+    for _ in range(60):
+        *_, info = env.step(velocity)
+        told.append(info["collision"])
+        still_touching.append(env._simulation._is_touching())
+    assert not told[0] and sum(told) > sum(still_touching)
+    assert all(told[step] for step in np.flatnonzero(still_touching))
+
+
 def test_a_joint_that_was_blocked_turns_back_at_once(env: ArmPushEnv) -> None:
     """The integral of its servo did not wind up while the stick was pressed on the table."""
     env.reset(seed=2)

@@ -74,7 +74,7 @@ def load(
 
 
 def save(policy: Any, preprocess: Any, postprocess: Any, folder: Path) -> None:
-    """Write a policy and its processors as LeRobot does, all or nothing."""
+    """Write a policy and its processors as LeRobot does, whole or, after a kill, not at all."""
     temporary = folder.with_name(folder.name + ".tmp")
     shutil.rmtree(temporary, ignore_errors=True)
 

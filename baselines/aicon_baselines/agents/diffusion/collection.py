@@ -14,7 +14,7 @@ from aicon_baselines.agents.diffusion.dataset import write_dataset
 from aicon_baselines.agents.diffusion.demonstrations import Demonstration, record_chunk
 from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
 from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.files import check_same_config, only_writer, read_json, write_json
+from aicon_baselines.files import check_same_config, only_writer, read_json, replacing, write_json
 
 RECORDING = "recording.json"
 """File in a dataset's folder that says how it was recorded."""
@@ -106,10 +106,8 @@ def _save_chunk(episodes: list[Demonstration], file: Path) -> None:
         for name, values in episode.items():
             arrays[f"{i}/{name}"] = values
 
-    temporary = file.with_suffix(".tmp")
-    with temporary.open("wb") as stream:
-        np.savez_compressed(stream, **arrays)
-    temporary.replace(file)
+    with replacing(file) as place:
+        np.savez_compressed(place, **arrays)
 
 
 def _count_episodes(file: Path) -> int:

@@ -52,7 +52,7 @@ class RecordingConfig:
 
     def __post_init__(self) -> None:
         _check_counts(self, ("episodes", "horizon"))
-        self._check_seeds()
+        _check_seeds(self.seed, self.episodes)
 
         if not self.noises or min(self.noises) < 0.0:
             raise ComparisonError(f"noises must be one or more numbers >= 0, not {self.noises}")
@@ -68,18 +68,6 @@ class RecordingConfig:
             raise ComparisonError(
                 f"observations must be some of {', '.join(OBSERVATIONS)}, not {self.observations}"
             )
-
-    def _check_seeds(self) -> None:
-        """Reject seeds that results are reported on, if every tenth episode is a success."""
-        seeds = range(self.seed, self.seed + 10 * self.episodes + CHUNK_SIZE)
-
-        for reported in _REPORTED_SEEDS:
-            overlaps = seeds.start < reported.stop and reported.start < seeds.stop
-            if overlaps or self.seed < 0:
-                raise ComparisonError(
-                    "seed must leave out 0 to 999 and 20000 to 20999, which results are reported "
-                    f"on, not {self.seed}: take 100000"
-                )
 
 
 @dataclass(frozen=True)
@@ -110,8 +98,7 @@ class TaskRecordingConfig:
 
     def __post_init__(self) -> None:
         _check_counts(self, ("episodes", "longest"))
-        if self.seed < 0:
-            raise ComparisonError(f"seed must be 0 or more, not {self.seed}")
+        _check_seeds(self.seed, self.episodes)
 
 
 AnyRecording = RecordingConfig | TaskRecordingConfig
@@ -169,6 +156,19 @@ class TrainingConfig:
             raise ComparisonError(
                 f"horizon must be a multiple of {divisor}, 2 for each of down_dims, "
                 f"not {self.horizon}"
+            )
+
+
+def _check_seeds(first: int, episodes: int) -> None:
+    """Reject seeds that results are reported on, if every tenth episode is a success."""
+    seeds = range(first, first + 10 * episodes + CHUNK_SIZE)
+
+    for reported in _REPORTED_SEEDS:
+        overlaps = seeds.start < reported.stop and reported.start < seeds.stop
+        if overlaps or first < 0:
+            raise ComparisonError(
+                "seed must leave out 0 to 999 and 20000 to 20999, which results are reported "
+                f"on, not {first}: take 100000"
             )
 
 

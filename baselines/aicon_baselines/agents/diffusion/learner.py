@@ -189,12 +189,21 @@ class Learner:
         return float(loss.detach())  # a number to report, no part of a graph
 
     def save(self, file: Path, folder: Path) -> None:
-        """Save what training goes on from, and the policy with averaged weights.
+        """Save the policy with averaged weights, and what training goes on from.
+
+        The latter comes last: a training that is killed meanwhile saves both once more.
 
         Args:
-            file: File of the former.
+            file: File of the latter.
             folder: Folder of the policy.
         """
+        # 1. The policy gets the averaged weights for as long as it takes to write them.
+        self._averaged_weights.store(self._policy.parameters())
+        self._averaged_weights.copy_to(self._policy.parameters())
+        save(self._policy, self._preprocess, self._postprocess, folder)
+        self._averaged_weights.restore(self._policy.parameters())
+
+        # 2. All that changes. A kill leaves the file of before.
         on_cuda = self._device.type == "cuda"
         state = {
             "step": self.step,
@@ -206,16 +215,9 @@ class Learner:
             "random_cuda": torch.cuda.get_rng_state_all() if on_cuda else [],
         }
 
-        # A kill leaves the file of before.
         temporary = file.with_name(file.name + ".tmp")
         torch.save(state, temporary)
         temporary.replace(file)
-
-        # The policy gets the averaged weights for as long as it takes to write them.
-        self._averaged_weights.store(self._policy.parameters())
-        self._averaged_weights.copy_to(self._policy.parameters())
-        save(self._policy, self._preprocess, self._postprocess, folder)
-        self._averaged_weights.restore(self._policy.parameters())
 
     def load(self, file: Path) -> None:
         """Go on from what was saved."""

@@ -142,14 +142,11 @@ class LossLogger:
     Args:
         path: The file, which may exist already.
         step: The step that training goes on from.
-
-    Attributes:
-        last: The loss of the line written last.
     """
 
     def __init__(self, path: Path, step: int) -> None:
-        self.last = float("nan")
         self._path = path
+        self._last: float | None = None
         self._losses: list[float] = []
 
         # Lines after the step that training goes on from are taken again.
@@ -160,17 +157,22 @@ class LossLogger:
         self._started = time.monotonic()
         self._seconds_before = float(self._lines[-1][3]) if self._lines else 0.0
 
+    @property
+    def last(self) -> float:
+        """The loss of the line written last; before there is one, the mean so far."""
+        return float(np.mean(self._losses)) if self._last is None else self._last
+
     def add(self, step: int, loss: float, learning_rate: float) -> None:
         """Add the loss of a step."""
         self._losses.append(loss)
         if step % _INTERVAL != 0:
             return
 
-        self.last = float(np.mean(self._losses))
+        self._last = float(np.mean(self._losses))
         self._losses.clear()
 
         seconds = self._seconds_before + time.monotonic() - self._started
-        numbers = [str(step), f"{self.last:.6f}", f"{learning_rate:.3e}", f"{seconds:.1f}"]
+        numbers = [str(step), f"{self._last:.6f}", f"{learning_rate:.3e}", f"{seconds:.1f}"]
         self._lines.append(numbers)
         self._write()
 

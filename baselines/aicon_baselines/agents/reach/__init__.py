@@ -10,21 +10,9 @@
 | `random_places.py` | where they go when they are held up, if they may |
 """
 
-from aicon_baselines.agents.reach.damped_least_squares import (
-    DampedLeastSquares,
-    DampedLeastSquaresPlaces,
-)
-from aicon_baselines.agents.reach.mink import Mink, MinkPlaces
-from aicon_baselines.agents.reach.pink import Pink, PinkPlaces
-from aicon_baselines.agents.reach.placo import Placo, PlacoPlaces
+from aicon_baselines.agents.reach.damped_least_squares import DampedLeastSquares
+from aicon_baselines.agents.reach.mink import Mink
+from aicon_baselines.agents.reach.pink import Pink
+from aicon_baselines.agents.reach.placo import Placo
 
-__all__ = [
-    "DampedLeastSquares",
-    "DampedLeastSquaresPlaces",
-    "Mink",
-    "MinkPlaces",
-    "Pink",
-    "PinkPlaces",
-    "Placo",
-    "PlacoPlaces",
-]
+__all__ = ["DampedLeastSquares", "Mink", "Pink", "Placo"]

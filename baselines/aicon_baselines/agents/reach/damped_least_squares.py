@@ -48,10 +48,3 @@ class DampedLeastSquares(InverseKinematics):
         damped = jacobian @ jacobian.T + self.damping**2 * np.eye(len(missing))
         nominal: FloatArray = self.gain * jacobian.T @ np.linalg.solve(damped, missing)
         return nominal
-
-
-@dataclass(frozen=True)
-class DampedLeastSquaresPlaces(DampedLeastSquares):
-    """The same, and to random places where it is held up."""
-
-    places: bool = True

@@ -3,15 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.reach.random_places import RandomPlaces
-from aicon_baselines.evaluation.errors import ComparisonError
-from aicon_baselines.extras import pip_command
+from aicon_baselines.extras import require
 
 if TYPE_CHECKING:
     from aicon_baselines.agents.reach.kinematics import Kinematics
@@ -63,11 +61,7 @@ class InverseKinematics:
 
     def __post_init__(self) -> None:
         """Check that what it needs is there."""
-        missing = [module for module in self.modules if find_spec(module) is None]
-        if missing:
-            raise ComparisonError(
-                f"{type(self).__name__} needs {' and '.join(missing)}: {pip_command(self.extra)}"
-            )
+        require(type(self).__name__, self.extra, *self.modules)
 
     @cached_property
     def kinematics(self) -> "Kinematics":

@@ -97,10 +97,3 @@ class Mink(InverseKinematics):
         except mink.NoSolutionFound:
             return np.zeros(len(robot.joints))
         return robot.own(velocities)
-
-
-@dataclass(frozen=True)
-class MinkPlaces(Mink):
-    """The same, and to random places where it is held up."""
-
-    places: bool = True

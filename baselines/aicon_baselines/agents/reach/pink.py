@@ -150,10 +150,3 @@ class Pink(InverseKinematics):
         turned[self._problem[0]] = joints
         found: FloatArray = pinocchio.integrate(model, pinocchio.neutral(model), turned)
         return found
-
-
-@dataclass(frozen=True)
-class PinkPlaces(Pink):
-    """The same, and to random places where it is held up."""
-
-    places: bool = True

@@ -133,10 +133,3 @@ class Placo(InverseKinematics):
         after = np.array([robot.get_joint(name) for name in names])
         found: FloatArray = (after - observation["q"]) / self.dt
         return found
-
-
-@dataclass(frozen=True)
-class PlacoPlaces(Placo):
-    """The same, and to random places where it is held up."""
-
-    places: bool = True

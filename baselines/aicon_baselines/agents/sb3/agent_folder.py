@@ -13,6 +13,7 @@ can be compared when it comes with the first two files and, if its readings were
 stable-baselines3's `vecnormalize.pkl`; loading it may run code and needs `trust`.
 """
 
+from contextlib import ExitStack
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 
@@ -47,20 +48,26 @@ Shapes = dict[str, tuple[int, ...]]
 def save(
     folder: Path, config: TrainingConfig, model: BaseAlgorithm, statistics: VecNormalize
 ) -> None:
-    """Write an agent. A kill leaves whole files; `config.json` comes last."""
+    """Write an agent: a kill before the last of its files is written leaves the agent of before."""
     folder.mkdir(parents=True, exist_ok=True)
 
-    # What the agent does, and what training goes on from.
-    with replacing(folder / AGENT) as place:
-        model.save(place)
-    save_statistics(folder / STATISTICS, statistics)
-    if isinstance(model, OffPolicyAlgorithm):
-        save_replay_buffer(folder / REPLAY_BUFFER, model)
+    # They take their places at the end, the last one first: the steps that `config.json` counts are
+    # those of the weights.
+    with ExitStack() as stack:
 
-    # What it is.
-    content = asdict(replace(config, steps=model.num_timesteps))
-    content["observation"] = observed_shapes(statistics)
-    write_json(folder / CONFIG, content)
+        def place(name: str) -> Path:
+            return stack.enter_context(replacing(folder / name))
+
+        # What it is ...
+        content = asdict(replace(config, steps=model.num_timesteps))
+        content["observation"] = observed_shapes(statistics)
+        write_json(place(CONFIG), content)
+
+        # ... what it does, and what training goes on from.
+        model.save(place(AGENT))
+        save_statistics(place(STATISTICS), statistics)
+        if isinstance(model, OffPolicyAlgorithm):
+            save_replay_buffer(place(REPLAY_BUFFER), model)
 
 
 def read_config(folder: Path) -> tuple[TrainingConfig, Shapes]:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import asdict, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -115,14 +116,14 @@ def _learn(
     # Now and then, and at the end.
     checkpoints = EveryNTimesteps(checkpoint, _Checkpoint(save_agent, report))
     checkpoints.last_time_trigger = model.num_timesteps
-    model.learn(
-        steps,
-        callback=checkpoints,
-        reset_num_timesteps=model.num_timesteps == 0,
-        progress_bar=sys.stderr.isatty() and find_spec("rich") is not None,
-    )
-    save_agent()
-    model.logger.close()
+    with closing(model.logger):
+        model.learn(
+            steps,
+            callback=checkpoints,
+            reset_num_timesteps=model.num_timesteps == 0,
+            progress_bar=sys.stderr.isatty() and find_spec("rich") is not None,
+        )
+        save_agent()
 
 
 class _Checkpoint(BaseCallback):

@@ -56,7 +56,7 @@ class LastAction(gym.Wrapper[Any, Any, Any, Any]):
         return observation | {LAST_ACTION: action}, reward, terminated, truncated, info
 
 
-class PusherFrame(gym.Wrapper[Any, Any, Any, Any]):
+class PusherFrame(gym.ObservationWrapper[Any, Any, Any]):
     """PushT whose action a in [-1, 1]² sends the pusher from its position p to p + reach a, px.
 
     The environment's own action is this target itself, clipped to the world: what a random agent
@@ -79,21 +79,14 @@ class PusherFrame(gym.Wrapper[Any, Any, Any, Any]):
         self.observation_space = spaces.Dict(dict(readings) | {OFFSETS: offsets})
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Any, dict[str, Any]]:
-        """Start an episode."""
-        observation, info = self.env.reset(seed=seed, options=options)
+    def observation(self, observation: Observation) -> Observation:
+        """Observe the keypoints relative to the pusher as well."""
         self._observation = add_offsets(observation)
-        return self._observation, info
+        return self._observation
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Move by one control step."""
-        target = target_of_action(action, self._observation, self._reach)
-        observation, reward, terminated, truncated, info = self.env.step(target)
-
-        self._observation = add_offsets(observation)
-        return self._observation, reward, terminated, truncated, info
+        return super().step(target_of_action(action, self._observation, self._reach))
 
 
 def add_offsets(observation: Observation) -> Observation:

@@ -3,7 +3,11 @@ from typing import Any
 
 import pytest
 
-from aicon_baselines.agents.diffusion.configs import TrainingConfig
+from aicon_baselines.agents.diffusion.configs import (
+    RecordingConfig,
+    TaskRecordingConfig,
+    TrainingConfig,
+)
 from aicon_baselines.evaluation import ComparisonError
 
 
@@ -21,3 +25,10 @@ def test_a_training_that_makes_no_sense_is_an_error(
 ) -> None:
     with pytest.raises(ComparisonError, match=re.escape(message)):
         TrainingConfig(**{"steps": 10} | arguments)
+
+
+@pytest.mark.parametrize("seed", [-1, 0, 999, 19_900, 20_000, 20_999])
+def test_no_demonstration_uses_the_seeds_of_the_results(seed: int) -> None:
+    for record in (RecordingConfig, lambda **own: TaskRecordingConfig("pusht", "noise_2", **own)):
+        with pytest.raises(ComparisonError, match=f"0 to 999 and 20000 to 20999.*not {seed}"):
+            record(seed=seed)

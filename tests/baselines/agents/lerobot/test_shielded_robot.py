@@ -66,6 +66,13 @@ def test_where_nothing_is_near_it_arrives_and_says_what_was_sent(shielded: Aicon
     assert "done" in str(shielded.explain())
 
 
+def test_who_never_looks_is_judged_by_where_the_robot_is(shielded: AiconShield) -> None:
+    wanted = to_action([-60.0, -60.0, 50.0, 30.0, 0.0])
+    for _ in range(300):
+        shielded.send_action(wanted)
+    assert joints(shielded.get_observation()) == pytest.approx(joints(wanted), abs=0.02)
+
+
 def test_what_is_not_finite_stays_where_it_is(shielded: AiconShield) -> None:
     for _ in range(90):
         shielded.get_observation()

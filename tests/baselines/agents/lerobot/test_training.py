@@ -10,6 +10,7 @@ pytest.importorskip("lerobot")
 from lerobot.policies.diffusion.modeling_diffusion import DiffusionPolicy
 from lerobot.policies.factory import make_pre_post_processors
 
+from aicon_baselines.agents.diffusion import learner
 from aicon_baselines.agents.diffusion.checkpoint import load, save
 from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.agents.diffusion.dataset import read_frames
@@ -28,10 +29,33 @@ def test_a_stopped_training_ends_like_one_that_was_not(
     assert train(config, demos, tmp_path / "parts", stop_after=0.0) == 1
     assert train(config, demos, tmp_path / "parts", checkpoint=4, report=lines.append) == 8
 
-    assert len(lines) == 2
+    assert len(lines) == 2 and "nan" not in "".join(lines)
     for name in ("policy/model.safetensors", "policy/config.json"):
         whole, parts = tmp_path / "whole" / name, tmp_path / "parts" / name
         assert whole.read_bytes() == parts.read_bytes()
+
+
+@pytest.mark.parametrize("killed_at", ["save", "torch.save"])
+def test_a_training_that_is_killed_at_its_last_save_gets_its_policy(
+    killed_at: str,
+    demos: Path,
+    small: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    config = TrainingConfig(4, **small)
+    train(config, demos, tmp_path / "whole")
+
+    def kill(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(f"{learner.__name__}.{killed_at}", kill)
+        train(config, demos, tmp_path / "killed")
+
+    train(config, demos, tmp_path / "killed")
+    name = "policy/model.safetensors"
+    assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "killed" / name).read_bytes()
 
 
 def test_another_training_is_not_overwritten(

@@ -24,7 +24,9 @@ def no_mppi(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("no_mppi")
 @pytest.mark.parametrize("name", PLANNERS)
 def test_without_the_extra_an_error_says_how_to_get_it(name: str) -> None:
-    with pytest.raises(ComparisonError, match=r"MPPI needs: pip install 'aicon-torch\[peers\]'"):
+    with pytest.raises(
+        ComparisonError, match=r"MPPI needs pytorch_mppi: pip install 'aicon-torch\[peers\]'"
+    ):
         factory("pusht", name)
     assert callable(factory("pusht", "aicon"))  # the others do not need it
 

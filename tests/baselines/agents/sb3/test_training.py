@@ -43,6 +43,25 @@ def test_training_goes_on_where_it_was_saved(
     assert sb3.train(config, folder).steps == after  # nothing is missing
 
 
+def test_an_agent_whose_saving_is_killed_is_the_one_of_before(
+    agent_folders: dict[tuple[str, str], Path],
+    small: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    folder = shutil.copytree(agent_folders["pusht", "ppo"], tmp_path / "agent")
+    before = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    config = sb3.TrainingConfig.for_task("pusht", "ppo", read_steps(folder) + 20, **small)
+
+    def kill(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("aicon_baselines.agents.sb3.agent_folder.save_statistics", kill)
+    with pytest.raises(KeyboardInterrupt):
+        sb3.train(config, folder)
+    assert before == {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
 def test_another_agent_is_not_overwritten(
     kind: tuple[str, str], agent_folders: dict[tuple[str, str], Path], small: dict[str, Any]
 ) -> None:
