@@ -64,7 +64,11 @@ def lesson_of(name: str) -> Lesson:
     """
     lesson = load(name).lesson
     if lesson is None:
-        raise ComparisonError(f"the task {name!r} has no lesson that says what a student learns")
+        others = [task for task in names() if load(task).lesson is not None]
+        raise ComparisonError(
+            f"the task {name!r} has no lesson that says what a student learns; tasks that have "
+            f"one: {', '.join(others)}, and your own with Task(lesson=...)"
+        )
     return lesson
 
 

@@ -64,7 +64,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, help="where to write it")
     arguments = parser.parse_args()
-    write_policy(arguments.folder)
+    try:
+        write_policy(arguments.folder)
+    except ValueError as error:
+        parser.error(str(error))
     print(f"saved {arguments.folder}: --policy.path={arguments.folder}")
 
 

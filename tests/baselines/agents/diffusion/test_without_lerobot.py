@@ -73,7 +73,7 @@ def test_without_lerobot_an_error_says_how_to_get_it(
         ),
         (
             "--task nav2d --policies diffusion --diffusion-path x",
-            "the task 'nav2d' has no lesson",
+            "has no lesson that says what a student learns; tasks that have one: pusht",
         ),
         (
             "--task pusht --policies diffusion --diffusion-path x",

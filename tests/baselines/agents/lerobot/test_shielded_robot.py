@@ -123,6 +123,12 @@ def test_a_joint_that_the_description_does_not_have_is_named(option: str) -> Non
         AiconShield(config)
 
 
+def test_a_tip_of_an_arm_that_has_one_is_refused() -> None:
+    config = AiconShieldConfig(inner=AiconSimulatedConfig(), urdf="so101", tip="elsewhere")
+    with pytest.raises(ValueError, match="tip='elsewhere': so101 has 'gripper_frame_link'"):
+        AiconShield(config)
+
+
 def test_a_motor_that_counts_the_other_way_round_turns_the_other_way() -> None:
     options = ShieldOptions(urdf="so101", signs={"wrist_roll": -1}, offsets={"wrist_roll": 10.0})
     commanded = CommandedJoints(JOINTS, options)
