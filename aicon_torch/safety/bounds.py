@@ -62,7 +62,9 @@ class ActuatorSafety:
         self.sweeps = declared.dampers.sweeps
         self.haste = declared.dampers.haste
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
-        self._ahead_of_now = _memoryless_after(model, actuator)
+        self._moved_on = {
+            name: _moved_on(model, actuator, upstream) for name, upstream in self._upstream.items()
+        }
         self._boxed = [goal.name for goal in goals if self._is_box(goal)]
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
 
@@ -145,9 +147,8 @@ class ActuatorSafety:
         """How far each component may go down and up, ``(*B, n)`` both; ∞ where nothing says it."""
         down = torch.full_like(values[self.actuator], torch.inf)
         up = down
-        now = self._now(values)
         for goal in self._ranged:
-            to_low, to_high = goal.room(now)
+            to_low, to_high = goal.room(self._now(goal, values))
             down, up = torch.minimum(down, to_low), torch.minimum(up, to_high)
         return down, up
 
@@ -210,7 +211,7 @@ class ActuatorSafety:
         Returns:
             c ``(*B, m, n)``, b ``(*B, m)`` and the gaps ``(*B, m)``.
         """
-        gaps = goal.gaps(self._now(values)).clamp(max=FARTHEST)
+        gaps = goal.gaps(self._now(goal, values)).clamp(max=FARTHEST)
         gaps = torch.where(gaps.isnan(), -torch.inf, gaps)  # the smallest, which no bound keeps
         count = gaps.shape[-1] if most is None else min(most, gaps.shape[-1])
         smallest = gaps.topk(count, dim=-1, largest=False).indices
@@ -220,12 +221,12 @@ class ActuatorSafety:
         at_rest, slopes = self._ahead(goal, values, smallest)
         return slopes / self.model.dt, (least - at_rest) / self.model.dt, gaps
 
-    def _now(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
-        """The values before the action: what does not remember has moved on by the last one."""
-        now = dict(values)
-        if self._ahead_of_now:
-            now[self.actuator] = torch.zeros_like(values[self.actuator])
-        for name in self._ahead_of_now:
+    def _now(self, goal: Goal, values: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
+        """The values before the action, for a goal: some have moved on by the last one already."""
+        if not self._moved_on[goal.name]:
+            return values
+        now = {**values, self.actuator: torch.zeros_like(values[self.actuator])}
+        for name in self._moved_on[goal.name]:
             now[name] = self.model.owners[name](now, name)
         return now
 
@@ -369,15 +370,14 @@ def _upstream(model: WorldModel, inputs: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(reversed(found))
 
 
-def _memoryless_after(model: WorldModel, actuator: str) -> tuple[str, ...]:
-    """The estimates without a memory that the action moves in the same step, in their order."""
+def _moved_on(model: WorldModel, actuator: str, upstream: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of some estimates, in order, that have no memory and follow from the action at once."""
     moved = {actuator}
-    found: list[str] = []
-    for estimator in model.estimators:
-        if not estimator.recursive and moved.intersection(estimator.inputs):
-            found.extend(estimator.outputs)
-            moved.update(estimator.outputs)
-    return tuple(found)
+    for name in upstream:
+        owner = model.owners[name]
+        if not owner.recursive and moved.intersection(owner.inputs):
+            moved.add(name)
+    return tuple(name for name in upstream if name in moved)
 
 
 def _initial(escape: PlaceEscape | WayAround, size: int) -> Memory:
