@@ -9,7 +9,8 @@ from _asserts import assert_same_steps
 from _inputs import drifting, lean, navigation
 from torch import Tensor
 
-from aicon_torch import GraphError, Policy, Sensor, WorldModel
+from aicon_torch import Deterministic, Goal, GraphError, Policy, Sensor, WorldModel
+from aicon_torch.parts import clock
 from aicon_torch.quantities import AGE
 
 DT = 0.05
@@ -44,6 +45,27 @@ def test_a_longer_step_moves_the_estimates_farther_row_by_row() -> None:
 
     way = memory["a"] * torch.tensor([[DT], [2 * DT], [0.0]], dtype=torch.float64)
     torch.testing.assert_close(after["x_rob"], way, rtol=1e-12, atol=0)
+
+
+def test_what_reads_the_time_is_built_on_one_time_a_row() -> None:
+    """As the clock tells it in a step: a function that takes it for a scalar is named at once."""
+
+    def far(a: Tensor, dt: Tensor) -> Tensor:
+        return a * torch.stack((dt, dt))
+
+    model = navigation().model
+    sensors = {"z": Sensor(2, "m"), "z_elapsed": clock()}
+    moved = Deterministic("d", far, is_motion=True)
+    with pytest.raises(GraphError, match="'d'"):
+        WorldModel(
+            sensors=sensors,
+            actuators=model.actuators,
+            estimators=[moved],
+            goals=[Goal("g", lambda d: d.square().sum(-1))],
+            dt=DT,
+            clock="z_elapsed",
+            dtype=torch.float64,
+        )
 
 
 def test_ages_grow_by_what_has_passed() -> None:

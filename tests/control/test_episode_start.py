@@ -7,6 +7,7 @@ import pytest
 import torch
 from _asserts import assert_same_memory, rollout
 from _inputs import drifting, navigation
+from _inputs.shipped import quick
 
 from aicon_torch import ObservationError
 
@@ -57,6 +58,15 @@ def test_the_first_memory_ignores_episode_start() -> None:
     for start in (np.ones(3, bool), np.zeros(3, bool), None):
         _, memory = navigation().predict(reading, None, start)
         assert_same_memory(memory, expected, 0.0)
+
+
+@pytest.mark.parametrize("start", [np.zeros(3, dtype=bool), []], ids=["three", "none"])
+def test_one_robot_has_one_start_compiled_or_not(start: Any) -> None:
+    compiled, recorded = quick(navigation()), drifting(2)
+    for policy in (navigation(), compiled):
+        _, memory = policy.predict(recorded[0])
+        with pytest.raises(ObservationError, match="episode_start"):
+            policy.predict(recorded[1], memory, episode_start=start)
 
 
 def test_a_start_of_another_batch_is_named() -> None:

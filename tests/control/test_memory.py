@@ -7,10 +7,24 @@ import numpy as np
 import pytest
 import torch
 from _asserts import assert_rows_stand_alone, assert_same_memory, rollout
-from _inputs import as_arrays, drifting, lean, lean_anew, navigation, observation_with, with_rule
+from _inputs import (
+    MOVE,
+    as_arrays,
+    drifting,
+    lean,
+    lean_anew,
+    navigation,
+    near,
+    observation_with,
+    tracked_point,
+    tracking_model,
+    with_rule,
+)
 from torch import Tensor
 
-from aicon_torch import ObservationError
+from aicon_torch import Actuator, Goal, Measurement, ObservationError, Policy
+from aicon_torch.control.foresight import PRIME
+from aicon_torch.control.memory import STEPS_AT_MOST
 from aicon_torch.models import presets
 
 
@@ -52,6 +66,29 @@ def test_an_episode_goes_on_after_saving_and_loading(preset: str) -> None:
     for reading, expected in zip(recorded[16:], straight[16:], strict=True):
         _, memory = other.predict(reading, memory)
         assert_same_memory(memory, expected, 0.0)
+
+
+def test_a_count_of_steps_begins_anew_where_single_precision_ends() -> None:
+    policy, recorded = navigation(), drifting(2)
+    _, memory = policy.predict(recorded[0])
+    memory["steps"] = torch.full_like(memory["steps"], STEPS_AT_MOST - 1)
+    _, after = policy.predict(recorded[1], memory)
+    assert after["steps"] == 0 and STEPS_AT_MOST < 2**24 and STEPS_AT_MOST % PRIME == 0
+
+
+@pytest.mark.parametrize("derivative", ["model", "update", "detached_gain"])
+def test_no_graph_stays_in_the_memory_beside_a_safety_goal(derivative: Any) -> None:
+    def bent(p: Tensor, z: Tensor) -> Tensor:
+        return p + 0.1 * p**3 - z
+
+    point = tracked_point(correct=[Measurement(bent, 0.1, size=2)], derivative=derivative)
+    kept = Goal("kept", lambda x: x.square().sum(-1) - 1.0, safety=True)
+    actuators = {"a": Actuator(2, "m/s", limit=1.0)}
+    model = tracking_model(MOVE, point, goals=[Goal("near", near), kept], actuators=actuators)
+    policy, memory = Policy(model), None
+    for _ in range(2):
+        _, memory = policy.predict({"z": torch.ones(2, dtype=torch.float64)}, memory)
+        assert not any(value.requires_grad for value in memory.values())
 
 
 @pytest.mark.parametrize("preset", presets("nav2d"))

@@ -145,6 +145,13 @@ def test_a_row_that_is_none_is_named(row: Any) -> None:
         navigation_in_text().explain(memory, row=row)
 
 
+@pytest.mark.parametrize("row", [0, 5, (0, 0)], ids=str)
+def test_one_robot_has_no_rows(row: Any) -> None:
+    memory = rollout(navigation_in_text(), drifting(1))[-1]
+    with pytest.raises(ValueError, match=r"row=.*batch shape \(\)"):
+        navigation_in_text().explain(memory, row=row)
+
+
 @pytest.mark.parametrize(
     ("rule", "quantity"), [(Sum(), "x_rob"), (SteepestPath(), "a")], ids=["sum", "steepest"]
 )
