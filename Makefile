@@ -100,6 +100,7 @@ WORLDS := gymnasium-robotics==1.4.2 mujoco==3.10.0 pettingzoo==1.27.0 lerobot-en
 IN_WORLDS := cd examples/worlds && PYTHONPATH=$(CURDIR)/.venv-worlds OMP_NUM_THREADS=1 $(CURDIR)/$(AICON) compare
 TASKS := task1 task2 task3 task4 task5
 MAZES := $(foreach maze,medium large giant teleport,$(addprefix $(maze)_,$(TASKS)))
+REHEARSED := $(foreach maze,large giant,$(addprefix $(maze)_,$(TASKS)))
 CROWDS := circle5 circle10 circle20 streams10
 HAND_RULES := without_exploration weighted_sum without_foresight steepest
 # $(call world,TASK,CONDITIONS,POLICIES,EPISODES,SEED,FOLDER)
@@ -112,14 +113,17 @@ world = $(IN_WORLDS) --task $(1) --conditions $(2) --policies $(3) --episodes $(
 	@touch $@
 
 worlds: .venv-worlds/.installed ## Run the worlds of others in examples/worlds/; goes on where it was
-	$(call world,pointmaze:TASK,umaze medium large,aicon rehearsed planner,$(EPISODES),400000,pointmaze)
-	$(call world,ogbench_mazes:TASK,$(MAZES),aicon rehearsed planner,10,400000,ogbench_mazes)
+	$(call world,pointmaze:TASK,umaze medium large,aicon planner,$(EPISODES),400000,pointmaze)
+	$(call world,pointmaze:TASK,umaze medium large,aicon rehearsed,$(EPISODES),404000,pointmaze_rehearsed)
+	$(call world,ogbench_mazes:TASK,$(MAZES),aicon planner,20,400000,ogbench_mazes)
+	$(call world,ogbench_mazes:TASK,$(REHEARSED),rehearsed,4,404000,ogbench_mazes_rehearsed)
 	$(call world,crowd:TASK,$(CROWDS) $(CROWDS:%=%_blind),aicon orca orca_close,$(EPISODES),400000,crowd)
 	$(call world,fetch:TASK,reach push,aicon,$(EPISODES),407000,fetch)
 	$(call world,meta_world:TASK,reach coffee-button drawer-close,aicon,$(EPISODES),400020,meta_world)
 	$(call world,meta_world_puck:TASK,push pick-place,aicon,$(EPISODES),407000,meta_world_puck)
 	$(call world,so101_pick_place:TASK,none noise lost knocked,aicon script,$(EPISODES),407000,so101)
-	$(call world,so101_in_the_way:TASK,block board,aicon script,50,407000,so101_in_the_way)
+	$(call world,so101_in_the_way:TASK,block board,aicon,$(EPISODES),407000,so101_in_the_way)
+	$(call world,so101_in_the_way:TASK,block board,script,50,407000,so101_in_the_way_script)
 	$(call world,so101_pick_cube:TASK,near anywhere,aicon script,$(EPISODES),407000,so101_cube)
 	$(call world,so101_by_joints:TASK,anywhere,aicon,$(EPISODES),407000,so101_joints)
 	$(call world,ogbench_cubes:SINGLE,$(TASKS),aicon oracle,20,407000,cube_single)

@@ -7,16 +7,14 @@ its way out where they hold it up.
 
 A LeRobot SO-101, whose five joints reach a position and an approach direction, goes to three
 targets one after the other; each appears before the arm has come to rest. The robot's files come
-with `pip install "aicon-torch[robots]" example-robot-data`.
+with `pip install "aicon-torch[reach]"`.
 
     python examples/05_own_arm.py
 """
 
-import importlib.metadata
-from pathlib import Path
-
 import torch
 
+from aicon_envs.reach import ROBOTS, find_file
 from aicon_torch import make_policy
 from aicon_torch.models.reach import Robot
 
@@ -24,17 +22,9 @@ DT, SECONDS = 0.02, 8.0
 POSITION_TOLERANCE, ANGLE_TOLERANCE = 0.01, 0.05
 
 
-def find(name: str) -> Path:
-    """A file of example-robot-data."""
-    for file in importlib.metadata.files("example-robot-data") or []:
-        if str(file).endswith(name):
-            return Path(str(file.locate())).resolve()
-    raise FileNotFoundError(name)
-
-
 def main() -> None:
     """Reach three targets."""
-    arm = Robot.from_urdf(find("urdf/so101.urdf"), tip="gripper_frame_link")
+    arm = Robot.from_urdf(find_file(ROBOTS["so101"].urdf), tip="gripper_frame_link")
     policy = make_policy("reach", robot=arm, orientation="axis", speed=2.0, dt=DT)
 
     # Targets that can be reached: where the tip is in some posture within the limits.

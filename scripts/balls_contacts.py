@@ -17,14 +17,14 @@ import torch
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 from torch import Tensor
-from tqdm import tqdm
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy, make_policy
 from aicon_torch.safety import SafetyBounds
 from aicon_torch.safety.bounds import ActuatorSafety, safety_of
+from study_table import fill
 
 POLICY = "aicon"
 
@@ -120,14 +120,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Follow each contact, and print a table."""
     torch.set_num_threads(1)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    with (arguments.out / "contacts.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(Contact._fields)
-        found = []
-        for condition, seed in tqdm(touched(arguments.folder / "episodes.csv"), desc="contacts"):
-            found.append(follow(condition, seed))
-            table.writerow(found[-1])
-            file.flush()
+    wanted = touched(arguments.folder / "episodes.csv")
+    found = fill(arguments.out / "contacts.csv", Contact, wanted, lambda *one: [follow(*one)])
 
     header = ["condition", "seed", "contact, s", "without an action for, s"]
     header += ["a bound had to be missed by, m/s", "and was by, m/s"]
@@ -144,7 +138,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/balls_contacts"))
 
 
-COMMAND = Command(__doc__, add_arguments, run)
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
     run_command(COMMAND)

@@ -4,13 +4,12 @@ Example: python scripts/clutter.py panda --indices 51 100 --out runs/clutter
 """
 
 import argparse
-import csv
 import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -36,6 +35,7 @@ from aicon_torch.dampers import PlaceEscape
 from aicon_torch.models import make_policy
 from aicon_torch.parts import Robot, Solid, TipPose, reading_of
 from aicon_torch.ways import OtherPlaces
+from study_table import read, write
 
 RANDOM_PLACES = PlaceEscape(patience=1.2, remembers=False, seeks=False)
 """The most trivial escape."""
@@ -75,8 +75,6 @@ AT_ONCE = 200
 """So many steps are looked at at once."""
 
 Array = NDArray[np.float64]
-
-AnyRow = TypeVar("AnyRow", bound=tuple[Any, ...])
 
 
 class Row(NamedTuple):
@@ -408,28 +406,6 @@ def rows_of_problems(table: Path, chosen: Sequence[Problem]) -> list[Row]:
     """The rows of a table that are of some problems."""
     asked_for = {(problem.set, problem.index) for problem in chosen}
     return [row for row in read(table, Row) if (row.set, row.number) in asked_for]
-
-
-def write(table: Path, row: Any) -> None:
-    """Add a row, a named tuple, to a table."""
-    is_new = not table.exists()
-    with table.open("a", newline="") as file:
-        writer = csv.writer(file)
-        if is_new:
-            writer.writerow(row._fields)
-        writer.writerow(row)
-
-
-def read(table: Path, kind: type[AnyRow]) -> list[AnyRow]:
-    """The rows of a table, named tuples of a kind; none where there is no table yet."""
-    if not table.exists():
-        return []
-    with table.open(newline="") as file:
-        rows = []
-        for line in csv.DictReader(file):
-            kinds = kind.__annotations__
-            rows.append(kind(**{name: kinds[name](value) for name, value in line.items()}))
-    return rows
 
 
 def report(name: str, rows: Sequence[Row]) -> None:

@@ -35,12 +35,11 @@ from clutter import (
     chosen_problems,
     episodes,
     policy_of,
-    read,
     rehearsed,
     share_of,
-    write,
 )
 from clutter_planner import Planner
+from study_table import read, write
 
 CONDITIONS = ("appears", "crosses")
 """The box is there after the first step and stays, or goes to and fro from the start."""

@@ -31,11 +31,10 @@ from clutter import (
     add_problems,
     chosen_problems,
     episodes,
-    read,
     report,
     rows_of_problems,
-    write,
 )
+from study_table import read, write
 
 AGENTS = {"mink": False, "mink_places": True}
 """Whether it goes elsewhere where it is held up."""

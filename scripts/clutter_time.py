@@ -29,7 +29,8 @@ from aicon_baselines.worlds.motion_bench_maker import (
 )
 from aicon_torch import load_exported
 from aicon_torch.parts import Robot, Solid
-from clutter import CACHE, POLICIES, World, read, readable_policy, time_of_a_step, write
+from clutter import CACHE, POLICIES, World, readable_policy, time_of_a_step
+from study_table import read, write
 
 COUNTS = (5, 10, 21, 50, 100, 200)
 

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from doorway_world import DOOR, DT, RADIUS, Array, drive, drive_by_orca, has_orca, starts
-from rule_study import fill
 from rule_study import rules as plain_rules
+from study_table import fill
 
 TOUCH = 0.01  # m, how far discs overlap before they count as touching
 DISCS = (2, 4, 8)
@@ -48,11 +48,10 @@ class Cell(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is tried, and where it is saved."""
-    default = Path("runs/doorway")
-    parser.add_argument("--out", type=Path, default=default, help="default: runs/doorway")
-    parser.add_argument("--tries", type=int, default=10, help="for each cell (default: 10)")
-    parser.add_argument("--seconds", type=float, default=30.0, help="of a try (default: 30)")
-    parser.add_argument("--seed", type=int, default=300_000, help="of the tries (default: 300000)")
+    add_option(parser, "--out", Path("runs/doorway"), "folder of the results")
+    add_option(parser, "--tries", 10, "for each cell")
+    add_option(parser, "--seconds", 30.0, "of a try")
+    add_option(parser, "--seed", 300_000, "of the tries")
 
 
 def run(arguments: argparse.Namespace) -> None:

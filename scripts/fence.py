@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
-from rule_study import fill, rules
+from rule_study import rules
+from study_table import fill
 
 DT = 0.02  # s
 SPEED = 1.0  # m/s, of the robot; the leaders drive at half of it

@@ -21,8 +21,9 @@ from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch.models import make_policy
-from clutter import DT, ESCAPES, draw, read, rehearsed, rows_of, share_of, write
-from reach_study import NEAR, STRAIGHT, Targets, targets
+from clutter import DT, ESCAPES, NEAR, STRAIGHT, draw, rehearsed, rows_of, share_of
+from reach_study import Targets, targets
+from study_table import read, write
 
 HORIZON = 20.0
 

@@ -7,7 +7,6 @@ Example: python scripts/reach_study.py --conditions ur5_pose_home --out runs/rea
 """
 
 import argparse
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,7 +17,7 @@ import torch
 from torch import Tensor
 from tqdm import tqdm
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy
@@ -26,14 +25,16 @@ from aicon_torch.models import make_policy
 from aicon_torch.models.reach import Options
 from aicon_torch.parts import Robot, TipPose
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
-
-NEAR, STRAIGHT = 0.010, 0.05
-"""Success: m and rad of the tip, the environment's."""
+from clutter import NEAR, STRAIGHT
+from study_table import fill
 
 
 class Row(NamedTuple):
-    """What became of a target."""
+    """What became of a target, one of so many from a first one on."""
 
+    first: int
+    targets: int
+    outside: float  # rad
     condition: str
     seed: int
     time: float  # s; NaN where it did not arrive
@@ -106,8 +107,9 @@ def beyond_a_stop(robot: Robot, q: Tensor, by: float) -> Tensor:
     return found
 
 
-def reach(condition: str, seeds: range, policy: Policy, outside: float) -> list[Row]:
+def reach(policy: Policy, first: int, count: int, outside: float, condition: str) -> list[Row]:
     """What becomes of the targets of a condition within the horizon of the task."""
+    seeds = range(first, first + count)
     robot, pose, seen, target = targets(condition, seeds)
     if outside:
         seen["q"] = beyond_a_stop(robot, seen["q"], outside)
@@ -129,29 +131,28 @@ def reach(condition: str, seeds: range, policy: Policy, outside: float) -> list[
         seen = seen | {"q": seen["q"] + TASK.time_step * action}
         detours = torch.where(times.isnan(), memory.get("a/escape/escapes", detours), detours)
     columns = (times.tolist(), detours.tolist(), inside.tolist())
-    return [Row(condition, *row) for row in zip(seeds, *columns, strict=True)]
+    rows = zip(seeds, *columns, strict=True)
+    return [Row(first, count, outside, condition, *row) for row in rows]
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Run the conditions, and report each."""
+    """Run what is not yet in the table, and report each condition."""
     torch.set_num_threads(1)
     arguments.out.mkdir(parents=True, exist_ok=True)
     compiled: dict[str, Policy] = {}
-    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
 
-    with (arguments.out / f"{arguments.preset}.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(Row._fields)
-        for condition in arguments.conditions:
-            options = TASK.policy_options(condition)
-            if str(options) not in compiled:  # one for all starts
-                policy = make_policy("reach", preset=arguments.preset, **options)
-                compiled[str(options)] = policy.compile()
+    def measure(first: int, count: int, outside: float, condition: str) -> list[Row]:
+        options = TASK.policy_options(condition)
+        if str(options) not in compiled:  # one for all starts
+            policy = make_policy("reach", preset=arguments.preset, **options)
+            compiled[str(options)] = policy.compile()
+        return reach(compiled[str(options)], first, count, outside, condition)
 
-            rows = reach(condition, seeds, compiled[str(options)], arguments.outside)
-            table.writerows(rows)
-            file.flush()
-            report(condition, rows)
+    settings = (arguments.seed, arguments.episodes, arguments.outside)
+    wanted = [(*settings, condition) for condition in arguments.conditions]
+    rows = fill(arguments.out / f"{arguments.preset}.csv", Row, wanted, measure)
+    for condition in arguments.conditions:
+        report(condition, [row for row in rows if row.condition == condition])
 
 
 def report(condition: str, rows: list[Row]) -> None:
@@ -179,7 +180,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/reach_study"))
 
 
-COMMAND = Command(__doc__, add_arguments, run, "stopped")
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
     run_command(COMMAND)

@@ -7,7 +7,6 @@ Example: python scripts/reach_unreachable.py --conditions ur5_pose_home --out ru
 """
 
 import argparse
-import csv
 import math
 from pathlib import Path
 from typing import NamedTuple
@@ -17,7 +16,7 @@ import torch
 from torch import Tensor
 from tqdm import tqdm
 
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy
 from aicon_torch.dampers import PlaceEscape
@@ -25,7 +24,9 @@ from aicon_torch.models import make_policy
 from aicon_torch.models.reach import Options
 from aicon_torch.parts import Chain, TipPose
 from aicon_torch.parts.pose_reach import PoseReach
-from reach_study import NEAR, STRAIGHT, Targets, target_seen, targets
+from clutter import NEAR, STRAIGHT
+from reach_study import Targets, target_seen, targets
+from study_table import fill
 
 GIVES_UP = 8
 """After so many places."""
@@ -41,8 +42,10 @@ ESCAPE = "a/escape/"
 
 
 class Row(NamedTuple):
-    """What became of a target."""
+    """What became of a target, one of so many from a first one on."""
 
+    first: int
+    targets: int
     condition: str
     reachable: bool
     seed: int
@@ -92,8 +95,9 @@ def _postures(chain: Chain, count: int) -> Tensor:
     return chain.low + shares * (chain.high - chain.low)
 
 
-def follow(condition: str, seeds: range, policy: Policy, reachable: bool) -> list[Row]:
+def follow(policy: Policy, first: int, count: int, condition: str, reachable: bool) -> list[Row]:
     """What becomes of some targets."""
+    seeds = range(first, first + count)
     found = targets(condition, seeds)
     if not reachable:
         found = out_of_reach(found, seeds)
@@ -122,29 +126,28 @@ def follow(condition: str, seeds: range, policy: Policy, reachable: bool) -> lis
     least = least_cost(found.robot.chain, reach, pose, target) if not reachable else 0.0 * cost
     columns = (arrived, gave_up, cost, least, speed)
     rows = zip(seeds, *(column.tolist() for column in columns), strict=True)
-    return [Row(condition, reachable, *row) for row in rows]
+    return [Row(first, count, condition, reachable, *row) for row in rows]
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Run the conditions, and report each."""
+    """Run what is not yet in the table, and report each condition."""
     torch.set_num_threads(1)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+    compiled: dict[str, Policy] = {}
 
-    with (arguments.out / "unreachable.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(Row._fields)
-        for condition in arguments.conditions:
-            own = {
-                **TASK.policy_options(condition),
-                "dampers.escape": PlaceEscape(gives_up=GIVES_UP),
-            }
-            policy = make_policy("reach", **own).compile()
-            for reachable in (False, True):
-                rows = follow(condition, seeds, policy, reachable)
-                table.writerows(rows)
-                file.flush()
-                report(rows)
+    def measure(first: int, count: int, condition: str, reachable: bool) -> list[Row]:
+        if condition not in compiled:  # one for both kinds of targets
+            options = dict(TASK.policy_options(condition))
+            options["dampers.escape"] = PlaceEscape(gives_up=GIVES_UP)
+            compiled[condition] = make_policy("reach", **options).compile()
+        return follow(compiled[condition], first, count, condition, reachable)
+
+    settings = (arguments.seed, arguments.episodes)
+    both = [(condition, kind) for condition in arguments.conditions for kind in (False, True)]
+    wanted = [(*settings, *one) for one in both]
+    rows = fill(arguments.out / "unreachable.csv", Row, wanted, measure)
+    for one in both:
+        report([row for row in rows if (row.condition, row.reachable) == one])
 
 
 def report(rows: list[Row]) -> None:
@@ -180,7 +183,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/unreachable"))
 
 
-COMMAND = Command(__doc__, add_arguments, run, "stopped")
+COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)
 
 if __name__ == "__main__":
     run_command(COMMAND)

@@ -18,9 +18,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from retarget_world import DT, MARGIN, follow, make_policy, references
-from rule_study import fill, rules
+from rule_study import rules
+from study_table import fill
 
 SETTLES = 1.0  # s, after which errors count
 BEHIND = 0.005  # m, from where on a point counts as behind it
@@ -56,11 +57,10 @@ class Cell(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is tried, and where it is saved."""
-    default = Path("runs/retarget")
-    parser.add_argument("--out", type=Path, default=default, help="default: runs/retarget")
-    parser.add_argument("--tries", type=int, default=10, help="for each cell (default: 10)")
-    parser.add_argument("--seconds", type=float, default=8.0, help="of a try (default: 8)")
-    parser.add_argument("--seed", type=int, default=300_000, help="of the tries (default: 300000)")
+    add_option(parser, "--out", Path("runs/retarget"), "folder of the results")
+    add_option(parser, "--tries", 10, "for each cell")
+    add_option(parser, "--seconds", 8.0, "of a try")
+    add_option(parser, "--seed", 300_000, "of the tries")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -21,7 +21,7 @@ from aicon_baselines.agents.shields import arm, nav2d, pusht
 from aicon_baselines.agents.shields.clamped import shortened
 from aicon_baselines.agents.shields.world import World, guards, seeded
 from aicon_baselines.agents.shipped import shipped_folder
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_baselines.evaluation.episodes import Step, run_episodes
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.intervals import wilson_interval
@@ -261,8 +261,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "what", help=f"{', '.join(WORLDS)}, a world of others, MODULE:WORLD, random, time or draw"
     )
     parser.add_argument("--episodes", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=300_000, help="first seed (default: 300000)")
-    parser.add_argument("--horizon", type=int, default=1000, help="steps (default: 1000)")
+    add_option(parser, "--seed", 300_000, "first seed")
+    add_option(parser, "--horizon", 1000, "steps")
     parser.add_argument("--proposers", nargs="*", default=[], help="who proposes (default: all)")
     parser.add_argument("--out", type=Path, default=Path("runs/shield"))
 

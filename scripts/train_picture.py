@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 
 BATCH, RATE = 64, 2e-3
 SEED = 1000
@@ -42,9 +42,9 @@ COLOURS = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is drawn and learned."""
-    parser.add_argument("--pictures", type=int, default=40_000, help="pictures (default: 40000)")
-    parser.add_argument("--steps", type=int, default=4_000, help="of 64 pictures (default: 4000)")
-    parser.add_argument("--side", type=int, default=96, help="of a picture, pixels (default: 96)")
+    add_option(parser, "--pictures", 40_000, "pictures")
+    add_option(parser, "--steps", 4_000, "of 64 pictures")
+    add_option(parser, "--side", 96, "of a picture, pixels")
     parser.add_argument("--out", type=Path, required=True, help="file of the weights")
 
 

@@ -27,7 +27,8 @@ from aicon_torch import Policy
 from aicon_torch.models import make_policy
 from aicon_torch.parts import CapsuleSegments, Robot, Solid, TipPose, reading_of
 from aicon_torch.parts.solids import ROUND
-from clutter import RANDOM_PLACES, draw, read, share_of, write
+from clutter import NEAR, RANDOM_PLACES, STRAIGHT, draw, share_of
+from study_table import read, write
 
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
@@ -41,9 +42,6 @@ DISTANCE = 1.0
 
 DT, SPEED, HORIZON = 0.02, 1.5, 30.0
 """s, rad/s and s."""
-
-NEAR, STRAIGHT = 0.010, 0.05
-"""Success: m and rad of both tips."""
 
 BEYOND, BESIDE = 0.3, 0.4
 """Each target is in the other's half, at most so far beyond the middle and beside it, m."""

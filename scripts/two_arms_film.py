@@ -34,6 +34,9 @@ SECONDS, STAYS = 14.0, 15
 COLOURS = ((0.1, 0.6, 0.25, 0.9), (0.15, 0.3, 0.8, 0.9))
 """Of the targets of both arms."""
 
+BALL = 0.02
+"""Radius of a target, m."""
+
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the episode without the escape and with it, and film them beside each other."""
@@ -73,6 +76,8 @@ def beside_each_other(
     pair: ArmPair, targets: Sequence[Array], films: Sequence[tuple[str, list[Array], float]]
 ) -> Iterator[Picture]:
     """Frames with a panel for each policy."""
+    from aicon_baselines.figures.rendering import mark
+
     longest = max(len(states) for _, states, _ in films)
     data = mujoco.MjData(pair.model)
     with mujoco.Renderer(pair.model, HEIGHT, WIDTH) as renderer:
@@ -84,7 +89,7 @@ def beside_each_other(
 
                 renderer.update_scene(data, camera())
                 for place, colour in zip(targets, COLOURS, strict=True):
-                    mark(renderer.scene, place, colour)
+                    mark(renderer.scene, place, BALL, colour)
                 told = f"both are there, {time:.1f} s" if step * DT >= time else ""
                 panels.append(labelled(renderer.render(), name, told, GREEN))
             yield np.concatenate(panels, axis=1)
@@ -96,14 +101,6 @@ def camera() -> mujoco.MjvCamera:
     found.lookat[:] = (DISTANCE / 2, 0.0, 0.3)
     found.distance, found.azimuth, found.elevation = 2.2, 60.0, -22.0
     return found
-
-
-def mark(scene: mujoco.MjvScene, place: Array, colour: Sequence[float]) -> None:
-    """Show a target as a small ball."""
-    ball, size = mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, 0.02)
-    geom = scene.geoms[scene.ngeom]
-    mujoco.mjv_initGeom(geom, ball, size, place, np.eye(3).ravel(), np.array(colour, np.float32))
-    scene.ngeom += 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 
-from draw_picking import mark
+from aicon_baselines.figures.rendering import mark
+from draw_picking import BALL, COLOR
 from episodes import moments
 
 IMAGES = Path(__file__).parents[1] / "images"
@@ -80,7 +81,7 @@ class Eye:
         option = mujoco.MjvOption()
         option.sitegroup[:] = 0
         self.renderer.update_scene(self.data, self.view, option)
-        mark(self.renderer.scene, goal)
+        mark(self.renderer.scene, goal, BALL, COLOR)
         return self.renderer.render()
 
 

@@ -1,6 +1,6 @@
 """Draw docs/images/learned_motion.png: robots whose wheels slip drive home in the dark.
 
-python docs/figures/draw_learned_motion.py
+PYTHONPATH=examples python docs/figures/draw_learned_motion.py
 """
 
 from importlib import import_module

@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.font_manager import findfont
 from PIL import Image, ImageDraw, ImageFont
 
-from aicon_baselines.figures.rendering import Frame, save_video
+from aicon_baselines.figures.rendering import Frame, mark, save_video
 from aicon_baselines.palette import GOAL, INK, rgb
 from episodes import Moment, moments
 
@@ -39,6 +39,8 @@ IMAGES = Path(__file__).parents[1] / "images"
 SIZE = (480, 360)  # px
 RATE = 5  # pictures a second, of which each shows a step
 REST = 5  # pictures at the end
+BALL = 0.012  # radius of a place, m
+COLOR = (*(part / 255 for part in rgb(GOAL)), 1.0)
 FONT = ImageFont.truetype(findfont("DejaVu Sans"), 13)
 
 
@@ -66,7 +68,7 @@ class Film:
         self.renderer.update_scene(world.data, camera="front")
         for name in moment.observation:
             if name.startswith("z_goal"):
-                mark(self.renderer.scene, moment.observation[name][0])
+                mark(self.renderer.scene, moment.observation[name][0], BALL, COLOR)
         picture = Image.fromarray(self.renderer.render())
 
         pen = ImageDraw.Draw(picture)
@@ -76,15 +78,6 @@ class Film:
             led = " → ".join(trace.leading_path(actuator, (0,)))
             pen.text((8, height - 40 + 19 * line), led, font=FONT, fill=INK)
         self.frames.append(np.asarray(picture))
-
-
-def mark(scene: Any, place: Any) -> None:
-    """Add a ball at a place (3,), m, to what is rendered."""
-    color = np.array([*rgb(GOAL), 255], np.float32) / 255
-    ball = scene.geoms[scene.ngeom]
-    radius, turned = np.full(3, 0.012), np.eye(3).ravel()
-    mujoco.mjv_initGeom(ball, mujoco.mjtGeom.mjGEOM_SPHERE, radius, place, turned, color)
-    scene.ngeom += 1
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ from typing import Any
 import gymnasium as gym
 
 import aicon_envs  # noqa: F401  # registers the environments
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_torch import Policy, make_policy
 from building import arm, scripts
 from building.packing import compiled
@@ -30,8 +30,8 @@ Row = dict[str, Any]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare which page it is, and which starts there are."""
     parser.add_argument("page", choices=tuple(STEPS), help="of which page")
-    parser.add_argument("--seed", type=int, default=300_000, help="the first (default: 300000)")
-    parser.add_argument("--starts", type=int, default=200, help="how many (default: 200)")
+    add_option(parser, "--seed", 300_000, "the first")
+    add_option(parser, "--starts", 200, "how many")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -21,7 +21,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, Locator, Page, sync_playwright
 
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, run_command
 from make_pages import make_pages
 
 PHONE = {"viewport": {"width": 390, "height": 844}, "device_scale_factor": 3, "is_mobile": True}
@@ -90,8 +90,8 @@ WORK = """() => {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare where the pages are, and on what they are looked at."""
     parser.add_argument("--pages", type=Path, help="folder of the pages (default: they are made)")
-    parser.add_argument("--slower", type=float, default=4.0, help="how many times (default: 4)")
-    parser.add_argument("--seconds", type=float, default=10.0, help="for each screen (default: 10)")
+    add_option(parser, "--slower", 4.0, "how many times")
+    add_option(parser, "--seconds", 10.0, "for each screen")
     parser.add_argument("--phone", action="store_true", help="a phone's screen, three dots a pixel")
 
 

@@ -4,9 +4,9 @@ In this folder, with what meta_world.py needs:
 
     aicon compare --task meta_world_puck:TASK --conditions push --policies aicon steepest
 
-The graph is that of picking.py, as for SO-101 and the UR5e: a puck is as large as a block. A closed
-hand that pushes it topples it, as it is as high as wide; the fingers have room for it, and the
-world's own reward asks for them.
+The graph is that of aicon_torch.models.picking, as for SO-101 and the UR5e: a puck is as large as a
+block. A closed hand that pushes it topples it, as it is as high as wide; the fingers have room for
+it, and the world's own reward asks for them.
 """
 
 from dataclasses import replace

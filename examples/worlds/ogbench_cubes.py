@@ -1,13 +1,14 @@
 """A UR5e picks cubes up and places them: OGBench's one, two and three, in one file, without phases.
 
-The world is that of OGBench (MIT), which wants MuJoCo < 4, so give it a virtual environment of its
-own. In this folder:
+The world is that of OGBench (MIT), which wants MuJoCo < 4, so `make worlds` puts it into a folder
+of its own. By hand, in this folder:
 
     pip install 'aicon-torch[compare]' ogbench==1.2.2 'mujoco<4'
     aicon compare --task ogbench_cubes:SINGLE --policies aicon oracle --conditions task1 task2
     aicon compare --task ogbench_cubes:DOUBLE --policies aicon oracle --conditions task4 task5
 
-The graph is that of picking.py; the fingers turn here, too. Each cube has a grasp of its own.
+The graph is that of aicon_torch.models.picking; the fingers turn here, too. Each cube has a grasp
+of its own.
 """
 
 from dataclasses import dataclass

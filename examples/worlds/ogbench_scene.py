@@ -4,7 +4,8 @@ The buttons lock and unlock drawer and window. In this folder, with what ogbench
 
     aicon compare --task ogbench_scene:TASK --policies aicon --conditions task1 task2
 
-The graph is that of picking.py, with two handles and two buttons more. Nothing says in which order.
+The graph is that of aicon_torch.models.picking, with two handles and two buttons more. Nothing says
+in which order.
 """
 
 from dataclasses import replace

