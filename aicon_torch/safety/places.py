@@ -72,6 +72,17 @@ class Turn(NamedTuple):
 class Places:
     """Detects that an actuator is held up, and moves it to another place.
 
+    =======  ==========================================  ======================================
+    state    what happens                                next state
+    =======  ==========================================  ======================================
+    FREE     held up                                     DETOUR, to a known place or the next
+    FREE     held up once too often                      DETOUR, to where the cost was least
+    DETOUR   there, blocked, or late                     FREE
+    DETOUR   to the next: a place becomes known          DETOUR, to that one
+    DETOUR   to a known one: over before it is there     DETOUR, to another
+    any      the goals are other ones                    FREE, and all is forgotten
+    =======  ==========================================  ======================================
+
     FREE, the nominal action is tried. It is held up where the cost of the goals has not fallen by
     3 % for a while, although the constraints oppose the nominal action or the cost is steady. (One
     that comes and goes while nothing is in the way is the noise of the readings.) Then it makes a

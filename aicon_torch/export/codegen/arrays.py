@@ -307,8 +307,8 @@ def _grid_of(arguments: Sequence[Number], places: Sequence[str], count: int) -> 
     """The grid of the first loop, as long, that a loop reads place by place; else places only."""
     reads = zip(arguments, [place for place in places if "{}" in place], strict=True)
     for argument, place in reads:
-        if argument.operation == LOOP and argument.value[-1] == count and place == f"{{}}[{PLACE}]":
-            grid: Grid = argument.value[-2]
+        if argument.operation == LOOP and argument.length == count and place == f"{{}}[{PLACE}]":
+            grid: Grid = argument.value.grid
             return grid
     return Grid(count, 1)
 

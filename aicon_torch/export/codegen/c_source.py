@@ -136,7 +136,7 @@ def repeated_function(
 
 def _member(number: Number) -> str:
     """The declaration of where a number, or an array, is kept."""
-    size = f"[{number.value[-1]}]" if is_array(number) else ""
+    size = f"[{number.length}]" if is_array(number) else ""
     return f"{TYPES[number.kind]} v{number.index}{size};"
 
 

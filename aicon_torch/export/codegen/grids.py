@@ -26,6 +26,11 @@ class Grid:
     rows: int
     columns: int
 
+    @property
+    def count(self) -> int:
+        """How many places."""
+        return self.rows * self.columns
+
     @classmethod
     def of(cls, shape: Sequence[int]) -> "Grid":
         """The grid of an array: its last dimension, and all before it as one."""

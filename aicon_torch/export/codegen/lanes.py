@@ -98,7 +98,7 @@ def _ordered(program: Program, needed: Collection[int], lanes: Sequence[Lanes]) 
             waits = [phase_of[argument.index] for argument in here]
             waits += [known_from(argument) for argument in number.arguments if argument not in here]
             phase_of[number.index] = max(waits, default=0)
-            phases[phase_of[number.index]].arrays[number.value[-2]].append(number)
+            phases[phase_of[number.index]].arrays[number.value.grid].append(number)
 
         # A number of its own comes as soon as its arguments are known.
         elif own is None:
@@ -127,10 +127,10 @@ def in_rows(argument: Argument) -> tuple[Number, ...]:
 
 def _are_one_loop(loop: Number, other: Number) -> bool:
     """Whether they can be one: of one grid, and a loop reads of the other what is at its place."""
-    if other.operation != LOOP or other.value[-2] != loop.value[-2]:
+    if other.operation != LOOP or other.value.grid != loop.value.grid:
         return False
 
-    places = [place for place in loop.value[1] if "{}" in place]
+    places = [place for place in loop.value.places if "{}" in place]
     reads = zip(loop.arguments, places, strict=True)
     return all(place == f"{{}}[{PLACE}]" for argument, place in reads if argument is other)
 

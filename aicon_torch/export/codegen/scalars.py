@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import torch
@@ -30,8 +30,8 @@ class Number:
         operation: What it is: a name in :data:`OPERATIONS`, of a routine, or one of the above.
         arguments: What it is computed from.
         kind: Real, int or bool.
-        value: Of a constant its value, of an input its name and place, of an item its place; the
-            place of a whole input is None.
+        value: Of a constant its value, of an input an :class:`Element`, of an item its place, of a
+            loop a :class:`Loop`; of a list and a routine sizes, of which the last is its length.
     """
 
     index: int
@@ -40,13 +40,41 @@ class Number:
     kind: Kind
     value: Any = None
 
+    @property
+    def length(self) -> int:
+        """Of an array, how many numbers it has."""
+        length: int = self.value.grid.count if self.operation == LOOP else self.value[-1]
+        return length
+
+
+class Element(NamedTuple):
+    """What an input is.
+
+    Attributes:
+        name: Its name.
+        place: Which of its numbers; None for all of them.
+    """
+
+    name: str
+    place: int | None
+
 
 LOOP = "loop"
-"""An elementary operation on every number of arrays: an array itself, as the result of a routine.
+"""An elementary operation on every number of arrays: itself an array, as a routine gives one."""
 
-Its value are the operation, what each of its arguments is at a place in C, the grid of its places,
-and how many they are.
-"""
+
+class Loop(NamedTuple):
+    """What a loop is.
+
+    Attributes:
+        operation: The operation.
+        places: What each of its arguments is at a place in C.
+        grid: Its places.
+    """
+
+    operation: str
+    places: tuple[str, ...]
+    grid: Grid
 
 
 @dataclass(frozen=True)
@@ -152,13 +180,13 @@ class Program:
 
     def input(self, name: str, place: int) -> Number:
         """An element of an input, which is real."""
-        return self._number(INPUT, (), "real", (name, place))
+        return self._number(INPUT, (), "real", Element(name, place))
 
     def array(self, source: Number | str) -> Number:
         """What gives an array; of the name of an input, all of it."""
         if isinstance(source, Number):
             return source
-        return self._number(INPUT, (), "real", (source, None))
+        return self._number(INPUT, (), "real", Element(source, None))
 
     def apply(self, operation: str, arguments: tuple[Number, ...], kind: Kind) -> Number:
         """The result of an elementary operation."""
@@ -208,10 +236,9 @@ class Program:
             kind: The kind of the results.
             grid: The places.
         """
-        count = grid.rows * grid.columns
-        value = (operation, tuple(places), grid, count)
-        call = self._number(LOOP, tuple(arguments), kind, value)
-        return [self.item(call, place) for place in range(count)]
+        loop = Loop(operation, tuple(places), grid)
+        call = self._number(LOOP, tuple(arguments), kind, loop)
+        return [self.item(call, place) for place in range(grid.count)]
 
     def pick(self, index: Number, candidates: "Sequence[Number] | Number") -> Number:
         """The candidate at an index, of some or of an array; the first one where there is none."""

@@ -70,7 +70,7 @@ def _varying_numbers(program: Program, varying: Collection[str]) -> list[bool]:
     varies: list[bool] = []
     for number in program.numbers:
         if number.operation == INPUT:
-            varies.append(number.value[0] in varying)
+            varies.append(number.value.name in varying)
         else:
             varies.append(any(varies[argument.index] for argument in number.arguments))
     return varies

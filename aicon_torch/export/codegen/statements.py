@@ -17,6 +17,7 @@ from aicon_torch.export.codegen.scalars import (
     LOOP,
     OPERATIONS,
     PICK,
+    Loop,
     Number,
     Program,
 )
@@ -71,7 +72,7 @@ class Statements:
         if number.operation == CONSTANT:
             return _literal(number, suffix_of(self.program))
         if number.operation == INPUT and is_array(number):
-            return str(number.value[0])
+            return str(number.value.name)
         return self._array_of.get(number.index, f"v{number.index}")
 
     def _read_outside_of_loops(self, results: Iterable[Number]) -> Iterator[Number]:
@@ -143,13 +144,13 @@ class Statements:
 
         # What is one expression.
         if number.operation == INPUT:
-            value = f"{number.value[0]}[{number.value[1]}]"
+            value = f"{number.value.name}[{number.value.place}]"
         elif number.operation == ITEM:
             value = f"{arguments[0]}[{number.value}]"
         elif number.operation == PICK:
             # An index beyond the candidates picks the first; unsigned, a negative one is beyond.
             index, array = arguments
-            count = number.arguments[1].value[-1]
+            count = number.arguments[1].length
             value = f"{array}[(unsigned long long){index} < {count} ? {index} : 0]"
         else:
             operation = OPERATIONS[number.operation]
@@ -171,10 +172,10 @@ class Statements:
 
         together = set(arrays)
         for number in arrays:
-            operation, places, _, count = number.value
+            loop: Loop = number.value
             given = iter(number.arguments)
             arguments: list[str] = []
-            for place in places:
+            for place in loop.places:
                 # A place without {} reads a table by its name; one with it takes the next argument,
                 # which is an array, or what this loop has just computed.
                 argument = next(given) if "{}" in place else None
@@ -187,7 +188,7 @@ class Statements:
 
             # What is chosen from is read first, and not where the choice falls on it: without a
             # branch several places are computed at a time.
-            if operation == "where":
+            if loop.operation == "where":
                 for which, read in enumerate(arguments):
                     if read.endswith("]"):
                         type = TYPES["bool" if which == 0 else number.kind]
@@ -195,10 +196,10 @@ class Statements:
                         inside.append(f"  const {type} {arguments[which]} = {read};")
 
             kind, name = TYPES[number.kind], f"v{number.index}"
-            text = OPERATIONS[operation].text.format(*arguments, f=suffix_of(self.program))
+            text = OPERATIONS[loop.operation].text.format(*arguments, f=suffix_of(self.program))
             inside.append(f"  const {kind} {_at_place(number)} = {text};")
             if number.index in self._read:
-                before.append(f"  {kind} {name}[{count}];")
+                before.append(f"  {kind} {name}[{grid.count}];")
                 inside.append(f"  {name}[i] = {_at_place(number)};")
 
         return [*before, *_head(grid), *inside, "  }"]
@@ -218,7 +219,7 @@ def _head(grid: Grid) -> list[str]:
 def is_array(number: Number) -> bool:
     """Whether it is many numbers: a list, an input, or all that a routine or a loop gives."""
     if number.operation == INPUT:
-        return number.value[1] is None
+        return bool(number.value.place is None)
     return number.operation in (LIST, LOOP) or number.operation in ROUTINES
 
 
