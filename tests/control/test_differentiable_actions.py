@@ -61,13 +61,8 @@ def test_actions_have_the_gradient_of_finite_differences(log: Log) -> None:
         assert slope_off(what_is_done, parameter, wanted) <= AGREES, name
 
 
-@pytest.mark.parametrize(
-    "number",
-    [
-        pytest.param("x_tip.measurements.0.noise", marks=pytest.mark.slow),
-        "x_object.measurements.0.noise",
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ["x_tip.measurements.0.noise", "x_object.measurements.0.noise"])
 def test_what_a_hand_does_has_the_gradient_of_finite_differences(number: str) -> None:
     """All that a model of picking stops is stopped in a hop only."""
     steps = (0.05, 0.05, 0.05)
