@@ -28,6 +28,8 @@ def factor_of(goal: str, factor: bool | float | Tensor, factors: Tensor) -> Tens
         value = torch.as_tensor(factor, dtype=factors.dtype, device=factors.device)
     except (TypeError, ValueError, RuntimeError):
         value = factors.new_full((), torch.nan)
+    if tuple(value.shape) == (1,):  # one for all
+        value = value.squeeze(0)
     if tuple(value.shape) not in ((), batch) or not (value.isfinite() & (value >= 0)).all():
         raise OptionError(
             f"{goal}={factor!r}: expected a finite factor >= 0, one for all or one a row, {batch}."

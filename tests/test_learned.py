@@ -95,6 +95,22 @@ def test_a_network_learns_under_the_name_of_what_it_is_in() -> None:
 
 
 @pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
+def test_a_copy_of_a_compiled_policy_goes_on_with_parameters_of_its_own() -> None:
+    log = LOGS["nav2d"]
+    learner, observation = log.make().learn("p_tar.noise"), log.observations()[0]
+    compiled = learner.compile()
+    action, _ = compiled.predict(observation)
+
+    copied = copy.deepcopy(compiled)
+    assert torch.equal(copied.predict(observation)[0], action)
+    with torch.no_grad():
+        next(iter(compiled.parameters())).add_(1.0)
+    assert torch.equal(copied.predict(observation)[0], action)
+    with pytest.raises(OptionError, match="call compile"):
+        compiled.predict(observation)
+
+
+@pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
 def test_a_compiled_or_exported_policy_says_that_parameters_have_changed(tmp_path: Path) -> None:
     log = LOGS["nav2d"]
     learner, observations = log.make().learn("p_tar.noise"), log.observations()

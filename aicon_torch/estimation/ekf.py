@@ -278,7 +278,7 @@ class EKF(Estimator):
             belief, self.mean, measurement.size, differentiable=True
         )
         noise = measurement.uncertainty(belief, differentiable=True)
-        return covariance - Correction.by(covariance, jacobian, noise).of_covariance()
+        return Correction.by(covariance, jacobian, noise).corrected(covariance, jacobian, noise)
 
     def _anticipate_belief(self, measurement: Measurement, belief: Values) -> tuple[Tensor, Tensor]:
         """Mean and covariance after the next measurement, taken to read what was read last."""
@@ -286,5 +286,4 @@ class EKF(Estimator):
         residual, jacobian, noise = measurement.innovation(belief, self.mean, differentiable=True)
         correction = Correction.by(covariance, jacobian, noise)
         mean_change = correction.of_mean(residual, self.derivative == "detached_gain")
-        covariance_change = correction.of_covariance()
-        return mean - mean_change, covariance - covariance_change
+        return mean - mean_change, correction.corrected(covariance, jacobian, noise)

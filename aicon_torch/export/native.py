@@ -1,6 +1,8 @@
 """The step of a compiled policy on the CPU: translated to C when it is first needed."""
 
 import logging
+from collections.abc import Iterable
+from typing import Any
 
 import torch
 
@@ -19,6 +21,12 @@ class NativeSteps:
         self._steps: dict[torch.dtype, ExportedPolicy | None] = {}
         self._versions: dict[torch.dtype, list[tuple[torch.Tensor, int, int]]] = {}
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A copy has the same libraries, and parameters of its own that are as they were."""
+        self.__dict__.update(state)
+        for dtype, known in self._versions.items():
+            self._versions[dtype] = _versions_of(parameter for parameter, *_ in known)
+
     def of(self, step: ControlStep, perception: Perception | None) -> ExportedPolicy | None:
         """The library of a step, as a policy; None where it must run otherwise.
 
@@ -35,8 +43,7 @@ class NativeSteps:
 
         if like.dtype not in self._steps:
             self._steps[like.dtype] = self._translated(step, perception)
-            learned = step.model.parameters()
-            self._versions[like.dtype] = [(p, p._version, p.data_ptr()) for p in learned]
+            self._versions[like.dtype] = _versions_of(step.model.parameters())
 
         # torch counts changes in place, and the C code holds the parameters as they were.
         for parameter, version, place in self._versions[like.dtype]:
@@ -63,3 +70,8 @@ class NativeSteps:
             )
             return None
         return ExportedPolicy(library, perception)
+
+
+def _versions_of(parameters: Iterable[torch.Tensor]) -> list[tuple[torch.Tensor, int, int]]:
+    """Parameters, each with how often it was changed in place and where its numbers are."""
+    return [(parameter, parameter._version, parameter.data_ptr()) for parameter in parameters]

@@ -16,9 +16,6 @@ from aicon_torch.quantities import PRESENT, Actuator, Quantity, Sensor
 
 Result = TypeVar("Result")
 
-OF_LAYERS = ("input", "x")
-"""What the layers and networks of torch call what they read."""
-
 UNREADY = (nn.modules.batchnorm._BatchNorm, nn.modules.dropout._DropoutNd)
 """Layers of networks that are something else in training."""
 
@@ -73,7 +70,7 @@ def check_names(
         for name in node.inputs:
             if name not in known:
                 hint = ""
-                if name in OF_LAYERS:
+                if name == "input":  # what most layers of torch call it
                     hint = " A layer of torch is wired by Interconnection(layer, inputs=[...])."
                 raise GraphError(
                     f"{names_of(node)[0]!r} reads {name!r}, which is not in the graph. "
@@ -92,6 +89,10 @@ def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> N
                 f"{kind}: expected them by name, {{'name': {example}(...)}}, got "
                 f"{type(parts).__name__}."
             )
+
+    for kind, parts in (("estimators", estimators), ("goals", goals)):
+        if not isinstance(parts, Sequence):
+            raise GraphError(f"{kind}: expected a list or a tuple, got {type(parts).__name__}.")
 
     for estimator in estimators:
         if not isinstance(estimator, Estimator):

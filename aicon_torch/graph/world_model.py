@@ -18,7 +18,7 @@ from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
 from aicon_torch.graph.information import Information, information
 from aicon_torch.graph.paths import Edge, PathTable
-from aicon_torch.graph.values import initial_values, updated_values
+from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Values
 from aicon_torch.learned import learned_in, make_learn, numbers_of
 from aicon_torch.quantities import Actuator, Quantity, Sensor
@@ -273,15 +273,18 @@ class WorldModel(nn.Module):
         """
         return initial_values(self.declaration, self.estimators, readings, batch, self.like)
 
-    @values_only
     def update(self, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """Run every estimator once: the new values alone, without gradients.
 
         Args:
             values: Readings of this step, last actions, and estimates of the last step.
         """
-        updated, _ = updated_values(self.declaration, self.estimators, values, self.like)
-        return updated
+        # Estimators take the time that the step took, everything else the time of a step to come.
+        dt = self.like.new_tensor(self.dt)
+        new = {**values, "dt": dt if self.clock is None else values[self.clock]}
+        for estimator in self.estimators:
+            new.update(estimator.update(new))
+        return {**new, "dt": dt}
 
     def filter(
         self,

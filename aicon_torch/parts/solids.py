@@ -270,7 +270,8 @@ def _nearest_on_segment(of_point: Callable[[Tensor], Tensor], start: Tensor, end
         # By the golden ratio the lower one is one of the next two: only the other one is new.
         kept = torch.where(is_left, first, second)
         at_kept = torch.where(is_left, at_first, at_second)
-        new = low + high - kept
+        part = GOLDEN * (high - low)  # low + high − kept would round worse in each section
+        new = torch.where(is_left, high - part, low + part)
         at_new = at(new)
 
         # One that was kept on the left is the second of the next two.

@@ -48,6 +48,13 @@ def test_a_switch_outlasts_the_episode() -> None:
     assert not arrived(policy, after, "x_rob")["avoid → x_obs → x_rob"].any()
 
 
+@pytest.mark.parametrize("factor", [0, np.array([0.0]), torch.zeros(1), False])
+def test_one_factor_is_for_all_rows(factor: Any) -> None:
+    policy, (reading,) = navigation(), drifting(1, (3,))
+    _, memory = policy.predict(reading)
+    assert policy.switch(memory, avoid=factor)["goals/active"][:, 1].tolist() == [0.0] * 3
+
+
 @pytest.mark.parametrize("factor", [float("nan"), float("inf"), -1.0, "1", torch.ones(5), None])
 def test_a_factor_that_is_none_is_named(factor: Any) -> None:
     policy = navigation()

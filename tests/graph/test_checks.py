@@ -119,6 +119,10 @@ INCOMPLETE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tracking_model(goals=[near]),
         r"goals: expected a sequence of Goal\('name', cost\), got in it <function near",
     ),
+    "estimators that are gone once they are read": (
+        lambda: tracking_model(estimators=iter([MOVE, TRACK])),
+        r"estimators: expected a list or a tuple, got list_iterator",
+    ),
     "a time step of nothing": (lambda: tracking_model(dt=0.0), r"dt=0.0: expected .* > 0, in s"),
     "a time step in words": (lambda: tracking_model(dt="0.1"), r"dt='0.1': expected"),
     "readings that are late, of no age": (

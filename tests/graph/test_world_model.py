@@ -1,12 +1,16 @@
 """World models run: steps, estimation alone, priors, precision, displaced costs."""
 
+from typing import Any
+
 import pytest
 import torch
 from _inputs import (
     DTYPES,
+    MOVE,
     TRACK,
     Blueprint,
     actions,
+    approach,
     built,
     graphs,
     in_motion,
@@ -19,7 +23,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from torch import Tensor
 
-from aicon_torch import Deterministic, Goal
+from aicon_torch import EKF, Deterministic, Goal
+from aicon_torch.interconnections import Values
 
 
 @given(graphs(), st.sampled_from([(), (3,)]))
@@ -107,3 +112,15 @@ def test_a_displaced_motion_moves_what_it_moves() -> None:
 
     torch.testing.assert_close(graph.displaced_cost("cost", "x", -shift, values), expected)
     torch.testing.assert_close(graph.displaced_cost("cost", "p", shift, values), expected)
+
+
+def test_an_estimator_may_update_itself_in_its_own_way() -> None:
+    class Fixed(EKF):
+        def update(self, values: Values) -> dict[str, Tensor]:
+            updated = super().update(values)
+            return {**updated, "p": torch.full_like(updated["p"], 7.0)}
+
+    settings: dict[str, Any] = {"predict": approach, "noise": 0.1, "initial": ((1.0, 2.0), 1.0)}
+    model = tracking_model(MOVE, Fixed("p", "P", **settings))
+    values = model.initial({"z": torch.zeros(2, dtype=torch.float64)}, ())
+    assert model.update(values)["p"].tolist() == [7.0, 7.0]

@@ -152,6 +152,17 @@ def test_a_capsule_is_as_far_as_the_nearest_of_many_spheres_on_its_axis() -> Non
         torch.testing.assert_close(capsule, nearest.reshape(1), atol=1e-3, rtol=0.0)
 
 
+def test_in_single_precision_it_is_as_near_but_for_a_thousandth_of_a_millimetre() -> None:
+    generator = torch.Generator().manual_seed(0)
+    q = torch.randn(2000, 2, generator=generator, dtype=torch.float64)
+    for solid in SOLIDS.values():
+        objects = reading_of([solid]).expand(2000, -1)
+        double = Solids(chain(), BODY["capsules"], 1, SquaredHinge(0.01, 1.0))
+        single = Solids(chain().float(), BODY["capsules"], 1, SquaredHinge(0.01, 1.0)).float()
+        found = single.distances(q.float(), objects.float()).double()
+        torch.testing.assert_close(found, double.distances(q, objects), atol=1e-5, rtol=0.0)
+
+
 def test_objects_that_there_are_not_are_far_away() -> None:
     solids = Solids(chain(), BODY["spheres"], 3, SquaredHinge(0.01, 1.0))
     q = torch.zeros(2, dtype=torch.float64)

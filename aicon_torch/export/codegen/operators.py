@@ -55,7 +55,9 @@ def divide(
     # Rounded down it is that of what divides without a remainder: 0.5 holds 0.1 four times.
     if rounding_mode == "floor":
         remainder = writer.map("remainder", "real", first, second)
-        first, rounding_mode = writer.map("sub", "real", first, remainder), "round"
+        whole = writer.map("sub", "real", first, remainder)
+        by_nothing = writer.map("eq", "bool", second, 0)  # the quotient is infinite then
+        first, rounding_mode = writer.map("where", "real", by_nothing, first, whole), "round"
 
     quotient = writer.map("div", "real", first, second)
     if rounding_mode is None:

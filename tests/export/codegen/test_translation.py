@@ -49,6 +49,7 @@ FUNCTIONS: dict[str, Function] = {
     "finite": lambda x: (x / x.relu()).isfinite().to(x.dtype),
     "powers of their own": lambda x: 2.0**x + x.abs() ** x.flip(0),
     "rounded down": lambda x: torch.div((10 * x).round() / 10, 0.1, rounding_mode="floor") + x // 1,
+    "rounded down by nothing": lambda x: torch.div(x, x.relu(), rounding_mode="floor").clamp(-3, 3),
     "powers": lambda x: x.abs() ** 1.5 + x**3 + x.abs().rsqrt() + torch.sign(x),
     # Sums and the like.
     "sums": lambda x: x.reshape(3, 4).sum(-1) + x.reshape(3, 4).mean(1) + x.prod(),
