@@ -124,8 +124,12 @@ class Sensor:
         object.__setattr__(self, "scale", scale)
         for name in ("max_age", "max_gap", "rate_limit", "period"):
             value = getattr(self, name)
-            if value is not None and not value > 0:
+            if value is None:
+                continue
+            number = _numbers(value)
+            if isinstance(number, tuple) or not number > 0:
                 raise GraphError(f"Sensor {name}={value!r}: expected a number > 0, or None.")
+            object.__setattr__(self, name, number)
         if self.period is not None and math.isinf(self.period):
             raise GraphError(f"Sensor period={self.period!r}: expected a finite number, or None.")
         if not 0 <= self.age < math.inf:

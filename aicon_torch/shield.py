@@ -124,7 +124,7 @@ class Shield:
         memory, inner = (None, None) if state is None else state
         if hasattr(self.inner, "predict"):
             told = self.inner.predict(observation, inner, episode_start, deterministic)
-            if not isinstance(told, tuple) or len(told) != 2:
+            if not isinstance(told, tuple | list) or len(told) != 2:
                 raise OptionError(
                     f"policy: its predict returned {told!r}; expected an action and a state."
                 )

@@ -1,7 +1,7 @@
 """Checks of a graph when it is built, and errors that name the node."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 import torch
@@ -91,7 +91,7 @@ def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> N
             )
 
     for kind, parts in (("estimators", estimators), ("goals", goals)):
-        if not isinstance(parts, Sequence):
+        if isinstance(parts, str | Mapping | Iterator):
             raise GraphError(f"{kind}: expected a list or a tuple, got {type(parts).__name__}.")
 
     for estimator in estimators:
