@@ -467,6 +467,7 @@ class Policy(nn.Module):
                 raise OptionError(
                     f"No actuator is named {name!r}. Actuators: {choices(self.model.actuators)}."
                 )
+
             actuator = self.model.actuators[name]
             action = as_tensor(f"action of {name!r}", actuator.unit, given, self.model.like)
             shape = (*batch, actuator.size)

@@ -113,6 +113,8 @@ class Sensor:
         """Check size, range, scale and times."""
         _check_size("Sensor", self.size)
         _check_range("Sensor range", self.range)
+
+        # One factor for all components, or one each.
         scale = _numbers(self.scale)
         factors = scale if isinstance(scale, tuple) else (scale,) * self.size
         is_right = all(math.isfinite(factor) and factor != 0 for factor in factors)
@@ -122,6 +124,8 @@ class Sensor:
                 "component, finite and not 0."
             )
         object.__setattr__(self, "scale", scale)
+
+        # Times and speeds, as plain numbers.
         for name in ("max_age", "max_gap", "rate_limit", "period"):
             value = getattr(self, name)
             if value is None:
@@ -187,6 +191,8 @@ class Actuator:
     def __post_init__(self) -> None:
         """Check limit, constraints and the range of commands."""
         _check_size("Actuator", self.size)
+
+        # One number for the norm, or one a component.
         limit = _numbers(self.limit)
         limits = limit if isinstance(limit, tuple) else (limit,)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
@@ -195,6 +201,8 @@ class Actuator:
                 f"{self.size} of them."
             )
         object.__setattr__(self, "limit", limit)
+
+        # What else limits it, and what it is sent.
         if not isinstance(self.constraints, Sequence):
             raise GraphError(
                 f"Actuator constraints {self.constraints!r}: expected a sequence of functions."

@@ -244,6 +244,4 @@ def _finite(proposal: Any) -> Any:
     if isinstance(proposal, Tensor):
         return torch.where(proposal.isfinite(), proposal, 0.0)
     array = as_array("what the policy within proposes", "the unit of a proposal", proposal)
-    if isinstance(array, np.ma.MaskedArray):
-        array = np.where(array.mask, np.nan, array.data)
     return np.where(np.isfinite(array), array, 0.0)

@@ -107,7 +107,8 @@ def test_numbers_may_come_as_a_space_has_them() -> None:
     assert Actuator(2, "m/s", torch.tensor(0.5)).limit == 0.5
     assert Actuator(2, "m/s", high).limit == tuple(high.tolist())
     assert Sensor(2, "m", scale=np.array([1.0, 2.0])).scale == (1.0, 2.0)
-    assert type(Sensor(2, "m", max_age=np.array(0.2)).max_age) is float  # type: ignore[arg-type]
+    age: Any = np.array(0.2)
+    assert type(Sensor(2, "m", max_age=age).max_age) is float
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, (1.0, 0.0), (1.0, 2.0, 3.0), (), "1", None])

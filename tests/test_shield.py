@@ -125,8 +125,9 @@ def test_it_explains_what_it_changed_and_why() -> None:
     assert shield.explain(free).held == {} and "on the way around" not in str(shield.explain(free))
 
     _, both = shield.predict({"position": np.zeros((2, 2))})
-    with pytest.raises(ValueError, match="batch shape"):
-        shield.explain(both)
+    for row in ((), 3, (0, 0), True):
+        with pytest.raises(ValueError, match="batch shape"):
+            shield.explain(both, row)
 
 
 def test_for_those_in_a_hurry_it_keeps_its_state_itself() -> None:

@@ -63,14 +63,14 @@ def test_what_is_masked_in_a_proposal_asks_for_nothing() -> None:
 
 def test_an_observation_without_keys_is_refused() -> None:
     with pytest.raises(ObservationError, match=r"by key.*'position'.*got ndarray"):
-        Shield(straight, world()).predict(np.zeros(2))  # type: ignore[arg-type]
+        Shield(straight, world()).predict(np.zeros(2))  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_what_cannot_be_shielded_is_refused_by_name() -> None:
     with pytest.raises(OptionError, match="something with predict, or a function"):
         Shield(3, world())
     with pytest.raises(OptionError, match="a WorldModel, such as policy.model, got Shield"):
-        Shield(straight, Shield(straight, world()))  # type: ignore[arg-type]
+        Shield(straight, Shield(straight, world()))  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(GraphError, match=r"an action of shape \(1,\); expected \(2,\)"):
         Shield(straight, world(), size=1)
 

@@ -13,7 +13,7 @@ from aicon_torch.errors import GraphError, ObservationError, choices
 from aicon_torch.estimation import Innovation
 from aicon_torch.graph.build import Graph
 from aicon_torch.graph.declaration import Declaration
-from aicon_torch.graph.values import initial_values, updated_values
+from aicon_torch.graph.values import initial_values
 from aicon_torch.quantities import AGE, RESTART
 from aicon_torch.readings.validation import BEGINS, MeasurementValidation
 
@@ -122,9 +122,7 @@ class LogFilter(NamedTuple):
 
                 # Predict and correct.
                 memory |= self._validation(reading, memory)
-                memory, corrected = updated_values(
-                    self.declaration, self.graph.estimators, memory, self.like
-                )
+                memory, corrected = self._updated(memory)
                 for name, innovation in corrected.items():
                     counts = self._counts(name, innovation, memory, begins)
                     told.setdefault(name, []).append((innovation, counts))
@@ -212,6 +210,21 @@ class LogFilter(NamedTuple):
             dtype = self.like.dtype if value.is_floating_point() else value.dtype
             memory[key] = value.to(self.like.device, dtype).expand((*batch, *value.shape))
         return memory
+
+    def _updated(
+        self, values: dict[str, Tensor]
+    ) -> tuple[dict[str, Tensor], dict[str, Innovation]]:
+        """The values after every estimator ran once, and what corrected them."""
+        # The clock's time is that of the step that was; what is to come takes dt.
+        clock, dt = self.declaration.clock, self.like.new_tensor(self.declaration.dt)
+        new = {**values, "dt": dt if clock is None else values[clock]}
+        corrected: dict[str, Innovation] = {}
+        for estimator in self.graph.estimators:
+            updated, innovations = estimator.filtered(new)
+            new.update(updated)
+            for place, innovation in enumerate(innovations):
+                corrected[f"{estimator.outputs[0]}.measurements.{place}"] = innovation
+        return {**new, "dt": dt}, corrected
 
     def _counts(self, name: str, innovation: Innovation, values: Named, begins: Tensor) -> Tensor:
         """Where an innovation tells something, ``(*B,)``."""

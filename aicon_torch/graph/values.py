@@ -1,4 +1,4 @@
-"""The named values: before the first step, and after every estimator ran once."""
+"""The named values before the first step."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,7 +6,6 @@ from torch import Tensor
 
 from aicon_torch.differentiation import values_only
 from aicon_torch.estimation import Estimator
-from aicon_torch.estimation.measurement import Innovation
 from aicon_torch.graph.checks import attempt
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.order import in_order
@@ -49,30 +48,3 @@ def initial_values(
         values |= attempt(estimator, estimator.update, values)
 
     return values
-
-
-def updated_values(
-    declaration: Declaration,
-    estimators: Sequence[Estimator],
-    values: Mapping[str, Tensor],
-    like: Tensor,
-) -> tuple[dict[str, Tensor], dict[str, Innovation]]:
-    """The values after every estimator ran once, and the innovations that corrected them.
-
-    Args:
-        declaration: The parts.
-        estimators: The estimators in the order in which they run.
-        values: Readings of this step, last actions, and estimates of the last step.
-        like: A tensor of the wanted type and device.
-    """
-    # Estimators take the time that the step took, everything else the time of a step to come.
-    dt = like.new_tensor(declaration.dt)
-    new = {**values, "dt": dt if declaration.clock is None else values[declaration.clock]}
-
-    corrected: dict[str, Innovation] = {}
-    for estimator in estimators:
-        updated, innovations = estimator.filtered(new)
-        new.update(updated)
-        for place, innovation in enumerate(innovations):
-            corrected[f"{estimator.outputs[0]}.measurements.{place}"] = innovation
-    return {**new, "dt": dt}, corrected

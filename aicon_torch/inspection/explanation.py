@@ -7,6 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.control.backward import BackwardPass
+from aicon_torch.inspection.rows import of_one_robot
 from aicon_torch.inspection.trace import UNUSED, QuantityTrace, trace
 from aicon_torch.quantities import AGE, FROZEN, PRESENT, SILENCE
 from aicon_torch.readings.sensor_validation import NEVER
@@ -93,14 +94,7 @@ def explain(backward: BackwardPass, memory: Memory, row: int | tuple[int, ...] =
     """
     model = backward.model
 
-    # The memory of one robot: the same entries, without the batch.
-    batch = tuple(memory[next(iter(model.actuators))].shape[:-1])
-    places = row if isinstance(row, tuple) else (row,)
-    is_there = [-count <= place < count for place, count in zip(places, batch, strict=False)]
-    if len(places) != len(batch) or not all(is_there):
-        raise ValueError(f"row={row!r}: the memory has batch shape {batch}; name one row of it.")
-    one_robot = {key: value[row] for key, value in memory.items()}
-
+    one_robot = of_one_robot(memory, next(iter(model.actuators)), row)
     step = trace(backward, one_robot)
     actions = {name: step.values[name] for name in model.actuators}
     return Explanation(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import torch
 
 from aicon_torch.graph import WorldModel
+from aicon_torch.inspection.rows import of_one_robot
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.bounds import safety_of
 
@@ -67,19 +68,15 @@ def shielding(
     """
     # A shield has one actuator.
     (name,) = model.actuators
-    values = {key: value[row] for key, value in model.values(memory).items() if key != "dt"}
-    if values[name].dim() != 1:
-        batch = tuple(memory[name].shape[:-1])
-        raise ValueError(f"row={row!r}: the memory has batch shape {batch}; name one row of it.")
-
-    values["dt"] = model.like.new_tensor(model.dt)
+    one_robot = of_one_robot(memory, name, row)
+    values = model.values(one_robot)
     asked = model.actuators[name].clip(values[nominal])
-    around = memory.get(f"{name}/escape/escaping")
+    around = one_robot.get(f"{name}/escape/escaping")
     return Shielding(
         proposal=tuple(asked.tolist()),
         action=tuple(values[name].tolist()),
         held=_held(model, name, values, asked),
-        is_around=around is not None and bool(around[row]),
+        is_around=around is not None and bool(around),
     )
 
 

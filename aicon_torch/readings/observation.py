@@ -165,11 +165,7 @@ def as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
             "optional sensor."
         )
 
-    # Whatever numpy has: other byte orders, other widths, reversed.
-    array = as_array(called, unit, value)
-    with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
-        numbers = array.astype(np.float64, order="C")
-    return torch.from_numpy(_ma.filled(numbers, np.nan)).to(like)
+    return torch.from_numpy(as_array(called, unit, value)).to(like)
 
 
 def is_dense(tensor: Tensor) -> bool:
@@ -184,8 +180,8 @@ def tensor_kind(tensor: Tensor) -> str:
     return f"a tensor of {tensor.dtype}, {nested}{tensor.layout} on {tensor.device}"
 
 
-def as_array(called: str, unit: str, value: ArrayLike) -> NDArray[Any]:
-    """A reading as an array of real numbers, masked where one that it is made of is."""
+def as_array(called: str, unit: str, value: ArrayLike) -> NDArray[np.float64]:
+    """Numbers as an array, as they are; NaN where a mask is."""
     try:
         array = value if type(value) is np.ndarray else _ma.asarray(value)
     except (ValueError, TypeError, RuntimeError) as error:  # a ragged list
@@ -193,7 +189,12 @@ def as_array(called: str, unit: str, value: ArrayLike) -> NDArray[Any]:
 
     if array.dtype.kind not in "fiub":
         raise ObservationError(f"{called}: expected real numbers in {unit}, got {array.dtype}.")
-    return array
+
+    # Whatever numpy has: other byte orders, other widths, reversed.
+    with np.errstate(over="ignore", invalid="ignore"):  # too large a number is infinite
+        numbers = array.astype(np.float64, order="C")
+    filled: NDArray[np.float64] = _ma.filled(numbers, np.nan)
+    return filled
 
 
 def _check_shape(

@@ -3,6 +3,7 @@
 import functools
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 from _asserts import numeric_totals, rollout
@@ -138,7 +139,7 @@ def test_a_row_of_a_batch_is_explained_as_alone() -> None:
         assert found.goals[name].predicted_change == pytest.approx(goal.predicted_change)
 
 
-@pytest.mark.parametrize("row", [(), 1, (0,)], ids=str)
+@pytest.mark.parametrize("row", [(), 1, (0,), True, None, [1], (0, True), np.array([1])], ids=str)
 def test_a_row_that_is_none_is_named(row: Any) -> None:
     memory = rollout(navigation_in_text(), drifting(1, (2, 3)))[-1]
     with pytest.raises(ValueError, match=r"row=.*batch shape \(2, 3\)"):

@@ -103,6 +103,7 @@ def speeds_of(options: Options, chain: Chain) -> tuple[float, ...]:
             f"The joints {choices(chain.names)} have the largest speeds {speeds.tolist()}: "
             "expected numbers above 0 (rad/s or m/s)."
         )
+
     if not speeds.isfinite().all():
         pairs = zip(chain.names, speeds, strict=True)
         without = [name for name, speed in pairs if not speed.isfinite()]
