@@ -16,7 +16,7 @@ from aicon_torch import Policy
 ROUNDINGS = 1000
 """How many roundings, one after the other, a step makes at most."""
 
-DRAWS = 8
+DRAWS = 16
 """How often the inputs of a step are moved to see what that changes."""
 
 UNSEEN = 4.0
@@ -102,16 +102,18 @@ def _assert_within(name: str, found: Tensor, value: Tensor, around: Tensor) -> N
 
 
 def _moved(values: Mapping[str, Tensor]) -> Memory:
-    """Values ``(DRAWS, *n)``, each moved up or down by n u of the largest beside it.
+    """Values ``(DRAWS, *n)``, each moved up or down by at most n u of the largest beside it.
 
-    Whole numbers, such as counts, are exact, and stay.
+    Moved by as much and by less, since a decision may change with small moves alone. Whole numbers,
+    such as counts, are exact, and stay.
     """
-    signs = torch.Generator().manual_seed(0)
+    draws = torch.Generator().manual_seed(0)
     moved = {}
     for name, given in values.items():
         value = torch.as_tensor(given)
         moved[name] = value.expand(DRAWS, *value.shape)
         if value.is_floating_point():
-            sign = torch.randint(0, 2, moved[name].shape, generator=signs) * 2 - 1
-            moved[name] = moved[name] + sign * unit(value) * (value != value.round())
+            part = 2.0 * torch.rand(moved[name].shape, generator=draws) - 1.0
+            part[::2] = part[::2].sign()
+            moved[name] = moved[name] + part * unit(value) * (value != value.round())
     return moved
