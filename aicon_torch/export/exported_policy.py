@@ -64,6 +64,7 @@ class ExportedPolicy:
         self.goals = tuple(self.metadata["goals"])
         self._library = library
         self._layout = Layout.from_json(self.metadata["memory"])
+        self._readings = Layout.from_json(self.metadata["readings"])
         self._commands = Layout.from_json(self.metadata["commands"])
         self._like = torch.from_numpy(np.empty((), dtype=library.dtype))
         self._memory: ExportedMemory | None = None
@@ -159,13 +160,7 @@ class ExportedPolicy:
         if self.perception is None:
             self._check_perceived(observation)
 
-        parts: list[Tensor] = []
-        for entry in self.metadata["readings"]:
-            reading = readings[entry["name"]]
-
-            # An age is one number for each robot, without a dimension of its own.
-            parts.append(reading if entry["shape"] else reading.unsqueeze(-1))
-        return np.ascontiguousarray(torch.cat(parts, dim=-1).numpy())
+        return np.ascontiguousarray(self._readings.pack(readings, self._like).numpy())
 
     def _checked(
         self,

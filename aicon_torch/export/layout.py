@@ -1,6 +1,6 @@
 """Named tensors in one flat one, and back."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,11 +50,18 @@ class Layout:
     @classmethod
     def of(cls, values: Mapping[str, Tensor]) -> "Layout":
         """That of some tensors, without batch dimensions."""
+        return cls._in_a_row(
+            (name, tuple(value.shape), _kind_of(value)) for name, value in values.items()
+        )
+
+    @classmethod
+    def _in_a_row(cls, described: Iterable[tuple[str, tuple[int, ...], str]]) -> "Layout":
+        """Entries by name, shape and kind, each where the one before it ends."""
         entries: list[Entry] = []
         start = 0
-        for name, value in values.items():
-            stop = start + value.numel()
-            entries.append(Entry(name, tuple(value.shape), _kind_of(value), start, stop))
+        for name, shape, kind in described:
+            stop = start + torch.Size(shape).numel()
+            entries.append(Entry(name, shape, kind, start, stop))
             start = stop
         return cls(tuple(entries))
 
@@ -83,15 +90,8 @@ class Layout:
     @classmethod
     def from_json(cls, listed: list[dict[str, Any]]) -> "Layout":
         """From what :meth:`to_json` gave."""
-        entries: list[Entry] = []
-        start = 0
-        for item in listed:
-            # Where entries stand is not in the file: it follows from their order.
-            shape = tuple(item["shape"])
-            stop = start + torch.Size(shape).numel()
-            entries.append(Entry(item["name"], shape, item["kind"], start, stop))
-            start = stop
-        return cls(tuple(entries))
+        # Where entries stand is not in the file: it follows from their order.
+        return cls._in_a_row((item["name"], tuple(item["shape"]), item["kind"]) for item in listed)
 
 
 def _kind_of(value: Tensor) -> str:

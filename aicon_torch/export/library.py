@@ -19,9 +19,6 @@ FORMAT = 1
 
 _SYMBOLS = ("aicon_sizes", "aicon_metadata", "aicon_blank", "aicon_step", "aicon_test")
 
-_TYPES: dict[str, Any] = {"p": ctypes.c_void_p, "l": ctypes.c_long}
-"""Types of arguments: a pointer, a number."""
-
 
 class Library:
     """An exported policy as functions of arrays.
@@ -63,9 +60,9 @@ class Library:
 
         # They keep the library loaded.
         self._blank, self.step = library["aicon_blank"], library["aicon_step"]
-        for function, arguments in ((self._blank, "p"), (self.step, "lppppp")):
-            function.argtypes = [_TYPES[argument] for argument in arguments]
-            function.restype = None
+        self._blank.argtypes = [ctypes.c_void_p]
+        self.step.argtypes = [ctypes.c_long, *[ctypes.c_void_p] * 5]
+        self._blank.restype = self.step.restype = None
         if not library["aicon_test"]():
             raise OptionError(
                 f"{name} does not compute here what it did when it was made: export it again on "

@@ -36,16 +36,15 @@ def bitwise(operation: str) -> Translation:
     return translation
 
 
-def add(writer: Writer, kind: Kind, first: Any, second: Any, alpha: float = 1) -> Array:
-    """Sum."""
-    scaled = second if alpha == 1 else writer.map("mul", kind, second, alpha)
-    return writer.map("add", kind, first, scaled)
+def scaled(operation: str) -> Translation:
+    """The translation of a sum or a difference, whose second term torch may scale by alpha."""
 
+    def translation(writer: Writer, kind: Kind, first: Any, second: Any, alpha: float = 1) -> Array:
+        if alpha != 1:
+            second = writer.map("mul", kind, second, alpha)
+        return writer.map(operation, kind, first, second)
 
-def subtract(writer: Writer, kind: Kind, first: Any, second: Any, alpha: float = 1) -> Array:
-    """Difference."""
-    scaled = second if alpha == 1 else writer.map("mul", kind, second, alpha)
-    return writer.map("sub", kind, first, scaled)
+    return translation
 
 
 def divide(
@@ -242,8 +241,8 @@ def product_in_lines(writer: Writer, kind: Kind, first: Array, second: Array) ->
 
 
 ELEMENTWISE: dict[str, Translation] = {
-    "add": add,
-    "sub": subtract,
+    "add": scaled("add"),
+    "sub": scaled("sub"),
     "div": divide,
     "pow": power,
     "reciprocal": reciprocal,
