@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import hop_from, learns, pull
-from aicon_torch.errors import GraphError, choices
+from aicon_torch.errors import GraphError, choices, in_order
 
 Values = Mapping[str, Tensor]
 """Named values of one step: quantities of shape ``(*B, *shape)``, and the time step ``dt``, s.
@@ -83,7 +83,7 @@ class Interconnection(Node):
     ) -> None:
         super().__init__()
         self.function: Any = function  # a cost may have methods besides
-        self.inputs = wiring(function) if inputs is None else tuple(inputs)
+        self.inputs = wiring(function) if inputs is None else in_order("inputs", inputs)
 
         # A network with such layers gets its rows as one batch.
         layers = function.modules() if isinstance(function, nn.Module) else ()

@@ -141,7 +141,7 @@ class Policy(nn.Module):
         self,
         observation: Mapping[str, Any],
         state: Memory | None = None,
-        action: Mapping[str, Any] | None = None,
+        action: Mapping[str, Any] | ArrayLike | Tensor | None = None,
         episode_start: ArrayLike | Tensor | None = None,
     ) -> Memory:
         """Update the estimates alone, while somebody else acts.
@@ -149,8 +149,8 @@ class Policy(nn.Module):
         Args:
             observation: As for :meth:`predict`.
             state: The memory that the last step returned.
-            action: What was executed since, by actuator, ``(*B, size)``; by default the action in
-                the memory.
+            action: What was executed since, by actuator, ``(*B, size)``, or that alone where there
+                is one actuator; by default the action in the memory.
             episode_start: As for :meth:`predict`.
 
         Raises:
@@ -161,7 +161,7 @@ class Policy(nn.Module):
             memory, readings = self._begin(observation, state, episode_start)
 
             # What somebody else did takes the place of the action in the memory.
-            executed = self._checked_actions(action or {}, tuple(memory[BEGINS].shape))
+            executed = self._checked_actions(action, tuple(memory[BEGINS].shape))
             values = lasting(self.model, self._step.estimate(memory, readings, executed))
             _, kept = keep_finite(self.model, {}, values, memory)
         return memory | kept
@@ -457,10 +457,19 @@ class Policy(nn.Module):
         starts = starting_rows(episode_start, batch, self.model.like.device)
         return perception(observation, values, None if starts is None else starts.numpy(force=True))
 
-    def _checked_actions(
-        self, actions: Mapping[str, Any], batch: tuple[int, ...]
-    ) -> dict[str, Tensor]:
+    def _checked_actions(self, actions: Any, batch: tuple[int, ...]) -> dict[str, Tensor]:
         """What somebody else did, ``(*B, size)``, of the model's type."""
+        # One actuator needs no name, as in what predict returns.
+        if actions is None:
+            actions = {}
+        if not isinstance(actions, Mapping):
+            if len(self.model.actuators) != 1:
+                raise OptionError(
+                    f"action: expected what was executed by actuator "
+                    f"({choices(self.model.actuators)}), got {type(actions).__name__}."
+                )
+            actions = {next(iter(self.model.actuators)): actions}
+
         executed: dict[str, Tensor] = {}
         for name, given in actions.items():
             if name not in self.model.actuators:

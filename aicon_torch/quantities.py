@@ -1,6 +1,7 @@
 """Quantities: the named tensors of a world model, and the sensors and actuators among them."""
 
 import math
+import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -110,12 +111,12 @@ class Sensor:
     is_possible: Callable[[Tensor], Tensor] | None = None
 
     def __post_init__(self) -> None:
-        """Check size, range, scale and times."""
-        _check_size("Sensor", self.size)
-        _check_range("Sensor range", self.range)
+        """Check size, range, scale and times, and keep them as plain numbers."""
+        object.__setattr__(self, "size", _size("Sensor", self.size))
+        object.__setattr__(self, "range", _range("Sensor range", self.range))
 
         # One factor for all components, or one each.
-        scale = _numbers(self.scale)
+        scale = as_numbers(self.scale)
         factors = scale if isinstance(scale, tuple) else (scale,) * self.size
         is_right = all(math.isfinite(factor) and factor != 0 for factor in factors)
         if len(factors) != self.size or not is_right:
@@ -125,19 +126,21 @@ class Sensor:
             )
         object.__setattr__(self, "scale", scale)
 
-        # Times and speeds, as plain numbers.
+        # Times and speeds.
         for name in ("max_age", "max_gap", "rate_limit", "period"):
             value = getattr(self, name)
             if value is None:
                 continue
-            number = _numbers(value)
+            number = as_numbers(value)
             if isinstance(number, tuple) or not number > 0:
                 raise GraphError(f"Sensor {name}={value!r}: expected a number > 0, or None.")
             object.__setattr__(self, name, number)
         if self.period is not None and math.isinf(self.period):
             raise GraphError(f"Sensor period={self.period!r}: expected a finite number, or None.")
-        if not 0 <= self.age < math.inf:
+        age = as_numbers(self.age)
+        if isinstance(age, tuple) or not 0 <= age < math.inf:
             raise GraphError(f"Sensor age={self.age!r}: expected a number >= 0, in s.")
+        object.__setattr__(self, "age", age)
 
     @property
     def is_aged(self) -> bool:
@@ -189,11 +192,11 @@ class Actuator:
     dither: Callable[..., Tensor] | None = None
 
     def __post_init__(self) -> None:
-        """Check limit, constraints and the range of commands."""
-        _check_size("Actuator", self.size)
+        """Check limit, constraints and the range of commands; numbers become plain ones."""
+        object.__setattr__(self, "size", _size("Actuator", self.size))
 
         # One number for the norm, or one a component.
-        limit = _numbers(self.limit)
+        limit = as_numbers(self.limit)
         limits = limit if isinstance(limit, tuple) else (limit,)
         if len(limits) not in (1, self.size) or not all(value > 0 for value in limits):
             raise GraphError(
@@ -207,7 +210,8 @@ class Actuator:
             raise GraphError(
                 f"Actuator constraints {self.constraints!r}: expected a sequence of functions."
             )
-        _check_range("Actuator command_range", self.command_range)
+        command_range = _range("Actuator command_range", self.command_range)
+        object.__setattr__(self, "command_range", command_range)
 
     def limit_like(self, values: Tensor) -> Tensor:
         """The limit, a scalar or ``(size,)``, of the type and on the device of some values.
@@ -248,23 +252,38 @@ class Actuator:
         return command if self.command_range is None else command.clamp(*self.command_range)
 
 
-def _numbers(given: Any) -> float | tuple[float, ...]:
-    """A number or several, whatever they come in; NaN where they are none."""
+def as_numbers(given: Any) -> float | tuple[float, ...]:
+    """A number or several, whatever they come in; NaN where they are none.
+
+    A tensor may be of any precision, and require a gradient: its numbers are constants here.
+    """
     try:
+        if isinstance(given, Tensor):
+            given = given.numpy(force=True) if given.dtype != torch.bfloat16 else given.tolist()
         array = np.asarray(given)
-    except (TypeError, ValueError):  # a ragged list
+    except (TypeError, ValueError, RuntimeError):  # a ragged list, or a tensor of another kind
         return math.nan
     if array.dtype.kind not in "fiu" and array.size > 0:
         return math.nan
     return float(array) if array.ndim == 0 else tuple(map(float, array.flatten().tolist()))
 
 
-def _check_size(what: str, size: Any) -> None:
-    if not isinstance(size, int | np.integer) or size < 1:
-        raise GraphError(f"{what} size {size!r}: expected 1 or more components.")
+def _size(what: str, given: Any) -> int:
+    """A number of components."""
+    try:
+        size = operator.index(given)
+    except TypeError:  # no whole number
+        size = 0
+    if size < 1:
+        raise GraphError(f"{what} size {given!r}: expected 1 or more components.")
+    return size
 
 
-def _check_range(what: str, ends: Any) -> None:
-    numbers = (0.0, 1.0) if ends is None else _numbers(ends)
+def _range(what: str, ends: Any) -> tuple[float, float] | None:
+    """The lowest and the highest of some numbers; None for any."""
+    if ends is None:
+        return None
+    numbers = as_numbers(ends)
     if not (isinstance(numbers, tuple) and len(numbers) == 2 and numbers[0] < numbers[1]):
         raise GraphError(f"{what} {ends!r}: expected (lowest, highest).")
+    return numbers[0], numbers[1]

@@ -22,7 +22,7 @@ from aicon_torch.inspection.trace import StepTrace
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Sensor
-from aicon_torch.readings.observation import as_array
+from aicon_torch.readings.observation import as_array, as_tensor
 from aicon_torch.resolution import Memory
 
 PROPOSAL = "proposal"
@@ -132,7 +132,7 @@ class Shield:
         else:
             proposal = self.inner(observation)
 
-        proposed = {**observation, PROPOSAL: _finite(proposal)}
+        proposed = {**observation, PROPOSAL: _finite(proposal, self.model.like)}
         action, memory = self.policy.predict(proposed, memory, episode_start)
         return action, ShieldState(memory, inner)
 
@@ -239,9 +239,11 @@ def _disagreement(action: Tensor, nominal: Tensor) -> Tensor:
     return -(action * stop(nominal)).sum(-1)  # stops: moving is not to change what is asked for
 
 
-def _finite(proposal: Any) -> Any:
+def _finite(proposal: Any, like: Tensor) -> Any:
     """The proposal with zeros, which ask for nothing, where it is not finite, ``(*B, size)``."""
+    called, unit = "what the policy within proposes", "the unit of a proposal"
     if isinstance(proposal, Tensor):
-        return torch.where(proposal.isfinite(), proposal, 0.0)
-    array = as_array("what the policy within proposes", "the unit of a proposal", proposal)
+        numbers = as_tensor(called, unit, proposal, like)
+        return torch.where(numbers.isfinite(), numbers, 0.0)
+    array = as_array(called, unit, proposal)
     return np.where(np.isfinite(array), array, 0.0)

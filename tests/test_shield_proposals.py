@@ -87,3 +87,19 @@ def test_what_cannot_be_shielded_is_refused_by_name() -> None:
     goals = [Goal("far", far, safety=True), Goal("w rests", norm, safety=True)]
     with pytest.raises(GraphError, match="'v'.*'w'.* drives exactly one"):
         Shield(straight, WorldModel(**parts, actuators=two, goals=goals))
+
+
+@pytest.mark.filterwarnings("ignore:The PyTorch API of MaskedTensors:UserWarning")
+def test_a_masked_tensor_asks_for_nothing_where_its_mask_is() -> None:
+    numbers, mask = torch.tensor([0.3, 0.2]), torch.tensor([True, False])
+    masked = torch.masked.masked_tensor(numbers, mask)
+    action, _ = Shield(lambda _: masked, world()).predict({"position": np.zeros(2)})
+    np.testing.assert_allclose(action, [0.3, 0.0], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "proposal", [torch.ones(2).to_sparse(), torch.ones(2, device="meta")], ids=["sparse", "meta"]
+)
+def test_a_tensor_that_is_not_dense_is_no_proposal(proposal: Tensor) -> None:
+    with pytest.raises(ObservationError, match="policy within proposes: expected real numbers"):
+        Shield(lambda _: proposal, world()).predict({"position": np.zeros(2)})

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from torch import Tensor
 
 from aicon_torch.differentiation import values_only
-from aicon_torch.errors import GraphError, choices
+from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.interconnections import Interconnection, Values
 
@@ -48,7 +48,7 @@ class Deterministic(Estimator):
                 f"Deterministic {name!r}: each={each!r}; expected a sequence of names, such as "
                 f"[{each!r}]."
             )
-        self.each = tuple(each)
+        self.each = in_order(f"each of {name!r}", each)
 
         # It must read what has the rows; dt has none.
         for rows in self.each:

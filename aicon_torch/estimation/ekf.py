@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import values_only
-from aicon_torch.errors import GraphError, choices
+from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.estimation.correction import Correction
 from aicon_torch.estimation.covariance import Covariance, Noise
@@ -86,14 +86,14 @@ class EKF(Estimator):
         self.noise = Covariance(noise, self.size)
 
         # What corrects it.
-        self._measurements = tuple(correct)
-        self.measurements = nn.ModuleList(correct)  # registers them
-        for measurement in correct:
+        self._measurements = in_order(f"correct of {mean!r}", correct)
+        self.measurements = nn.ModuleList(self._measurements)  # registers them
+        for measurement in self._measurements:
             self._must_read_mean(f"A measurement of {mean!r}", measurement.residual)
 
         # All that these read, each named once.
         inputs = [mean, covariance, *self.predict.inputs, *self.noise.inputs, *self.prior_inputs]
-        for measurement in correct:
+        for measurement in self._measurements:
             inputs.extend(measurement.inputs)
         self.inputs = tuple(dict.fromkeys(inputs))
 
@@ -180,6 +180,7 @@ class EKF(Estimator):
                     f"{self.mean!r}: a function as initial= needs size=, the number of components."
                 )
             relation = Interconnection.of(initial)
+            size = int(size)
             self.prior: Interconnection | None = relation
             self.prior_inputs = relation.inputs
             return size

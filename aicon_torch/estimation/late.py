@@ -6,7 +6,7 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.errors import GraphError, choices
+from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.ekf import EKF
 from aicon_torch.estimation.measurement import Innovation, Measurement
 from aicon_torch.interconnections import Values
@@ -52,14 +52,16 @@ class LateEKF(EKF):
         **options: Any,
     ) -> None:
         super().__init__(mean, covariance, **options)
-        self.sensors = (sensor,) if isinstance(sensor, str) else tuple(sensor)
-        self.steps, self.moved_by = steps, dict(moved_by)
-        self._prompt = tuple(prompt)
-        self.prompt = nn.ModuleList(prompt)  # registers them
+        several = (sensor,) if isinstance(sensor, str) else sensor
+        self.sensors = in_order(f"sensor of {mean!r}", several)
+        self.steps = int(steps)
+        self.moved_by = {name: int(size) for name, size in moved_by.items()}
+        self._prompt = in_order(f"prompt of {mean!r}", prompt)
+        self.prompt = nn.ModuleList(self._prompt)  # registers them
 
         # What is to be remembered of a step.
         felt: list[str] = []
-        for measurement in prompt:
+        for measurement in self._prompt:
             self._must_read_mean(f"A prompt measurement of {mean!r}", measurement.residual)
             felt.extend(measurement.inputs)
         self.felt = tuple(dict.fromkeys(felt))
@@ -250,6 +252,10 @@ def ekf_with_delay(
         **options: As for :class:`EKF`.
     """
     if not delay:
-        return EKF(mean, covariance, correct=[*correct, *prompt], **options)
+        measurements = (
+            *in_order(f"correct of {mean!r}", correct),
+            *in_order(f"prompt of {mean!r}", prompt),
+        )
+        return EKF(mean, covariance, correct=measurements, **options)
     late: dict[str, Any] = {"sensor": sensor, "steps": delay, "moved_by": moved_by}
     return LateEKF(mean, covariance, **late, correct=correct, prompt=prompt, **options)

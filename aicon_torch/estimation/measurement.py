@@ -63,10 +63,10 @@ class Measurement(nn.Module):
     ) -> None:
         super().__init__()
         self.residual = Interconnection.of(function)
-        self.noise = Covariance(noise, size)
+        self.noise = Covariance(noise, int(size))
         self.uncertain = dict(uncertain or {})
-        self.gate = gate
-        self.size = size
+        self.gate = None if gate is None else float(gate)
+        self.size = int(size)
 
         # What the residual does not read cannot add to its noise.
         for name in self.uncertain:

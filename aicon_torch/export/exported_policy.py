@@ -141,7 +141,8 @@ class ExportedPolicy:
         for name, factor in goals.items():
             if name not in self.goals:
                 raise OptionError(f"No goal is named {name!r}. Goals: {choices(self.goals)}.")
-            factors[..., self.goals.index(name)] = factor_of(name, factor, factors)
+            value = factor_of(name, factor, factors).detach()  # no gradient leads through a library
+            factors[..., self.goals.index(name)] = value
         return ExportedMemory(flat.numpy(), self._layout)
 
     def flat_readings(self, observation: Mapping[str, Any]) -> Array:

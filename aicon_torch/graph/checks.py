@@ -1,7 +1,7 @@
 """Checks of a graph when it is built, and errors that name the node."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 import torch
@@ -80,18 +80,22 @@ def check_names(
 
 def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> None:
     """Check that the parts are what they are given as."""
-    for kind, parts, example in (
-        ("sensors", sensors, "Sensor"),
-        ("actuators", actuators, "Actuator"),
+    for kind, parts, expected in (
+        ("sensors", sensors, Sensor),
+        ("actuators", actuators, Actuator),
     ):
+        example = f"{{'name': {expected.__name__}(...)}}"
         if not isinstance(parts, Mapping):
             raise GraphError(
-                f"{kind}: expected them by name, {{'name': {example}(...)}}, got "
-                f"{type(parts).__name__}."
+                f"{kind}: expected them by name, {example}, got {type(parts).__name__}."
             )
+        for name, part in parts.items():
+            if not isinstance(name, str) or not isinstance(part, expected):
+                raise GraphError(f"{kind}: expected {example}, got in it {name!r}: {part!r}.")
 
+    # Their order counts, so a set will not do.
     for kind, parts in (("estimators", estimators), ("goals", goals)):
-        if isinstance(parts, str | Mapping | Iterator):
+        if not isinstance(parts, Iterable) or isinstance(parts, str | Mapping | Iterator | set):
             raise GraphError(f"{kind}: expected a list or a tuple, got {type(parts).__name__}.")
 
     for estimator in estimators:

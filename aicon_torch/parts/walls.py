@@ -41,8 +41,10 @@ class Walls:
     def __post_init__(self) -> None:
         """Check faces and radius."""
         check_not_negative(self, ("radius",))
-        if not self.faces or any(len(face) != 4 for face in self.faces):
+        faces = tuple(tuple(map(float, face)) for face in self.faces)
+        if not faces or any(len(face) != 4 for face in faces):
             raise OptionError(f"faces={self.faces!r}: expected one or more (x, y, x, y), m.")
+        object.__setattr__(self, "faces", faces)
         for face in self.faces:
             if not all(map(math.isfinite, face)) or tuple(face[:2]) == tuple(face[2:]):
                 raise OptionError(f"faces: {face!r}: expected two points apart, (x, y, x, y), m.")

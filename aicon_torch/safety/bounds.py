@@ -9,7 +9,7 @@ from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape, WayAround
 from aicon_torch.differentiation import hop_from, pull
-from aicon_torch.errors import GraphError
+from aicon_torch.errors import GraphError, choices
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import copied
@@ -247,7 +247,15 @@ class ActuatorSafety:
         with torch.enable_grad():
             action = torch.zeros_like(copies[self.actuator]).requires_grad_()
             gaps = self._gap_ahead(goal, {**copies, self.actuator: action}, gap_of_copy)
-            (slopes,) = pull(gaps.sum(), action)
+            (slopes,) = (
+                pull(gaps.sum(), action, allow_unused=True) if gaps.requires_grad else (None,)
+            )
+        if slopes is None:
+            raise GraphError(
+                f"Safety goal {goal.name!r}: its gaps do not depend on the actuator "
+                f"{self.actuator!r}, so that no action could keep them. They read "
+                f"{choices(goal.inputs)}."
+            )
 
         at_rest = hop_from(gaps)  # a bound is a number
         return at_rest.movedim(0, -1), slopes.movedim(0, -2)

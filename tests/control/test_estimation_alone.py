@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from _inputs import drifting, navigation, observation_with
+from _asserts import assert_same_memory
+from _inputs import drifting, navigation, observation_with, two_robots
 from torch import Tensor
 
 from aicon_torch import (
@@ -124,3 +125,19 @@ def test_an_unknown_actuator_is_named() -> None:
 def test_an_executed_action_that_cannot_be_is_named(action: Tensor) -> None:
     with pytest.raises(ObservationError, match=r"'a'.*finite values of shape \(2,\)"):
         navigation().estimate(observation_with(), action={"a": action})
+
+
+def test_an_action_needs_no_name_where_there_is_one_actuator() -> None:
+    policy, (first, second) = navigation(), drifting(2)
+    _, memory = policy.predict(first)
+    executed = np.array([0.1, -0.2])
+    named = policy.estimate(second, memory, {"a": executed})
+    alone = policy.estimate(second, memory, executed)
+    assert_same_memory(alone, named, tolerance=0.0)
+
+
+def test_an_action_needs_a_name_where_there_are_several_actuators() -> None:
+    policy = Policy(two_robots())
+    observation = {name: np.zeros(sensor.size) for name, sensor in policy.model.sensors.items()}
+    with pytest.raises(OptionError, match="expected what was executed by actuator"):
+        policy.estimate(observation, action=np.zeros(2))

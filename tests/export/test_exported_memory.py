@@ -81,3 +81,12 @@ def test_a_pickled_policy_needs_no_file(tmp_path: Path) -> None:
     policy = pickle.loads(kept)
     assert policy.metadata["description"] == {"task": "some task"}
     policy.act(wandering(1)[0])
+
+
+def test_a_factor_that_requires_a_gradient_is_a_number(policy: Any) -> None:
+    first, second = wandering(2)
+    _, memory = policy.predict(first)
+    factor = torch.tensor(0.5, requires_grad=True)
+    found, _ = policy.predict(second, policy.switch(memory, near=factor))
+    expected, _ = policy.predict(second, policy.switch(memory, near=0.5))
+    torch.testing.assert_close(found, expected, rtol=0, atol=0)

@@ -178,3 +178,27 @@ def test_what_is_late_and_what_is_remembered_make_a_model_that_works() -> None:
 
 def test_the_same_parts_make_a_model_that_works() -> None:
     assert [str(path) for path in tracking_model().paths()] == ["near → p → x → a"]
+
+
+@pytest.mark.parametrize(
+    ("part", "given"),
+    [
+        ("sensors", {"z": 2}),
+        ("sensors", {"z": Sensor}),
+        ("actuators", {"a": 2}),
+        ("actuators", {"a": Sensor(2, "m")}),
+        ("estimators", 2),
+        ("goals", 2),
+        ("goals", {Goal("near", near)}),
+    ],
+    ids=str,
+)
+def test_what_is_no_part_is_named(part: str, given: Any) -> None:
+    parts: dict[str, Any] = {
+        "sensors": {"z": Sensor(2, "m")},
+        "actuators": {"a": Actuator(2, "m/s")},
+        "estimators": [],
+        "goals": [Goal("near", near)],
+    }
+    with pytest.raises(GraphError, match=f"^{part}: expected"):
+        WorldModel(**{**parts, part: given})

@@ -146,6 +146,13 @@ def test_a_row_that_is_none_is_named(row: Any) -> None:
         navigation_in_text().explain(memory, row=row)
 
 
+@pytest.mark.parametrize("row", [torch.tensor([1]), torch.tensor(True), (torch.tensor([1]),)])
+def test_a_row_is_a_number_and_no_array_of_one(row: Any) -> None:
+    memory = rollout(navigation_in_text(), drifting(1, (3,)))[-1]
+    with pytest.raises(ValueError, match=r"row=.*batch shape \(3,\)"):
+        navigation_in_text().explain(memory, row=row)
+
+
 @pytest.mark.parametrize("row", [0, 5, (0, 0)], ids=str)
 def test_one_robot_has_no_rows(row: Any) -> None:
     memory = rollout(navigation_in_text(), drifting(1))[-1]

@@ -1,5 +1,6 @@
 """Walls of a map: gaps to their faces, also in corners and within the wall."""
 
+import numpy as np
 import pytest
 import torch
 from torch import Tensor
@@ -60,3 +61,10 @@ def test_a_face_without_length_is_refused() -> None:
 def test_what_is_no_map_is_refused(rows: list[str], what: str) -> None:
     with pytest.raises(OptionError, match=what):
         Walls.from_grid(rows)
+
+
+def test_faces_may_come_in_an_array() -> None:
+    faces = Walls.from_grid(U).faces
+    for given in (np.array(faces), torch.tensor(faces), [list(face) for face in faces]):
+        assert Walls(given) == Walls(faces)
+        assert hash(Walls(given)) == hash(Walls(faces))

@@ -6,7 +6,7 @@ import pytest
 import torch
 from _inputs import normal
 from _inputs.walls import DT, drive, left_of_wall, place, point_policy, wall
-from torch import Tensor
+from torch import Tensor, nn
 
 from aicon_torch import Actuator, Goal, GraphError, Interconnection, Sensor, WorldModel
 from aicon_torch.dampers import VelocityDampers
@@ -126,3 +126,24 @@ def test_an_actuator_without_a_limit_cannot_keep_a_safety_goal() -> None:
             ),
             law=policy.law,
         )
+
+
+class Elsewhere(nn.Module):
+    """A cost of the point, and gaps that no action moves."""
+
+    def forward(self, x: Tensor, z_target: Tensor) -> Tensor:
+        return x[..., 0]
+
+    def gaps(self, x: Tensor, z_target: Tensor) -> Tensor:
+        return z_target
+
+
+class Constant(Elsewhere):
+    def gaps(self, x: Tensor, z_target: Tensor) -> Tensor:
+        return torch.ones_like(z_target)
+
+
+@pytest.mark.parametrize("cost", [Elsewhere(), Constant()], ids=["elsewhere", "constant"])
+def test_gaps_that_no_action_moves_are_named(cost: nn.Module) -> None:
+    with pytest.raises(GraphError, match="'lost': its gaps do not depend on the actuator 'a'"):
+        point_policy([Goal("lost", cost, safety=True)])

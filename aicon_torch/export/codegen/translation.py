@@ -1,6 +1,7 @@
 """From a traced graph of tensor operations to a program of numbers."""
 
 from collections.abc import Callable, Iterable, Sequence
+from inspect import signature
 from typing import Any
 
 from torch import Tensor
@@ -92,11 +93,13 @@ def _apply(operation: Operation, writer: Writer, args: Any, kwargs: Any) -> Any:
         raise GraphError(f"{_what(operation)} cannot be exported: it has no translation to C.")
 
     try:
+        signature(translation).bind(writer, _kind(operation), *args, **kwargs)
+    except TypeError as error:  # an argument that its translation does not know
+        raise GraphError(f"{_what(operation)} cannot be exported: {error}.") from error
+    try:
         result = translation(writer, _kind(operation), *args, **kwargs)
     except NotImplementedError as error:
         raise GraphError(f"{_what(operation)} cannot be exported {error}.") from error
-    except TypeError as error:  # an argument that its translation does not know
-        raise GraphError(f"{_what(operation)} cannot be exported: {error}.") from error
     if changes_in_place:
         # Slices of this array share its numbers, and see the change as views of a tensor do.
         args[0][...] = result

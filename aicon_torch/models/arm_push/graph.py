@@ -29,6 +29,7 @@ from aicon_torch.models.arm_push.options import Options
 from aicon_torch.models.arm_push.perception import BLOB, KEYPOINTS, SEEN_AGE, CameraPerception
 from aicon_torch.models.arm_push.pushed_object import object_top, pushed_object
 from aicon_torch.models.arm_push.scene import Scene
+from aicon_torch.models.watched import watched
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.contact import closest_point
 from aicon_torch.parts.joint_limits import JointLimits
@@ -89,16 +90,13 @@ def _sensors(options: Options) -> dict[str, Sensor]:
     """Encoders and target, and either the pose of the object or the camera and the wrist."""
     # What the watchdog asks: how old a reading may be, how long there may be none, and how fast one
     # may change.
-    latency = options.delay * options.dt
-    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
+    late = watched(options, MAX_GAP)
     prompt: dict[str, Any] = {}
     moving: dict[str, Any] = {}
     if options.watchdog:
-        gap = MAX_GAP * options.dt
-        prompt = {"max_age": gap}
-        watched |= {"max_age": latency + gap, "max_gap": gap}
+        prompt = {"max_age": MAX_GAP * options.dt}
         moving = {"rate_limit": JUMP * float(options.robot.chain.speed.max()), "driven_by": "a"}
-    moving |= watched
+    moving |= late
 
     # Always: the time, the encoders and the target.
     sensors = {
@@ -110,7 +108,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
     # The object's pose, told ...
     if options.sensing == "pose":
         sensors["z_object"] = Sensor(
-            3, "m, m, rad", key="object_pose", optional=True, range=TURNS, **watched
+            3, "m, m, rad", key="object_pose", optional=True, range=TURNS, **late
         )
         return sensors
 

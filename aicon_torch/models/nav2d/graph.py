@@ -17,6 +17,7 @@ from aicon_torch.estimation import Deterministic
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.models.nav2d.options import Options
+from aicon_torch.models.watched import watched
 from aicon_torch.parts.clearance import Clearance, ClearanceLimits
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.landmark import BearingPrior, Landmark
@@ -110,12 +111,8 @@ def _sensors(options: Options) -> dict[str, Sensor]:
 
 def _watched(options: Options) -> dict[str, Any]:
     """How old readings may be, and that they change while the agent moves: all are noisy."""
-    latency = options.delay * options.dt
-    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
-    if options.watchdog:
-        gap = MAX_GAP * options.dt
-        watched |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
-    return watched
+    driven = {"driven_by": "a"} if options.watchdog else {}
+    return watched(options, MAX_GAP) | driven
 
 
 def _actuator(options: Options, obstacle: Clearance) -> Actuator:

@@ -10,6 +10,7 @@ from torch import Tensor
 
 from aicon_torch.errors import GraphError
 from aicon_torch.export.codegen import in_c
+from aicon_torch.export.codegen.translation import TRANSLATIONS
 
 SIZE = 12
 
@@ -109,6 +110,17 @@ def test_single_precision_stays_single(tmp_path: Path) -> None:
 def test_an_argument_without_a_translation_is_refused(function: Function, culprit: str) -> None:
     with pytest.raises(GraphError, match=f"{culprit}.* cannot be exported"):
         in_c("f", lambda x: (function(x).flatten(),), ["x"], ["y"], {"x": normal(SIZE, seed=1)})
+
+
+def test_an_error_within_a_translation_is_not_taken_for_a_missing_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def broken(writer: object, kind: object, value: object) -> None:
+        raise TypeError("a slip")
+
+    monkeypatch.setitem(TRANSLATIONS, "sin", broken)
+    with pytest.raises(TypeError, match="a slip"):
+        in_c("f", lambda x: (x.sin(),), ["x"], ["y"], {"x": normal(SIZE)})
 
 
 def test_what_has_no_translation_is_named() -> None:

@@ -1,0 +1,73 @@
+"""Numbers of numpy and torch are kept as plain ones, which a file can tell."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from _inputs.following import distance, moved
+
+from aicon_torch import (
+    Actuator,
+    Affine,
+    Deterministic,
+    Goal,
+    LateEKF,
+    Measurement,
+    Policy,
+    Sensor,
+    WorldModel,
+    load_exported,
+)
+from aicon_torch.export.codegen import has_compiler
+
+TENTH = np.float32(0.1)
+TWO = np.int64(2)
+
+
+def of_scalars() -> WorldModel:
+    """A model of which every number is one of numpy or torch."""
+    match = Measurement(Affine(p=1.0, z=-1.0), noise=TENTH, size=TWO, gate=np.float32(9.0))
+    reach = torch.tensor([1.0, 1.5], dtype=torch.bfloat16, requires_grad=True)
+    ends = (-np.float32(9.0), torch.tensor(9.0))
+    return WorldModel(
+        sensors={"z": Sensor(TWO, "m", optional=True, age=TENTH, range=ends, max_age=TENTH * 9)},
+        actuators={"a": Actuator(TWO, "m/s", limit=reach, command_range=np.array([-1, 1], "f4"))},
+        estimators=[
+            Deterministic("x", moved, is_motion=True),
+            LateEKF(
+                "p",
+                "P",
+                sensor="z",
+                steps=TWO,
+                moved_by={"x": TWO},
+                predict=Affine(p=1.0, x=-1.0),
+                noise=TENTH,
+                initial=((1.0, 0.0), 1.0),
+                correct=[match],
+            ),
+        ],
+        goals=[Goal("near", distance, tolerance=TENTH)],
+        dt=TENTH,
+    )
+
+
+def test_numbers_become_plain_ones() -> None:
+    model = of_scalars()
+    sensor, actuator, measurement = model.sensors["z"], model.actuators["a"], model.estimators[1]
+    numbers = [model.dt, sensor.age, *sensor.range, *actuator.limit, *actuator.command_range]
+    numbers += [model.goals["near"].tolerance, measurement.measurements[0].gate]
+    assert {type(number) for number in numbers} == {float}
+    sizes = [sensor.size, actuator.size, measurement.steps, *measurement.moved_by.values()]
+    assert {type(size) for size in sizes} == {int}
+    assert actuator.limit == (1.0, 1.5)
+
+
+@pytest.mark.skipif(not has_compiler(), reason="there is no C compiler")
+def test_a_model_of_such_numbers_is_exported(tmp_path: Path) -> None:
+    policy = Policy(of_scalars())
+    policy.export(tmp_path / "policy.so")
+    reading = {"z": np.array([1.0, 2.0])}
+    expected, _ = policy.predict(reading)
+    found, _ = load_exported(tmp_path / "policy.so").predict(reading)
+    np.testing.assert_allclose(found, expected, atol=1e-5)
