@@ -203,8 +203,7 @@ class EndEffector(nn.Module):
             solution = jacobian.mT @ self._solve_damped(jacobian @ jacobian.mT, column)
         else:
             solution = self._solve_damped(jacobian.mT @ jacobian, jacobian.mT @ column)
-        joint_motion: Tensor = solution.squeeze(-1)
-        return joint_motion
+        return solution.squeeze(-1)
 
     def _solve_damped(self, square: Tensor, column: Tensor) -> Tensor:
         """(S + λ²I)⁻¹ c, ``(*B, m, 1)``, for a symmetric S ``(*B, m, m)``."""

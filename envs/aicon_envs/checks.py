@@ -8,7 +8,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from aicon_envs.arrays import FloatArray
 
 Fields = TypeVar("Fields")
 
@@ -95,7 +97,7 @@ def check_integer(name: str, value: Any, least: int) -> int:
     return number
 
 
-def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> NDArray[np.float64]:
+def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> FloatArray:
     """Return an action as float64.
 
     Args:
@@ -177,7 +179,7 @@ def given_options(options: Mapping[str, Any] | None, valid: Iterable[str]) -> di
     return given
 
 
-def check_vertices(name: str, value: ArrayLike, unit: str) -> NDArray[np.float64]:
+def check_vertices(name: str, value: ArrayLike, unit: str) -> FloatArray:
     """Return the vertices of a polygon, ``(n, 2)``.
 
     Raises:

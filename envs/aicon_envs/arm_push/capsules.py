@@ -5,13 +5,11 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from aicon_envs.arm_push import robot
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.description_checks import link_name
 from aicon_envs.reach.robots import Robot, find_file
-
-FloatArray = NDArray[np.float64]
 
 Vector = tuple[float, float, float]
 

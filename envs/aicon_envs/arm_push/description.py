@@ -6,15 +6,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from aicon_envs.arm_push import robot
 from aicon_envs.arm_push.capsules import robot_capsules, tool_capsules
 from aicon_envs.arm_push.inverse_kinematics import home_of, range_of_tip
 from aicon_envs.arm_push.reset import CONTACT_HEIGHT
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.robots import Robot, find_file
-
-FloatArray = NDArray[np.float64]
 
 
 def describe(model: mujoco.MjModel, arm: Robot, width: int, height: int) -> dict[str, Any]:

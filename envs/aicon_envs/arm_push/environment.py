@@ -23,13 +23,14 @@ from aicon_envs.arm_push.reset import (
     draw_episode,
 )
 from aicon_envs.arm_push.scene import TARGET_GROUP, build_scene
-from aicon_envs.arm_push.simulation import CONTROL_STEP, FloatArray, Simulation
+from aicon_envs.arm_push.simulation import CONTROL_STEP, Simulation
 from aicon_envs.arm_push.spaces import (
     Observation,
     ObsType,
     action_space,
     observation_space,
 )
+from aicon_envs.arrays import FloatArray
 from aicon_envs.checks import (
     check_action,
     check_choice,

@@ -6,12 +6,12 @@ is at z = 0.
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from aicon_envs.arm_push import collision_groups as groups
 from aicon_envs.arm_push.objects import THICKNESS, Prism
 from aicon_envs.arm_push.robot import equip_robot
 from aicon_envs.arm_push.urdf import load_arm
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.robots import Robot
 
 TABLE = ((0.25, 0.95), (-0.55, 0.55))
@@ -191,7 +191,7 @@ def _marker_position(object: Prism) -> tuple[float, float]:
     return x, y
 
 
-def _area(polygon: NDArray[np.float64]) -> float:
+def _area(polygon: FloatArray) -> float:
     """Return the area of a polygon ``(n, 2)``, m²."""
     x, y = polygon.T
     return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from aicon_envs.arm_push import collision_groups
 from aicon_envs.arm_push.capsules import Capsule
@@ -13,8 +13,7 @@ from aicon_envs.arm_push.inverse_kinematics import reach
 from aicon_envs.arm_push.objects import THICKNESS
 from aicon_envs.arm_push.scene import TARGET_HEIGHT
 from aicon_envs.arm_push.self_distance import self_distance
-
-FloatArray = NDArray[np.float64]
+from aicon_envs.arrays import FloatArray
 
 CONTROL_STEP = 0.01
 """Duration of a control step, s."""

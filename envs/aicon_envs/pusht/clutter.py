@@ -8,11 +8,12 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
+from aicon_envs.arrays import BoolArray
 from aicon_envs.pusht.spaces import PIXELS, Action, Observation
 from aicon_envs.pusht.wrappers import ImperfectSensor
 
 Picture = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 
 Kind = Literal["distractors", "covered", "hidden"]
 """Three shapes at fixed places; a third covered, elsewhere at each step; a third, always there."""

@@ -68,8 +68,7 @@ def observation_space(
 
 def action_space() -> spaces.Space[Action]:
     """Return the space of the pusher's target, px."""
-    box: spaces.Space[Any] = spaces.Box(0.0, SIZE, (2,), np.float32)  # forgets its dtype
-    return box
+    return spaces.Box(0.0, SIZE, (2,), np.float32)
 
 
 def check_action(action: ArrayLike) -> Point:

@@ -7,7 +7,8 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
-from aicon_envs.reach.robots import FloatArray, Robot, draw_postures, find_file
+from aicon_envs.arrays import FloatArray
+from aicon_envs.reach.robots import Robot, draw_postures, find_file
 
 Pair = frozenset[str]
 

@@ -4,10 +4,8 @@ import copy
 from typing import NamedTuple
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from aicon_envs.arrays import FloatArray
 
 SIGHT = 0.05
 """Gaps are measured up to this, m."""

@@ -5,14 +5,12 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.gaps import SIGHT, seeing_near
 from aicon_envs.reach.robots import Robot
 from aicon_envs.reach.scene import PreparedArm, add_sky, prepare_arm, set_physics
 from aicon_envs.reach.simulation import ACCELERATION, CONTROL_STEP, WINDUP
-
-FloatArray = NDArray[np.float64]
 
 PREFIXES = ("first/", "second/")
 """What the names of each arm's bodies begin with."""

@@ -2,12 +2,10 @@
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.gaps import SIGHT, GapMeter, Gaps
 from aicon_envs.reach.scene import Scene
-
-FloatArray = NDArray[np.float64]
 
 CONTROL_STEP = 0.02
 """Duration of a control step, s."""

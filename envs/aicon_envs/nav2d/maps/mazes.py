@@ -8,10 +8,10 @@ from itertools import product
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry import LineString, box
 from shapely.geometry.base import BaseGeometry
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.nav2d.maps.layout import Layout, draw_thickness, wall
 from aicon_envs.nav2d.world import Point
 
@@ -55,7 +55,7 @@ def maze(rng: np.random.Generator) -> Layout:
     passages = _draw_spanning_tree(size, rng)
     lines = shapely.union_all(_wall_lines(size, passages))
 
-    def to_metres(coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
+    def to_metres(coordinates: FloatArray) -> FloatArray:
         return coordinates * cell_side
 
     lines = shapely.transform(lines, to_metres)
