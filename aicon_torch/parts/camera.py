@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import torch
@@ -15,13 +14,11 @@ from aicon_torch.parts.joint_product import Transform
 
 Steering = Literal["heading", "orientation", "all"]
 
-STEERED_COMPONENTS: Mapping[Steering, tuple[bool, ...]] = MappingProxyType(
-    {
-        "heading": (False, False, True, False, False, True),
-        "orientation": (False, False, True, True, True, True),
-        "all": (True, True, True, True, True, True),
-    }
-)
+STEERED_COMPONENTS: Mapping[Steering, tuple[bool, ...]] = {
+    "heading": (False, False, True, False, False, True),
+    "orientation": (False, False, True, True, True, True),
+    "all": (True, True, True, True, True, True),
+}
 """Components of x_ee that move in order to see better: height and heading, the tilt too, or all."""
 
 

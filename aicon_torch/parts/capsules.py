@@ -17,7 +17,12 @@ from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml, read_urdf
 from aicon_torch.parts.descriptions.collision import CollisionGeometry, read_collision_geometry
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision
+from aicon_torch.parts.self_collision import (
+    Capsule,
+    CapsuleSegments,
+    SelfCollision,
+    distant_pairs,
+)
 
 Pair = tuple[int, int]
 
@@ -201,14 +206,9 @@ def _candidates(
     capsules: Sequence[Capsule], links: Sequence[str], disabled: set[frozenset[str]]
 ) -> list[Pair]:
     """The pairs on links that move against each other by more than one joint."""
-    pairs: list[Pair] = []
-    for i, capsule in enumerate(capsules):
-        for j, other in enumerate(capsules[:i]):
-            # Neighbours in the chain touch each other at their joint.
-            is_disabled = frozenset((links[i], links[j])) in disabled
-            if abs(capsule.link - other.link) > 1 and not is_disabled:
-                pairs.append((j, i))
-    return pairs
+    # Neighbours in the chain touch each other at their joint.
+    apart = distant_pairs(capsules, free_links=1)
+    return [(j, i) for i, j in apart if frozenset((links[i], links[j])) not in disabled]
 
 
 def _that_can_meet(

@@ -173,12 +173,14 @@ def check_sizes(capsules: Sequence[Capsule]) -> None:
             )
 
 
-def distant_pairs(capsules: Sequence[Capsule]) -> list[tuple[int, int]]:
-    """The pairs on links that are no neighbours."""
+def distant_pairs(
+    capsules: Sequence[Capsule], free_links: int = FREE_LINKS
+) -> list[tuple[int, int]]:
+    """The pairs (i, j), i > j, on links that are further apart in the chain than some number."""
     pairs: list[tuple[int, int]] = []
     for i, capsule in enumerate(capsules):
         for j, other in enumerate(capsules[:i]):
-            if abs(capsule.link - other.link) > FREE_LINKS:
+            if abs(capsule.link - other.link) > free_links:
                 pairs.append((i, j))
     return pairs
 

@@ -9,7 +9,6 @@ motion, so x_obs is (d, ∇d). Everything is relative to the agent and aligned w
 """
 
 import math
-from typing import Any
 
 from torch import Tensor
 
@@ -17,6 +16,7 @@ from aicon_torch.estimation import Deterministic
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.models.nav2d.options import Options
+from aicon_torch.models.watched import watched
 from aicon_torch.parts.clearance import Clearance, ClearanceLimits
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.landmark import BearingPrior, Landmark
@@ -80,11 +80,11 @@ def displacement(a: Tensor, dt: Tensor) -> Tensor:
 
 def _sensors(options: Options) -> dict[str, Sensor]:
     """What the agent reads; angles may come from any one turn."""
-    angle: dict[str, Any] = {
-        "range": (-2 * math.pi, 2 * math.pi),
-        "period": 2 * math.pi,
-        **_watched(options),
-    }
+    # All readings are noisy, so they change while the agent moves.
+    late = watched(options.dt, options.delay, MAX_GAP if options.watchdog else None)
+    if options.watchdog:
+        late["driven_by"] = "a"
+    angle = {"range": (-2 * math.pi, 2 * math.pi), "period": 2 * math.pi, **late}
 
     # A reading that changes faster than this is no reading: motion past something near, and noise.
     jumps = JUMP_DEVIATIONS / options.dt
@@ -93,12 +93,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
     sensors = {
         "z_tar": Sensor(1, "rad", key="bearing", rate_limit=turning, **angle),
         "z_obs": Sensor(
-            1,
-            "m",
-            key="range",
-            range=(-1.0, LONGEST_RANGE),
-            rate_limit=fastest,
-            **_watched(options),
+            1, "m", key="range", range=(-1.0, LONGEST_RANGE), rate_limit=fastest, **late
         ),
     }
 
@@ -106,16 +101,6 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         sensors["z_dir"] = Sensor(1, "rad", key="obstacle_bearing", **angle)
     sensors["z_elapsed"] = clock()
     return sensors
-
-
-def _watched(options: Options) -> dict[str, Any]:
-    """How old readings may be, and that they change while the agent moves: all are noisy."""
-    latency = options.delay * options.dt
-    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
-    if options.watchdog:
-        gap = MAX_GAP * options.dt
-        watched |= {"max_age": latency + gap, "max_gap": gap, "driven_by": "a"}
-    return watched
 
 
 def _actuator(options: Options, obstacle: Clearance) -> Actuator:

@@ -30,6 +30,7 @@ from aicon_torch.models.picking.options import Hand, Options, Surroundings
 from aicon_torch.parts.grasp import (
     Carrying,
     Grasp,
+    Held,
     approached,
     carried,
     way_from_above,
@@ -93,7 +94,7 @@ def world_model(
 
     # What is first of a circle runs last: held reads the newest x_rel.
     estimators: list[Estimator] = [
-        *(grasp.held(name, by_open_fingers=name in around.handles) for name in things),
+        *(Held(grasp, name, by_open_fingers=name in around.handles) for name in things),
         grasp.gripper,
         tip(size),
     ]

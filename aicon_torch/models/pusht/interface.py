@@ -8,6 +8,7 @@ from torch import Tensor
 from aicon_torch.models.pusht.benchmark import PIXEL, PUSHER_NOISE, WORKSPACE
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.models.pusht.picture import SEEN
+from aicon_torch.models.watched import watched
 from aicon_torch.parts.clock import clock
 from aicon_torch.parts.rigid_object import RigidObject, RigidShape
 from aicon_torch.parts.servo import PositionTarget, Servo
@@ -31,7 +32,8 @@ BEND = 3.0 * PIXEL
 
 def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     """What is read, px in m; pusher and object may be out of sight for a while."""
-    seen = {"optional": True, "scale": PIXEL, "range": BOARD, **_watched(options)}
+    late = watched(options.dt, options.delay, MAX_GAP if options.watchdog else None)
+    seen = {"optional": True, "scale": PIXEL, "range": BOARD, **late}
     size = 2 * len(body.keypoints)
 
     # Keypoints that no rigid object can have are no reading.
@@ -45,8 +47,7 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     if options.picture is None:
         found["z_keypoints"] = Sensor(size, "m", key="environment_state", **rigid, **seen)
     else:
-        watched = {"key": "seen", "optional": True, **_watched(options)}
-        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", **watched)
+        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", key="seen", optional=True, **late)
 
     if options.command == "velocity":  # a place is reached, and held, in a time of its own
         found["z_elapsed"] = clock()
@@ -57,16 +58,6 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
             3, "m, m, rad", key="goal_pose", range=BOARD, scale=scale, **prompt
         )
     return found
-
-
-def _watched(options: Options) -> dict[str, Any]:
-    """How old readings are, and may be."""
-    latency = options.delay * options.dt
-    watched: dict[str, Any] = {"age": latency, "age_key": "age"}
-    if options.watchdog:
-        gap = MAX_GAP * options.dt
-        watched |= {"max_age": latency + gap, "max_gap": gap}
-    return watched
 
 
 def _moving(options: Options) -> dict[str, Any]:

@@ -121,7 +121,7 @@ def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
     # What the network tells of each picture, what the options say of all, or next to nothing.
     noise: Noise = seen_variances
     if options.picture_noise is not None:
-        noise = _variances(options.picture_noise, dynamics.body)
+        noise = dynamics.body.pose_variances(options.picture_noise)
     if not options.estimation:
         noise = UNFILTERED_NOISE**2
     return EKF(
@@ -140,13 +140,7 @@ def _process_noise(options: Options, dynamics: ContactDynamics) -> Noise:
     if options.push_noise:
         pushed = PoseMotion(dynamics, PUSHER_RADIUS)
         return PushNoise(pushed, PROCESS_NOISE, options.push_noise)
-    return _variances(PROCESS_NOISE, dynamics.body)
-
-
-def _variances(deviation: float, body: RigidObject) -> tuple[float, float, float]:
-    """Of a pose, whose corners are all about as unsure, m² and rad²."""
-    variance = deviation**2
-    return variance, variance, variance / body.radius_of_gyration**2
+    return dynamics.body.pose_variances(PROCESS_NOISE)
 
 
 def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:

@@ -22,7 +22,6 @@ from aicon_torch.models.reach.body import (
     ball_estimators,
     body,
     bounds,
-    joints,
     obstacle_sensors,
     robot_of,
     speeds_of,
@@ -31,6 +30,7 @@ from aicon_torch.models.reach.options import Options
 from aicon_torch.parts.approach import Approach, ToolAxis
 from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.clock import clock
+from aicon_torch.parts.encoders import joint_filter
 from aicon_torch.parts.end_effector import EndEffector
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.robot import Robot
@@ -137,7 +137,7 @@ def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> li
     assert isinstance(pose, TipPose)
     estimators: list[Estimator] = [
         Deterministic("x_target", _target(pose)),
-        joints(len(robot.chain.names)),
+        joint_filter([0.0] * len(robot.chain.names)),
     ]
 
     # The tip, on its way to the target; along the axis of its tool if the direct way is closed.
