@@ -69,11 +69,7 @@ def check_numbers(name: str, value: ArrayLike, expected: str, count: int) -> lis
     Raises:
         ValueError: If there are not so many, or not all are finite.
     """
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} must be {expected}, got {value!r}") from error
-
+    array = _to_floats(value, f"{name} must be {expected}")
     if array.shape != (count,) or not np.isfinite(array).all():
         raise ValueError(f"{name} must be {expected}, got {value!r}")
 
@@ -97,6 +93,15 @@ def check_integer(name: str, value: Any, least: int) -> int:
     return number
 
 
+def check_size(name: str, width: int, height: int) -> tuple[int, int]:
+    """Return (width, height) of a picture, px.
+
+    Raises:
+        ValueError: If one is not an integer >= 1.
+    """
+    return check_integer(f"{name}_width", width, 1), check_integer(f"{name}_height", height, 1)
+
+
 def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> FloatArray:
     """Return an action as float64.
 
@@ -109,11 +114,7 @@ def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> Flo
         ValueError: If it is no array of numbers of this shape, or not finite.
     """
     expected = f"action must be {meaning} of shape {shape}"
-    try:
-        command = np.asarray(action, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{expected}, got {action!r}") from error
-
+    command = _to_floats(action, expected)
     if command.shape != shape:
         raise ValueError(f"{expected}, got shape {command.shape}")
     if not np.isfinite(command).all():
@@ -186,15 +187,19 @@ def check_vertices(name: str, value: ArrayLike, unit: str) -> FloatArray:
         ValueError: If they are not three or more pairs of finite numbers.
     """
     expected = f"{name} must be at least three vertices (x, y) in {unit}, shape (n, 2), all finite"
-    try:
-        vertices = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{expected}; got {value!r}") from error
-
+    vertices = _to_floats(value, expected)
     is_list_of_vertices = vertices.ndim == 2 and vertices.shape[1] == 2 and len(vertices) >= 3
     if not is_list_of_vertices or not np.isfinite(vertices).all():
-        raise ValueError(f"{expected}; got {value!r}")
+        raise ValueError(f"{expected}, got {value!r}")
     return vertices
+
+
+def _to_floats(value: ArrayLike, expected: str) -> FloatArray:
+    """Return numbers as an array; where they are none, an error says what was expected."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{expected}, got {value!r}") from error
 
 
 def check_option_names(options: Mapping[str, Any], valid: Iterable[str]) -> None:

@@ -9,7 +9,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from aicon_envs.arm_push.rendering import Camera
-from aicon_envs.checks import check_integer, check_render_mode
+from aicon_envs.checks import check_render_mode, check_size
 
 
 class Simulated(Protocol):
@@ -38,10 +38,7 @@ class ArmEnv(gym.Env[dict[str, NDArray[Any]], NDArray[np.float32]], Generic[Worl
     def __init__(self, render_mode: str | None, render_width: int, render_height: int) -> None:
         """Check how pictures are rendered."""
         self.render_mode = check_render_mode(render_mode)
-        self._render_size = (
-            check_integer("render_width", render_width, 1),
-            check_integer("render_height", render_height, 1),
-        )
+        self._render_size = check_size("render", render_width, render_height)
         self._cameras: dict[str, Camera] = {}
 
     @property

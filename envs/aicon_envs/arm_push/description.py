@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from aicon_envs.arm_push import robot
-from aicon_envs.arm_push.capsules import robot_capsules, tool_capsules
+from aicon_envs.arm_push.capsules import robot_capsules, to_matrix, tool_capsules
 from aicon_envs.arm_push.inverse_kinematics import home_of, range_of_tip
 from aicon_envs.arm_push.reset import CONTACT_HEIGHT
 from aicon_envs.arrays import FloatArray
@@ -84,7 +84,7 @@ def _body_transform(model: mujoco.MjModel, number: int) -> FloatArray:
     """Return the transform ``(4, 4)`` of a body in its parent."""
     body = model.body(number)
     transform = np.eye(4)
-    transform[:3, :3] = _to_matrix(body.quat)
+    transform[:3, :3] = to_matrix(body.quat)
     transform[:3, 3] = body.pos
     return transform
 
@@ -95,7 +95,7 @@ def _camera_transform(model: mujoco.MjModel, name: str) -> FloatArray:
     from_mujoco = np.diag([1.0, -1.0, -1.0])  # whose cameras look along -z with y up
 
     transform = np.eye(4)
-    transform[:3, :3] = _to_matrix(model.cam_quat[number]) @ from_mujoco
+    transform[:3, :3] = to_matrix(model.cam_quat[number]) @ from_mujoco
     transform[:3, 3] = model.cam_pos[number]
     return transform
 
@@ -107,12 +107,6 @@ def _intrinsics(
     field_of_view = math.radians(model.cam_fovy[model.camera(name).id])
     focal_length = height / 2 / math.tan(field_of_view / 2)
     return focal_length, (width - 1) / 2, (height - 1) / 2, float(width), float(height)
-
-
-def _to_matrix(quaternion: FloatArray) -> FloatArray:
-    matrix = np.zeros(9)
-    mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)
 
 
 def _to_rows(matrix: FloatArray) -> tuple[tuple[float, ...], ...]:

@@ -71,7 +71,7 @@ def equip_robot(spec: mujoco.MjSpec, arm: Robot, description: Description) -> No
 
     # ... and what is at its flange.
     tool = _add_tool(spec, arm.tip)
-    _add_camera(tool)
+    tool.add_camera(name="hand", pos=list(CAMERA), quat=_camera_rotation(), fovy=FIELD_OF_VIEW)
     _add_wrist_sensor(spec)
     for first, second in _excluded_contacts(arm):
         spec.add_exclude(bodyname1=first, bodyname2=second)
@@ -178,10 +178,6 @@ def _add_tool(spec: mujoco.MjSpec, flange: str) -> mujoco.MjsBody:
         conaffinity=groups.FREE,
     )
     return tool
-
-
-def _add_camera(tool: mujoco.MjsBody) -> None:
-    tool.add_camera(name="hand", pos=list(CAMERA), quat=_camera_rotation(), fovy=FIELD_OF_VIEW)
 
 
 def _camera_rotation() -> FloatArray:

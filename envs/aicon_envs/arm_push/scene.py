@@ -151,8 +151,8 @@ def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float
             condim=4,
         )
 
-    # The reference marker, a dot on top.
-    x, y = _marker_position(object)
+    # The reference marker, a dot on top, in the middle of the first part.
+    x, y = object.parts[0].mean(axis=0).tolist()
     body.add_geom(
         name="marker",
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -183,12 +183,6 @@ def _add_target(spec: mujoco.MjSpec, object: Prism) -> None:
 
 def _mesh_name(index: int) -> str:
     return f"part{index}"
-
-
-def _marker_position(object: Prism) -> tuple[float, float]:
-    """Return where the reference marker is on the object, m: the middle of its first part."""
-    x, y = object.parts[0].mean(axis=0).tolist()
-    return x, y
 
 
 def _area(polygon: FloatArray) -> float:

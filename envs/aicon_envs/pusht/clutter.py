@@ -1,7 +1,7 @@
 """Pictures that show less, or more, than the task: shapes that distract, and covers."""
 
 import math
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import gymnasium as gym
 import numpy as np
@@ -9,6 +9,7 @@ from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
 from aicon_envs.arrays import BoolArray
+from aicon_envs.checks import check_choice
 from aicon_envs.pusht.spaces import PIXELS, Action, Observation
 from aicon_envs.pusht.wrappers import ImperfectSensor
 
@@ -39,8 +40,7 @@ class Clutter(ImperfectSensor, RecordConstructorArgs):
         """Wrap an environment."""
         RecordConstructorArgs.__init__(self, kind=kind)
         super().__init__(env)
-        if kind not in ("distractors", "covered", "hidden"):
-            raise ValueError(f"kind={kind!r}: expected 'distractors', 'covered' or 'hidden'")
+        check_choice("kind", kind, get_args(Kind))
         if PIXELS not in getattr(env.observation_space, "spaces", {}):
             raise ValueError("clutter is drawn into pictures: expected obs_type='pixels_agent_pos'")
         self._kind = kind

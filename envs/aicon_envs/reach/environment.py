@@ -10,13 +10,7 @@ from numpy.typing import ArrayLike
 from aicon_envs.arm_push.arm_env import ArmEnv
 from aicon_envs.arm_push.spaces import Observation, action_space
 from aicon_envs.arrays import FloatArray
-from aicon_envs.checks import (
-    check_action,
-    check_choice,
-    check_integer,
-    check_number,
-    check_numbers,
-)
+from aicon_envs.checks import check_action, check_choice, check_integer, check_number, check_numbers
 from aicon_envs.reach.reset import EpisodeDrawer, EpisodeStart, Start
 from aicon_envs.reach.robots import Robot, find_file, find_home, resolve_robot
 from aicon_envs.reach.scene import build_scene

@@ -1,7 +1,7 @@
 """How far the robot is from itself and from the balls, by MuJoCo's own collision detection."""
 
 import copy
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import mujoco
 
@@ -11,11 +11,19 @@ SIGHT = 0.05
 """Gaps are measured up to this, m."""
 
 
+Some = TypeVar("Some", bound=NamedTuple)
+
+
 class Gaps(NamedTuple):
     """Smallest gaps, m: at most `SIGHT`, and below 0 where something touches."""
 
     to_itself: float
     to_balls: float
+
+
+def smaller(one: Some, other: Some) -> Some:
+    """The smaller gap of each kind."""
+    return one._make(map(min, one, other))
 
 
 def seeing_near(model: mujoco.MjModel) -> mujoco.MjModel:

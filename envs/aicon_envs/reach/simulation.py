@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from aicon_envs.arrays import FloatArray
-from aicon_envs.reach.gaps import SIGHT, GapMeter, Gaps
+from aicon_envs.reach.gaps import SIGHT, GapMeter, Gaps, smaller
 from aicon_envs.reach.scene import Scene
 
 CONTROL_STEP = 0.02
@@ -80,14 +80,14 @@ class Simulation:
 
             mujoco.mj_step(self.scene.model, data)
             if data.ncon:
-                nearest = _smaller(nearest, self._measure.near(data))
+                nearest = smaller(nearest, self._measure.near(data))
             margin = min(margin, self._margin())
 
         # Anti-windup: what blocks a joint does not make its servo push harder and harder.
         joints = self.joints
         np.clip(data.act, joints - WINDUP, joints + WINDUP, out=data.act)
 
-        self.gaps = _smaller(nearest, self.measure(joints, balls))
+        self.gaps = smaller(nearest, self.measure(joints, balls))
         self.limit_margin = margin
 
     def measure(self, joints: FloatArray, balls: FloatArray) -> Gaps:
@@ -142,7 +142,3 @@ class Simulation:
         joints = self.data.qpos[self._positions]
         above, below = joints - self.scene.low, self.scene.high - joints
         return float(np.minimum(above, below).min())
-
-
-def _smaller(one: Gaps, other: Gaps) -> Gaps:
-    return Gaps(min(one.to_itself, other.to_itself), min(one.to_balls, other.to_balls))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from aicon_envs.checks import check_choice
 from aicon_envs.nav2d.maps.checks import is_valid
 from aicon_envs.nav2d.maps.clutter import clutter, random_unions
 from aicon_envs.nav2d.maps.enclosures import (
@@ -48,10 +49,7 @@ def check_map_name(name: str) -> str:
     Raises:
         ValueError: If no class of maps has this name; the message lists the valid ones.
     """
-    valid = (*MAP_NAMES, *_ALIASES, _MIXED)
-    if name not in valid:
-        raise ValueError(f"map must be one of {', '.join(valid)}; got {name!r}")
-
+    check_choice("map", name, (*MAP_NAMES, *_ALIASES, _MIXED))
     return name
 
 
