@@ -8,9 +8,9 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import stop
-from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.joint_product import Transform
+from aicon_torch.parts.validation import check_choice
 
 Steering = Literal["heading", "orientation", "all"]
 
@@ -65,10 +65,8 @@ class CameraFrame(nn.Module):
 
     def __init__(self, pose: ToolPose, mount: Transform, steering: Steering = "all") -> None:
         super().__init__()
-        if steering not in STEERED_COMPONENTS:
-            valid = choices(STEERED_COMPONENTS)
-            raise OptionError(f"steering={steering!r}: expected one of {valid}.")
-        self.pose = pose
+        self.pose, self.steering = pose, steering
+        check_choice(self, "steering", tuple(STEERED_COMPONENTS))
         self.register_buffer("steered", torch.tensor(STEERED_COMPONENTS[steering]))
         self.register_buffer("mount", torch.tensor(mount, dtype=torch.float64))
 

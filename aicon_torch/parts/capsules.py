@@ -17,12 +17,7 @@ from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml, read_urdf
 from aicon_torch.parts.descriptions.collision import CollisionGeometry, read_collision_geometry
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.self_collision import (
-    Capsule,
-    CapsuleSegments,
-    SelfCollision,
-    distant_pairs,
-)
+from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision, distant_pairs
 
 Pair = tuple[int, int]
 

@@ -16,13 +16,7 @@ from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.models.arm_push.arm import arm, hand
-from aicon_torch.models.arm_push.goals import (
-    CertainPush,
-    PushWithinReach,
-    Ring,
-    off_height,
-    tilt,
-)
+from aicon_torch.models.arm_push.goals import CertainPush, PushWithinReach, Ring, off_height, tilt
 from aicon_torch.models.arm_push.image_registration import ImageRegistration
 from aicon_torch.models.arm_push.limits import JOINT_SPEED, TIP_SPEED, ArmLimits
 from aicon_torch.models.arm_push.options import Options

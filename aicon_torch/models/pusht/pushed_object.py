@@ -22,12 +22,7 @@ from aicon_torch.models.pusht.options import Options
 from aicon_torch.models.pusht.picture import first_sight, seen_off, seen_variances
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.keypoint_offset import KeypointOffset
-from aicon_torch.parts.pose import (
-    KeypointRegistration,
-    PoseMotion,
-    PushNoise,
-    resting_pose,
-)
+from aicon_torch.parts.pose import KeypointRegistration, PoseMotion, PushNoise, resting_pose
 from aicon_torch.parts.rigid_object import RigidObject
 
 UNFILTERED_NOISE = 1e-6 * PIXEL
