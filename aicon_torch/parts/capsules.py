@@ -103,7 +103,8 @@ class Capsules:
 
         # Pairs of them that may come near each other, as far as the joints' ranges let them.
         chain = Chain.from_path(path)
-        candidates = _candidates(capsules, links, disabled)
+        apart = distant_pairs(capsules, free_links=1)  # neighbours touch at their joint
+        candidates = [(j, i) for i, j in apart if frozenset((links[i], links[j])) not in disabled]
         if len(candidates) > MOST_PAIRS:
             raise OptionError(
                 f"The robot's {len(capsules)} capsules make {len(candidates)} pairs that may meet: "
@@ -195,15 +196,6 @@ def _placed(segment: Segment, number: int, transform: NDArray[Any]) -> Capsule:
     moved = segment.moved(transform)
     (x, y, z), (u, v, w) = moved.start.tolist(), moved.end.tolist()
     return Capsule(number, (x, y, z), (u, v, w), segment.radius)
-
-
-def _candidates(
-    capsules: Sequence[Capsule], links: Sequence[str], disabled: set[frozenset[str]]
-) -> list[Pair]:
-    """The pairs on links that move against each other by more than one joint."""
-    # Neighbours in the chain touch each other at their joint.
-    apart = distant_pairs(capsules, free_links=1)
-    return [(j, i) for i, j in apart if frozenset((links[i], links[j])) not in disabled]
 
 
 def _that_can_meet(

@@ -5,7 +5,7 @@ from torch import Tensor, nn
 from aicon_torch.differentiation import stop
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.interconnections import Interconnection
-from aicon_torch.models.arm_push.options import REACTION, Options
+from aicon_torch.models.arm_push.options import REACTION
 from aicon_torch.models.arm_push.scene import Scene
 from aicon_torch.parts.camera import CameraFrame
 from aicon_torch.parts.encoders import joint_filter
@@ -21,13 +21,19 @@ def arm(scene: Scene) -> list[Estimator]:
     """Joints and end effector, the stick as pushT's pusher, and the shape of the arm."""
     options = scene.options
 
+    # Where readings are late, what the joints made of their command has moved them; prompt ones
+    # correct at every step what the lag did.
+    middle = options.robot.chain.middle.tolist()
+    velocity = "v_joints" if options.is_late else "a"
+    lag = [VelocityLag(len(middle), REACTION)] if options.is_late else []
+
     # The way of the tip, from how the joints have moved.
     tip_motion = TipMotion(scene.end_effector, options.parts)
-    motion = Interconnection(tip_motion, inputs=["x_joints", moved_by(options), "dt"])
+    motion = Interconnection(tip_motion, inputs=["x_joints", velocity, "dt"])
 
     estimators: list[Estimator] = [
-        *lag(options),
-        joint_filter(options.robot.chain.middle.tolist(), moved_by(options), options.delay),
+        *lag,
+        joint_filter(middle, velocity, options.delay),
         Deterministic("x_ee", scene.end_effector),
         Deterministic("x_pusher", planar_position),
         Deterministic("d_pusher", motion),
@@ -54,16 +60,6 @@ def hand(scene: Scene) -> list[Estimator]:
     if delay:
         estimators.append(Recent("z_joints", delay))
     return estimators
-
-
-def lag(options: Options) -> list[Estimator]:
-    """v_joints, where readings are late: prompt ones correct at every step what a lag did."""
-    return [VelocityLag(len(options.robot.chain.names), REACTION)] if options.is_late else []
-
-
-def moved_by(options: Options) -> str:
-    """What has moved the joints: their command, or where readings are late what they made of it."""
-    return "v_joints" if options.is_late else "a"
 
 
 def planar_position(x_ee: Tensor) -> Tensor:

@@ -75,17 +75,17 @@ def _transform(model: mujoco.MjModel, above: int, below: int) -> FloatArray:
     """
     transform = np.eye(4)
     while below != above:
-        transform = _body_transform(model, below) @ transform
+        body = model.body(below)
+        transform = _homogeneous(to_matrix(body.quat), body.pos) @ transform
         below = int(model.body_parentid[below])
     return transform
 
 
-def _body_transform(model: mujoco.MjModel, number: int) -> FloatArray:
-    """Return the transform ``(4, 4)`` of a body in its parent."""
-    body = model.body(number)
+def _homogeneous(rotation: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the transform ``(4, 4)`` of a rotation ``(3, 3)`` and a position ``(3,)``, m."""
     transform = np.eye(4)
-    transform[:3, :3] = to_matrix(body.quat)
-    transform[:3, 3] = body.pos
+    transform[:3, :3] = rotation
+    transform[:3, 3] = position
     return transform
 
 
@@ -93,11 +93,8 @@ def _camera_transform(model: mujoco.MjModel, name: str) -> FloatArray:
     """Return the transform ``(4, 4)`` of a camera in its body, z into the image and y down."""
     number = model.camera(name).id
     from_mujoco = np.diag([1.0, -1.0, -1.0])  # whose cameras look along -z with y up
-
-    transform = np.eye(4)
-    transform[:3, :3] = to_matrix(model.cam_quat[number]) @ from_mujoco
-    transform[:3, 3] = model.cam_pos[number]
-    return transform
+    rotation = to_matrix(model.cam_quat[number]) @ from_mujoco
+    return _homogeneous(rotation, model.cam_pos[number])
 
 
 def _intrinsics(

@@ -70,7 +70,9 @@ def make_map(name: str, rng: np.random.Generator) -> NavigationMap:
     """
     name = _ALIASES.get(check_map_name(name), name)
     if name == _MIXED:
-        name = _draw_class(rng)
+        # From a child of `rng`, whose own stream stays untouched.
+        (child,) = rng.spawn(1)
+        name = MAP_NAMES[int(child.integers(len(MAP_NAMES)))]
 
     # Rejection sampling: the next attempt goes on with the same stream.
     for _ in range(_MAX_ATTEMPTS):
@@ -81,9 +83,3 @@ def make_map(name: str, rng: np.random.Generator) -> NavigationMap:
             return NavigationMap(name, to_vertices(layout.solid), layout.start, layout.target)
 
     raise RuntimeError(f"no valid map of class {name} in {_MAX_ATTEMPTS} attempts")
-
-
-def _draw_class(rng: np.random.Generator) -> str:
-    """Draw the class of a mixed map from a child of `rng`, whose own stream stays untouched."""
-    (child,) = rng.spawn(1)
-    return MAP_NAMES[int(child.integers(len(MAP_NAMES)))]
