@@ -133,26 +133,6 @@ def copy_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     return dict(options or {})
 
 
-def check_argument_names(kind: type, given: Iterable[str], valid: Iterable[str]) -> None:
-    """Check the names of arguments that an environment passes on.
-
-    Args:
-        kind: The environment, whose own arguments the message lists as well.
-        given: The names.
-        valid: Those that are right.
-
-    Raises:
-        TypeError: If one is unknown; the message lists the valid ones.
-    """
-    valid = tuple(valid)
-    unknown = sorted(set(given) - set(valid))
-    if unknown:
-        parameters = inspect.signature(kind).parameters.values()
-        own = [each.name for each in parameters if each.kind is not each.VAR_KEYWORD]
-        named = ", ".join((*own, *valid))
-        raise TypeError(f"unknown argument {', '.join(unknown)}; valid arguments are {named}")
-
-
 def fields_of(kind: type[Fields], given: Mapping[str, Any], env: type) -> Fields:
     """Return a dataclass whose fields are further arguments of an environment.
 
@@ -162,10 +142,15 @@ def fields_of(kind: type[Fields], given: Mapping[str, Any], env: type) -> Fields
         env: The environment that they were given to.
 
     Raises:
-        TypeError: If a name is unknown; the message lists the valid ones.
+        TypeError: If a name is unknown; the message lists the valid ones, the environment's too.
     """
     names = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]  # it is one
-    check_argument_names(env, given, names)
+    unknown = sorted(set(given) - set(names))
+    if unknown:
+        parameters = inspect.signature(env).parameters.values()
+        own = [each.name for each in parameters if each.kind is not each.VAR_KEYWORD]
+        named = ", ".join((*own, *names))
+        raise TypeError(f"unknown argument {', '.join(unknown)}; valid arguments are {named}")
     return kind(**given)
 
 
