@@ -301,7 +301,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
             "is_success": distance < SUCCESS_DISTANCE and angle < SUCCESS_ANGLE,
             "collision": simulation.collides,
             "fallen": simulation.fallen,
-            "limit_margin": simulation.limit_margin,
+            "limit_margin": simulation.margin(),
             "self_distance": simulation.self_distance,
         }
 
