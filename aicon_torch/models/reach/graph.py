@@ -75,7 +75,7 @@ def world_model(options: Options) -> WorldModel:
     return WorldModel(
         sensors=_sensors(options, robot),
         actuators={"a": _actuator(options, robot, end_effector)},
-        estimators=_estimators(options, robot, end_effector),
+        estimators=_estimators(options, robot, pose, end_effector),
         goals=[Goal("reach", PoseReach(pose, options.tolerance)), *bounds(options, robot)],
         dt=options.dt,
         clock="z_elapsed",
@@ -131,10 +131,10 @@ def _typical(speeds: tuple[float, ...]) -> float:
     return sorted(speeds)[(len(speeds) - 1) // 2]
 
 
-def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> list[Estimator]:
+def _estimators(
+    options: Options, robot: Robot, pose: TipPose, end_effector: EndEffector
+) -> list[Estimator]:
     """Target, joints, end effector, and the body if it has a shape."""
-    pose = end_effector.pose
-    assert isinstance(pose, TipPose)
     estimators: list[Estimator] = [
         Deterministic("x_target", _target(pose)),
         joint_filter([0.0] * len(robot.chain.names)),
