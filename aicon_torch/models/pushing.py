@@ -9,6 +9,7 @@ Nothing says in which order. What a world adds is its :class:`Hand` and the thin
 :class:`~aicon_torch.parts.RoundObject`.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -65,7 +66,7 @@ class Options:
     law: ActionLaw = field(default_factory=Foresight)
 
 
-PRESETS: dict[str, dict[str, Any]] = {
+PRESETS: Mapping[str, Mapping[str, Any]] = {
     "aicon": {},
     "without_exploration": {"resolution.exploration": None},
     "weighted_sum": {"resolution.projector": "none"},

@@ -1,34 +1,18 @@
-"""What a model's watchdog asks of readings that may come late."""
+"""What the watchdog asks of readings that may be late."""
 
-from typing import Any, Protocol
-
-
-class WatchedOptions(Protocol):
-    """The options that tell how late readings are."""
-
-    @property
-    def dt(self) -> float:
-        """Time step, s."""
-
-    @property
-    def delay(self) -> int:
-        """How late readings are, steps."""
-
-    @property
-    def watchdog(self) -> bool:
-        """Whether missing readings are watched."""
+from typing import Any
 
 
-def watched(options: WatchedOptions, most: float) -> dict[str, Any]:
-    """Arguments of a sensor: how old its readings are, and how old they may be.
+def watched(dt: float, delay: int, gap: float | None) -> dict[str, Any]:
+    """How old readings are, and may be: for :class:`aicon_torch.Sensor`.
 
     Args:
-        options: The options of the model.
-        most: Steps without a reading after which actions decay.
+        dt: Time step, s.
+        delay: The age that is made up for, steps.
+        gap: For how many steps none need come; None where nothing is watched.
     """
-    latency = options.delay * options.dt
-    ages: dict[str, Any] = {"age": latency, "age_key": "age"}
-    if options.watchdog:
-        gap = most * options.dt
-        ages |= {"max_age": latency + gap, "max_gap": gap}
-    return ages
+    latency = delay * dt
+    told: dict[str, Any] = {"age": latency, "age_key": "age"}
+    if gap is not None:
+        told |= {"max_age": latency + gap * dt, "max_gap": gap * dt}
+    return told

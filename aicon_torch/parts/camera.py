@@ -2,26 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import stop
-from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.joint_product import Transform
+from aicon_torch.parts.validation import check_choice
 
 Steering = Literal["heading", "orientation", "all"]
 
-STEERED_COMPONENTS: Mapping[Steering, tuple[bool, ...]] = MappingProxyType(
-    {
-        "heading": (False, False, True, False, False, True),
-        "orientation": (False, False, True, True, True, True),
-        "all": (True, True, True, True, True, True),
-    }
-)
+STEERED_COMPONENTS: Mapping[Steering, tuple[bool, ...]] = {
+    "heading": (False, False, True, False, False, True),
+    "orientation": (False, False, True, True, True, True),
+    "all": (True, True, True, True, True, True),
+}
 """Components of x_ee that move in order to see better: height and heading, the tilt too, or all."""
 
 
@@ -68,10 +65,8 @@ class CameraFrame(nn.Module):
 
     def __init__(self, pose: ToolPose, mount: Transform, steering: Steering = "all") -> None:
         super().__init__()
-        if steering not in STEERED_COMPONENTS:
-            valid = choices(STEERED_COMPONENTS)
-            raise OptionError(f"steering={steering!r}: expected one of {valid}.")
-        self.pose = pose
+        self.pose, self.steering = pose, steering
+        check_choice(self, "steering", tuple(STEERED_COMPONENTS))
         self.register_buffer("steered", torch.tensor(STEERED_COMPONENTS[steering]))
         self.register_buffer("mount", torch.tensor(mount, dtype=torch.float64))
 

@@ -17,7 +17,7 @@ from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml, read_urdf
 from aicon_torch.parts.descriptions.collision import CollisionGeometry, read_collision_geometry
 from aicon_torch.parts.hinge import SquaredHinge
-from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision
+from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision, distant_pairs
 
 Pair = tuple[int, int]
 
@@ -103,7 +103,8 @@ class Capsules:
 
         # Pairs of them that may come near each other, as far as the joints' ranges let them.
         chain = Chain.from_path(path)
-        candidates = _candidates(capsules, links, disabled)
+        apart = distant_pairs(capsules, free_links=1)  # neighbours touch at their joint
+        candidates = [(j, i) for i, j in apart if frozenset((links[i], links[j])) not in disabled]
         if len(candidates) > MOST_PAIRS:
             raise OptionError(
                 f"The robot's {len(capsules)} capsules make {len(candidates)} pairs that may meet: "
@@ -195,20 +196,6 @@ def _placed(segment: Segment, number: int, transform: NDArray[Any]) -> Capsule:
     moved = segment.moved(transform)
     (x, y, z), (u, v, w) = moved.start.tolist(), moved.end.tolist()
     return Capsule(number, (x, y, z), (u, v, w), segment.radius)
-
-
-def _candidates(
-    capsules: Sequence[Capsule], links: Sequence[str], disabled: set[frozenset[str]]
-) -> list[Pair]:
-    """The pairs on links that move against each other by more than one joint."""
-    pairs: list[Pair] = []
-    for i, capsule in enumerate(capsules):
-        for j, other in enumerate(capsules[:i]):
-            # Neighbours in the chain touch each other at their joint.
-            is_disabled = frozenset((links[i], links[j])) in disabled
-            if abs(capsule.link - other.link) > 1 and not is_disabled:
-                pairs.append((j, i))
-    return pairs
 
 
 def _that_can_meet(

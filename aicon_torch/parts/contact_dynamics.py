@@ -79,7 +79,11 @@ class ContactDynamics:
         arm = points - pose[..., None, :2]
         lever = cross(arm, normals)
         if self.effect == "quasi_static":
-            return self._quasi_static_effects(lever, normals)
+            direction, turn = self._direction(lever, normals)
+
+            # At unit length, where a turn by one rad is as long as L.
+            length = torch.sqrt(1 + (self.rotation_length * turn) ** 2)
+            return direction / length.unsqueeze(-1)
 
         # The text's angle α between the normal and the line to the centre.
         angle = torch.atan2(lever, -(arm * normals).sum(-1))
@@ -97,16 +101,12 @@ class ContactDynamics:
             (x, y, θ) by m, ``(*B, N, 3)``, the last in rad/m.
         """
         lever = cross(points - pose[..., None, :2], normals)
-        turn = lever / self.body.radius_of_gyration**2
+        direction, turn = self._direction(lever, normals)
 
         # This direction moves the contact by 1 + λ · λ/r² along n, and a push of one metre by one.
-        direction = torch.cat((normals, turn.unsqueeze(-1)), dim=-1)
         return direction / (1 + lever * turn).unsqueeze(-1)
 
-    def _quasi_static_effects(self, lever: Tensor, normals: Tensor) -> Tensor:
+    def _direction(self, lever: Tensor, normals: Tensor) -> tuple[Tensor, Tensor]:
+        """(n, λ/r²), ``(*B, N, 3)``, and λ/r² alone, rad/m."""
         turn = lever / self.body.radius_of_gyration**2
-        direction = torch.cat((normals, turn.unsqueeze(-1)), dim=-1)
-
-        # At unit length, where a turn by one rad is as long as L.
-        length = torch.sqrt(1 + (self.rotation_length * turn) ** 2)
-        return direction / length.unsqueeze(-1)
+        return torch.cat((normals, turn.unsqueeze(-1)), dim=-1), turn

@@ -8,9 +8,9 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import is_hop, learns
-from aicon_torch.errors import OptionError, choices
 from aicon_torch.parts.approach import ToolAxis
 from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.validation import check_choice, check_positive
 
 Pullback = Literal["natural", "transpose"]
 """Which joint gradient stands for a gradient of the end effector: see :class:`EndEffector`."""
@@ -138,14 +138,12 @@ class EndEffector(nn.Module):
         advance: ToolAxis | None = None,
     ) -> None:
         super().__init__()
-        if pullback not in get_args(Pullback):
-            valid = choices(get_args(Pullback))
-            raise OptionError(f"pullback={pullback!r}: expected one of {valid}.")
-        if turns_within is not None and not turns_within > 0:
-            raise OptionError(f"turns_within={turns_within!r}: expected a distance > 0 (m).")
         self.chain, self.pose = chain, pose
         self.pullback, self.damping, self.turns_within = pullback, damping, turns_within
         self.advance = advance
+        check_choice(self, "pullback", get_args(Pullback))
+        if turns_within is not None:
+            check_positive(self, ("turns_within",))
 
     def forward(
         self, x_joints: Tensor, x_target: Tensor | None = None, x_approach: Tensor | None = None
@@ -203,8 +201,7 @@ class EndEffector(nn.Module):
             solution = jacobian.mT @ self._solve_damped(jacobian @ jacobian.mT, column)
         else:
             solution = self._solve_damped(jacobian.mT @ jacobian, jacobian.mT @ column)
-        joint_motion: Tensor = solution.squeeze(-1)
-        return joint_motion
+        return solution.squeeze(-1)
 
     def _solve_damped(self, square: Tensor, column: Tensor) -> Tensor:
         """(S + λ²I)⁻¹ c, ``(*B, m, 1)``, for a symmetric S ``(*B, m, m)``."""

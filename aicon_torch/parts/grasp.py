@@ -24,13 +24,13 @@ STEEPNESS = 4.0
 """How steeply the way leads up from an object's side, no unit."""
 
 
-def from_above(
+def way_from_above(
     offset: Tensor, slack: float, clearance: float, lacking: Tensor | None = None
 ) -> Tensor:
-    """How far above a place one aims that comes to it from above, h e_z, ``(*B, n)``, m.
+    """How far it is to a place to which one comes from above, ‖Δ − h e_z‖, ``(*B,)``, m.
 
-    h = min(c, 4 max(0, ‖Δ_xy‖ − r, w)): it rises while it is beside the place, or has no room for
-    what stands there, and sinks as it comes.
+    It is aimed above the place by h = min(c, 4 max(0, ‖Δ_xy‖ − r, w)): that rises while one is
+    beside the place, or has no room for what stands there, and sinks as one comes.
 
     Args:
         offset: Δ, from the place, ``(*B, n)``, m, where x, y and z come first.
@@ -44,21 +44,7 @@ def from_above(
 
     above = (STEEPNESS * beside).clamp(0.0, clearance)
     above = stop(above)  # stops the gradient: where to aim is no goal
-    return above.unsqueeze(-1) * upward(offset)
-
-
-def way_from_above(
-    offset: Tensor, slack: float, clearance: float, lacking: Tensor | None = None
-) -> Tensor:
-    """How far it is to a place to which one comes from above, ‖Δ − h e_z‖, ``(*B,)``, m.
-
-    Args:
-        offset: As for :func:`from_above`.
-        slack: Likewise.
-        clearance: Likewise.
-        lacking: Likewise.
-    """
-    return norm(offset - from_above(offset, slack, clearance, lacking))
+    return norm(offset - above.unsqueeze(-1) * upward(offset))
 
 
 def upward(offset: Tensor) -> Tensor:
@@ -163,10 +149,6 @@ class Grasp:
         share = norm(self._offset(x_rel)) / length
         likely = torch.exp(-(share**6))
         return stop(likely).unsqueeze(-1)  # stops the gradient: it weighs, and is no goal
-
-    def held(self, name: str = "", by_open_fingers: bool = False) -> "Held":
-        """The estimator of p_held, of one object of several by what its names end with."""
-        return Held(self, name, by_open_fingers)
 
     def _offset(self, x_rel: Tensor) -> Tensor:
         """Δ, like x_rel, m."""

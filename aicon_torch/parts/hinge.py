@@ -1,10 +1,22 @@
 """The cost of coming too near: nothing beyond a margin, growing with the square within it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from torch import Tensor
 
 from aicon_torch.parts.validation import check_not_negative, check_positive
+
+
+class Margin:
+    """A cost of distances: as a safety goal, what is left of each beyond the margin is its gap."""
+
+    cost: "SquaredHinge"
+    distances: Callable[..., Tensor]
+
+    def gaps(self, *values: Tensor) -> Tensor:
+        """How far each distance is from where it costs something, dᵢ − d₀, ``(*B, n)``."""
+        return self.distances(*values) - self.cost.margin
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.hinge import Margin, SquaredHinge
 
 
-class JointLimits(nn.Module):
+class JointLimits(Margin, nn.Module):
     """g = w Σᵢ max(0, 1 − mᵢ/m₀)², where mᵢ is the distance of joint i to its nearer limit.
 
     The paper's g₃ = p_limit(x_joints).
@@ -49,10 +49,6 @@ class JointLimits(nn.Module):
     def forward(self, x_joints: Tensor) -> Tensor:
         """The cost ``(*B,)`` of the joint angles ``(*B, n)``, rad."""
         return self.cost(self.distances(x_joints))
-
-    def gaps(self, x_joints: Tensor) -> Tensor:
-        """How far each joint is from where it costs something, mᵢ − m₀, ``(*B, n)``, rad."""
-        return self.distances(x_joints) - self.cost.margin
 
     def room(self, x_joints: Tensor) -> tuple[Tensor, Tensor]:
         """How far each joint may turn down and up until that costs something, ``(*B, n)``, rad."""

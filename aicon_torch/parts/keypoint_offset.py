@@ -99,7 +99,7 @@ class KeypointOffset:
     def last_pose(self, x_offset: Tensor, z_keypoints: Tensor) -> Tensor:
         """The residual of the last pose and of the one that is read, ``(*B, 3)``, m and rad."""
         seen = self.body.registration(_points(z_keypoints))
-        return pose_error(x_offset[..., 2:], seen, rotation_length=1.0)
+        return pose_error(x_offset[..., 2:], seen)
 
     def _from_object(self, x_offset: Tensor, z_keypoints: Tensor, z_pusher: Tensor) -> Tensor:
         """From the nearest point of the object to the pusher, ``(*B, 2)``, m."""

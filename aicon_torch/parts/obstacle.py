@@ -7,13 +7,13 @@ from torch import Tensor, nn
 
 from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Affine, Interconnection
-from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.self_collision import Capsule, check_sizes, segment_distance
 from aicon_torch.parts.validation import check_positive
 
 
-class Obstacle(nn.Module):
+class Obstacle(Margin, nn.Module):
     """g = w Σ max(0, 1 − dᵢ/d₀)², where dᵢ is the distance of capsule i to a ball.
 
     Objects of other shapes are :class:`aicon_torch.parts.Solids`.
@@ -53,10 +53,6 @@ class Obstacle(nn.Module):
                 is not read.
         """
         return self.cost(self.distances(x_body, x_obstacle))
-
-    def gaps(self, x_body: Tensor, x_obstacle: Tensor) -> Tensor:
-        """How far each capsule is from where it costs something, dᵢ − d₀, ``(*B, C)``, m."""
-        return self.distances(x_body, x_obstacle) - self.cost.margin
 
     def distances(self, x_body: Tensor, x_obstacle: Tensor) -> Tensor:
         """The distance of each capsule, ``(*B, C)``, m; negative where they overlap."""

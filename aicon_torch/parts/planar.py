@@ -40,7 +40,7 @@ def rotate(vectors: Tensor, angle: Tensor) -> Tensor:
     return torch.stack((cos * x - sin * y, sin * x + cos * y), dim=-1)
 
 
-def pose_error(pose: Tensor, target: Tensor, rotation_length: float) -> Tensor:
+def pose_error(pose: Tensor, target: Tensor, rotation_length: float = 1.0) -> Tensor:
     """(Δx, Δy, L Δθ): from a target to a pose, the rotation as a length and the shorter way round.
 
     Args:
@@ -49,7 +49,7 @@ def pose_error(pose: Tensor, target: Tensor, rotation_length: float) -> Tensor:
         rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
 
     Returns:
-        ``(*B, 3)``, m.
+        ``(*B, 3)``, m; with L = 1 also m and rad, the angle in [−π, π).
     """
     error = pose - target
     angle = wrap_angle(error[..., 2:])

@@ -162,7 +162,7 @@ class KeypointRegistration:
         Returns:
             ``(*B, 3)``, m and rad, the angle in [−π, π).
         """
-        return pose_error(x_pose, self.observed_pose(z_keypoints), rotation_length=1.0)
+        return pose_error(x_pose, self.observed_pose(z_keypoints))
 
     def observed_pose(self, z_keypoints: Tensor) -> Tensor:
         """The pose ``(*B, 3)``, m and rad, that a reading ``(*B, 2K)``, m, shows."""

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.planar import norm, rotate
+from aicon_torch.parts.planar import cross, norm, rotate
 from aicon_torch.parts.validation import numbers
 
 
@@ -81,6 +81,16 @@ class RigidObject:
     def radius(self) -> float:
         """Distance of the farthest corner from the centre of mass, m."""
         return float(torch.linalg.vector_norm(self.keypoints, dim=-1).max())
+
+    def pose_variances(self, deviation: float) -> tuple[float, float, float]:
+        """Variances of x, y and θ, m², m² and rad².
+
+        Args:
+            deviation: Standard deviation of the position, and of a point at the radius of gyration
+                by the rotation, m.
+        """
+        position = deviation**2
+        return position, position, position / self.radius_of_gyration**2
 
     def sides(self, x_keypoints: Tensor) -> Tensor:
         """The sides (start, end) around the object, in the order of the outline.
@@ -210,15 +220,10 @@ def _is_simple(polygon: Tensor) -> bool:
     other_start, other_end = polygon[None], ends[None]
 
     # Two sides cross if each has the ends of the other on different sides of its line.
-    parted = _turn(start, end, other_start) * _turn(start, end, other_end) < 0
-    parts = _turn(other_start, other_end, start) * _turn(other_start, other_end, end) < 0
+    side, other_side = end - start, other_end - other_start
+    parted = cross(side, other_start - start) * cross(side, other_end - start) < 0
+    parts = cross(other_side, start - other_start) * cross(other_side, end - other_start) < 0
     return not bool((parted & parts).any())
-
-
-def _turn(a: Tensor, b: Tensor, c: Tensor) -> Tensor:
-    """(b − a) × (c − a): positive where c is on the left of the line from a to b."""
-    first, second = b - a, c - a
-    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
 def _moments(polygon: Tensor) -> tuple[float, Tensor, float]:
@@ -227,15 +232,15 @@ def _moments(polygon: Tensor) -> tuple[float, Tensor, float]:
     origin = polygon.mean(0)
     starts = polygon - origin
     ends = starts.roll(-1, 0)
-    cross = starts[:, 0] * ends[:, 1] - starts[:, 1] * ends[:, 0]
-    area = float(cross.sum()) / 2
+    products = cross(starts, ends)
+    area = float(products.sum()) / 2
     if area == 0:
         return 0.0, origin, 0.0
 
     # Each side spans a triangle with the origin; sums over the triangles.
-    centroid = ((starts + ends) * cross.unsqueeze(-1)).sum(0) / (6 * area)
+    centroid = ((starts + ends) * products.unsqueeze(-1)).sum(0) / (6 * area)
     squares = (starts * starts + starts * ends + ends * ends).sum(-1)
-    second_moment = float((cross * squares).sum()) / (12 * area)
+    second_moment = float((products * squares).sum()) / (12 * area)
 
     # About the centroid, by the parallel axis theorem.
     return area, centroid + origin, second_moment - float(centroid @ centroid)

@@ -10,7 +10,7 @@ from torch import Tensor, nn
 from aicon_torch.differentiation import stop, values_only
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
-from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.link_points import LinkPoints, Point
 from aicon_torch.parts.planar import norm
 from aicon_torch.vectors import select
@@ -77,7 +77,7 @@ class CapsuleSegments(nn.Module):
         return torch.cat((start, end), dim=-1)
 
 
-class SelfCollision(nn.Module):
+class SelfCollision(Margin, nn.Module):
     """g = w Σ max(0, 1 − d/d₀)² over the pairs of capsules that can meet, d being their distance.
 
     The paper's g₄ = p_collision(x_body).
@@ -125,10 +125,6 @@ class SelfCollision(nn.Module):
         """The cost ``(*B,)`` of the segments ``(*B, C, 6)``, m, or of the joints ``(*B, n)``."""
         return self.cost(self.distances(x_body))
 
-    def gaps(self, x_body: Tensor) -> Tensor:
-        """How far each pair is from where it costs something, d − d₀, ``(*B, pairs)``, m."""
-        return self.distances(x_body) - self.cost.margin
-
     def gap(self, x_body: Tensor, pair: Tensor) -> Tensor:
         """How far one pair is from that, ``(m, *B)``, m, by its number ``(m, *B)``.
 
@@ -173,12 +169,14 @@ def check_sizes(capsules: Sequence[Capsule]) -> None:
             )
 
 
-def distant_pairs(capsules: Sequence[Capsule]) -> list[tuple[int, int]]:
-    """The pairs on links that are no neighbours."""
+def distant_pairs(
+    capsules: Sequence[Capsule], free_links: int = FREE_LINKS
+) -> list[tuple[int, int]]:
+    """The pairs (i, j), i > j, on links that are further apart in the chain than some number."""
     pairs: list[tuple[int, int]] = []
     for i, capsule in enumerate(capsules):
         for j, other in enumerate(capsules[:i]):
-            if abs(capsule.link - other.link) > FREE_LINKS:
+            if abs(capsule.link - other.link) > free_links:
                 pairs.append((i, j))
     return pairs
 

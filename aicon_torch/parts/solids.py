@@ -8,12 +8,13 @@ from typing import Literal, get_args
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.errors import OptionError, choices
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
-from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.self_collision import Capsule, CapsuleSegments
 from aicon_torch.parts.tip_pose import rotation_of_quaternion
+from aicon_torch.parts.validation import check_choice
 from aicon_torch.parts.validation import numbers as finite_numbers
 from aicon_torch.vectors import select
 
@@ -67,8 +68,7 @@ class Solid:
 
     def __post_init__(self) -> None:
         """Check the kind and the numbers."""
-        if self.kind not in LENGTHS:
-            raise OptionError(f"kind={self.kind!r}: expected one of {choices(get_args(Kind))}.")
+        check_choice(self, "kind", get_args(Kind))
         count = LENGTHS[self.kind]
         is_right = isinstance(self.size, Sequence) and len(self.size) == count
         if not (is_right and all(0 < length < math.inf for length in self.size)):
@@ -158,7 +158,7 @@ def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:
     return norm(beyond.clamp(min=0.0)) + inside - radius
 
 
-class Solids(nn.Module):
+class Solids(Margin, nn.Module):
     """g = w Σ max(0, 1 − dᵢⱼ/d₀)², where dᵢⱼ is the distance of capsule i to object j.
 
     It reads the joints, so that the slope of one of many gaps takes one link's motion only.
@@ -204,10 +204,6 @@ class Solids(nn.Module):
             x_obstacles: The objects, ``(*B, 16 N)``, see :class:`Solid`.
         """
         return self.cost(self.distances(x_joints, x_obstacles))
-
-    def gaps(self, x_joints: Tensor, x_obstacles: Tensor) -> Tensor:
-        """How far each capsule is from where it costs something, dᵢⱼ − d₀, ``(*B, N C)``, m."""
-        return self.distances(x_joints, x_obstacles) - self.cost.margin
 
     def gap(self, x_joints: Tensor, x_obstacles: Tensor, which: Tensor) -> Tensor:
         """How far a capsule is from that, ``(m, *B)``, m, by the number of the gap ``(m, *B)``.

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import CapsuleSegments
 
@@ -18,7 +18,7 @@ LEAST_RISE = 0.01
 
 
 @dataclass(frozen=True)
-class Table:
+class Table(Margin):
     """g = w Σ max(0, 1 − dᵢ/d₀)², where dᵢ is how high a link is above the table.
 
     dᵢ = min(z, z') − rᵢ − h for the ends z, z' of the link's capsule and its radius rᵢ.
@@ -73,10 +73,6 @@ class Table:
     def __call__(self, x_body: Tensor) -> Tensor:
         """The cost ``(*B,)`` of the segments ``(*B, C, 6)``, m."""
         return self.cost(self.distances(x_body))
-
-    def gaps(self, x_body: Tensor) -> Tensor:
-        """How far each link is from where it costs something, dᵢ − d₀, ``(*B, n)``, m."""
-        return self.distances(x_body) - self.cost.margin
 
     def distances(self, x_body: Tensor) -> Tensor:
         """dᵢ: how high each link is above the table, ``(*B, n)``, m; negative in it."""

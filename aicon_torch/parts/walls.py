@@ -1,7 +1,7 @@
 """Walls that a map tells: how far a robot in the plane is from each of their faces."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -9,6 +9,8 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
+from aicon_torch.parts.contact import likelihood_across
+from aicon_torch.parts.planar import cross
 from aicon_torch.parts.validation import check_not_negative
 
 Face = tuple[float, float, float, float]
@@ -94,7 +96,7 @@ class Walls:
         # In the axes of each face: how far along it from its start, and how far before it.
         length = torch.linalg.vector_norm(way, dim=-1)
         along = (ahead * way).sum(-1) / length
-        before = (way[..., 0] * ahead[..., 1] - way[..., 1] * ahead[..., 0]) / length
+        before = cross(way, ahead) / length
 
         # How far it is beside the face's ends, and before it; less than 0 within the wall.
         beside = torch.maximum(-along, along - length).clamp(min=0.0)
@@ -102,26 +104,13 @@ class Walls:
         distance = torch.sqrt(before**2 + beside**2 + 1e-24)
         return torch.where(is_within, before, distance) - self.radius
 
-    def collision_likelihood(self, length: float) -> "WallCost":
-        """The cost Σ exp(−d/ℓ) over the gaps d, of a length ℓ, m, as a function of a position."""
-        return WallCost(self, length)
+    def collision_likelihood(self, length: float) -> Callable[[Tensor], Tensor]:
+        """The cost Σ exp(−d/ℓ), ``(*B,)``, over the gaps d of a position, of a length ℓ, m."""
 
+        def cost(position: Tensor) -> Tensor:
+            return likelihood_across(self.gaps(position), length).sum(-1)
 
-@dataclass(frozen=True)
-class WallCost:
-    """Σ exp(−d/ℓ), ``(*B,)``, of a position ``(*B, 2)``: see :class:`Walls`.
-
-    Attributes:
-        walls: The walls.
-        length: ℓ, m.
-    """
-
-    walls: Walls
-    length: float
-
-    def __call__(self, position: Tensor) -> Tensor:
-        """The cost."""
-        return torch.exp(-self.walls.gaps(position) / self.length).sum(-1)
+        return cost
 
 
 def _turned(face: Face, keeps: bool) -> Face:

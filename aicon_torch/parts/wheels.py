@@ -126,7 +126,7 @@ class Wheels:
             motion: The quantity x_rob.
         """
         variances = [deviation**2 for deviation in noise]
-        agreement = Interconnection(_pose_residual, [name, reading])
+        agreement = Interconnection(pose_error, [name, reading])
         return EKF(
             name,
             covariance_name(name),
@@ -221,8 +221,3 @@ class Bicycle(Wheels):
         """(v, ω), ``(*B, 2)``, m/s and rad/s, of (v, δ) ``(*B, 2)``, m/s and rad."""
         v, angle = a.unbind(-1)
         return torch.stack((v, v * torch.tan(angle) / self.wheelbase), dim=-1)
-
-
-def _pose_residual(x_pose: Tensor, z_pose: Tensor) -> Tensor:
-    """Estimate minus reading, ``(*B, 3)``, m and rad, the angle the shorter way round."""
-    return pose_error(x_pose, z_pose, rotation_length=1.0)

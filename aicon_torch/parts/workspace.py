@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.parts.chain import Chain
-from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.validation import check_positive
 
 SAMPLES = 8192
@@ -14,7 +14,7 @@ SAMPLES = 8192
 
 
 @dataclass(frozen=True)
-class Workspace:
+class Workspace(Margin):
     """g = w max(0, 1 − m/m₀)², where m is the distance of the tip to a circle about the base.
 
     At the edge the arm is straight: it cannot go on, and comes back with the elbow bent the other
@@ -52,10 +52,6 @@ class Workspace:
     def __call__(self, x_ee: Tensor) -> Tensor:
         """The cost ``(*B,)`` of x_ee ``(*B, k)``, whose first two components are x and y, m."""
         return self.cost(self.distances(x_ee))
-
-    def gaps(self, x_ee: Tensor) -> Tensor:
-        """How far the tip is from where it costs something, m − m₀, ``(*B, 1)``, m."""
-        return self.distances(x_ee) - self.cost.margin
 
     def distances(self, x_ee: Tensor) -> Tensor:
         """The distance m to the circle, ``(*B, 1)``, m; negative beyond it."""

@@ -339,9 +339,13 @@ def safety_memory(model: WorldModel) -> Memory:
     for name in _safety_goals(model):
         actuator = model.actuators[name]
         escape = actuator.dampers.escape
-        if escape is not None:
-            for key, value in _initial(escape, actuator.size).items():
-                memory[f"{name}/escape/{key}"] = value
+        if isinstance(escape, WayAround):
+            remembered = initial_way(actuator.size)
+        elif escape is not None:
+            remembered = initial_places(actuator.size, escape)
+        else:
+            continue
+        memory |= {f"{name}/escape/{key}": value for key, value in remembered.items()}
     return memory
 
 
@@ -386,10 +390,3 @@ def _moved_on(model: WorldModel, actuator: str, upstream: tuple[str, ...]) -> tu
         if not owner.recursive and moved.intersection(owner.inputs):
             moved.add(name)
     return tuple(name for name in upstream if name in moved)
-
-
-def _initial(escape: PlaceEscape | WayAround, size: int) -> Memory:
-    """What an escape remembers before the first step."""
-    if isinstance(escape, WayAround):
-        return initial_way(size)
-    return initial_places(size, escape)

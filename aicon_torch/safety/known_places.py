@@ -60,7 +60,12 @@ def first_of(mask: Tensor) -> Tensor:
     return mask & (mask.cumsum(0) == 1)
 
 
+def time_of(way: Tensor, limits: Tensor) -> Tensor:
+    """How long a way ``(*B, n)`` takes at full speed, ``(*B,)``, s; of a velocity its share."""
+    return (way.abs() / limits.to(way)).amax(-1)
+
+
 def _share(way: Tensor, limits: Tensor) -> Tensor:
     """t/(1 + t) of the time t of a way ``(*B, n)`` at full speed, ``(*B,)``: below 1."""
-    time = (way.abs() / limits.to(way)).amax(-1)
+    time = time_of(way, limits)
     return time / (1.0 + time)

@@ -8,6 +8,7 @@ from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
+from aicon_torch.safety.known_places import time_of
 from aicon_torch.safety.nearest import initial_nearest, nearest_so_far
 from aicon_torch.safety.place_search import KEPT, Found, PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
@@ -127,7 +128,7 @@ class Places:
             memory: What was remembered.
         """
         way = memory["direction"]
-        time = _time_of(way, self.limits).unsqueeze(-1)
+        time = time_of(way, self.limits).unsqueeze(-1)
         fastest = way / time.clamp(min=torch.finfo(nominal.dtype).tiny ** 0.5)
         return torch.where(memory["escaping"].unsqueeze(-1), fastest, nominal)
 
@@ -218,9 +219,9 @@ class Places:
             way: What is left of the way after it, ``(*B, n)``.
             memory: What was remembered.
         """
-        nearer = _time_of(memory["direction"], self.limits) - _time_of(way, self.limits)
+        nearer = time_of(memory["direction"], self.limits) - time_of(way, self.limits)
         is_stalled = memory["to_known"] & (nearer < SLOW * self.dt)
-        is_slow = is_stalled | (_time_of(action, self.limits) < SLOW)
+        is_slow = is_stalled | (time_of(action, self.limits) < SLOW)
         slow = torch.where(is_slow & memory["escaping"], memory["slow"] + self.step, 0.0)
         return slow >= BLOCKED, slow
 
@@ -368,11 +369,6 @@ def _place_at(way: Tensor, room: tuple[Tensor, Tensor]) -> Tensor:
     is_ranged = down.isfinite() & up.isfinite()
     down, up = (torch.where(is_ranged, side, math.pi) for side in room)
     return (2.0 * way + torch.where(is_ranged, down - up, 0.0)) / (up + down)
-
-
-def _time_of(way: Tensor, limits: Tensor) -> Tensor:
-    """How long a way ``(*B, n)`` takes at full speed, ``(*B,)``, s; of a velocity its share."""
-    return (way.abs() / limits.to(way)).amax(-1)
 
 
 def _is_opposed(nominal: Tensor, action: Tensor) -> Tensor:

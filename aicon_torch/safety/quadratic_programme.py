@@ -313,5 +313,4 @@ def _drawn_back(action: Tensor, retreat: Tensor, rows: _Rows, within: SafetyBoun
 
     exceeds = closing > room
     share = torch.where(exceeds, room / torch.where(exceeds, closing, 1.0), 1.0)
-    drawn_back: Tensor = retreat + (action - retreat) * share.amin(-1, keepdim=True)
-    return drawn_back
+    return retreat + (action - retreat) * share.amin(-1, keepdim=True)

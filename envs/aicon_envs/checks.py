@@ -8,7 +8,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from aicon_envs.arrays import FloatArray
 
 Fields = TypeVar("Fields")
 
@@ -67,11 +69,7 @@ def check_numbers(name: str, value: ArrayLike, expected: str, count: int) -> lis
     Raises:
         ValueError: If there are not so many, or not all are finite.
     """
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} must be {expected}, got {value!r}") from error
-
+    array = _to_floats(value, f"{name} must be {expected}")
     if array.shape != (count,) or not np.isfinite(array).all():
         raise ValueError(f"{name} must be {expected}, got {value!r}")
 
@@ -95,7 +93,16 @@ def check_integer(name: str, value: Any, least: int) -> int:
     return number
 
 
-def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> NDArray[np.float64]:
+def check_size(name: str, width: int, height: int) -> tuple[int, int]:
+    """Return (width, height) of a picture, px.
+
+    Raises:
+        ValueError: If one is not an integer >= 1.
+    """
+    return check_integer(f"{name}_width", width, 1), check_integer(f"{name}_height", height, 1)
+
+
+def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> FloatArray:
     """Return an action as float64.
 
     Args:
@@ -107,11 +114,7 @@ def check_action(action: ArrayLike, shape: tuple[int, ...], meaning: str) -> NDA
         ValueError: If it is no array of numbers of this shape, or not finite.
     """
     expected = f"action must be {meaning} of shape {shape}"
-    try:
-        command = np.asarray(action, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{expected}, got {action!r}") from error
-
+    command = _to_floats(action, expected)
     if command.shape != shape:
         raise ValueError(f"{expected}, got shape {command.shape}")
     if not np.isfinite(command).all():
@@ -130,26 +133,6 @@ def copy_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     return dict(options or {})
 
 
-def check_argument_names(kind: type, given: Iterable[str], valid: Iterable[str]) -> None:
-    """Check the names of arguments that an environment passes on.
-
-    Args:
-        kind: The environment, whose own arguments the message lists as well.
-        given: The names.
-        valid: Those that are right.
-
-    Raises:
-        TypeError: If one is unknown; the message lists the valid ones.
-    """
-    valid = tuple(valid)
-    unknown = sorted(set(given) - set(valid))
-    if unknown:
-        parameters = inspect.signature(kind).parameters.values()
-        own = [each.name for each in parameters if each.kind is not each.VAR_KEYWORD]
-        named = ", ".join((*own, *valid))
-        raise TypeError(f"unknown argument {', '.join(unknown)}; valid arguments are {named}")
-
-
 def fields_of(kind: type[Fields], given: Mapping[str, Any], env: type) -> Fields:
     """Return a dataclass whose fields are further arguments of an environment.
 
@@ -159,10 +142,15 @@ def fields_of(kind: type[Fields], given: Mapping[str, Any], env: type) -> Fields
         env: The environment that they were given to.
 
     Raises:
-        TypeError: If a name is unknown; the message lists the valid ones.
+        TypeError: If a name is unknown; the message lists the valid ones, the environment's too.
     """
     names = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]  # it is one
-    check_argument_names(env, given, names)
+    unknown = sorted(set(given) - set(names))
+    if unknown:
+        parameters = inspect.signature(env).parameters.values()
+        own = [each.name for each in parameters if each.kind is not each.VAR_KEYWORD]
+        named = ", ".join((*own, *names))
+        raise TypeError(f"unknown argument {', '.join(unknown)}; valid arguments are {named}")
     return kind(**given)
 
 
@@ -177,22 +165,26 @@ def given_options(options: Mapping[str, Any] | None, valid: Iterable[str]) -> di
     return given
 
 
-def check_vertices(name: str, value: ArrayLike, unit: str) -> NDArray[np.float64]:
+def check_vertices(name: str, value: ArrayLike, unit: str) -> FloatArray:
     """Return the vertices of a polygon, ``(n, 2)``.
 
     Raises:
         ValueError: If they are not three or more pairs of finite numbers.
     """
     expected = f"{name} must be at least three vertices (x, y) in {unit}, shape (n, 2), all finite"
-    try:
-        vertices = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{expected}; got {value!r}") from error
-
+    vertices = _to_floats(value, expected)
     is_list_of_vertices = vertices.ndim == 2 and vertices.shape[1] == 2 and len(vertices) >= 3
     if not is_list_of_vertices or not np.isfinite(vertices).all():
-        raise ValueError(f"{expected}; got {value!r}")
+        raise ValueError(f"{expected}, got {value!r}")
     return vertices
+
+
+def _to_floats(value: ArrayLike, expected: str) -> FloatArray:
+    """Return numbers as an array; where they are none, an error says what was expected."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{expected}, got {value!r}") from error
 
 
 def check_option_names(options: Mapping[str, Any], valid: Iterable[str]) -> None:

@@ -15,17 +15,12 @@ register(
     max_episode_steps=300,
 )
 
-register(
-    id="aicon/ArmPush-v0",
-    entry_point="aicon_envs.arm_push.environment:ArmPushEnv",
-    max_episode_steps=18_000,
-)
-
-register(
-    id="aicon/PandaPush-v0",  # the name that it had before
-    entry_point="aicon_envs.arm_push.environment:ArmPushEnv",
-    max_episode_steps=18_000,
-)
+for name in ("ArmPush", "PandaPush"):  # the second is the name that it had before
+    register(
+        id=f"aicon/{name}-v0",
+        entry_point="aicon_envs.arm_push.environment:ArmPushEnv",
+        max_episode_steps=18_000,
+    )
 
 register(
     id="aicon/Reach-v0",

@@ -4,9 +4,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from aicon_envs.arrays import FloatArray
 
 SAMPLES = 25
 """Places at which a way is looked at."""

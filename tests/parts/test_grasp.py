@@ -5,7 +5,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts import Carrying, Grasp, Gripper, approached, carried, way_from_above
+from aicon_torch.parts import Carrying, Grasp, Gripper, Held, approached, carried, way_from_above
 
 GRIPPER = Gripper(narrowest=0.02, widest=0.12, speed=0.3)
 GRASP = Grasp(GRIPPER, size=0.04, height=0.01, reach=0.05)
@@ -96,7 +96,7 @@ def test_the_likelihood_is_largest_where_the_object_is_held() -> None:
 
 
 def test_it_is_held_between_closed_fingers_alone() -> None:
-    estimator = GRASP.held()
+    estimator = Held(GRASP)
     for rel, opening, expected in (
         ((0.0, 0.0, 0.01), 0.02, 1.0),
         ((0.0, 0.0, 0.01), 0.06, 0.0),
@@ -108,7 +108,7 @@ def test_it_is_held_between_closed_fingers_alone() -> None:
 
 def test_a_bar_is_held_by_open_fingers_too() -> None:
     values = {"x_rel_bar": leaf(0.0, 0.0, 0.01), "x_opening": leaf(GRIPPER.widest)}
-    assert GRASP.held("_bar", by_open_fingers=True).update(values)["p_held_bar"].item() > 0.99
+    assert Held(GRASP, "_bar", by_open_fingers=True).update(values)["p_held_bar"].item() > 0.99
 
 
 def test_what_is_held_moves_with_the_tip_and_keeps_its_place_in_the_hand() -> None:

@@ -1,23 +1,14 @@
 """The arm's estimators: joints, end effector, camera, the stick as a pusher, and its height."""
 
-from dataclasses import dataclass
-from typing import Any
-
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import stop
-from aicon_torch.estimation import (
-    EKF,
-    Deterministic,
-    Estimator,
-    KalmanFilter,
-    LateEKF,
-    Measurement,
-)
-from aicon_torch.interconnections import Affine, Interconnection
-from aicon_torch.models.arm_push.options import REACTION, Options
+from aicon_torch.estimation import Deterministic, Estimator
+from aicon_torch.interconnections import Interconnection
+from aicon_torch.models.arm_push.options import REACTION
 from aicon_torch.models.arm_push.scene import Scene
 from aicon_torch.parts.camera import CameraFrame
+from aicon_torch.parts.encoders import joint_filter
 from aicon_torch.parts.end_effector import EndEffector, ToolPose
 from aicon_torch.parts.recent import Recent
 from aicon_torch.parts.self_collision import CapsuleSegments
@@ -25,27 +16,24 @@ from aicon_torch.parts.servo import even_motion
 from aicon_torch.parts.touch import ContactForce
 from aicon_torch.parts.velocity_lag import VelocityLag
 
-JOINT_NOISE = 1e-4
-"""Standard deviation of an encoder, rad."""
-
-JOINT_DRIFT = 1e-6
-"""Variance of what turns a joint in a step besides its command, rad²."""
-
-UNKNOWN_JOINT = 10.0
-"""Variance of a joint's angle before it is read, rad²."""
-
 
 def arm(scene: Scene) -> list[Estimator]:
     """Joints and end effector, the stick as pushT's pusher, and the shape of the arm."""
     options = scene.options
 
+    # Where readings are late, what the joints made of their command has moved them; prompt ones
+    # correct at every step what the lag did.
+    middle = options.robot.chain.middle.tolist()
+    velocity = "v_joints" if options.is_late else "a"
+    lag = [VelocityLag(len(middle), REACTION)] if options.is_late else []
+
     # The way of the tip, from how the joints have moved.
     tip_motion = TipMotion(scene.end_effector, options.parts)
-    motion = Interconnection(tip_motion, inputs=["x_joints", moved_by(options), "dt"])
+    motion = Interconnection(tip_motion, inputs=["x_joints", velocity, "dt"])
 
     estimators: list[Estimator] = [
-        *lag(options),
-        joints(options),
+        *lag,
+        joint_filter(middle, velocity, options.delay),
         Deterministic("x_ee", scene.end_effector),
         Deterministic("x_pusher", planar_position),
         Deterministic("d_pusher", motion),
@@ -74,38 +62,6 @@ def hand(scene: Scene) -> list[Estimator]:
     return estimators
 
 
-def lag(options: Options) -> list[Estimator]:
-    """v_joints, where readings are late: prompt ones correct at every step what a lag did."""
-    return [VelocityLag(len(options.robot.chain.names), REACTION)] if options.is_late else []
-
-
-def moved_by(options: Options) -> str:
-    """What has moved the joints: their command, or where readings are late what they made of it."""
-    return "v_joints" if options.is_late else "a"
-
-
-def joints(options: Options) -> EKF:
-    """x_joints: the encoders, filtered."""
-    velocity = moved_by(options)
-
-    # Until they are read, joints are next to unknown, about the middle of their ranges.
-    middle = options.robot.chain.middle.tolist()
-    agreement = Affine(x_joints=1.0, z_joints=-1.0)
-    belief: dict[str, Any] = {
-        "predict": Affine(x_joints=1.0, **{velocity: "dt"}),
-        "noise": JOINT_DRIFT,
-        "initial": (middle, UNKNOWN_JOINT),
-        "correct": [Measurement(agreement, JOINT_NOISE**2, size=len(middle))],
-    }
-
-    # Encoders that are late correct where the joints were when they were read.
-    if not options.delay:
-        return KalmanFilter("x_joints", "P_joints", **belief)
-    moved = {velocity: len(middle), "dt": 1}
-    late: dict[str, Any] = {"sensor": "z_joints", "steps": options.delay, "moved_by": moved}
-    return LateEKF("x_joints", "P_joints", **late, **belief)
-
-
 def planar_position(x_ee: Tensor) -> Tensor:
     """x_pusher: where the tip is in the plane, ``(*B, 2)``, m."""
     return x_ee[..., :2]
@@ -131,33 +87,3 @@ class TipMotion(nn.Module):
         jacobian = self.end_effector.jacobian(stop(x_joints))
         tip: Tensor = (jacobian @ stop(velocity).unsqueeze(-1)).squeeze(-1)
         return even_motion(tip[..., :2] * dt, self.parts)
-
-
-@dataclass(frozen=True)
-class HeightOverTable:
-    """x_heights: height of the tip above where it should be, over a table at height 0.
-
-    Attributes:
-        height: Where it should be, m.
-    """
-
-    height: float
-
-    def __call__(self, x_ee: Tensor) -> Tensor:
-        """``(*B, 1)``, m."""
-        return x_ee[..., 2:3] - self.height
-
-
-@dataclass(frozen=True)
-class HeightAtObject:
-    """x_heights: height of the tip above where it should be, so far below the object's top.
-
-    Attributes:
-        depth: How far, m.
-    """
-
-    depth: float
-
-    def __call__(self, x_ee: Tensor, x_top: Tensor) -> Tensor:
-        """``(*B, 1)``, m."""
-        return x_ee[..., 2:3] - x_top + self.depth

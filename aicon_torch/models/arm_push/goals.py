@@ -12,11 +12,6 @@ from aicon_torch.parts.planar import norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
 
 
-def dead_zone(cost: Tensor, tolerance: float) -> Tensor:
-    """max(0, cost − tolerance), ``(*B,)``: within the tolerance a goal asks for nothing."""
-    return (cost - tolerance).clamp(min=0.0)
-
-
 @dataclass(frozen=True)
 class Ring:
     """g = w Σ max(0, 1 − m/m₀)², where m are the distances to the edges of a ring about the base.
@@ -106,7 +101,7 @@ class CertainPush:
         trace = x + y + self.rotation_length**2 * angle
 
         distance = norm(pose_error(x_obj, x_target, self.rotation_length))
-        uncertain = distance + self.weight * dead_zone(trace, self.tolerance)
+        uncertain = distance + self.weight * (trace - self.tolerance).clamp(min=0.0)
         return uncertain if self.ring is None else uncertain + self.ring(x_obj)
 
 

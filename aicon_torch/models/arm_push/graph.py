@@ -15,14 +15,8 @@ from torch import Tensor
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
-from aicon_torch.models.arm_push.arm import HeightAtObject, HeightOverTable, arm, hand
-from aicon_torch.models.arm_push.goals import (
-    CertainPush,
-    PushWithinReach,
-    Ring,
-    off_height,
-    tilt,
-)
+from aicon_torch.models.arm_push.arm import arm, hand
+from aicon_torch.models.arm_push.goals import CertainPush, PushWithinReach, Ring, off_height, tilt
 from aicon_torch.models.arm_push.image_registration import ImageRegistration
 from aicon_torch.models.arm_push.limits import JOINT_SPEED, TIP_SPEED, ArmLimits
 from aicon_torch.models.arm_push.options import Options
@@ -90,13 +84,12 @@ def _sensors(options: Options) -> dict[str, Sensor]:
     """Encoders and target, and either the pose of the object or the camera and the wrist."""
     # What the watchdog asks: how old a reading may be, how long there may be none, and how fast one
     # may change.
-    late = watched(options, MAX_GAP)
+    late = watched(options.dt, options.delay, MAX_GAP if options.watchdog else None)
     prompt: dict[str, Any] = {}
-    moving: dict[str, Any] = {}
+    moving = dict(late)
     if options.watchdog:
         prompt = {"max_age": MAX_GAP * options.dt}
-        moving = {"rate_limit": JUMP * float(options.robot.chain.speed.max()), "driven_by": "a"}
-    moving |= late
+        moving |= {"rate_limit": JUMP * float(options.robot.chain.speed.max()), "driven_by": "a"}
 
     # Always: the time, the encoders and the target.
     sensors = {
@@ -137,12 +130,21 @@ def _actuator(scene: Scene) -> Actuator:
 
 
 def _heights(scene: Scene) -> list[Estimator]:
-    """The height of the tip: at the object, where that is seen, or else over the table."""
-    height = scene.options.height
-    if scene.options.sensing == "pose":
-        return [Deterministic("x_heights", HeightOverTable(height))]
+    """x_heights: how high the tip is above where it should be, ``(*B, 1)``, m.
 
-    heights = Deterministic("x_heights", HeightAtObject(depth=height))
+    That is so far below the object's top, where it is seen, or else so high over the table.
+    """
+    height = scene.options.height
+
+    def over_table(x_ee: Tensor) -> Tensor:
+        return x_ee[..., 2:3] - height
+
+    def at_object(x_ee: Tensor, x_top: Tensor) -> Tensor:
+        return x_ee[..., 2:3] - x_top + height
+
+    if scene.options.sensing == "pose":
+        return [Deterministic("x_heights", over_table)]
+    heights = Deterministic("x_heights", at_object)
     return [*hand(scene), object_top(scene.options), heights]
 
 
@@ -181,14 +183,9 @@ def _goals(scene: Scene) -> list[Goal]:
 def _push(scene: Scene) -> Callable[..., Tensor]:
     """g₁, with the uncertainty of an object that is seen."""
     length, camera = scene.dynamics.rotation_length, scene.options.camera
-    ring = _ring(scene)
+    cost = scene.options.ring
+    ring = None if cost is None else Ring.within_reach(scene.options.robot, scene.body, cost)
 
     if scene.options.sensing == "camera" and camera.trace_weight > 0:
         return CertainPush(length, camera.trace_weight, camera.trace_tolerance, ring)
     return PoseDistance(length) if ring is None else PushWithinReach(length, ring)
-
-
-def _ring(scene: Scene) -> Ring | None:
-    """What keeps the object within reach, if anything."""
-    cost = scene.options.ring
-    return None if cost is None else Ring.within_reach(scene.options.robot, scene.body, cost)

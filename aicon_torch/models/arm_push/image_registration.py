@@ -161,8 +161,7 @@ class ImageRegistration:
         # Damped a little: edges that all run in one direction leave the pose open along it.
         damped = weighted @ jacobian + np.diag([1e-3, 1e-3, 1e-5])
         steps = np.linalg.solve(damped, weighted @ distance[..., None])[..., 0]
-        bounded: Array = np.clip(steps, -LARGEST_STEP, LARGEST_STEP)
-        return bounded
+        return np.clip(steps, -LARGEST_STEP, LARGEST_STEP)
 
     def score(self, poses: Array, image: RGBDImage, face: TopFace) -> Array:
         """The least of three shares: edges on the outline, surface inside it, its inside seen.
@@ -214,8 +213,7 @@ class ImageRegistration:
         x, y = np.meshgrid(columns, rows)
 
         grid = np.column_stack((x.ravel(), y.ravel()))
-        kept: Array = grid[contains(grid, self.corners, -SAMPLE_INSET)]
-        return kept
+        return grid[contains(grid, self.corners, -SAMPLE_INSET)]
 
     def placed(self, poses: Array) -> Array:
         """The corners at poses (x, y, θ) ``(*B, 3)``, ``(*B, N, 2)``, m."""

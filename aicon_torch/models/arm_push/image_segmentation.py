@@ -68,7 +68,7 @@ class TopFaceSegmentation:
 
     def __call__(self, image: RGBDImage) -> TopFace | None:
         """The top face; None if the image shows too little of it."""
-        brightness = _brightness(image.rgb)
+        brightness = _planes(image.rgb).max(axis=0)  # the largest of the three colours
         colored = is_colored(image.rgb) & (brightness > DARKEST_COLOR)
         if colored.sum() < FEWEST_EDGE_POINTS:
             return None
@@ -173,13 +173,6 @@ def dilate(mask: Mask) -> Mask:
 def close(mask: Mask) -> Mask:
     """A mask ``(H, W)`` without its holes of one pixel."""
     return ~dilate(~dilate(mask))
-
-
-def _brightness(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The largest of the three colours, ``(H, W)``."""
-    red, green, blue = _planes(rgb)
-    brightness: NDArray[np.uint8] = np.maximum(np.maximum(red, green), blue)
-    return brightness
 
 
 def _planes(rgb: NDArray[Any]) -> NDArray[Any]:

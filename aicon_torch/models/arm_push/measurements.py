@@ -44,7 +44,7 @@ class ObservedPose:
 
     def __call__(self, x_pose: Tensor, z_object: Tensor) -> Tensor:
         """x_pose − pose(z_object − offset), ``(*B, 3)``, m and rad, the angle in [−π, π)."""
-        return pose_error(x_pose, self._pose(z_object), rotation_length=1.0)
+        return pose_error(x_pose, self._pose(z_object))
 
     def prior(self, z_object: Tensor) -> tuple[Tensor, Tensor]:
         """Mean ``(*B, 3)`` and covariance ``(3, 3)`` at first: where it is, give or take 1 rad."""
@@ -70,7 +70,7 @@ class SeenKeypoints:
         """x_pose − registration(z_keypoints), ``(*B, 3)``, m and rad, the angle in [−π, π)."""
         points = keypoints_in_world(z_keypoints, x_cam)
         seen = self.body.registration(points[..., :2])
-        return pose_error(x_pose, seen, rotation_length=1.0)
+        return pose_error(x_pose, seen)
 
 
 def seen_middle(x_pose: Tensor, z_blob: Tensor, x_cam: Tensor) -> Tensor:

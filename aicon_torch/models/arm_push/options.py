@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, Literal, get_args
 
 import torch
@@ -203,11 +202,9 @@ class Options:
         check_steps(self, "delay")
 
 
-PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        "aicon": {},
-        "steepest": {"resolution": SteepestPath()},
-        "potential_field": {"resolution": Sum()},
-    }
-)
+PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "aicon": {},
+    "steepest": {"resolution": SteepestPath()},
+    "potential_field": {"resolution": Sum()},
+}
 """Options by preset: ours, the steepest path (Eq. 2), and plain backpropagation."""

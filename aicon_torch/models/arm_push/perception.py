@@ -222,5 +222,4 @@ def _check_present(observation: Mapping[str, Any]) -> None:
 
 def _in_frame(frame: Array, points: Array) -> Array:
     """Points ``(*N, 3)`` of the base in a frame ``(4, 4)``, m."""
-    inside: Array = (points - frame[:3, 3]) @ frame[:3, :3]
-    return inside
+    return (points - frame[:3, 3]) @ frame[:3, :3]

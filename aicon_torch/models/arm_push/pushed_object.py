@@ -65,7 +65,7 @@ def observed_pose(scene: Scene) -> EKF:
     offset = torch.tensor(scene.options.pose_offset, dtype=torch.float64)
     observed = ObservedPose(scene.body, UNOBSERVED_DEVIATION, offset)
     residual = Interconnection(observed, x_pose=Constant(torch.eye(3)))
-    reading = Measurement(residual, pose_variances(scene, scene.options.pose_noise), size=3)
+    reading = Measurement(residual, scene.body.pose_variances(scene.options.pose_noise), size=3)
     return _pushed_pose(
         scene,
         delay=scene.options.delay,
@@ -81,7 +81,7 @@ def seen_pose(scene: Scene) -> EKF:
     options = scene.options
     visibility = Visibility(
         options.robot.intrinsics,
-        variances=pose_variances(scene, options.camera.noise),
+        variances=scene.body.pose_variances(options.camera.noise),
         edge_growth=options.camera.edge_growth,
         height=2 * options.height,
     )
@@ -128,21 +128,9 @@ def _pushed_pose(scene: Scene, felt: Sequence[Measurement] = (), **belief: Any) 
         moved_by=moved_by,
         prompt=felt,
         predict=Interconnection(motion, inputs, x_pose=Constant(torch.eye(3))),
-        noise=pose_variances(scene, deviation),
+        noise=scene.body.pose_variances(deviation),
         **belief,
     )
-
-
-def pose_variances(scene: Scene, deviation: float) -> tuple[float, float, float]:
-    """Variances of x, y and θ, m², m² and rad².
-
-    Args:
-        scene: Whose object it is.
-        deviation: Standard deviation of the position, and of a point at the radius of gyration by
-            the rotation, m.
-    """
-    position = deviation**2
-    return position, position, position / scene.body.radius_of_gyration**2
 
 
 def object_top(options: Options) -> EKF:

@@ -80,7 +80,7 @@ class PushingRobot(Robot):
 
         return cls(
             chain=Chain(description["frames"], description["tool"], joints),
-            shape=_shape(description, count),
+            shape=_shape(description),
             camera=tuple(tuple(row) for row in description["camera"][:3]),
             intrinsics=Intrinsics(*description["intrinsics"]),
             **{name: description[name] for name in TOOL},
@@ -110,7 +110,7 @@ def _check_count(description: Mapping[str, Any], count: int) -> None:
             )
 
 
-def _shape(description: Mapping[str, Any], joints: int) -> Capsules:
+def _shape(description: Mapping[str, Any]) -> Capsules:
     """The capsules of arm and tool, and those of them that can meet."""
     given = tuple(Capsule(*capsule) for capsule in description["capsules"])
     files = description.get("collisions")

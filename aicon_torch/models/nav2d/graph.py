@@ -9,7 +9,6 @@ motion, so x_obs is (d, ∇d). Everything is relative to the agent and aligned w
 """
 
 import math
-from typing import Any
 
 from torch import Tensor
 
@@ -81,11 +80,11 @@ def displacement(a: Tensor, dt: Tensor) -> Tensor:
 
 def _sensors(options: Options) -> dict[str, Sensor]:
     """What the agent reads; angles may come from any one turn."""
-    angle: dict[str, Any] = {
-        "range": (-2 * math.pi, 2 * math.pi),
-        "period": 2 * math.pi,
-        **_watched(options),
-    }
+    # All readings are noisy, so they change while the agent moves.
+    late = watched(options.dt, options.delay, MAX_GAP if options.watchdog else None)
+    if options.watchdog:
+        late["driven_by"] = "a"
+    angle = {"range": (-2 * math.pi, 2 * math.pi), "period": 2 * math.pi, **late}
 
     # A reading that changes faster than this is no reading: motion past something near, and noise.
     jumps = JUMP_DEVIATIONS / options.dt
@@ -94,12 +93,7 @@ def _sensors(options: Options) -> dict[str, Sensor]:
     sensors = {
         "z_tar": Sensor(1, "rad", key="bearing", rate_limit=turning, **angle),
         "z_obs": Sensor(
-            1,
-            "m",
-            key="range",
-            range=(-1.0, LONGEST_RANGE),
-            rate_limit=fastest,
-            **_watched(options),
+            1, "m", key="range", range=(-1.0, LONGEST_RANGE), rate_limit=fastest, **late
         ),
     }
 
@@ -107,12 +101,6 @@ def _sensors(options: Options) -> dict[str, Sensor]:
         sensors["z_dir"] = Sensor(1, "rad", key="obstacle_bearing", **angle)
     sensors["z_elapsed"] = clock()
     return sensors
-
-
-def _watched(options: Options) -> dict[str, Any]:
-    """How old readings may be, and that they change while the agent moves: all are noisy."""
-    driven = {"driven_by": "a"} if options.watchdog else {}
-    return watched(options, MAX_GAP) | driven
 
 
 def _actuator(options: Options, obstacle: Clearance) -> Actuator:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, Literal
 
 import torch
@@ -81,25 +80,23 @@ class Options:
         check_choice(self, "sensing", ("range", "range_bearing"))
 
 
-PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        "aicon": {},
-        "paper_literal": {
-            "resolution": NullspaceProjection.as_in_paper(),
-            "law": DirectDescent.as_in_paper(gain=10.0),
-        },
-        "steepest": {
-            "resolution": SteepestPath(),
-            "law": DirectDescent.as_in_paper(gain=0.3),
-            "max_speed": 0.25,
-        },
-        "potential_field": {
-            "resolution": Sum(),
-            "law": DirectDescent.as_in_paper(gain=0.6),
-            "max_speed": 0.25,
-        },
-    }
-)
+PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "aicon": {},
+    "paper_literal": {
+        "resolution": NullspaceProjection.as_in_paper(),
+        "law": DirectDescent.as_in_paper(gain=10.0),
+    },
+    "steepest": {
+        "resolution": SteepestPath(),
+        "law": DirectDescent.as_in_paper(gain=0.3),
+        "max_speed": 0.25,
+    },
+    "potential_field": {
+        "resolution": Sum(),
+        "law": DirectDescent.as_in_paper(gain=0.6),
+        "max_speed": 0.25,
+    },
+}
 """Options by dotted name, for each preset: ours, the paper's text and nothing else, the baselines.
 
 Gain, speed and law are the best of the same search for each policy (``scripts/tune.py``).

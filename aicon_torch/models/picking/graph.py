@@ -16,24 +16,12 @@ import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import stop
-from aicon_torch.estimation import (
-    EKF,
-    Deterministic,
-    Estimator,
-    Measurement,
-    covariance_name,
-)
+from aicon_torch.estimation import EKF, Deterministic, Estimator, Measurement, covariance_name
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.models.picking.options import Hand, Options, Surroundings
-from aicon_torch.parts.grasp import (
-    Carrying,
-    Grasp,
-    approached,
-    carried,
-    way_from_above,
-)
+from aicon_torch.parts.grasp import Carrying, Grasp, Held, approached, carried, way_from_above
 from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.handle import Handle
 from aicon_torch.parts.planar import norm
@@ -93,7 +81,7 @@ def world_model(
 
     # What is first of a circle runs last: held reads the newest x_rel.
     estimators: list[Estimator] = [
-        *(grasp.held(name, by_open_fingers=name in around.handles) for name in things),
+        *(Held(grasp, name, by_open_fingers=name in around.handles) for name in things),
         grasp.gripper,
         tip(size),
     ]

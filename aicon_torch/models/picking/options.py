@@ -120,7 +120,7 @@ class Surroundings:
     has_drawer: bool = False
 
 
-PRESETS: dict[str, dict[str, Any]] = {
+PRESETS: Mapping[str, Mapping[str, Any]] = {
     "aicon": {},
     "without_exploration": {"resolution.exploration": None},
     "weighted_sum": {"resolution.projector": "none"},

@@ -32,7 +32,8 @@ BEND = 3.0 * PIXEL
 
 def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     """What is read, px in m; pusher and object may be out of sight for a while."""
-    seen = {"optional": True, "scale": PIXEL, "range": BOARD, **watched(options, MAX_GAP)}
+    late = watched(options.dt, options.delay, MAX_GAP if options.watchdog else None)
+    seen = {"optional": True, "scale": PIXEL, "range": BOARD, **late}
     size = 2 * len(body.keypoints)
 
     # Keypoints that no rigid object can have are no reading.
@@ -46,8 +47,7 @@ def sensors(options: Options, body: RigidObject) -> dict[str, Sensor]:
     if options.picture is None:
         found["z_keypoints"] = Sensor(size, "m", key="environment_state", **rigid, **seen)
     else:
-        pictured = {"key": "seen", "optional": True, **watched(options, MAX_GAP)}
-        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", **pictured)
+        found["z_seen"] = Sensor(SEEN, "m, rad, and logarithms", key="seen", optional=True, **late)
 
     if options.command == "velocity":  # a place is reached, and held, in a time of its own
         found["z_elapsed"] = clock()

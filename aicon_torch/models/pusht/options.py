@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Literal
 
 import torch
@@ -134,14 +133,12 @@ _PAPER_LITERAL = {
     "contact.facing": False,
 }
 
-PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        "aicon": {},
-        "paper_literal": _PAPER_LITERAL,
-        "steepest": {"resolution": SteepestPath(), "law.step": 2 / 3},
-        "potential_field": {"resolution": Sum(), "law.step": 4 / 3},
-    }
-)
+PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "aicon": {},
+    "paper_literal": _PAPER_LITERAL,
+    "steepest": {"resolution": SteepestPath(), "law.step": 2 / 3},
+    "potential_field": {"resolution": Sum(), "law.step": 4 / 3},
+}
 """Options by dotted name, for each preset: ours, the baselines, and what is nearer to the text.
 
 ``paper_literal`` is the text: its rule, one likelihood for all contacts, the angle for the effect

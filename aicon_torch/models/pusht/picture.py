@@ -106,7 +106,7 @@ class PoseNetwork(nn.Module):
 
 def seen_off(x_pose: Tensor, z_seen: Tensor) -> Tensor:
     """The residual ``(*B, 3)`` of a pose and of what is seen ``(*B, 6)``, m and rad."""
-    return pose_error(x_pose, z_seen[..., :3], 1.0)
+    return pose_error(x_pose, z_seen[..., :3])
 
 
 def seen_variances(z_seen: Tensor) -> Tensor:

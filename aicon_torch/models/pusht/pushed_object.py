@@ -22,12 +22,7 @@ from aicon_torch.models.pusht.options import Options
 from aicon_torch.models.pusht.picture import first_sight, seen_off, seen_variances
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.keypoint_offset import KeypointOffset
-from aicon_torch.parts.pose import (
-    KeypointRegistration,
-    PoseMotion,
-    PushNoise,
-    resting_pose,
-)
+from aicon_torch.parts.pose import KeypointRegistration, PoseMotion, PushNoise, resting_pose
 from aicon_torch.parts.rigid_object import RigidObject
 
 UNFILTERED_NOISE = 1e-6 * PIXEL
@@ -41,6 +36,10 @@ LEAST_MOTION, MOTION_DEVIATIONS = 0.5 * PIXEL, 6.0
 
 OFFSET_DRIFT = 0.01 * PIXEL
 """Standard deviation of the change of an offset in a step, m."""
+
+
+Prior = Callable[[Tensor], tuple[Tensor, Tensor]]
+"""Mean and covariance of a pose by the first reading."""
 
 
 def rigid_object(options: Options) -> RigidObject:
@@ -69,10 +68,7 @@ def object_estimators(options: Options, dynamics: ContactDynamics, parts: int) -
         parts: Number of parts in which the pusher's way through a step is known.
     """
     placed = Interconnection(dynamics.body.keypoints_at, inputs=["x_pose"])
-    pose = _pose(options, dynamics, parts)
-    if options.picture is not None:
-        pose = _seen_pose(options, dynamics)
-    estimators = [pose, Deterministic("x_keypoints", placed)]
+    estimators = [_pose(options, dynamics, parts), Deterministic("x_keypoints", placed)]
     return [*estimators, _offset(options, dynamics.body)] if options.keypoint_offset else estimators
 
 
@@ -99,65 +95,12 @@ def _offset(options: Options, body: RigidObject) -> EKF:
     )
 
 
-def _residual(options: Options, registration: KeypointRegistration) -> Callable[..., Tensor]:
-    """The residual of the pose and of the keypoints, less the offset that they may have."""
-    if not options.keypoint_offset:
-        return registration
-
-    def without_offset(x_pose: Tensor, z_keypoints: Tensor, x_offset: Tensor) -> Tensor:
-        # What is seen is off by the offset: x_pose + offset = seen.
-        return registration(x_pose, z_keypoints) + pad(x_offset[..., :2], (0, 1))
-
-    return without_offset
-
-
-def _seen_pose(options: Options, dynamics: ContactDynamics) -> EKF:
-    """The pose as a network sees it in a picture, with the variances that it tells or with others.
-
-    The first estimate has the covariance that it tells in either case.
-    """
-    motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
-
-    # What the network tells of each picture, what the options say of all, or next to nothing.
-    noise: Noise = seen_variances
-    if options.picture_noise is not None:
-        noise = _variances(options.picture_noise, dynamics.body)
-    if not options.estimation:
-        noise = UNFILTERED_NOISE**2
-    return EKF(
-        "x_pose",
-        "P_pose",
-        predict=Interconnection(motion, x_pose=Constant(torch.eye(3))),
-        noise=_process_noise(options, dynamics),
-        initial=first_sight,
-        size=3,
-        correct=[Measurement(seen_off, noise, size=3)],
-    )
-
-
-def _process_noise(options: Options, dynamics: ContactDynamics) -> Noise:
-    """What moves the object in a step besides the model: the same at all times, or by the push."""
-    if options.push_noise:
-        pushed = PoseMotion(dynamics, PUSHER_RADIUS)
-        return PushNoise(pushed, PROCESS_NOISE, options.push_noise)
-    return _variances(PROCESS_NOISE, dynamics.body)
-
-
-def _variances(deviation: float, body: RigidObject) -> tuple[float, float, float]:
-    """Of a pose, whose corners are all about as unsure, m² and rad²."""
-    variance = deviation**2
-    return variance, variance, variance / body.radius_of_gyration**2
-
-
 def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
-    """The pose as the keypoints show it."""
-    body = dynamics.body
-    motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
-
+    """x_pose: predicted from what the pusher did, and corrected by what is seen."""
     # Without estimation nothing is predicted, and readings are taken as they come.
-    registration = KeypointRegistration(body, PRIOR_DEVIATION)
-    residual = Interconnection(_residual(options, registration), x_pose=Constant(torch.eye(3)))
-    reading_noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
+    motion = PoseMotion(dynamics, PUSHER_RADIUS) if options.estimation else resting_pose
+    see = _as_keypoints if options.picture is None else _in_picture
+    prior, reading = see(options, dynamics.body)
 
     return ekf_with_delay(
         "x_pose",
@@ -167,7 +110,43 @@ def _pose(options: Options, dynamics: ContactDynamics, parts: int) -> EKF:
         moved_by={"x_pusher": 2, "d_pusher": 2 * parts, "dt": 1},
         predict=Interconnection(motion, x_pose=Constant(torch.eye(3))),
         noise=_process_noise(options, dynamics),
-        initial=registration.prior,
+        initial=prior,
         size=3,
-        correct=[Measurement(residual, registration.variances(reading_noise), size=3)],
+        correct=[reading],
     )
+
+
+def _as_keypoints(options: Options, body: RigidObject) -> tuple[Prior, Measurement]:
+    """The pose as the keypoints show it, less the offset that they may have."""
+    registration = KeypointRegistration(body, PRIOR_DEVIATION)
+
+    def without_offset(x_pose: Tensor, z_keypoints: Tensor, x_offset: Tensor) -> Tensor:
+        # What is seen is off by the offset: x_pose + offset = seen.
+        return registration(x_pose, z_keypoints) + pad(x_offset[..., :2], (0, 1))
+
+    residual = without_offset if options.keypoint_offset else registration
+    agreement = Interconnection(residual, x_pose=Constant(torch.eye(3)))
+    noise = options.keypoint_noise if options.estimation else UNFILTERED_NOISE
+    return registration.prior, Measurement(agreement, registration.variances(noise), size=3)
+
+
+def _in_picture(options: Options, body: RigidObject) -> tuple[Prior, Measurement]:
+    """The pose as a network sees it in a picture, with the variances that it tells or with others.
+
+    The first estimate has the covariance that it tells in either case.
+    """
+    # What the network tells of each picture, what the options say of all, or next to nothing.
+    noise: Noise = seen_variances
+    if options.picture_noise is not None:
+        noise = body.pose_variances(options.picture_noise)
+    if not options.estimation:
+        noise = UNFILTERED_NOISE**2
+    return first_sight, Measurement(seen_off, noise, size=3)
+
+
+def _process_noise(options: Options, dynamics: ContactDynamics) -> Noise:
+    """What moves the object in a step besides the model: the same at all times, or by the push."""
+    if options.push_noise:
+        pushed = PoseMotion(dynamics, PUSHER_RADIUS)
+        return PushNoise(pushed, PROCESS_NOISE, options.push_noise)
+    return dynamics.body.pose_variances(PROCESS_NOISE)

@@ -5,12 +5,7 @@ from torch import Tensor
 
 from aicon_torch.estimation import EKF, Estimator, Measurement, ekf_with_delay
 from aicon_torch.interconnections import Affine
-from aicon_torch.models.pusht.benchmark import (
-    PIXEL,
-    PRIOR_DEVIATION,
-    PROCESS_NOISE,
-    PUSHER_NOISE,
-)
+from aicon_torch.models.pusht.benchmark import PIXEL, PRIOR_DEVIATION, PROCESS_NOISE, PUSHER_NOISE
 from aicon_torch.models.pusht.options import Options
 from aicon_torch.parts.servo import PusherMotion, Servo
 

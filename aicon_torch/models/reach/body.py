@@ -7,12 +7,13 @@ from typing import Any
 from torch import Tensor
 
 from aicon_torch.errors import OptionError, choices
-from aicon_torch.estimation import Deterministic, Estimator, KalmanFilter, Measurement
+from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
-from aicon_torch.interconnections import Affine, Interconnection
+from aicon_torch.interconnections import Interconnection
 from aicon_torch.models.reach.options import Options
 from aicon_torch.parts.chain import Chain
+from aicon_torch.parts.encoders import joint_filter
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, moving_point
@@ -21,15 +22,6 @@ from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 from aicon_torch.parts.solids import NUMBERS, Solids
 from aicon_torch.parts.table import Table
 from aicon_torch.quantities import Actuator, Sensor
-
-JOINT_NOISE = 1e-4
-"""Standard deviation of the encoders, rad."""
-
-JOINT_DRIFT = 1e-6
-"""Variance of what moves a joint in a step besides its command, rad²."""
-
-UNKNOWN_JOINT = 10.0
-"""Variance of a joint before it is read, rad²."""
 
 BALL_NOISE = 0.002
 """Standard deviation of a ball's position as it is seen, m."""
@@ -71,7 +63,7 @@ def body_model(options: Options, table: float | None = None) -> WorldModel:
     return WorldModel(
         sensors={"z_joints": Sensor(count, "rad or m", key="q"), **obstacle_sensors(options)},
         actuators={"a": velocity},
-        estimators=[joints(count), body(robot), *ball_estimators(options)],
+        estimators=[joint_filter([0.0] * count), body(robot), *ball_estimators(options)],
         goals=bounds(options, robot, table),
         dt=options.dt,
         dtype=options.dtype,
@@ -113,19 +105,6 @@ def speeds_of(options: Options, chain: Chain) -> tuple[float, ...]:
             "(rad/s or m/s)."
         )
     return tuple(speeds.tolist())
-
-
-def joints(count: int) -> KalmanFilter:
-    """x_joints: the encoders, filtered."""
-    agreement = Affine(x_joints=1.0, z_joints=-1.0)
-    return KalmanFilter(
-        "x_joints",
-        "P_joints",
-        predict=Affine(x_joints=1.0, a="dt"),
-        noise=JOINT_DRIFT,
-        initial=([0.0] * count, UNKNOWN_JOINT),
-        correct=[Measurement(agreement, JOINT_NOISE**2, size=count)],
-    )
 
 
 def body(robot: Robot) -> Deterministic:

@@ -22,7 +22,6 @@ from aicon_torch.models.reach.body import (
     ball_estimators,
     body,
     bounds,
-    joints,
     obstacle_sensors,
     robot_of,
     speeds_of,
@@ -31,6 +30,7 @@ from aicon_torch.models.reach.options import Options
 from aicon_torch.parts.approach import Approach, ToolAxis
 from aicon_torch.parts.arrive import Arrive
 from aicon_torch.parts.clock import clock
+from aicon_torch.parts.encoders import joint_filter
 from aicon_torch.parts.end_effector import EndEffector
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.robot import Robot
@@ -75,7 +75,7 @@ def world_model(options: Options) -> WorldModel:
     return WorldModel(
         sensors=_sensors(options, robot),
         actuators={"a": _actuator(options, robot, end_effector)},
-        estimators=_estimators(options, robot, end_effector),
+        estimators=_estimators(options, robot, pose, end_effector),
         goals=[Goal("reach", PoseReach(pose, options.tolerance)), *bounds(options, robot)],
         dt=options.dt,
         clock="z_elapsed",
@@ -131,13 +131,13 @@ def _typical(speeds: tuple[float, ...]) -> float:
     return sorted(speeds)[(len(speeds) - 1) // 2]
 
 
-def _estimators(options: Options, robot: Robot, end_effector: EndEffector) -> list[Estimator]:
+def _estimators(
+    options: Options, robot: Robot, pose: TipPose, end_effector: EndEffector
+) -> list[Estimator]:
     """Target, joints, end effector, and the body if it has a shape."""
-    pose = end_effector.pose
-    assert isinstance(pose, TipPose)
     estimators: list[Estimator] = [
         Deterministic("x_target", _target(pose)),
-        joints(len(robot.chain.names)),
+        joint_filter([0.0] * len(robot.chain.names)),
     ]
 
     # The tip, on its way to the target; along the axis of its tool if the direct way is closed.
@@ -160,15 +160,11 @@ def _of_tip(options: Options) -> list[str]:
 
 def _target(pose: TipPose) -> Callable[..., Tensor]:
     """x_target, from what the observation says of it."""
-    if pose.orientation == "free":
-        return _position_of_target
+
+    def position_of_target(z_position: Tensor) -> Tensor:
+        return 1.0 * z_position
 
     def pose_of_target(z_position: Tensor, z_orientation: Tensor) -> Tensor:
         return pose.target(z_position, z_orientation)
 
-    return pose_of_target
-
-
-def _position_of_target(z_position: Tensor) -> Tensor:
-    """x_target where the orientation is free, ``(*B, 3)``, m."""
-    return 1.0 * z_position
+    return position_of_target if pose.orientation == "free" else pose_of_target

@@ -1,6 +1,7 @@
 """What the environments of arms have in common: MuJoCo's scene, pictures of it, the episode."""
 
-from typing import Any, Generic, Protocol, TypeVar
+from collections.abc import Sequence
+from typing import Any, Generic, TypeVar
 
 import gymnasium as gym
 import mujoco
@@ -9,17 +10,60 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from aicon_envs.arm_push.rendering import Camera
-from aicon_envs.checks import check_integer, check_render_mode
+from aicon_envs.arrays import FloatArray
+from aicon_envs.checks import check_render_mode, check_size
 
 
-class Simulated(Protocol):
-    """A simulation by MuJoCo."""
+class ArmSimulation:
+    """A scene of MuJoCo in which an arm moves.
 
-    model: mujoco.MjModel
-    data: mujoco.MjData
+    Args:
+        model: The compiled scene, in which the arm's tip is the site "tip".
+        joints: Names of the arm's n joints.
+        low: Lower limits of the joints, ``(n,)``, rad or m; −∞ where there is none.
+        high: Upper limits.
+        control_step: Duration of a control step, s.
+
+    Attributes:
+        model: The compiled scene.
+        data: Its state.
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        joints: Sequence[str],
+        low: FloatArray,
+        high: FloatArray,
+        control_step: float,
+    ) -> None:
+        """Find the joints and the tip."""
+        self.model, self.data = model, mujoco.MjData(model)
+        self._low, self._high = low, high
+        self._substeps = round(control_step / model.opt.timestep)
+        self._positions = np.array([model.joint(name).qposadr[0] for name in joints])
+        self._velocities = np.array([model.joint(name).dofadr[0] for name in joints])
+        self._tip = model.site("tip").id
+
+    @property
+    def joints(self) -> FloatArray:
+        """Values of the joints, ``(n,)``, rad or m."""
+        values: FloatArray = self.data.qpos[self._positions].copy()
+        return values
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Velocities of the joints, ``(n,)``, rad/s or m/s."""
+        values: FloatArray = self.data.qvel[self._velocities].copy()
+        return values
+
+    def margin(self) -> float:
+        """Return the smallest distance of a joint to its limits, now, rad or m."""
+        joints = self.joints
+        return float(np.minimum(joints - self._low, self._high - joints).min())
 
 
-World = TypeVar("World", bound=Simulated)
+World = TypeVar("World", bound=ArmSimulation)
 Episode = TypeVar("Episode")
 
 
@@ -38,10 +82,7 @@ class ArmEnv(gym.Env[dict[str, NDArray[Any]], NDArray[np.float32]], Generic[Worl
     def __init__(self, render_mode: str | None, render_width: int, render_height: int) -> None:
         """Check how pictures are rendered."""
         self.render_mode = check_render_mode(render_mode)
-        self._render_size = (
-            check_integer("render_width", render_width, 1),
-            check_integer("render_height", render_height, 1),
-        )
+        self._render_size = check_size("render", render_width, render_height)
         self._cameras: dict[str, Camera] = {}
 
     @property

@@ -5,13 +5,11 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from aicon_envs.arm_push import robot
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.description_checks import link_name
 from aicon_envs.reach.robots import Robot, find_file
-
-FloatArray = NDArray[np.float64]
 
 Vector = tuple[float, float, float]
 
@@ -81,14 +79,16 @@ def _to_capsule(
 
     length = float(str(cylinder.get("length")))
     radius = float(str(cylinder.get("radius")))
-    half_axis = _to_matrix(roll_pitch_yaw)[:, 2] * length / 2
+    # The angles are about the fixed axes, as URDF has it.
+    quaternion = np.zeros(4)
+    mujoco.mju_euler2Quat(quaternion, roll_pitch_yaw, "XYZ")
+    half_axis = to_matrix(quaternion)[:, 2] * length / 2
     return link, _to_vector(middle - half_axis), _to_vector(middle + half_axis), radius
 
 
-def _to_matrix(roll_pitch_yaw: FloatArray) -> FloatArray:
-    """Return the rotation ``(3, 3)`` by angles about the fixed axes, as URDF has it."""
-    quaternion, matrix = np.zeros(4), np.zeros(9)
-    mujoco.mju_euler2Quat(quaternion, roll_pitch_yaw, "XYZ")
+def to_matrix(quaternion: FloatArray) -> FloatArray:
+    """Return the rotation ``(3, 3)`` of a quaternion (w, x, y, z)."""
+    matrix = np.zeros(9)
     mujoco.mju_quat2Mat(matrix, quaternion)
     return matrix.reshape(3, 3)
 

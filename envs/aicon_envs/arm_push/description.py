@@ -6,15 +6,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from aicon_envs.arm_push import robot
-from aicon_envs.arm_push.capsules import robot_capsules, tool_capsules
+from aicon_envs.arm_push.capsules import robot_capsules, to_matrix, tool_capsules
 from aicon_envs.arm_push.inverse_kinematics import home_of, range_of_tip
 from aicon_envs.arm_push.reset import CONTACT_HEIGHT
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.robots import Robot, find_file
-
-FloatArray = NDArray[np.float64]
 
 
 def describe(model: mujoco.MjModel, arm: Robot, width: int, height: int) -> dict[str, Any]:
@@ -77,17 +75,17 @@ def _transform(model: mujoco.MjModel, above: int, below: int) -> FloatArray:
     """
     transform = np.eye(4)
     while below != above:
-        transform = _body_transform(model, below) @ transform
+        body = model.body(below)
+        transform = _homogeneous(to_matrix(body.quat), body.pos) @ transform
         below = int(model.body_parentid[below])
     return transform
 
 
-def _body_transform(model: mujoco.MjModel, number: int) -> FloatArray:
-    """Return the transform ``(4, 4)`` of a body in its parent."""
-    body = model.body(number)
+def _homogeneous(rotation: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the transform ``(4, 4)`` of a rotation ``(3, 3)`` and a position ``(3,)``, m."""
     transform = np.eye(4)
-    transform[:3, :3] = _to_matrix(body.quat)
-    transform[:3, 3] = body.pos
+    transform[:3, :3] = rotation
+    transform[:3, 3] = position
     return transform
 
 
@@ -95,11 +93,8 @@ def _camera_transform(model: mujoco.MjModel, name: str) -> FloatArray:
     """Return the transform ``(4, 4)`` of a camera in its body, z into the image and y down."""
     number = model.camera(name).id
     from_mujoco = np.diag([1.0, -1.0, -1.0])  # whose cameras look along -z with y up
-
-    transform = np.eye(4)
-    transform[:3, :3] = _to_matrix(model.cam_quat[number]) @ from_mujoco
-    transform[:3, 3] = model.cam_pos[number]
-    return transform
+    rotation = to_matrix(model.cam_quat[number]) @ from_mujoco
+    return _homogeneous(rotation, model.cam_pos[number])
 
 
 def _intrinsics(
@@ -109,12 +104,6 @@ def _intrinsics(
     field_of_view = math.radians(model.cam_fovy[model.camera(name).id])
     focal_length = height / 2 / math.tan(field_of_view / 2)
     return focal_length, (width - 1) / 2, (height - 1) / 2, float(width), float(height)
-
-
-def _to_matrix(quaternion: FloatArray) -> FloatArray:
-    matrix = np.zeros(9)
-    mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)
 
 
 def _to_rows(matrix: FloatArray) -> tuple[tuple[float, ...], ...]:

@@ -23,20 +23,10 @@ from aicon_envs.arm_push.reset import (
     draw_episode,
 )
 from aicon_envs.arm_push.scene import TARGET_GROUP, build_scene
-from aicon_envs.arm_push.simulation import CONTROL_STEP, FloatArray, Simulation
-from aicon_envs.arm_push.spaces import (
-    Observation,
-    ObsType,
-    action_space,
-    observation_space,
-)
-from aicon_envs.checks import (
-    check_action,
-    check_choice,
-    check_integer,
-    check_number,
-    check_numbers,
-)
+from aicon_envs.arm_push.simulation import CONTROL_STEP, Simulation
+from aicon_envs.arm_push.spaces import Observation, ObsType, action_space, observation_space
+from aicon_envs.arrays import FloatArray
+from aicon_envs.checks import check_action, check_choice, check_integer, check_number, check_numbers
 from aicon_envs.reach.robots import Robot, resolve_robot
 
 SUCCESS_DISTANCE = 0.01
@@ -254,7 +244,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
         return self._kick_force * np.array([math.cos(heading), math.sin(heading), 0.0])
 
     def _observe(self) -> Observation:
-        observation = self._sense_robot() | {"target": self._target_pose().copy()}
+        observation = self._sense_robot() | {"target": self._current_episode().target_pose.copy()}
         if self.obs_type == "pose":
             return observation | {"object_pose": self._simulation.pose}
 
@@ -292,13 +282,10 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
             "image_age": np.array([age]),
         }
 
-    def _target_pose(self) -> FloatArray:
-        return self._current_episode().target_pose
-
     def _info(self) -> dict[str, Any]:
         simulation = self._simulation
         pose, tip = simulation.pose, simulation.tip
-        target = self._target_pose()
+        target = self._current_episode().target_pose
 
         # The shorter way around.
         distance = float(np.linalg.norm(pose[:2] - target[:2]))
@@ -314,7 +301,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
             "is_success": distance < SUCCESS_DISTANCE and angle < SUCCESS_ANGLE,
             "collision": simulation.collides,
             "fallen": simulation.fallen,
-            "limit_margin": simulation.limit_margin,
+            "limit_margin": simulation.margin(),
             "self_distance": simulation.self_distance,
         }
 

@@ -5,11 +5,9 @@ from collections.abc import Callable
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.robots import Robot, find_home
-
-FloatArray = NDArray[np.float64]
 
 _ITERATIONS = 200
 _DAMPING = 1e-6
@@ -60,7 +58,7 @@ def reach(
     count = len(home)
     data.qpos[:count] = home
     goal = _upright(yaw)
-    error: NDArray[np.float64] = np.full(6, np.inf)
+    error: FloatArray = np.full(6, np.inf)
 
     for _ in range(_ITERATIONS):
         mujoco.mj_kinematics(model, data)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from aicon_envs.pusht.geometry import FloatArray
+from aicon_envs.arrays import FloatArray
 from aicon_envs.pusht.objects import OBJECTS, PushObject, make_object
 
 PIXELS_PER_METRE = 600.0

@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from aicon_envs.arm_push.objects import Prism
 from aicon_envs.arm_push.robot import STICK_RADIUS
+from aicon_envs.arrays import FloatArray
 from aicon_envs.checks import check_numbers, given_options
 from aicon_envs.pusht.geometry import place
 
-FloatArray = NDArray[np.float64]
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 """Lower and upper bound of x, and those of y, m."""
 

@@ -8,10 +8,10 @@ from functools import lru_cache
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from aicon_envs.arm_push import collision_groups as groups
 from aicon_envs.arm_push.urdf import load_arm
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.contacts import excluded_pairs
 from aicon_envs.reach.robots import Robot
 from aicon_envs.reach.urdf import Description
@@ -71,7 +71,7 @@ def equip_robot(spec: mujoco.MjSpec, arm: Robot, description: Description) -> No
 
     # ... and what is at its flange.
     tool = _add_tool(spec, arm.tip)
-    _add_camera(tool)
+    tool.add_camera(name="hand", pos=list(CAMERA), quat=_camera_rotation(), fovy=FIELD_OF_VIEW)
     _add_wrist_sensor(spec)
     for first, second in _excluded_contacts(arm):
         spec.add_exclude(bodyname1=first, bodyname2=second)
@@ -180,11 +180,7 @@ def _add_tool(spec: mujoco.MjSpec, flange: str) -> mujoco.MjsBody:
     return tool
 
 
-def _add_camera(tool: mujoco.MjsBody) -> None:
-    tool.add_camera(name="hand", pos=list(CAMERA), quat=_camera_rotation(), fovy=FIELD_OF_VIEW)
-
-
-def _camera_rotation() -> NDArray[np.float64]:
+def _camera_rotation() -> FloatArray:
     """Return the quaternion of a camera that looks along the tool, tilted toward the tip.
 
     MuJoCo's cameras look along -z with y up: half a turn looks along z.

@@ -6,12 +6,12 @@ is at z = 0.
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from aicon_envs.arm_push import collision_groups as groups
 from aicon_envs.arm_push.objects import THICKNESS, Prism
 from aicon_envs.arm_push.robot import equip_robot
 from aicon_envs.arm_push.urdf import load_arm
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.robots import Robot
 
 TABLE = ((0.25, 0.95), (-0.55, 0.55))
@@ -151,8 +151,8 @@ def _add_object(spec: mujoco.MjSpec, object: Prism, mass: float, friction: float
             condim=4,
         )
 
-    # The reference marker, a dot on top.
-    x, y = _marker_position(object)
+    # The reference marker, a dot on top, in the middle of the first part.
+    x, y = object.parts[0].mean(axis=0).tolist()
     body.add_geom(
         name="marker",
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -185,13 +185,7 @@ def _mesh_name(index: int) -> str:
     return f"part{index}"
 
 
-def _marker_position(object: Prism) -> tuple[float, float]:
-    """Return where the reference marker is on the object, m: the middle of its first part."""
-    x, y = object.parts[0].mean(axis=0).tolist()
-    return x, y
-
-
-def _area(polygon: NDArray[np.float64]) -> float:
+def _area(polygon: FloatArray) -> float:
     """Return the area of a polygon ``(n, 2)``, m²."""
     x, y = polygon.T
     return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from aicon_envs.arm_push import collision_groups
 from aicon_envs.arm_push.capsules import Capsule
+from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.gaps import GapMeter
-
-FloatArray = NDArray[np.float64]
 
 SelfDistance = Callable[[mujoco.MjData], float]
 

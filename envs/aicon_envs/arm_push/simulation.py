@@ -5,16 +5,16 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from aicon_envs.arm_push import collision_groups
+from aicon_envs.arm_push.arm_env import ArmSimulation
 from aicon_envs.arm_push.capsules import Capsule
 from aicon_envs.arm_push.inverse_kinematics import reach
 from aicon_envs.arm_push.objects import THICKNESS
 from aicon_envs.arm_push.scene import TARGET_HEIGHT
 from aicon_envs.arm_push.self_distance import self_distance
-
-FloatArray = NDArray[np.float64]
+from aicon_envs.arrays import FloatArray
 
 CONTROL_STEP = 0.01
 """Duration of a control step, s."""
@@ -29,7 +29,7 @@ _FALLEN_TILT = 0.5
 """Cosine between its axis and the vertical below which it lies on its side."""
 
 
-class Simulation:
+class Simulation(ArmSimulation):
     """Physics at 1 kHz under joint velocities that change at 100 Hz.
 
     Args:
@@ -38,8 +38,6 @@ class Simulation:
         capsules: Those of the robot, which tell its distance to itself, if there are any.
 
     Attributes:
-        model: The compiled scene.
-        data: Its state.
         wrench: Force (N) and torque (Nm) at the flange, ``(6,)``, mean over the last control step.
         collides: Whether the robot touched itself, or anything but the object with its stick, at
             any time in the last control step.
@@ -49,15 +47,12 @@ class Simulation:
         self, model: mujoco.MjModel, home: FloatArray, capsules: Sequence[Capsule]
     ) -> None:
         """Find the bodies and shapes of the scene."""
-        self.model = model
-        self.data = mujoco.MjData(model)
-
-        self._substeps = round(CONTROL_STEP / model.opt.timestep)
+        joints = [model.joint(number).name for number in range(model.nu)]
+        low, high = model.jnt_range[: model.nu].T.copy()
+        super().__init__(model, joints, low, high, CONTROL_STEP)
         self._home, self._count = home, model.nu
-        self._joint_range = model.jnt_range[: model.nu].copy()
         self._self_distance = self_distance(model, capsules)
 
-        self._tip = model.site("tip").id
         self._object = model.body("object").id
         self._stick = model.geom("stick").id
 
@@ -142,18 +137,6 @@ class Simulation:
         np.clip(integrals, middle - largest / stiffness, middle + largest / stiffness, integrals)
 
     @property
-    def joints(self) -> FloatArray:
-        """Joint angles, ``(n,)``, rad."""
-        angles: FloatArray = self.data.qpos[: self._count].copy()
-        return angles
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Joint velocities, ``(n,)``, rad/s."""
-        speeds: FloatArray = self.data.qvel[: self._count].copy()
-        return speeds
-
-    @property
     def tip(self) -> FloatArray:
         """Position of the stick's tip, ``(3,)``, m."""
         position: FloatArray = self.data.site_xpos[self._tip].copy()
@@ -172,13 +155,6 @@ class Simulation:
         height = self.data.xpos[self._object, 2]
         tilt = self.data.xmat[self._object, 8]
         return bool(height < _FALLEN_HEIGHT or tilt < _FALLEN_TILT)
-
-    @property
-    def limit_margin(self) -> float:
-        """Smallest distance of a joint to its limits, now, rad."""
-        angles = self.joints
-        low, high = self._joint_range.T
-        return float(np.minimum(angles - low, high - angles).min())
 
     @property
     def self_distance(self) -> float:

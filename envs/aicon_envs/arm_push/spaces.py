@@ -7,6 +7,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
+
 ObsType = Literal["rgbd", "pose"]
 Observation = dict[str, NDArray[Any]]
 Action = NDArray[np.float32]
@@ -47,11 +49,10 @@ def observation_space(
     return observed
 
 
-def action_space(speed: NDArray[np.float64]) -> spaces.Space[Action]:
+def action_space(speed: FloatArray) -> spaces.Space[Action]:
     """Return the space of joint velocities up to some speeds ``(n,)``, rad/s or m/s."""
     largest = speed.astype(np.float32)
-    box: spaces.Space[Any] = spaces.Box(-largest, largest, dtype=np.float32)  # forgets its dtype
-    return box
+    return spaces.Box(-largest, largest, dtype=np.float32)
 
 
 def symmetric_box(bound: float, length: int) -> spaces.Box:

@@ -5,11 +5,9 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import BoolArray
 from aicon_envs.checks import check_integer, is_sequence
-
-BoolArray = NDArray[np.bool_]
 
 _AUTORESET_MODES = (AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED)
 

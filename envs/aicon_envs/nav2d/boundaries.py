@@ -9,11 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.nav2d.world import Vertices, union
-
-FloatArray = NDArray[np.float64]
 
 _FAR = 1e9
 """Where padding segments lie, m."""

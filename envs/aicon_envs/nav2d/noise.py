@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.nav2d.physics import Physics
-
-FloatArray = NDArray[np.float64]
 
 _BLOCK = 128
 """Steps whose noise is drawn at once."""

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.nav2d.simulation import ARRIVAL_DISTANCE
 from aicon_envs.nav2d.world import NavigationMap, Point
 
@@ -50,7 +51,7 @@ class Scene:
         self._trail = [self._pixel(world.start)]
         self._backdrop = self._draw_world(world)
 
-    def move(self, position: NDArray[np.float64]) -> None:
+    def move(self, position: FloatArray) -> None:
         """Put the agent at `position` (x, y), m, and extend its trail."""
         self._trail.append(self._pixel((float(position[0]), float(position[1]))))
 
@@ -95,7 +96,7 @@ class Scene:
         return middle + float(x), middle - float(y)
 
 
-def _extent(world: NavigationMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _extent(world: NavigationMap) -> tuple[FloatArray, FloatArray]:
     """Return the lower and upper corner (x, y) of what a picture shows, m."""
     points = [world.start, world.target]
     for polygon in world.obstacles:

@@ -10,9 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 from shapely.geometry.base import BaseGeometry
 
+from aicon_envs.arrays import BoolArray, FloatArray
 from aicon_envs.nav2d.world import Point, Vertices, union
-
-FloatArray = NDArray[np.float64]
 
 Indices = NDArray[np.intp]
 
@@ -90,7 +89,7 @@ class _Corners(NamedTuple):
 
 def _convex_corners(geometry: BaseGeometry) -> _Corners:
     """Return the convex corners of a (multi-)polygon."""
-    found: list[NDArray[np.float64]] = [np.zeros((3, 0, 2))]
+    found: list[FloatArray] = [np.zeros((3, 0, 2))]
 
     for polygon in shapely.get_parts(geometry):
         for ring in shapely.get_rings(shapely.orient_polygons(polygon)):
@@ -107,7 +106,7 @@ def _convex_corners(geometry: BaseGeometry) -> _Corners:
 
 def _is_tangent(
     nodes: FloatArray, before: FloatArray, after: FloatArray, at: Indices, other: Indices
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Whether the line from each corner `at` to `other` is tangent to the obstacle at the corner.
 
     It is where both edges of the corner lie on one side of the line.
@@ -116,11 +115,9 @@ def _is_tangent(
     side_before = _cross(line, before[at] - nodes[at])
     side_after = _cross(line, after[at] - nodes[at])
 
-    tangent: NDArray[np.bool_] = side_before * side_after >= _SAME_SIDE
-    return tangent
+    return side_before * side_after >= _SAME_SIDE
 
 
 def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return the cross products of vectors (n, 2), (n,)."""
-    product: FloatArray = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    return product
+    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

@@ -12,13 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from aicon_envs.arrays import BoolArray, FloatArray
 from aicon_envs.nav2d.boundaries import Boundaries
 from aicon_envs.nav2d.noise import NoiseStream
 from aicon_envs.nav2d.physics import Physics
 from aicon_envs.nav2d.world import NavigationMap
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 SensorArray = NDArray[np.float32]
 
 ARRIVAL_DISTANCE = 0.2

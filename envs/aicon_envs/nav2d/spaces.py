@@ -44,5 +44,4 @@ def action_space(physics: Physics) -> spaces.Space[Action]:
     agent itself limits the command's Euclidean norm to max_speed.
     """
     bound = max(1.0, physics.max_speed)
-    box: spaces.Space[Any] = spaces.Box(-bound, bound, (2,), np.float32)  # forgets its dtype
-    return box
+    return spaces.Box(-bound, bound, (2,), np.float32)

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from aicon_envs.arrays import BoolArray, FloatArray
 from aicon_envs.checks import (
     check_action,
     check_integer,
@@ -18,7 +19,6 @@ from aicon_envs.checks import (
     fields_of,
 )
 from aicon_envs.nav2d.batching import (
-    BoolArray,
     check_autoreset_mode,
     check_reset_mask,
     split_options,
@@ -151,7 +151,7 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
     def step(
         self, actions: Action
-    ) -> tuple[Observation, NDArray[np.float64], BoolArray, BoolArray, dict[str, Any]]:
+    ) -> tuple[Observation, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
         """Move every sub-environment by one step, or start its next episode; see the class."""
         self._check_started()
         simulation = self._simulation

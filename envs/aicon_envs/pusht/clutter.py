@@ -1,18 +1,20 @@
 """Pictures that show less, or more, than the task: shapes that distract, and covers."""
 
 import math
-from typing import Any, Literal
+from typing import Literal, get_args
 
 import gymnasium as gym
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
+from aicon_envs.arrays import BoolArray
+from aicon_envs.checks import check_choice
 from aicon_envs.pusht.spaces import PIXELS, Action, Observation
 from aicon_envs.pusht.wrappers import ImperfectSensor
 
 Picture = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 
 Kind = Literal["distractors", "covered", "hidden"]
 """Three shapes at fixed places; a third covered, elsewhere at each step; a third, always there."""
@@ -38,8 +40,7 @@ class Clutter(ImperfectSensor, RecordConstructorArgs):
         """Wrap an environment."""
         RecordConstructorArgs.__init__(self, kind=kind)
         super().__init__(env)
-        if kind not in ("distractors", "covered", "hidden"):
-            raise ValueError(f"kind={kind!r}: expected 'distractors', 'covered' or 'hidden'")
+        check_choice("kind", kind, get_args(Kind))
         if PIXELS not in getattr(env.observation_space, "spaces", {}):
             raise ValueError("clutter is drawn into pictures: expected obs_type='pixels_agent_pos'")
         self._kind = kind
@@ -84,11 +85,14 @@ def random_polygon(size: tuple[int, int], generator: np.random.Generator) -> Mas
     corners = int(generator.choice([3, 5]))
     radius = generator.uniform(0.06, 0.11) * size[1]
     turn, center = generator.uniform(0, 2 * math.pi), generator.uniform(0.1, 0.9, 2) * size[1]
+
     # Within every side, whose distance from the middle is r cos(π/n).
+    y, x = np.mgrid[: size[0], : size[1]] + 0.5
     inside = np.ones(size, np.bool_)
     for side in range(corners):
         angle = turn + 2 * math.pi * side / corners
-        inside &= _along(size, center, angle) < radius * math.cos(math.pi / corners)
+        distance = math.cos(angle) * (x - center[0]) + math.sin(angle) * (y - center[1])
+        inside &= distance < radius * math.cos(math.pi / corners)
     return inside
 
 
@@ -103,10 +107,3 @@ def random_cover(size: tuple[int, int], generator: np.random.Generator, share: f
         :, round(left * width) : round((left + wide) * width)
     ] = True
     return covered
-
-
-def _along(size: tuple[int, int], center: NDArray[Any], angle: float) -> NDArray[Any]:
-    """How far each pixel is from a centre (x, y) along a direction, pixels."""
-    y, x = np.mgrid[: size[0], : size[1]] + 0.5
-    distance: NDArray[Any] = math.cos(angle) * (x - center[0]) + math.sin(angle) * (y - center[1])
-    return distance

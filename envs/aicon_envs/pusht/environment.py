@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from aicon_envs.checks import check_render_mode, fields_of
+from aicon_envs.checks import check_action, check_render_mode, check_size, fields_of
 from aicon_envs.pusht.disturbances import draw_kicked_pose
 from aicon_envs.pusht.geometry import Point, clip, place
 from aicon_envs.pusht.goal import Goal
@@ -21,12 +21,11 @@ from aicon_envs.pusht.spaces import (
     GOAL,
     KEYPOINTS,
     PIXELS,
+    POSITION,
     Action,
     Observation,
     ObsType,
     action_space,
-    check_action,
-    check_size,
     observation_space,
 )
 
@@ -184,11 +183,11 @@ class PushTEnv(gym.Env[Observation, Action]):
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one control step; see the class for the action."""
         self._current_episode()  # an error before the first reset
-        target = check_action(action)
+        x, y = check_action(action, (2,), POSITION).tolist()
 
         # A kick or a jump of the goal that is due comes before the move.
         self._disturb()
-        self._steer(target)
+        self._steer((x, y))
         self._steps += 1
 
         info = self._evaluate()
@@ -231,20 +230,15 @@ class PushTEnv(gym.Env[Observation, Action]):
 
     def _steer(self, target: Point) -> None:
         """Let the pusher's controller go to a target, px, for one control step."""
-        noise_x, noise_y = self._draw_noise(self.settings.action_noise)
+        noise_x, noise_y = 0.0, 0.0
+        if self.settings.action_noise > 0.0:
+            noise_x, noise_y = self.noise.normal(0.0, self.settings.action_noise, 2).tolist()
         x = clip(target[0] + noise_x, 0.0, SIZE)
         y = clip(target[1] + noise_y, 0.0, SIZE)
         self._target = (x, y)
 
         limit = self.settings.velocity_limit or math.inf
         self._current_episode().simulation.steer(self._target, limit)
-
-    def _draw_noise(self, sigma: float) -> Point:
-        if sigma == 0.0:
-            return 0.0, 0.0
-
-        x, y = self.noise.normal(0.0, sigma, 2).tolist()
-        return x, y
 
     def _observe(self) -> Observation:
         simulation = self._current_episode().simulation

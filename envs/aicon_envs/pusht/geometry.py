@@ -6,11 +6,11 @@ A pose (x, y, angle), px and rad, places a body's frame: p_world = (x, y) + R(an
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+
+from aicon_envs.arrays import FloatArray
 
 Point = tuple[float, float]
 Pose = tuple[float, float, float]
-FloatArray = NDArray[np.float64]
 
 
 def place(points: FloatArray, pose: Pose) -> FloatArray:

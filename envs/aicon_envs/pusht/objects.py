@@ -18,8 +18,9 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.checks import check_vertices
-from aicon_envs.pusht.geometry import FloatArray, Point
+from aicon_envs.pusht.geometry import Point
 from aicon_envs.pusht.polygons import convex_parts, signed_area, squared_radius_of_gyration
 
 MIN_AREA = 500.0

@@ -7,7 +7,8 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from aicon_envs.pusht.geometry import FloatArray, Point
+from aicon_envs.arrays import FloatArray
+from aicon_envs.pusht.geometry import Point
 
 _CONVEX = 1e-9
 """A polygon is convex if its convex hull has at most this share more area."""

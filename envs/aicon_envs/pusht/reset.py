@@ -68,7 +68,8 @@ def draw_episode(
 
     # This order is part of the contract: settings that draw more leave the start as it is.
     simulation = _start_simulation(object, options, generator)
-    goal = _resolve_goal(object, options.get("goal_pose", settings.goal_pose), generator)
+    given = options.get("goal_pose", settings.goal_pose)
+    goal = draw_goal(object, generator) if is_random(given) else check_pose("goal_pose", given)
     jumps = draw_jumps(object, settings.goal_jumps, JUMP_INTERVAL, generator)
 
     # Spawned in any case, such that the option changes nothing but the noise.
@@ -99,11 +100,3 @@ def _draw_state(generator: np.random.Generator) -> State:
     object_y = float(generator.integers(*_OBJECT_BOUNDS))
     angle = float(generator.uniform(-math.pi, math.pi))
     return pusher_x, pusher_y, object_x, object_y, angle
-
-
-def _resolve_goal(object: PushObject, goal: Any, generator: np.random.Generator) -> Pose:
-    """Draw a random goal, or check a given one."""
-    if is_random(goal):
-        return draw_goal(object, generator)
-
-    return check_pose("goal_pose", goal)

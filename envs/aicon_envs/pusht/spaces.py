@@ -5,11 +5,9 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from aicon_envs import checks
-from aicon_envs.checks import check_choice, check_integer
-from aicon_envs.pusht.geometry import Point
+from aicon_envs.checks import check_choice
 from aicon_envs.pusht.simulation import SIZE
 
 ObsType = Literal["environment_state_agent_pos", "state", "pixels", "pixels_agent_pos"]
@@ -19,7 +17,7 @@ Action = NDArray[np.float32]
 KEYPOINTS, AGENT, PIXELS, GOAL = "environment_state", "agent_pos", "pixels", "goal_pose"
 """Keys of the dictionary observations."""
 
-MEANING = "numbers (x, y)"
+POSITION = "numbers (x, y)"
 """What an action is, in words."""
 
 _FULL_TURN = 2.0 * math.pi
@@ -68,27 +66,7 @@ def observation_space(
 
 def action_space() -> spaces.Space[Action]:
     """Return the space of the pusher's target, px."""
-    box: spaces.Space[Any] = spaces.Box(0.0, SIZE, (2,), np.float32)  # forgets its dtype
-    return box
-
-
-def check_action(action: ArrayLike) -> Point:
-    """Return the action as two floats.
-
-    Raises:
-        ValueError: If the action has another shape or is not finite.
-    """
-    x, y = checks.check_action(action, (2,), MEANING).tolist()
-    return x, y
-
-
-def check_size(name: str, width: int, height: int) -> tuple[int, int]:
-    """Return (width, height) of a picture.
-
-    Raises:
-        ValueError: If one is not an integer >= 1.
-    """
-    return check_integer(f"{name}_width", width, 1), check_integer(f"{name}_height", height, 1)
+    return spaces.Box(0.0, SIZE, (2,), np.float32)
 
 
 def _check_room_for_goal(obs_type: ObsType, observe_goal: bool) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from aicon_envs.checks import check_integer, check_number
 from aicon_envs.pusht.environment import PushTEnv
 from aicon_envs.pusht.spaces import KEYPOINTS, Action, Observation
 
@@ -75,13 +76,12 @@ class SensorNoise(ImperfectSensor, RecordConstructorArgs):
         RecordConstructorArgs.__init__(self, sigma=sigma)
         super().__init__(env)
 
-        if not (np.isfinite(sigma) and sigma >= 0.0):
-            raise ValueError(f"sigma must be a finite number >= 0, got {sigma!r}")
-        self._sigma = sigma
+        self._sigma = check_number("sigma", sigma)
 
-        observation_spaces = dict(_check_observes_keypoints(env).spaces)
-        observation_spaces[KEYPOINTS] = _unbounded(observation_spaces[KEYPOINTS])
-        self.observation_space = spaces.Dict(observation_spaces)
+        box = _space_of_keypoints(env)
+        kind = ReadingBox if isinstance(box, ReadingBox) else spaces.Box
+        unbounded = kind(-np.inf, np.inf, box.shape, np.float64)
+        self.observation_space = _with_keypoints(env, unbounded)
 
     def _sense(self, observation: Observation) -> Observation:
         """Return the observation with noise."""
@@ -113,10 +113,9 @@ class Dropout(ImperfectSensor, RecordConstructorArgs):
             raise ValueError(f"probability must be in [0, 1], got {probability!r}")
         self._probability = probability
 
-        observation_spaces = dict(_check_observes_keypoints(env).spaces)
-        box = cast("spaces.Box", observation_spaces[KEYPOINTS])
-        observation_spaces[KEYPOINTS] = ReadingBox(box.low, box.high, dtype=np.float64)
-        self.observation_space = spaces.Dict(observation_spaces)
+        box = _space_of_keypoints(env)
+        readings = ReadingBox(box.low, box.high, dtype=np.float64)
+        self.observation_space = _with_keypoints(env, readings)
 
     def _sense_first(self, observation: Observation) -> Observation:
         """Return the observation as it is."""
@@ -149,9 +148,7 @@ class Delay(ImperfectSensor, RecordConstructorArgs):
         RecordConstructorArgs.__init__(self, steps=steps)
         super().__init__(env)
 
-        if not isinstance(steps, int) or steps < 0:
-            raise ValueError(f"steps must be an integer >= 0, got {steps!r}")
-        self._recent: deque[Observation] = deque(maxlen=steps + 1)
+        self._recent: deque[Observation] = deque(maxlen=check_integer("steps", steps, 0) + 1)
 
     def _sense_first(self, observation: Observation) -> Observation:
         """Return the observation, and forget the last episode's."""
@@ -164,19 +161,17 @@ class Delay(ImperfectSensor, RecordConstructorArgs):
         return self._recent[0]
 
 
-def _check_observes_keypoints(env: gym.Env[Observation, Action]) -> spaces.Dict:
-    """Return the space of a dictionary observation with keypoints."""
+def _space_of_keypoints(env: gym.Env[Observation, Action]) -> spaces.Box:
+    """Return the space of the keypoints in a dictionary observation."""
     space = env.observation_space
     if not (isinstance(space, spaces.Dict) and KEYPOINTS in space.spaces):
         raise ValueError(
             "the environment must observe keypoints: obs_type environment_state_agent_pos, "
             f"got {space}"
         )
+    return cast("spaces.Box", space[KEYPOINTS])
 
-    return space
 
-
-def _unbounded(space: spaces.Space[Any]) -> spaces.Box:
-    """Return a box of the same kind and shape without bounds."""
-    kind = ReadingBox if isinstance(space, ReadingBox) else spaces.Box
-    return kind(-np.inf, np.inf, space.shape, np.float64)
+def _with_keypoints(env: gym.Env[Observation, Action], box: spaces.Box) -> spaces.Dict:
+    """Return the space of its observations with another one of the keypoints."""
+    return spaces.Dict({**cast("spaces.Dict", env.observation_space).spaces, KEYPOINTS: box})

@@ -3,11 +3,9 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.to_and_fro import ToAndFro
-
-FloatArray = NDArray[np.float64]
 
 AMPLITUDE = 0.3
 """How far a ball that moves goes to each side of its middle, m."""

@@ -1,5 +1,6 @@
 """Which links of a robot may not touch each other."""
 
+from collections import Counter
 from collections.abc import Collection, Iterable
 from itertools import combinations
 from xml.etree import ElementTree
@@ -7,7 +8,8 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
-from aicon_envs.reach.robots import FloatArray, Robot, draw_postures, find_file
+from aicon_envs.arrays import FloatArray
+from aicon_envs.reach.robots import Robot, draw_postures, find_file
 
 Pair = frozenset[str]
 
@@ -37,27 +39,18 @@ def excluded_pairs(
         low: Lower limits of the joints, ``(n,)``.
         high: Upper limits.
     """
-    bodies = [model.body(number).name for number in range(1, model.nbody)]
-    groups = _rigid_groups(model)
-    disabled = _disabled_pairs(robot)
     postures = draw_postures(low, high, SAMPLES, np.random.default_rng(0))
-    touching = _always_touching(model, joints, postures)
+    meaningless = _disabled_pairs(robot) | _always_touching(model, joints, postures)
 
     excluded = []
-    for first, second in combinations(bodies, 2):
-        one, other = groups[first], groups[second]
+    for numbers in combinations(range(1, model.nbody), 2):
+        # The bodies that they are fixed to.
+        one, other = model.body_weldid[list(numbers)].tolist()
+        first, second = (model.body(number).name for number in numbers)
         is_near = one == other or _follow_each_other(model, one, other)
-        if is_near or frozenset((first, second)) in disabled | touching:
+        if is_near or frozenset((first, second)) in meaningless:
             excluded.append((first, second))
     return excluded
-
-
-def _rigid_groups(model: mujoco.MjModel) -> dict[str, int]:
-    """Return for each body the number of the one that it is fixed to, that of the world for 0."""
-    groups = {}
-    for number in range(1, model.nbody):
-        groups[model.body(number).name] = int(model.body_weldid[number])
-    return groups
 
 
 def _follow_each_other(model: mujoco.MjModel, one: int, other: int) -> bool:
@@ -85,14 +78,13 @@ def _always_touching(
     """Return the pairs of bodies that touch in almost every posture."""
     data = mujoco.MjData(model)
     addresses = [model.joint(name).qposadr[0] for name in joints]
-    counts: dict[Pair, int] = {}
+    counts: Counter[Pair] = Counter()
 
     for posture in postures:
         data.qpos[addresses] = posture
         mujoco.mj_kinematics(model, data)
         mujoco.mj_collision(model, data)
-        for pair in set(_touching_pairs(model, data)):
-            counts[pair] = counts.get(pair, 0) + 1
+        counts.update(set(_touching_pairs(model, data)))
 
     return {pair for pair, count in counts.items() if count > ALWAYS * len(postures)}
 

@@ -5,24 +5,17 @@ from typing import Any, get_args
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from aicon_envs.arm_push.arm_env import ArmEnv
 from aicon_envs.arm_push.spaces import Observation, action_space
-from aicon_envs.checks import (
-    check_action,
-    check_choice,
-    check_integer,
-    check_number,
-    check_numbers,
-)
+from aicon_envs.arrays import FloatArray
+from aicon_envs.checks import check_action, check_choice, check_integer, check_number, check_numbers
 from aicon_envs.reach.reset import EpisodeDrawer, EpisodeStart, Start
 from aicon_envs.reach.robots import Robot, find_file, find_home, resolve_robot
 from aicon_envs.reach.scene import build_scene
 from aicon_envs.reach.simulation import CONTROL_STEP, Simulation
 from aicon_envs.reach.spaces import Target, observation_space
-
-FloatArray = NDArray[np.float64]
 
 _REWARD_RADIUS = 0.2
 """A turn by 1 rad costs as much as a shift by this, m."""

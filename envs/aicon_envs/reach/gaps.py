@@ -1,16 +1,17 @@
 """How far the robot is from itself and from the balls, by MuJoCo's own collision detection."""
 
 import copy
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from aicon_envs.arrays import FloatArray
 
 SIGHT = 0.05
 """Gaps are measured up to this, m."""
+
+
+Some = TypeVar("Some", bound=NamedTuple)
 
 
 class Gaps(NamedTuple):
@@ -18,6 +19,11 @@ class Gaps(NamedTuple):
 
     to_itself: float
     to_balls: float
+
+
+def smaller(one: Some, other: Some) -> Some:
+    """The smaller gap of each kind."""
+    return one._make(map(min, one, other))
 
 
 def seeing_near(model: mujoco.MjModel) -> mujoco.MjModel:

@@ -5,14 +5,12 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from aicon_envs.reach.gaps import SIGHT, seeing_near
+from aicon_envs.arrays import FloatArray
+from aicon_envs.reach.gaps import SIGHT, seeing_near, smaller
 from aicon_envs.reach.robots import Robot
 from aicon_envs.reach.scene import PreparedArm, add_sky, prepare_arm, set_physics
 from aicon_envs.reach.simulation import ACCELERATION, CONTROL_STEP, WINDUP
-
-FloatArray = NDArray[np.float64]
 
 PREFIXES = ("first/", "second/")
 """What the names of each arm's bodies begin with."""
@@ -92,12 +90,12 @@ class ArmPair:
                 data.ctrl[speed] = data.ctrl[integral] = command
             mujoco.mj_step(self.model, data)
             if data.ncon:
-                nearest = _smaller(nearest, self._among(data))
+                nearest = smaller(nearest, self._among(data))
 
         # Anti-windup, as one arm alone has it.
         for values, state in zip(self.joints, self._states, strict=True):
             data.act[state] = np.clip(data.act[state], values - WINDUP, values + WINDUP)
-        self.gaps = _smaller(nearest, self.measure(self.joints))
+        self.gaps = smaller(nearest, self.measure(self.joints))
 
     def measure(self, joints: tuple[FloatArray, FloatArray]) -> PairGaps:
         """The gaps at values of the joints, rad or m."""
@@ -147,8 +145,3 @@ def _owner(body: str) -> str:
         if body.startswith(prefix):
             return prefix
     return TABLE
-
-
-def _smaller(one: PairGaps, other: PairGaps) -> PairGaps:
-    """The smaller of each."""
-    return PairGaps(*map(min, zip(one, other, strict=True)))

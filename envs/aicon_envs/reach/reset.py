@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.checks import given_options
 from aicon_envs.reach.balls import draw_path
 from aicon_envs.reach.gaps import SIGHT
@@ -13,7 +13,6 @@ from aicon_envs.reach.robots import check_posture, draw_postures
 from aicon_envs.reach.simulation import Simulation
 from aicon_envs.to_and_fro import ToAndFro
 
-FloatArray = NDArray[np.float64]
 Start = Literal["home", "random"]
 
 CLEARANCE = 0.02

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.checks import check_numbers
-
-FloatArray = NDArray[np.float64]
 
 _WIDEST = math.pi
 """Joints without limits are drawn from ± this, rad."""
@@ -147,8 +145,7 @@ def draw_postures(
     """Return values of n joints within their limits, ``(count, n)``; ±π where there are none."""
     bounded = np.isfinite(low)
     least, most = np.where(bounded, low, -_WIDEST), np.where(bounded, high, _WIDEST)
-    postures: FloatArray = generator.uniform(least, most, (count, len(low)))
-    return postures
+    return generator.uniform(least, most, (count, len(low)))
 
 
 def find_file(name: str) -> Path:

@@ -8,13 +8,11 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from aicon_envs.arrays import BoolArray, FloatArray
 from aicon_envs.reach.contacts import SAMPLES, excluded_pairs
 from aicon_envs.reach.robots import Robot, draw_postures
 from aicon_envs.reach.urdf import Description, read_description
-
-FloatArray = NDArray[np.float64]
 
 TIMESTEP = 0.002
 """Of the physics, s."""
@@ -43,7 +41,7 @@ class Scene(NamedTuple):
     low: FloatArray
     high: FloatArray
     speed: FloatArray
-    turns: NDArray[np.bool_]
+    turns: BoolArray
 
 
 @lru_cache(maxsize=8)  # environments side by side share what none of them changes
@@ -81,7 +79,7 @@ class PreparedArm(NamedTuple):
     low: FloatArray
     high: FloatArray
     speed: FloatArray
-    turns: NDArray[np.bool_]
+    turns: BoolArray
 
 
 def prepare_arm(robot: Robot) -> PreparedArm:
@@ -124,7 +122,7 @@ def _compile_bare(description: Description) -> mujoco.MjModel:
 
 def _limits(
     model: mujoco.MjModel, joints: tuple[str, ...]
-) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return lower and upper limits of the joints, and which turn."""
     numbers = [model.joint(name).id for name in joints]
     limited = model.jnt_limited[numbers].astype(bool)

@@ -2,12 +2,11 @@
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from aicon_envs.reach.gaps import SIGHT, GapMeter, Gaps
+from aicon_envs.arm_push.arm_env import ArmSimulation
+from aicon_envs.arrays import FloatArray
+from aicon_envs.reach.gaps import SIGHT, GapMeter, Gaps, smaller
 from aicon_envs.reach.scene import Scene
-
-FloatArray = NDArray[np.float64]
 
 CONTROL_STEP = 0.02
 """Duration of a control step, s."""
@@ -20,7 +19,7 @@ WINDUP = 0.05
 """The integral of a servo leads its joint by at most this, rad or m."""
 
 
-class Simulation:
+class Simulation(ArmSimulation):
     """Physics at 500 Hz under joint velocities that change at 50 Hz.
 
     Args:
@@ -28,24 +27,16 @@ class Simulation:
 
     Attributes:
         scene: The compiled scene.
-        model: That of MuJoCo.
-        data: Its state.
         gaps: The smallest gaps during the last control step.
         limit_margin: The smallest distance of a joint to its limits during the last control step,
             rad or m; infinite without limits.
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Find the joints of the scene."""
-        self.scene, self.model = scene, scene.model
-        self.data = mujoco.MjData(scene.model)
+        """Make ready to measure gaps."""
+        super().__init__(scene.model, scene.joints, scene.low, scene.high, CONTROL_STEP)
+        self.scene = scene
         self._measure = GapMeter(scene.model)
-
-        model = scene.model
-        self._substeps = round(CONTROL_STEP / model.opt.timestep)
-        self._positions = np.array([model.joint(name).qposadr[0] for name in scene.joints])
-        self._velocities = np.array([model.joint(name).dofadr[0] for name in scene.joints])
-        self._tip = model.site("tip").id
 
     def start(self, joints: FloatArray, balls: FloatArray) -> None:
         """Put the robot at rest.
@@ -54,14 +45,14 @@ class Simulation:
             joints: Values of the joints, ``(n,)``, rad or m.
             balls: Positions of the balls, ``(balls, 3)``, m.
         """
-        mujoco.mj_resetData(self.scene.model, self.data)
+        mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[self._positions] = joints
         self.data.act[:] = joints  # the servos hold what is reached
         self.data.mocap_pos[1:] = balls
-        mujoco.mj_forward(self.scene.model, self.data)
+        mujoco.mj_forward(self.model, self.data)
 
         self.gaps = self.measure(joints, balls)
-        self.limit_margin = self._margin()
+        self.limit_margin = self.margin()
 
     def step(self, velocity: FloatArray, balls: FloatArray) -> None:
         """Move by one control step.
@@ -71,7 +62,7 @@ class Simulation:
             balls: Where the balls are at its end, ``(balls, 3)``, m.
         """
         data, count = self.data, len(velocity)
-        most = ACCELERATION * self.scene.model.opt.timestep
+        most = ACCELERATION * self.model.opt.timestep
         start = data.mocap_pos[1:].copy()
         nearest, margin = Gaps(SIGHT, SIGHT), np.inf
 
@@ -80,16 +71,16 @@ class Simulation:
             command = data.ctrl[:count] + np.clip(velocity - data.ctrl[:count], -most, most)
             data.ctrl[:count] = data.ctrl[count:] = command
 
-            mujoco.mj_step(self.scene.model, data)
+            mujoco.mj_step(self.model, data)
             if data.ncon:
-                nearest = _smaller(nearest, self._measure.near(data))
-            margin = min(margin, self._margin())
+                nearest = smaller(nearest, self._measure.near(data))
+            margin = min(margin, self.margin())
 
         # Anti-windup: what blocks a joint does not make its servo push harder and harder.
         joints = self.joints
         np.clip(data.act, joints - WINDUP, joints + WINDUP, out=data.act)
 
-        self.gaps = _smaller(nearest, self.measure(joints, balls))
+        self.gaps = smaller(nearest, self.measure(joints, balls))
         self.limit_margin = margin
 
     def measure(self, joints: FloatArray, balls: FloatArray) -> Gaps:
@@ -105,13 +96,13 @@ class Simulation:
         The state is that of `start` afterwards.
         """
         self.data.qpos[self._positions] = joints
-        mujoco.mj_kinematics(self.scene.model, self.data)
+        mujoco.mj_kinematics(self.model, self.data)
         return self.tip
 
     def base_points(self, joints: FloatArray) -> FloatArray:
         """Return where the first two joints are, ``(2, 3)``, m, at values of the joints."""
         self.tip_at(joints)
-        numbers = [self.scene.model.joint(name).id for name in self.scene.joints[:2]]
+        numbers = [self.model.joint(name).id for name in self.scene.joints[:2]]
         points: FloatArray = self.data.xanchor[numbers].copy()
         return points
 
@@ -119,19 +110,7 @@ class Simulation:
         """Show the target in pictures."""
         self.data.mocap_pos[0] = position
         mujoco.mju_mat2Quat(self.data.mocap_quat[0], rotation.ravel())
-        mujoco.mj_kinematics(self.scene.model, self.data)
-
-    @property
-    def joints(self) -> FloatArray:
-        """Values of the joints, ``(n,)``, rad or m."""
-        values: FloatArray = self.data.qpos[self._positions].copy()
-        return values
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Velocities of the joints, ``(n,)``, rad/s or m/s."""
-        values: FloatArray = self.data.qvel[self._velocities].copy()
-        return values
+        mujoco.mj_kinematics(self.model, self.data)
 
     @property
     def tip(self) -> tuple[FloatArray, FloatArray]:
@@ -139,12 +118,3 @@ class Simulation:
         position = self.data.site_xpos[self._tip].copy()
         rotation = self.data.site_xmat[self._tip].reshape(3, 3).copy()
         return position, rotation
-
-    def _margin(self) -> float:
-        joints = self.data.qpos[self._positions]
-        above, below = joints - self.scene.low, self.scene.high - joints
-        return float(np.minimum(above, below).min())
-
-
-def _smaller(one: Gaps, other: Gaps) -> Gaps:
-    return Gaps(min(one.to_itself, other.to_itself), min(one.to_balls, other.to_balls))

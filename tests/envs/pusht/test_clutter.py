@@ -47,5 +47,5 @@ def test_the_same_seed_draws_the_same() -> None:
 def test_it_needs_pictures_and_a_kind() -> None:
     with pytest.raises(ValueError, match="pixels_agent_pos"):
         Clutter(PushTEnv(), "hidden")
-    with pytest.raises(ValueError, match="expected 'distractors'"):
+    with pytest.raises(ValueError, match="kind must be one of distractors"):
         Clutter(PushTEnv(obs_type="pixels_agent_pos"), "fog")  # type: ignore[arg-type]

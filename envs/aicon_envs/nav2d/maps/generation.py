@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from aicon_envs.checks import check_choice
 from aicon_envs.nav2d.maps.checks import is_valid
 from aicon_envs.nav2d.maps.clutter import clutter, random_unions
 from aicon_envs.nav2d.maps.enclosures import (
@@ -48,10 +49,7 @@ def check_map_name(name: str) -> str:
     Raises:
         ValueError: If no class of maps has this name; the message lists the valid ones.
     """
-    valid = (*MAP_NAMES, *_ALIASES, _MIXED)
-    if name not in valid:
-        raise ValueError(f"map must be one of {', '.join(valid)}; got {name!r}")
-
+    check_choice("map", name, (*MAP_NAMES, *_ALIASES, _MIXED))
     return name
 
 
@@ -72,7 +70,9 @@ def make_map(name: str, rng: np.random.Generator) -> NavigationMap:
     """
     name = _ALIASES.get(check_map_name(name), name)
     if name == _MIXED:
-        name = _draw_class(rng)
+        # From a child of `rng`, whose own stream stays untouched.
+        (child,) = rng.spawn(1)
+        name = MAP_NAMES[int(child.integers(len(MAP_NAMES)))]
 
     # Rejection sampling: the next attempt goes on with the same stream.
     for _ in range(_MAX_ATTEMPTS):
@@ -83,9 +83,3 @@ def make_map(name: str, rng: np.random.Generator) -> NavigationMap:
             return NavigationMap(name, to_vertices(layout.solid), layout.start, layout.target)
 
     raise RuntimeError(f"no valid map of class {name} in {_MAX_ATTEMPTS} attempts")
-
-
-def _draw_class(rng: np.random.Generator) -> str:
-    """Draw the class of a mixed map from a child of `rng`, whose own stream stays untouched."""
-    (child,) = rng.spawn(1)
-    return MAP_NAMES[int(child.integers(len(MAP_NAMES)))]

@@ -5,11 +5,11 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import affinity
 from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 
+from aicon_envs.arrays import FloatArray
 from aicon_envs.nav2d.world import Point
 
 
@@ -30,7 +30,7 @@ class Layout(NamedTuple):
 LayoutGenerator = Callable[[np.random.Generator], Layout]
 
 
-def wall(points: Sequence[Point] | NDArray[np.float64], thickness: float) -> BaseGeometry:
+def wall(points: Sequence[Point] | FloatArray, thickness: float) -> BaseGeometry:
     """Return a wall of the given thickness (m) along a polyline."""
     return LineString(points).buffer(thickness / 2.0, cap_style="flat", join_style="mitre")
 

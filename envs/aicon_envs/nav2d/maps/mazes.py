@@ -8,7 +8,6 @@ from itertools import product
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry import LineString, box
 from shapely.geometry.base import BaseGeometry
 
@@ -54,11 +53,7 @@ def maze(rng: np.random.Generator) -> Layout:
     # A wall between two cells unless a passage joins them.
     passages = _draw_spanning_tree(size, rng)
     lines = shapely.union_all(_wall_lines(size, passages))
-
-    def to_metres(coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        return coordinates * cell_side
-
-    lines = shapely.transform(lines, to_metres)
+    lines = shapely.transform(lines, lambda cells: cells * cell_side)
     solid = lines.buffer(thickness / 2.0, cap_style="square", join_style="mitre")
 
     start, target = _draw_distant_cells(size, rng)
