@@ -121,14 +121,15 @@ def check_same_config(
         folder: The folder.
         content: What it holds then, for the error: "another agent".
         saved: The options that its content was made with.
-        wanted: The options that have to be the same there.
+        wanted: The options that have to be the same there; tuples are compared as the lists that
+            they are in a file.
 
     Raises:
         ComparisonError: With all options that differ.
     """
     differences = []
-    for name in sorted(wanted):
-        there, here = saved.get(name), wanted[name]
+    for name, here in sorted(json.loads(json.dumps(wanted)).items()):
+        there = saved.get(name)
         if there != here:
             differences.append(f"{name} is {there} there and {here} here")
 

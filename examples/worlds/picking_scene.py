@@ -11,6 +11,7 @@ from aicon_baselines.palette import AWAY, BELIEF, CERTAINTY, EXPLORING, GOAL, RE
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.scene import Handle
 from aicon_baselines.view.space import MuJoCoScene
+from aicon_baselines.worlds.shape import spread_axes
 
 _RADIUS = 0.012  # m; of the place and the tip as balls
 
@@ -61,7 +62,7 @@ class PickingScene(MuJoCoScene):
 
             mean = values[block][0, :3].numpy(force=True)
             spread = values[f"P_object{ending}"][0, :3, :3].numpy(force=True)
-            axes = self.ellipsoid_axes(spread) + _RADIUS / 2 * np.eye(3)
+            axes = spread_axes(spread) + _RADIUS / 2 * np.eye(3)
             self.shapes.ellipsoid(f"block{ending}", mean, axes, BELIEF, opacity=0.5)
 
     def tail(self) -> FloatArray:

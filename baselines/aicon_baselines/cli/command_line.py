@@ -96,6 +96,16 @@ def add_option(
     )
 
 
+def add_policy_option(parser: argparse._ActionsContainer) -> None:
+    """Declare `--policy`, which `parse_variant` of `aicon_baselines.agents.variants` reads."""
+    parser.add_argument(
+        "--policy",
+        default="aicon",
+        metavar="TEXT",
+        help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
+    )
+
+
 def add_fields(
     parser: argparse._ActionsContainer, defaults: object, helps: Mapping[str, str]
 ) -> None:

@@ -15,8 +15,8 @@ from typing import Any
 from gymnasium.vector import VectorEnv
 
 from aicon_baselines.agents.registry import factory
-from aicon_baselines.agents.variants import REFERENCE, parse_variant
-from aicon_baselines.cli.command_line import Command, add_option
+from aicon_baselines.agents.variants import parse_variant
+from aicon_baselines.cli.command_line import Command, add_option, add_policy_option
 from aicon_baselines.cli.compiling import add_compile_option, compiled_as_asked
 from aicon_baselines.evaluation.config import one_episode
 from aicon_baselines.evaluation.episodes import Step
@@ -33,12 +33,7 @@ _PICTURES_PER_SECOND = 20  # of a video, about; it runs as fast as the episode d
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the episode, the policy and what to save."""
     parser.add_argument("--task", required=True, metavar="TASK", help=choices())
-    parser.add_argument(
-        "--policy",
-        default=REFERENCE,
-        metavar="TEXT",
-        help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
-    )
+    add_policy_option(parser)
     parser.add_argument("--condition", metavar="NAME", help="variant of the task (default: first)")
     add_option(parser, "--seed", 0, "seed of the episode")
     parser.add_argument(

@@ -17,8 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from aicon_baselines.agents.variants import REFERENCE
-from aicon_baselines.cli.command_line import Command, add_option
+from aicon_baselines.cli.command_line import Command, add_option, add_policy_option
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing, writing
 from aicon_baselines.tasks.registry import check_name, choices
@@ -33,12 +32,7 @@ _EVERYWHERE = ("0.0.0.0", "127.0.0.1", "::")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the episode, the policy and the page."""
     parser.add_argument("task", metavar="TASK", help=choices())
-    parser.add_argument(
-        "--policy",
-        default=REFERENCE,
-        metavar="TEXT",
-        help="policy, option=value,... or both, such as steepest,max_speed=0.3 (default: aicon)",
-    )
+    add_policy_option(parser)
     parser.add_argument("--condition", metavar="NAME", help="variant of the task")
     add_option(parser, "--seed", 0, "seed of the episode")
 

@@ -9,7 +9,7 @@ from importlib import import_module
 from threading import Thread
 from typing import Any
 
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import ComparisonError, check_known
 from aicon_baselines.extras import naming_extra, require
 
 with naming_extra():
@@ -31,8 +31,7 @@ def joblib_backend(name: str, jobs: int, scheduler: str | None) -> Iterator[None
         scheduler: Address of a running dask scheduler, which then decides about processes; without
             one, "dask" starts a cluster on this machine.
     """
-    if name not in BACKENDS:
-        raise ComparisonError(f"unknown backend {name!r}; valid backends: {', '.join(BACKENDS)}")
+    check_known("backend", name, BACKENDS)
     if scheduler is not None and name != "dask":
         raise ComparisonError(f"a scheduler belongs to the dask backend, not to {name!r}")
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from aicon_baselines.evaluation.backends import joblib_backend
 from aicon_baselines.evaluation.config import Config
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import ComparisonError, check_counts
 from aicon_baselines.evaluation.predictor import Factory
 from aicon_baselines.evaluation.progress import progress_bar
 from aicon_baselines.evaluation.rollout import Outcome, rollout
@@ -59,8 +59,7 @@ def compare(
     Raises:
         ComparisonError: If it cannot run in this way, or a worker was killed.
     """
-    if jobs < 1:
-        raise ComparisonError(f"jobs must be 1 or more, not {jobs}")
+    check_counts(jobs=jobs)
     config = folder.config
     task = config.apply(task)
 

@@ -1,12 +1,11 @@
 """What a run folder was made for, so that rows of different episodes never share a file."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import ComparisonError, check_counts, check_known
 from aicon_baselines.evaluation.task import Task
 from aicon_baselines.files import check_same_config, read_json, write_json
 
@@ -40,10 +39,7 @@ class Config:
         if self.seed < 0:
             raise ComparisonError(f"the first seed must be 0 or more, not {self.seed}")
 
-        counts = {"episodes": self.episodes, "repeats": self.repeats, "horizon": self.horizon}
-        for name, count in counts.items():
-            if count < 1:
-                raise ComparisonError(f"{name} must be 1 or more, not {count}")
+        check_counts(episodes=self.episodes, repeats=self.repeats, horizon=self.horizon)
 
     @property
     def seeds(self) -> range:
@@ -82,9 +78,8 @@ class Config:
             write_json(path, asdict(self))
             return
 
-        # Both are compared as JSON has them: tuples are lists there.
-        saved, wanted = _read(path), json.loads(json.dumps(asdict(self)))
-        wanted = {**dict.fromkeys(saved), **wanted}
+        saved = _read(path)
+        wanted = {**dict.fromkeys(saved), **asdict(self)}
         check_same_config(path.parent, "another comparison", saved, wanted)
 
 
@@ -120,6 +115,8 @@ def configure(
         raise ComparisonError(
             f"repeats must be 1, not {repeats}, without noise, as in {', '.join(noiseless)}"
         )
+    for name in maps or ():
+        check_known("map", name, task.maps)
 
     return Config(
         task=task.name,
@@ -127,7 +124,7 @@ def configure(
         episodes=episodes,
         repeats=repeats,
         conditions=conditions,
-        maps=_check_maps(maps, task) if maps else task.maps,
+        maps=tuple(dict.fromkeys(maps)) if maps else task.maps,
         horizon=task.horizon if horizon is None else horizon,
         time_step=task.time_step,
     )
@@ -144,23 +141,12 @@ def one_episode(
 
 def _check_conditions(names: Sequence[str], task: Task) -> tuple[str, ...]:
     """Return the conditions, each once; faults of the task may be joined by a plus."""
+    choices = ", ".join(task.conditions)
+    if task.faults:
+        example = "+".join(task.faults[:2])
+        choices += f"; or several at once of {', '.join(task.faults)}, such as {example}"
+
     for name in names:
         if not task.has_condition(name):
-            choices = ", ".join(task.conditions)
-            at_once = f"; or several at once of {', '.join(task.faults)}, such as "
-            example = "+".join(task.faults[:2])
-            raise ComparisonError(
-                f"unknown condition {name!r}; valid conditions: {choices}"
-                + (f"{at_once}{example}" if task.faults else "")
-            )
-    return tuple(dict.fromkeys(names))
-
-
-def _check_maps(names: Sequence[str], task: Task) -> tuple[str, ...]:
-    """Return the classes of maps, each once."""
-    for name in names:
-        if name not in task.maps:
-            choices = ", ".join(dict.fromkeys(task.maps))
-            raise ComparisonError(f"unknown map {name!r}; valid maps: {choices}")
-
+            raise ComparisonError(f"unknown condition {name!r}; valid conditions: {choices}")
     return tuple(dict.fromkeys(names))

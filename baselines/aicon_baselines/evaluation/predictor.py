@@ -35,5 +35,20 @@ class Predictor(Protocol):
         ...
 
 
+def starting_rows(
+    count: int, state: Any, episode_start: NDArray[np.bool_] | None
+) -> NDArray[np.bool_]:
+    """Which of B episodes begin, (B,): all before the first step, then those that are told.
+
+    Args:
+        count: B.
+        state: See `Predictor.predict`.
+        episode_start: See `Predictor.predict`; None where none begins.
+    """
+    if state is None:
+        return np.ones(count, np.bool_)
+    return np.zeros(count, np.bool_) if episode_start is None else np.asarray(episode_start)
+
+
 Factory = Callable[[str], Predictor]
 """Builds a policy for a condition of its task; it can be pickled, since workers call it."""

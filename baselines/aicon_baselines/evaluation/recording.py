@@ -154,11 +154,9 @@ def record(
     *,
     stride: int = 1,
     look: Callable[[Any], Any] | None = None,
-    every: int = 1,
     beyond: bool = False,
-    progress: bool = False,
 ) -> Kind:
-    """Run an episode, and keep what happened.
+    """Run an episode with a progress bar, on a terminal only, and keep what happened.
 
     Args:
         kind: What to make of it: a recording of the task.
@@ -166,11 +164,10 @@ def record(
         env: Its environment, or a vector of one; it is closed in the end.
         reset: The arguments of its `reset`, a seed among them.
         horizon: Steps after which it ends; by default the environment's.
-        stride: Steps from one memory that is kept to the next.
-        look: Makes a picture of what is there, from the latest observation.
-        every: Steps from one picture to the next; the first one is of the start.
+        stride: Steps from one memory that is kept to the next, and from one picture to the next.
+        look: Makes a picture of what is there, from the latest observation; the first one is of the
+            start, the last one of the end.
         beyond: Whether to keep also what the policy would do after the end.
-        progress: Whether to show a progress bar, on a terminal only.
     """
     start = env.reset(**reset)
     pictures = [look(start[0])] if look is not None else []
@@ -178,11 +175,11 @@ def record(
 
     # Keep what the policy remembers and what the environment tells, every so many steps.
     steps = islice(run_episodes(policy, env, start), horizon)
-    for number, step in enumerate(track(steps, "episode", progress), 1):
+    for number, step in enumerate(track(steps, "episode"), 1):
         if (number - 1) % stride == 0:
             memories.append(step.memory)
             infos.append(step.before)
-        if look is not None and (number % every == 0 or step.ended.all()):
+        if look is not None and (number % stride == 0 or step.ended.all()):
             pictures.append(look(step.next_observation))
 
     # What there is after the last step, and only the one episode of a batch.
@@ -216,8 +213,8 @@ def to_array(tensor: Tensor) -> FloatArray:
     return tensor.numpy(force=True).astype(np.float64)
 
 
-def track(items: Iterable[Item], description: str, show: bool) -> Iterable[Item]:
-    """The items, with a progress bar on a terminal if it is to be shown."""
+def track(items: Iterable[Item], description: str) -> Iterable[Item]:
+    """The items, with a progress bar on a terminal."""
     with naming_extra():
         from tqdm import tqdm  # a recording that somebody else made does without
-    return tqdm(items, desc=description, disable=None if show else True)
+    return tqdm(items, desc=description, disable=None)

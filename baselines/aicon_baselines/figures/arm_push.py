@@ -120,12 +120,7 @@ class ArmRollout(Rollout):
 
 
 def make_figure(
-    out: Path,
-    seed: int = 1000,
-    video: str = "mp4",
-    *,
-    horizon: int = 6_000,
-    progress: bool = True,
+    out: Path, seed: int = 1000, video: str = "mp4", *, horizon: int = 6_000
 ) -> FigureSummary:
     """Run an episode and save `arm_push_film.png`, `.json` and, unless "none", the video.
 
@@ -134,11 +129,11 @@ def make_figure(
     """
     files = FigureFiles(out, ArmRollout.name, video)
     policy = make_policy("arm_push", **TASK.policy_options("camera")).compile()
-    recording = record_arm(policy, seed, horizon, progress=progress)
-    return save_rollout(ArmRollout(recording), files, progress=progress)
+    recording = record_arm(policy, seed, horizon)
+    return save_rollout(ArmRollout(recording), files)
 
 
-def record_arm(policy: Policy, seed: int, horizon: int, *, progress: bool = False) -> ArmRecording:
+def record_arm(policy: Policy, seed: int, horizon: int) -> ArmRecording:
     """Run an episode of a policy that uses the camera, and keep every tenth step.
 
     The episode ends by success, or after `horizon` steps: the film's own limit.
@@ -149,14 +144,4 @@ def record_arm(policy: Policy, seed: int, horizon: int, *, progress: bool = Fals
         return env.picture("outside"), observation["rgb"]
 
     # A picture of the scene is slow to render: only the steps that are kept have one.
-    return record(
-        ArmRecording,
-        policy,
-        env,
-        {"seed": seed},
-        horizon,
-        stride=STRIDE,
-        look=look,
-        every=STRIDE,
-        progress=progress,
-    )
+    return record(ArmRecording, policy, env, {"seed": seed}, horizon, stride=STRIDE, look=look)

@@ -181,9 +181,7 @@ class SeenRollout(Rollout):
         return {"median_off_px": off}
 
 
-def make_figure(
-    out: Path, seed: int = DEFAULT_SEED, video: str = "mp4", *, progress: bool = True
-) -> FigureSummary:
+def make_figure(out: Path, seed: int = DEFAULT_SEED, video: str = "mp4") -> FigureSummary:
     """Roll the policy out and save `pusht_pixels.png`, `.json` and, unless "none", the video.
 
     The arguments and errors are those of :func:`aicon_baselines.figures.nav2d.make_figure`.
@@ -198,4 +196,4 @@ def make_figure(
         look=lambda observation: np.array(observation["pixels"][0]),
         beyond=True,
     )
-    return save_rollout(SeenRollout(recording), files, progress=progress)
+    return save_rollout(SeenRollout(recording), files)

@@ -68,12 +68,7 @@ class ReachRollout(Rollout):
 
 
 def make_figure(
-    out: Path,
-    seed: int = 1000,
-    video: str = "mp4",
-    *,
-    horizon: int = 1_000,
-    progress: bool = True,
+    out: Path, seed: int = 1000, video: str = "mp4", *, horizon: int = 1_000
 ) -> FigureSummary:
     """Let each robot reach for a pose and save `reach.png` and, unless "none", the video.
 
@@ -82,13 +77,12 @@ def make_figure(
     """
     files = FigureFiles(out, "reach", video)
 
-    # The same numbers for every robot; the film has something in the way.
-    how: dict[str, Any] = {"seed": seed, "horizon": horizon, "progress": progress}
-    recordings = {robot: record_reach(f"{robot}_pose_home", **how) for robot in ROBOTS}
+    # The film has something in the way.
+    recordings = {robot: record_reach(f"{robot}_pose_home", seed, horizon) for robot in ROBOTS}
     draw_picture(recordings, files.picture)
     if files.film is not None:
-        filmed = ReachRollout(record_reach(f"{FILMED}_pose_home_ball", **how))
-        draw_film(filmed, files.film, progress=progress)
+        filmed = record_reach(f"{FILMED}_pose_home_ball", seed, horizon)
+        draw_film(ReachRollout(filmed), files.film)
 
     endings, times = [], {}
     for robot, recording in recordings.items():
@@ -98,7 +92,7 @@ def make_figure(
     return files.summary("; ".join(endings), {"seed": seed, "times_s": times})
 
 
-def record_reach(condition: str, seed: int, horizon: int, *, progress: bool = False) -> Recording:
+def record_reach(condition: str, seed: int, horizon: int) -> Recording:
     """Run an episode in a condition of the task, and keep every second step with a picture.
 
     Raises:
@@ -114,8 +108,7 @@ def record_reach(condition: str, seed: int, horizon: int, *, progress: bool = Fa
         frame: Frame = pictures[0]
         return frame
 
-    seen: dict[str, Any] = {"stride": STRIDE, "look": look, "every": STRIDE}
-    return record(Recording, policy, env, reset, horizon, **seen, progress=progress)
+    return record(Recording, policy, env, reset, horizon, stride=STRIDE, look=look)
 
 
 def draw_picture(recordings: Mapping[str, Recording], path: Path) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.extras import naming_extra, require
 from aicon_baselines.files import replacing
 
@@ -24,12 +23,6 @@ VIDEO_FORMATS = ("mp4", "webp", "none")
 
 _QUALITY = 55  # of a webp, of 100
 _CODEC_BLOCK = 2  # px; an mp4 has one colour for two by two
-
-
-def check_video(video: str) -> None:
-    """Raise a ComparisonError if this is no format of a video."""
-    if video not in VIDEO_FORMATS:
-        raise ComparisonError(f"unknown video {video!r}; valid: {', '.join(VIDEO_FORMATS)}")
 
 
 def is_moving_picture(path: Path) -> bool:

@@ -107,7 +107,7 @@ class Rollout(ABC):
         return {}
 
 
-def save_rollout(rollout: Rollout, files: FigureFiles, *, progress: bool = False) -> FigureSummary:
+def save_rollout(rollout: Rollout, files: FigureFiles) -> FigureSummary:
     """Save picture, film and numbers, and say what they show.
 
     Raises:
@@ -115,9 +115,9 @@ def save_rollout(rollout: Rollout, files: FigureFiles, *, progress: bool = False
             and the film is an mp4.
     """
     panels = choose_panels(rollout)
-    draw_picture(rollout, panels, files.picture, progress=progress)
+    draw_picture(rollout, panels, files.picture)
     if files.film is not None:
-        draw_film(rollout, files.film, progress=progress)
+        draw_film(rollout, files.film)
 
     numbers = summarize(rollout, panels)
     return files.summary(f"{numbers['ending']} after {numbers['duration_s']} s", numbers)
@@ -185,17 +185,8 @@ def summarize(rollout: Rollout, panels: Sequence[Panel]) -> dict[str, Any]:
     }
 
 
-def draw_picture(
-    rollout: Rollout, panels: Sequence[Panel], path: Path, *, progress: bool = False
-) -> None:
-    """Save the picture: six moments above the curves over time.
-
-    Args:
-        rollout: What is shown.
-        panels: The moments.
-        path: Where to save the picture.
-        progress: Whether to show a progress bar, on a terminal only.
-    """
+def draw_picture(rollout: Rollout, panels: Sequence[Panel], path: Path) -> None:
+    """Save the picture: six moments above the curves over time."""
     # From the bottom, in inches: caption, curves, their legend, two rows of panels, the legend.
     panel_height = 4.5 / rollout.aspect
     curves_top = 0.95 + sum(rollout.curves.values()) + 0.12 * (len(rollout.curves) - 1)
@@ -208,7 +199,7 @@ def draw_picture(
     area = {"bottom": panels_bottom / height, "top": panels_top / height}
     gaps = {"hspace": _TITLE / panel_height, "wspace": 0.025}
     cells = figure.add_gridspec(2, 3, left=0.012, right=0.988, **area, **gaps)
-    for index, panel in enumerate(track(panels, "picture", progress)):
+    for index, panel in enumerate(track(panels, "picture")):
         view = rollout.make_view(figure.add_subplot(cells[index]))
         view.show(panel.step)
         view.set_title(rf"$\mathbf{{{panel.label}}}$   {panel.title}", size=12)
@@ -301,7 +292,7 @@ class RolloutFilm:
             yield frame
 
 
-def draw_film(rollout: Rollout, path: Path, *, progress: bool = False) -> None:
+def draw_film(rollout: Rollout, path: Path) -> None:
     """Save the episode as a video, mp4 or webp by the name of the file.
 
     An mp4 plays in real time where 15 frames a second allow it; moving pictures are slower and
@@ -310,7 +301,6 @@ def draw_film(rollout: Rollout, path: Path, *, progress: bool = False) -> None:
     Args:
         rollout: What is shown.
         path: Where to save the video.
-        progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
         ComparisonError: If imageio is not installed and the video is an mp4.
@@ -319,7 +309,7 @@ def draw_film(rollout: Rollout, path: Path, *, progress: bool = False) -> None:
     film = RolloutFilm(rollout, coarseness=3.0 if small else 1.5, dpi=60 if small else 100)
 
     rate = 5 if small else min(15, round(1.0 / rollout.recording.time_step))
-    steps = track(film_steps(rollout, rate), "video", progress)
+    steps = track(film_steps(rollout, rate), "video")
     save_video(film.frames(steps, hold=rate), path, rate)
 
 

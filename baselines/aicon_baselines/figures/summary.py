@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from aicon_baselines.figures.rendering import check_video
+from aicon_baselines.evaluation.errors import check_known
+from aicon_baselines.figures.rendering import VIDEO_FORMATS
 from aicon_baselines.files import write_json
 
 
@@ -43,7 +44,7 @@ class FigureFiles:
     """
 
     def __init__(self, out: Path, name: str, video: str) -> None:
-        check_video(video)
+        check_known("video", video, VIDEO_FORMATS)
         out.mkdir(parents=True, exist_ok=True)
         self.picture, self.numbers = out / f"{name}.png", out / f"{name}.json"
         self.film = None if video == "none" else out / f"{name}.{video}"

@@ -20,6 +20,7 @@ from aicon_baselines.view.arm import ArmScene
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.scene import GradientArrow, Handle
 from aicon_baselines.view.sides import by_sides
+from aicon_baselines.worlds.shape import spread_axes
 from aicon_envs.arm_push.objects import THICKNESS
 from aicon_envs.arm_push.scene import TARGET_GROUP
 
@@ -68,7 +69,7 @@ class ArmPushScene(ArmScene):
         spread[:2, :2] = values["P_pose"][0, :2, :2].numpy(force=True)
         spread[2, 2] = 1e-7
         x, y, _ = values["x_pose"][0].tolist()
-        axes = self.ellipsoid_axes(spread)
+        axes = spread_axes(spread)
         self.shapes.ellipsoid("belief.spread", [x, y, _ABOVE], axes, BELIEF, opacity=0.7)
 
     def arrows(self) -> list[GradientArrow]:

@@ -5,11 +5,10 @@ from typing import Any
 import mujoco
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.server import viser
 
-FloatArray = NDArray[np.float64]
 _Shape = mujoco.mjtGeom
 
 _INVISIBLE_GROUP = 3  # groups from here on are hidden in MuJoCo's own viewer

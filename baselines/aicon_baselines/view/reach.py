@@ -18,6 +18,7 @@ from aicon_baselines.palette import (
 from aicon_baselines.view.arm import ArmScene
 from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.scene import Handle
+from aicon_baselines.worlds.shape import spread_axes
 
 _RADIUS = 0.015  # m; the target as a ball
 
@@ -52,7 +53,7 @@ class ReachScene(ArmScene):
             ball = values[f"x_ball_{number}"][0, :3].numpy(force=True)
             covariance = values[f"P_ball_{number}"][0, :3, :3].numpy(force=True)
             radius = float(self.model.geom(f"ball_{number}").size[0])
-            axes = self.ellipsoid_axes(covariance) + 1.05 * radius * np.eye(3)
+            axes = spread_axes(covariance) + 1.05 * radius * np.eye(3)
             self.shapes.ellipsoid(f"ball_{number}.belief", ball, axes, BELIEF, opacity=0.35)
             self._draw_gap(f"ball_{number}.gap", segments, ball)
 

@@ -13,7 +13,6 @@ from aicon_baselines.view.marks import FloatArray
 from aicon_baselines.view.scene import GradientArrow, Handle, Scene
 from aicon_baselines.view.server import viser
 from aicon_baselines.view.shapes import Shapes
-from aicon_baselines.worlds.shape import spread_axes
 
 _THINNEST = 0.15  # of the thickest arrow
 
@@ -125,10 +124,6 @@ class MuJoCoScene(Scene):
         if arrow.source is not None:
             self.shapes.ball(f"{name}.source", arrow.source, 0.006, arrow.color)
         return start + 1.15 * along
-
-    def ellipsoid_axes(self, covariance: ArrayLike) -> FloatArray:
-        """Two standard deviations along the axes of a covariance (3, 3), as columns."""
-        return spread_axes(covariance)
 
     def check_going_on(self) -> None:
         """Refuse to move anything after the end.

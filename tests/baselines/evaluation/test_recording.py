@@ -58,7 +58,7 @@ def test_of_a_long_episode_every_few_steps_are_kept() -> None:
 
 
 def test_pictures_are_of_the_start_of_every_few_steps_and_of_the_end() -> None:
-    assert recorded(look=lambda seen: int(seen[0]), every=4).seen == [0, 4, 8, 9]
+    assert recorded(look=lambda seen: int(seen[0]), stride=4).seen == [0, 4, 8, 9]
 
 
 def test_it_ends_at_the_horizon() -> None:

@@ -63,7 +63,7 @@ def test_all_files_are_written(
     episode: ArmRecording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(arm_push, "record_arm", lambda *arguments, **options: episode)
-    summary = make_figure(tmp_path, video="webp", progress=False)
+    summary = make_figure(tmp_path, video="webp")
 
     with Image.open(tmp_path / "arm_push_film.png") as image:
         assert image.width == 1820
@@ -74,4 +74,4 @@ def test_all_files_are_written(
 
 def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:
     with pytest.raises(ComparisonError, match="mp4, webp, none"):
-        make_figure(tmp_path, SEED, "avi", progress=False)
+        make_figure(tmp_path, SEED, "avi")

@@ -13,7 +13,7 @@ pytest.importorskip("pygame")
 
 @pytest.mark.slow
 def test_the_filter_is_nearer_than_the_network_where_pictures_are_covered(tmp_path: Path) -> None:
-    summary = pusht_pixels.make_figure(tmp_path, video="none", progress=False)
+    summary = pusht_pixels.make_figure(tmp_path, video="none")
     off = json.loads((tmp_path / "pusht_pixels.json").read_text())["median_off_px"]
     assert summary.headline.startswith("arrival")
     assert off["filter"] < 5 and 3 * off["filter"] < off["network"]

@@ -59,5 +59,5 @@ def test_the_curves_are_those_of_the_episode(episode: Recording) -> None:
 
 
 def test_an_unknown_format_is_an_error_before_anything_runs(tmp_path: Path) -> None:
-    with pytest.raises(ComparisonError, match="unknown video 'avi'; valid: mp4, webp, none"):
+    with pytest.raises(ComparisonError, match="unknown video 'avi'; valid videos: mp4, webp, none"):
         make_figure(tmp_path, video="avi")

@@ -13,12 +13,12 @@ from PIL import Image
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.figures.rendering import (
     Frame,
-    check_video,
     mark,
     render,
     save_picture,
     save_video,
 )
+from aicon_baselines.figures.summary import FigureFiles
 
 
 def frames(count: int) -> Iterator[Frame]:
@@ -73,9 +73,9 @@ def test_mp4_has_the_rate_and_the_size(tmp_path: Path) -> None:
         assert reader.get_meta_data()["duration"] == pytest.approx(2.0)
 
 
-def test_unknown_format_is_an_error_that_lists_the_valid_ones() -> None:
+def test_unknown_format_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:
     with pytest.raises(ComparisonError, match="mp4, webp, none"):
-        check_video("avi")
+        FigureFiles(tmp_path, "film", "avi")
 
 
 def test_a_ball_is_added_to_a_scene_at_its_place() -> None:

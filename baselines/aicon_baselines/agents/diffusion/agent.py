@@ -20,6 +20,7 @@ from aicon_baselines.agents.diffusion.lerobot_names import (
     import_lerobot,
 )
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.predictor import starting_rows
 from aicon_baselines.tasks.registry import lesson_of
 
 Observation = dict[str, NDArray[Any]]
@@ -125,9 +126,7 @@ class Agent:
         readings = self._select(observation)
         count = len(next(iter(readings.values())))
         previous: Memory = self._empty_memory(count) if state is None else state
-        starts = torch.full((count,), state is None)
-        if state is not None and episode_start is not None:
-            starts = torch.from_numpy(np.asarray(episode_start))
+        starts = torch.from_numpy(starting_rows(count, state, episode_start))
 
         # 1. Append what is seen to the histories.
         seen = self._checkpoint.preprocess(self._to_tensors(readings))

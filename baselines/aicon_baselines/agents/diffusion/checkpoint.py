@@ -14,7 +14,7 @@ from aicon_baselines.agents.diffusion.checkpoint_formats import (
     split_statistics,
 )
 from aicon_baselines.agents.diffusion.lerobot_names import import_lerobot
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import ComparisonError, check_known
 from aicon_baselines.files import read_json
 
 CONFIG = "config.json"
@@ -149,10 +149,7 @@ def _read_config(folder: Path) -> dict[str, Any]:
 def _set_sampler(config: Any, sampler: str | None, inference_steps: int | None) -> None:
     """Set how actions are sampled, where it is not None; an error if it cannot be."""
     if sampler is not None:
-        if sampler not in SAMPLERS:
-            raise ComparisonError(
-                f"unknown sampler {sampler!r}; valid samplers: {', '.join(SAMPLERS)}"
-            )
+        check_known("sampler", sampler, SAMPLERS)
         config.noise_scheduler_type = sampler
 
     if inference_steps is not None:

@@ -1,6 +1,5 @@
 """Recording demonstrations, and going on with it."""
 
-import json
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
@@ -136,5 +135,4 @@ def _select_episode(arrays: Any, i: int) -> Demonstration:
 def _check_same_recording(config: AnyRecording, folder: Path) -> None:
     file = folder / RECORDING
     saved = read_json(file) if file.exists() else {}
-    wanted = json.loads(json.dumps(asdict(config)))  # as out of a file: lists, no tuples
-    check_same_config(folder, "other demonstrations", saved, wanted)
+    check_same_config(folder, "other demonstrations", saved, asdict(config))

@@ -1,10 +1,9 @@
 """What demonstrations to record, and what a diffusion policy is trained with."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import ComparisonError, check_counts, check_known
 
 OBSERVATIONS = ("keypoints", "pixels")
 """What a demonstration can show of the object; the pusher's position is always there."""
@@ -51,7 +50,7 @@ class RecordingConfig:
     horizon: int = 300
 
     def __post_init__(self) -> None:
-        _check_counts(self, ("episodes", "horizon"))
+        check_counts(episodes=self.episodes, horizon=self.horizon)
         _check_seeds(self.seed, self.episodes)
 
         if not self.noises or min(self.noises) < 0.0:
@@ -97,7 +96,7 @@ class TaskRecordingConfig:
     longest: int = 40
 
     def __post_init__(self) -> None:
-        _check_counts(self, ("episodes", "longest"))
+        check_counts(episodes=self.episodes, longest=self.longest)
         _check_seeds(self.seed, self.episodes)
 
 
@@ -139,10 +138,9 @@ class TrainingConfig:
     seed: int = 100_000
 
     def __post_init__(self) -> None:
-        _check_counts(self, ("steps", "batch", "horizon", "action_steps"))
-        if self.observation not in OBSERVATIONS:
-            valid = ", ".join(OBSERVATIONS)
-            raise ComparisonError(f"unknown observation {self.observation!r}; valid: {valid}")
+        check_counts(steps=self.steps, batch=self.batch)
+        check_counts(horizon=self.horizon, action_steps=self.action_steps)
+        check_known("observation", self.observation, OBSERVATIONS)
 
         # The first action belongs to the observation before the newest, and is over.
         if self.action_steps > self.horizon - 1:
@@ -170,11 +168,3 @@ def _check_seeds(first: int, episodes: int) -> None:
                 "seed must leave out 0 to 999 and 20000 to 20999, which results are reported "
                 f"on, not {first}: take 100000"
             )
-
-
-def _check_counts(config: object, names: Sequence[str]) -> None:
-    """Refuse a count below 1."""
-    for name in names:
-        count = getattr(config, name)
-        if count < 1:
-            raise ComparisonError(f"{name} must be 1 or more, not {count}")

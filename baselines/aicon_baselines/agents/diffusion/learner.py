@@ -20,6 +20,7 @@ from aicon_baselines.agents.diffusion.lerobot_names import (
     describe_features,
     import_lerobot,
 )
+from aicon_baselines.files import replacing
 
 # The published pushT policy's; all is named, because LeRobot's defaults differ between versions.
 _OBSERVATIONS = {
@@ -203,7 +204,7 @@ class Learner:
         save(self._policy, self._preprocess, self._postprocess, folder)
         self._averaged_weights.restore(self._policy.parameters())
 
-        # 2. All that changes. A kill leaves the file of before.
+        # 2. All that changes.
         on_cuda = self._device.type == "cuda"
         state = {
             "step": self.step,
@@ -215,9 +216,8 @@ class Learner:
             "random_cuda": torch.cuda.get_rng_state_all() if on_cuda else [],
         }
 
-        temporary = file.with_name(file.name + ".tmp")
-        torch.save(state, temporary)
-        temporary.replace(file)
+        with replacing(file) as place:
+            torch.save(state, place)
 
     def load(self, file: Path) -> None:
         """Go on from what was saved."""

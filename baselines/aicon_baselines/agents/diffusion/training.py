@@ -14,7 +14,6 @@ LeRobot's own trainer does not do.
 """
 
 import csv
-import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -27,7 +26,7 @@ from tqdm import tqdm
 from aicon_baselines.agents.diffusion.configs import TrainingConfig
 from aicon_baselines.agents.diffusion.dataset import read_frames, together
 from aicon_baselines.agents.diffusion.learner import Learner
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import check_counts
 from aicon_baselines.files import (
     check_same_config,
     only_writer,
@@ -78,9 +77,7 @@ def train(
         ComparisonError: Where there is no dataset, the folder holds another training, or another
             process trains there.
     """
-    if checkpoint < 1:
-        raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
-
+    check_counts(checkpoint=checkpoint)
     folders = [data] if isinstance(data, Path) else data
     frames = together([read_frames(each, config.observation) for each in folders])
 
@@ -125,13 +122,10 @@ def _learn(
 
 def _save_config(config: TrainingConfig, folder: Path) -> None:
     """Write what is trained; a folder with another training, but for the steps, is an error."""
-    file = folder / _CONFIG
-    content = json.loads(json.dumps(asdict(config)))  # as it comes out of a file: lists, no tuples
-
+    file, content = folder / _CONFIG, asdict(config)
     if file.exists():
-        saved = read_json(file)
         wanted = {name: value for name, value in content.items() if name != "steps"}
-        check_same_config(folder, "another training", saved, wanted)
+        check_same_config(folder, "another training", read_json(file), wanted)
 
     write_json(file, content)
 

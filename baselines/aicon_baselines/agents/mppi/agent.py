@@ -12,6 +12,7 @@ from aicon_baselines.agents.mppi.cost import Cost
 from aicon_baselines.agents.mppi.options import Options
 from aicon_baselines.agents.mppi.prediction import STATE_SIZE, Prediction
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.predictor import starting_rows
 from aicon_torch.models import pusht
 from aicon_torch.models.pusht import PIXEL
 from aicon_torch.models.pusht.benchmark import WORKSPACE
@@ -107,9 +108,7 @@ class Agent:
         # 1. Forget what was before an episode.
         initial = self._initial(pusher, pose)
         previous = initial if state is None else state
-        starts = torch.full((len(pusher),), state is None)
-        if state is not None and episode_start is not None:
-            starts = torch.from_numpy(np.asarray(episode_start))
+        starts = torch.from_numpy(starting_rows(len(pusher), state, episode_start))
         begins = starts & ~_repeats(previous, initial)
         memory = _restart(previous, initial, begins)
 

@@ -4,11 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from aicon_baselines.agents.reach.inverse_kinematics import InverseKinematics
-
-FloatArray = NDArray[np.float64]
+from aicon_baselines.agents.reach.inverse_kinematics import FloatArray, InverseKinematics
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.agents.reach.random_places import RandomPlaces
+from aicon_baselines.evaluation.predictor import starting_rows
 from aicon_baselines.extras import require
 
 if TYPE_CHECKING:
@@ -79,12 +80,11 @@ class InverseKinematics:
     ) -> tuple[FloatArray, list[RandomPlaces]]:
         """Choose the next velocities (B, n); see `aicon_baselines.evaluation.Predictor`."""
         count = len(observation["q"])
-        known = [self._fresh() for _ in range(count)] if state is None else list(state)
+        starts = starting_rows(count, state, episode_start)
+        known = [self._fresh() if starts[row] else state[row] for row in range(count)]
         velocities = []
         for row in range(count):
             one = {name: values[row] for name, values in observation.items()}
-            if episode_start is not None and episode_start[row]:
-                known[row] = self._fresh()
             velocities.append(self._next(one, known[row]))
         return np.array(velocities), known
 

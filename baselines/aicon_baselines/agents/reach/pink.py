@@ -6,11 +6,8 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from aicon_baselines.agents.reach.inverse_kinematics import InverseKinematics
-
-FloatArray = NDArray[np.float64]
+from aicon_baselines.agents.reach.inverse_kinematics import FloatArray, InverseKinematics
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,8 @@ from itertools import combinations
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from aicon_baselines.agents.reach.inverse_kinematics import InverseKinematics
-
-FloatArray = NDArray[np.float64]
+from aicon_baselines.agents.reach.inverse_kinematics import FloatArray, InverseKinematics
 
 
 class Solver(NamedTuple):

@@ -12,6 +12,7 @@ from aicon_baselines.agents.sb3.agent_folder import load_agent, read_config, wei
 from aicon_baselines.agents.sb3.training_config import training_command
 from aicon_baselines.agents.sb3.wrappers import LAST_ACTION, OFFSETS, add_offsets, target_of_action
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.predictor import starting_rows
 
 Observation = dict[str, NDArray[Any]]
 
@@ -74,9 +75,7 @@ class Agent:
 
         # 1. Recall the stacks, which are empty where an episode begins.
         stacks, random_state = self._initial_state(count) if state is None else state
-        starts = episode_start
-        if state is None or starts is None:
-            starts = np.ones(count, np.bool_)
+        starts = starting_rows(count, state, episode_start)
         stacks = {name: np.where(starts[:, None], 0.0, stack) for name, stack in stacks.items()}
 
         # 2. Append the readings, as the environments of the training do.

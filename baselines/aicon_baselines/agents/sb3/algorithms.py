@@ -53,40 +53,26 @@ _NETWORK: dict[str, Any] = {
 
 def make_algorithm(config: TrainingConfig, envs: VecEnv) -> BaseAlgorithm:
     """Build what is trained, on the CPU; what is not named here is stable-baselines3's default."""
+    common: dict[str, Any] = {"gamma": config.discount, "seed": config.seed, "device": "cpu"}
     if config.algorithm == "ppo":
-        return _make_ppo(config, envs)
-    return _make_sac(config, envs)
-
-
-def _make_ppo(config: TrainingConfig, envs: VecEnv) -> BaseAlgorithm:
-    # σ = 0.6 of half the range of an action; the default, 1, would often be clipped.
-    network = _NETWORK | {"log_std_init": -0.5}
-
-    return stable_baselines3.PPO(
-        "MultiInputPolicy",
-        envs,
-        n_steps=config.rollout,
-        batch_size=min(256, config.rollout * config.envs),
-        n_epochs=config.epochs,
-        gamma=config.discount,
-        policy_kwargs=network,
-        seed=config.seed,
-        device="cpu",
-    )
-
-
-def _make_sac(config: TrainingConfig, envs: VecEnv) -> BaseAlgorithm:
-    # An update for every two steps; a step of the loop is one of each environment.
-    gradient_steps = max(1, config.envs // 2)
+        # σ = 0.6 of half the range of an action; the default, 1, would often be clipped.
+        return stable_baselines3.PPO(
+            "MultiInputPolicy",
+            envs,
+            n_steps=config.rollout,
+            batch_size=min(256, config.rollout * config.envs),
+            n_epochs=config.epochs,
+            policy_kwargs=_NETWORK | {"log_std_init": -0.5},
+            **common,
+        )
 
     return stable_baselines3.SAC(
         "MultiInputPolicy",
         envs,
         buffer_size=min(300_000, config.steps),
         learning_starts=min(5000, config.steps // 4),
-        gradient_steps=gradient_steps,
-        gamma=config.discount,
+        # An update for every two steps; a step of the loop is one of each environment.
+        gradient_steps=max(1, config.envs // 2),
         policy_kwargs=dict(_NETWORK),
-        seed=config.seed,
-        device="cpu",
+        **common,
     )

@@ -28,7 +28,7 @@ from aicon_baselines.agents.sb3.replay_file import load_replay_buffer
 from aicon_baselines.agents.sb3.statistics import load_statistics
 from aicon_baselines.agents.sb3.training_config import TrainingConfig
 from aicon_baselines.agents.sb3.weights import load_algorithm
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import check_counts
 from aicon_baselines.files import check_same_config, only_writer
 
 
@@ -55,9 +55,7 @@ def train(
     Raises:
         ComparisonError: Where the folder holds another agent, or another process trains there.
     """
-    if checkpoint < 1:
-        raise ComparisonError(f"checkpoint must be 1 or more, not {checkpoint}")
-
+    check_counts(checkpoint=checkpoint)
     with only_writer(folder):
         # 1. What is trained, and the environments that it is trained in.
         resumes = (folder / CONFIG).exists()

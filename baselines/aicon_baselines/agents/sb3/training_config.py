@@ -1,10 +1,9 @@
 """What an agent was, or is to be, trained for."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Self
 
-from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.errors import ComparisonError, check_counts, check_known
 
 ALGORITHMS = ("ppo", "sac")
 """What `train` trains; `Agent` also loads A2C, DDPG and TD3."""
@@ -71,13 +70,10 @@ class TrainingConfig:
     normalized: bool = True
 
     def __post_init__(self) -> None:
-        _check_name("task", self.task, TASK_DEFAULTS)
-        _check_name("algorithm", self.algorithm, _LOADABLE_ALGORITHMS)
-
-        for name in ("steps", "envs", "rollout", "epochs", "horizon", "stack"):
-            count = getattr(self, name)
-            if count < 1:
-                raise ComparisonError(f"{name} must be 1 or more, not {count}")
+        check_known("task", self.task, TASK_DEFAULTS)
+        check_known("algorithm", self.algorithm, _LOADABLE_ALGORITHMS)
+        check_counts(steps=self.steps, envs=self.envs, rollout=self.rollout)
+        check_counts(epochs=self.epochs, horizon=self.horizon, stack=self.stack)
 
         if self.seed < 1000:
             raise ComparisonError(
@@ -95,8 +91,8 @@ class TrainingConfig:
             steps: Steps of all environments together.
             **options: Other attributes.
         """
-        _check_name("algorithm", algorithm, ALGORITHMS)
-        _check_name("task", task, TASK_DEFAULTS)
+        check_known("algorithm", algorithm, ALGORITHMS)
+        check_known("task", task, TASK_DEFAULTS)
 
         given = {name: value for name, value in options.items() if value is not None}
         return cls(task, algorithm, steps, **TASK_DEFAULTS[task] | given)
@@ -105,9 +101,3 @@ class TrainingConfig:
 def training_command(task: str, algorithm: str) -> str:
     """Return the command that trains an agent."""
     return f"python scripts/train_sb3.py --task {task} --algorithm {algorithm} --out FOLDER"
-
-
-def _check_name(kind: str, name: str, valid: Iterable[str]) -> None:
-    """Reject what is not valid of a kind, with an error that lists what is."""
-    if name not in valid:
-        raise ComparisonError(f"unknown {kind} {name!r}; valid {kind}s: {', '.join(valid)}")

@@ -43,11 +43,9 @@ class LastAction(gym.Wrapper[Any, Any, Any, Any]):
         self.observation_space = spaces.Dict(dict(readings.spaces) | {LAST_ACTION: actions})
         self._no_action = np.zeros(actions.shape, actions.dtype)
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
         """Start an episode."""
-        observation, info = self.env.reset(seed=seed, options=options)
+        observation, info = self.env.reset(**arguments)
         return observation | {LAST_ACTION: self._no_action}, info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -123,11 +121,9 @@ class ShapedReward(gym.Wrapper[Any, Any, Any, Any]):
         super().__init__(env)
         self._approach = approach
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
         """Start an episode."""
-        observation, info = self.env.reset(seed=seed, options=options)
+        observation, info = self.env.reset(**arguments)
         self._potential = self._evaluate_potential(observation, info)
         return observation, info
 

@@ -134,7 +134,6 @@ def make_figure(
     *,
     map_name: str = "u_trap_2",
     spacing: float = 0.04,
-    progress: bool = True,
 ) -> FigureSummary:
     """Roll the policy out and save `nav2d_rollout.png`, `.json` and, unless "none", the video.
 
@@ -145,12 +144,11 @@ def make_figure(
         map_name: Class of the map.
         spacing: Distance of the sampled positions in the picture, m; the video's are 1.5 times as
             far apart, and those of a moving picture 3 times.
-        progress: Whether to show progress bars, on a terminal only.
 
     Raises:
         ComparisonError: If the class of maps or the format of the video is unknown, the rollout is
             too short for six panels, or imageio is not installed and the video is an mp4.
     """
     files = FigureFiles(out, NavigationRollout.name, video)
-    recording = record(make_policy("nav2d").compile(), map_name, seed, progress=progress)
-    return save_rollout(NavigationRollout(recording, spacing), files, progress=progress)
+    recording = record(make_policy("nav2d").compile(), map_name, seed)
+    return save_rollout(NavigationRollout(recording, spacing), files)

@@ -80,12 +80,7 @@ class NavigationRecording(Recording):
 
 
 def record(
-    policy: Policy,
-    map_name: str,
-    seed: int,
-    limit: int | None = None,
-    *,
-    progress: bool = False,
+    policy: Policy, map_name: str, seed: int, limit: int | None = None
 ) -> NavigationRecording:
     """Run an episode of aicon/Nav2D-v0 and keep the memory of every step.
 
@@ -94,7 +89,6 @@ def record(
         map_name: Class of the map.
         seed: Seed of the map and of the noise.
         limit: Limit of the episode, steps; by default the environment's.
-        progress: Whether to show a progress bar, on a terminal only.
 
     Raises:
         ComparisonError: If the class of maps is unknown; it lists the valid ones.
@@ -106,4 +100,4 @@ def record(
 
     # The map and the noise have the same seed.
     reset = {"seed": seed, "options": {"map_seed": seed}}
-    return recording.record(NavigationRecording, policy, env, reset, progress=progress)
+    return recording.record(NavigationRecording, policy, env, reset)

@@ -110,13 +110,11 @@ def _contact(color: str) -> tuple[Line2D, Line2D]:
     return Line2D([], [], color=color, linewidth=2.5), dot(color, 8)
 
 
-def make_figure(
-    out: Path, seed: int = DEFAULT_SEED, video: str = "mp4", *, progress: bool = True
-) -> FigureSummary:
+def make_figure(out: Path, seed: int = DEFAULT_SEED, video: str = "mp4") -> FigureSummary:
     """Roll the policy out and save `pusht_rollout.png`, `.json` and, unless "none", the video.
 
     The arguments and errors are those of :func:`aicon_baselines.figures.nav2d.make_figure`.
     """
     files = FigureFiles(out, PushRollout.name, video)
     recording = record(make_policy("pusht").compile(), seed)
-    return save_rollout(PushRollout(recording), files, progress=progress)
+    return save_rollout(PushRollout(recording), files)

@@ -15,7 +15,10 @@ from aicon_baselines.evaluation import ComparisonError
     ("arguments", "message"),
     [
         ({"steps": 0}, "steps must be 1 or more, not 0"),
-        ({"observation": "sound"}, "unknown observation 'sound'; valid: keypoints, pixels"),
+        (
+            {"observation": "sound"},
+            "unknown observation 'sound'; valid observations: keypoints, pixels",
+        ),
         ({"action_steps": 16}, "action_steps must be at most 15, not 16"),
         ({"horizon": 12}, "horizon must be a multiple of 8, 2 for each of down_dims, not 12"),
     ],

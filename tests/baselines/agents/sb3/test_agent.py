@@ -78,6 +78,17 @@ def test_a_missing_reading_keeps_its_last_value(
     assert np.isfinite(first).all()
 
 
+def test_no_episode_begins_where_none_is_told_to(
+    agent_folders: Folders, readings: dict[str, np.ndarray]
+) -> None:
+    agent = sb3.Agent(agent_folders["pusht", "ppo"], "pusht")
+    _, memory = agent.predict(readings)
+    _, (stacks, _) = agent.predict(readings, memory)
+    _, (expected, _) = agent.predict(readings, memory, np.zeros(3, np.bool_))
+    for name, stack in stacks.items():
+        assert np.array_equal(stack, expected[name])
+
+
 def test_sampled_actions_come_from_the_memory_alone(
     agent_folders: Folders, readings: dict[str, np.ndarray]
 ) -> None:

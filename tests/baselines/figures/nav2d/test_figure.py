@@ -21,7 +21,7 @@ MAP, SEED = "u_trap_05", 1000
 def test_all_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rollout, "DURATION", 1.0)
     folder = tmp_path / "figures"
-    summary = make_figure(folder, SEED, "webp", map_name=MAP, spacing=0.2, progress=False)
+    summary = make_figure(folder, SEED, "webp", map_name=MAP, spacing=0.2)
     numbers = summary.numbers
 
     assert json.loads((folder / "nav2d_rollout.json").read_text()) == numbers
@@ -67,6 +67,6 @@ def test_no_colour_stands_for_two_curves(recording: NavigationRecording) -> None
 
 def test_unknown_names_are_errors_that_list_the_valid_ones(tmp_path: Path) -> None:
     with pytest.raises(ComparisonError, match="u_trap_2"):
-        make_figure(tmp_path, SEED, "none", map_name="u_trop", progress=False)
+        make_figure(tmp_path, SEED, "none", map_name="u_trop")
     with pytest.raises(ComparisonError, match="mp4, webp, none"):
-        make_figure(tmp_path, SEED, "avi", map_name=MAP, progress=False)
+        make_figure(tmp_path, SEED, "avi", map_name=MAP)

@@ -26,7 +26,7 @@ def test_all_files_are_written_and_the_summary_says_what_they_show(
     monkeypatch.setattr(figure, "record", lambda policy, seed: episode)
     monkeypatch.setattr(rollout, "DURATION", 1.0)
     folder = tmp_path / "figures"
-    summary = make_figure(folder, video="webp", progress=False)
+    summary = make_figure(folder, video="webp")
     numbers = summary.numbers
 
     assert json.loads((folder / "pusht_rollout.json").read_text()) == numbers
@@ -71,4 +71,4 @@ def test_no_colour_stands_for_two_curves(episode: PushRecording) -> None:
 
 def test_unknown_video_is_an_error_that_lists_the_valid_ones(tmp_path: Path) -> None:
     with pytest.raises(ComparisonError, match="mp4, webp, none"):
-        make_figure(tmp_path, SEED, "avi", progress=False)
+        make_figure(tmp_path, SEED, "avi")
