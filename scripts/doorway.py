@@ -56,7 +56,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule, save a row for each cell as it comes, and draw them."""
-    arguments.out.mkdir(parents=True, exist_ok=True)
     names = [*rules(), *(["ORCA"] if has_orca() else [])]
     settings = (arguments.seed, arguments.tries, arguments.seconds)
     wanted = [(*settings, name, count) for name in names for count in DISCS]

@@ -53,7 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule, save a row for each cell as it comes, and draw them."""
-    arguments.out.mkdir(parents=True, exist_ok=True)
     wanted = [(rule, law, count) for law in laws() for rule in rules() for count in LEADERS]
     cells = fill(arguments.out / "cells.csv", Cell, wanted, follow)
 

@@ -65,7 +65,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule in both worlds, save a row for each cell as it comes, and draw them."""
-    arguments.out.mkdir(parents=True, exist_ok=True)
     worlds = [("dips", rule, count) for rule in rules() for count in POINTS]
     worlds += [("near", rule, 8) for rule in (*rules(), *explorers())]
     worlds += [("dips", rule, 8) for rule in explorers()]
