@@ -21,7 +21,7 @@ IMAGES = Path(__file__).parents[1] / "images"
 
 def walls(world: Any, condition: str) -> Any:
     """Where the walls are, north first."""
-    maze = world.policy_options(condition)["maze"]
+    maze = world.TASK.policy_options(condition)["maze"]
     if world.__name__ == "pointmaze":
         return np.array(getattr(world.robotics(".envs.maze.maps"), world.MAPS[maze])) == 1
     return world.make_maze(maze).maze_map[::-1] == 1
