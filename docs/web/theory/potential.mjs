@@ -87,10 +87,10 @@ export async function startPotential({ root, policies, palette, data }) {
 
     const { exploring } = policy.decided("x_rob");
     const [xx, , , yy] = policy.values("P_tar");
-    tell(root, '[data-told="spread"]', `${Math.sqrt(xx + yy).toFixed(1)} m`);
+    tell(root, "spread", `${Math.sqrt(xx + yy).toFixed(1)} m`);
     tell(
       root,
-      '[data-told="state"]',
+      "state",
       world.arrived
         ? "It has arrived."
         : exploring

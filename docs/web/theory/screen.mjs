@@ -51,11 +51,16 @@ export function slider(root, name, does = () => {}) {
 const untold = new Map();
 const TELL_EVERY = 120; // ms; nobody reads faster
 
-/** Write words into a part of a screen, soon. @param {HTMLElement} root
- * @param {string} selector @param {string} words */
-export function tell(root, selector, words) {
+/** Write words into the part of a screen that has a name, soon. @param {HTMLElement} root
+ * @param {string} name @param {string} words */
+export function tell(root, name, words) {
+  write(root.querySelector(`[data-told="${name}"]`), words);
+}
+
+/** Write words into a part of a screen, soon. @param {Element} part @param {string} words */
+export function write(part, words) {
   if (untold.size === 0) setTimeout(tellAll, TELL_EVERY);
-  untold.set(root.querySelector(selector), words);
+  untold.set(part, words);
 }
 
 function tellAll() {
