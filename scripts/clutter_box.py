@@ -25,13 +25,12 @@ from clutter import (
     Array,
     World,
     add_problems,
+    agent,
     chosen_problems,
     distances_to,
     draw_shares,
     episodes,
     group_size,
-    policy_of,
-    rehearsed,
     share_of,
 )
 from clutter_planner import Planner
@@ -227,12 +226,12 @@ def with_box(problem: Problem, track: Track, cross: bool) -> Problem:
 
 
 def rows_of(
-    agent: Any, name: str, condition: str, robot: Robot, group: Sequence[tuple[Problem, Track]]
+    policy: Any, name: str, condition: str, robot: Robot, group: Sequence[tuple[Problem, Track]]
 ) -> list[Row]:
     """What becomes of some problems side by side; of a planner's one, whose computing is granted.
 
     Args:
-        agent: A policy; where it is None, a planner of that name.
+        policy: It; where it is None, there is a planner of that name.
         name: Of policy or planner.
         condition: Whether the box appears or crosses.
         robot: The robot.
@@ -240,12 +239,12 @@ def rows_of(
     """
     cross = condition == "crosses"
     boxes = Boxes(robot, [track for _, track in group], cross)
-    plans = agent is None
+    plans = policy is None
     if plans:
-        agent = planner(World(robot, group[0][0]), group[0][0], boxes, PLANNERS[name])
+        policy = planner(World(robot, group[0][0]), group[0][0], boxes, PLANNERS[name])
 
     seen = [with_box(problem, track, cross) for problem, track in group]
-    found = episodes(agent, robot, seen, boxes, MOST_OBJECTS + 1, HORIZON)
+    found = episodes(policy, robot, seen, boxes, MOST_OBJECTS + 1, HORIZON)
     rows = []
     for number, ((problem, _), episode) in enumerate(zip(group, found, strict=True)):
         time = episode.time - episode.thought if plans else episode.time
@@ -278,10 +277,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     @cache
     def agent_of(name: str) -> Any:
-        if name in PLANNERS:
-            return None
-        policy = policy_of(arguments.robot, robot, name, MOST_OBJECTS + 1).compile()
-        return rehearsed(policy) if name == REHEARSED else policy
+        some = next(iter(chosen.values()))
+        return None if name in PLANNERS else agent(name, robot, some, MOST_OBJECTS + 1)
 
     def measure(group: Sequence[tuple[Any, ...]]) -> list[Row]:
         _, condition, name, *_ = group[0]

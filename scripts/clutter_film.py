@@ -15,13 +15,13 @@ from matplotlib.colors import to_rgba
 from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
-from aicon_baselines.figures.rendering import Frame, save_video
+from aicon_baselines.figures.rendering import Frame, camera, save_video
 from aicon_baselines.palette import OBSTACLE, ROBOT, TARGET
 from aicon_baselines.worlds.motion_bench_maker import Problem, problems, resources, robot_of
 from aicon_torch.parts import Robot
 from clutter import CACHE, DT, Array, episodes, policy_of
 from clutter_model import model_of
-from film import beside_each_other, camera
+from film import beside_each_other
 
 SHOWN = (
     ("panda", "bookshelf_thin", 3),

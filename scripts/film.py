@@ -1,7 +1,6 @@
-"""What films of arms share: panels beside each other, with words, and a camera."""
+"""What films of arms share: panels beside each other, with words in them."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -27,13 +26,3 @@ def labelled(picture: Frame, name: str, told: str, colour: str) -> Frame:
     drawn.text((10, 8), name, fill="black", font_size=18)
     drawn.text((10, 30), told, fill=colour, font_size=15)
     return np.asarray(image)
-
-
-def camera(at: Any, distance: float, azimuth: float, elevation: float) -> Any:
-    """MuJoCo's camera that looks at a place ``(3,)``, m, from so far, m, and from angles, °."""
-    import mujoco
-
-    found = mujoco.MjvCamera()
-    found.lookat[:] = at
-    found.distance, found.azimuth, found.elevation = distance, azimuth, elevation
-    return found

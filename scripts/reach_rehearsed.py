@@ -77,6 +77,7 @@ def rows_of_condition(condition: str, seeds: range, table: Path) -> list[Row]:
     """What becomes of the targets of a condition."""
     found = targets(condition, seeds)
     policy = make_policy("reach", **TASK.policy_options(condition)).compile()
+    policy.predict(rows_of(found.seen, torch.tensor([0])))  # it compiles before the time counts
     agents = {"aicon": policy, "rehearsed": rehearsed(policy)}
 
     def measure(condition: str, name: str, seed: int) -> list[Row]:

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
-from aicon_baselines.figures.rendering import Frame, mark, save_video
+from aicon_baselines.figures.rendering import Frame, camera, mark, save_video
 from aicon_envs.reach import ROBOTS
 from aicon_envs.reach.pair import ArmPair
-from film import beside_each_other, camera, labelled
+from film import beside_each_other, labelled
 from two_arms import DISTANCE, DT, Arm, drawn, episode, policies_of
 
 Array = NDArray[np.float64]
