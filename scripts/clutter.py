@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -217,27 +217,15 @@ class Episode:
         return Row(*own, self.time, self.thought, *distances, self.escapes)
 
 
-class Surroundings(Protocol):
-    """What is not as it was from one step to the next; its rows are the problems still running."""
+class Surroundings:
+    """Objects that stay where they are; its rows are the problems still running."""
 
     def after(self, seen: Mapping[str, Tensor], q: Tensor) -> dict[str, Tensor]:
         """What is seen after a step to other joints ``(k, n)``, of what was seen before it."""
-        ...
-
-    def keep(self, going: Tensor) -> None:
-        """Drop the rows that have arrived."""
-        ...
-
-
-class StillSurroundings:
-    """Objects that stay where they are."""
-
-    def after(self, seen: Mapping[str, Tensor], q: Tensor) -> dict[str, Tensor]:
-        """The joints alone are others."""
         return {**seen, "q": q}
 
     def keep(self, going: Tensor) -> None:
-        """There is nothing to drop."""
+        """Drop the rows that have arrived."""
 
 
 def episodes(
@@ -252,14 +240,14 @@ def episodes(
 
     What a step takes a robot beyond 20 ms counts into its time: so long it stands and thinks.
     """
-    surroundings = StillSurroundings() if surroundings is None else surroundings
+    surroundings = surroundings or Surroundings()
     pose = TipPose("full", lever=1.0)
     goals = torch.from_numpy(np.stack([problem.goal for problem in chosen]))
     target = pose.of_frame(robot.chain(goals))
     found = [Episode() for _ in chosen]
     running, memory = list(found), None
 
-    each = [dict(sees(robot, problem, most_objects)) for problem in chosen]
+    each = [sees(robot, problem, most_objects) for problem in chosen]
     seen = {name: torch.from_numpy(np.stack([one[name] for one in each])) for name in each[0]}
     for step in range(round(horizon / DT) + 1):
         x_ee = pose.of_frame(robot.chain(seen["q"]))
@@ -334,7 +322,7 @@ def time_of_a_step(
 ) -> float:
     """The processor time of a step in C, µs: the least of ten, each of many robots side by side."""
     of_one = sees(robot, problem, most_objects)
-    seen = {name: np.repeat(value[None], SIDE_BY_SIDE, 0) for name, value in of_one}
+    seen = {name: np.repeat(value[None], SIDE_BY_SIDE, 0) for name, value in of_one.items()}
     memory: Any = None
     _, memory = policy.predict(seen, memory)
     times = []
@@ -345,17 +333,15 @@ def time_of_a_step(
     return 1e6 * min(times) / SIDE_BY_SIDE
 
 
-def sees(
-    robot: Robot, problem: Problem, most_objects: int = MOST_OBJECTS
-) -> list[tuple[str, Array]]:
+def sees(robot: Robot, problem: Problem, most_objects: int = MOST_OBJECTS) -> dict[str, Array]:
     """What the policy observes at the start."""
     tip = robot.chain(torch.from_numpy(problem.goal)).numpy()
-    return [
-        ("q", problem.start),
-        ("target_position", tip[:3, 3]),
-        ("target_orientation", Rotation.from_matrix(tip[:3, :3]).as_quat(scalar_first=True)),
-        ("obstacles", reading_of(problem.solids, most_objects).numpy()),
-    ]
+    return {
+        "q": problem.start,
+        "target_position": tip[:3, 3],
+        "target_orientation": Rotation.from_matrix(tip[:3, :3]).as_quat(scalar_first=True),
+        "obstacles": reading_of(problem.solids, most_objects).numpy(),
+    }
 
 
 def is_valid(robot: Robot, problem: Problem) -> bool:

@@ -23,6 +23,7 @@ from clutter import (
     DT,
     REHEARSED,
     Array,
+    Surroundings,
     World,
     add_problems,
     agent,
@@ -112,7 +113,7 @@ class Row(NamedTuple):
         return self.time <= HORIZON and min(self.box_gap, self.clearance, self.self_gap) >= 0.0
 
 
-class Boxes:
+class Boxes(Surroundings):
     """One box a problem; all are as large, and none is driven into a robot.
 
     Args:

@@ -142,13 +142,7 @@ class Oracle:
     It moves the one cube that it is told to: the one of the lowest goal that is not met yet.
     """
 
-    def predict(
-        self,
-        observation: Any,
-        state: Any = None,
-        episode_start: Any = None,
-        deterministic: bool = True,
-    ) -> Any:
+    def predict(self, observation: Any, state: Any = None, *_: Any, **__: Any) -> Any:
         """The next actions of the oracle."""
         # One oracle serves all rows, as it remembers nothing but where to go in the end.
         oracles = needed("ogbench.manipspace.oracles.markov.cube_markov", "ogbench")

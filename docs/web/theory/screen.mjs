@@ -84,10 +84,6 @@ export class PointWorld {
     return [...this.place];
   }
 
-  get numbers() {
-    return [...this.place];
-  }
-
   /** @param {Policy} policy */
   readings(policy) {
     return readingsOf(policy, this.sense(this.place));
@@ -98,8 +94,6 @@ export class PointWorld {
     this.place = plus(this.place, times(this.dt, [command[0], command[1]]));
     this.trail = [...this.trail.slice(-400), this.place];
   }
-
-  kick() {}
 }
 
 /** Episodes side by side, which keep step with the time.
