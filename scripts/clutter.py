@@ -9,6 +9,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.worlds.motion_bench_maker import (
     MOST_OBJECTS,
@@ -397,10 +399,8 @@ def report(name: str, rows: Sequence[Row]) -> None:
 
     print(f"\n{name}: {len(rows)} problems")
     lines = []
-    for set_name in SETS:
-        own = [row for row in rows if row.set == set_name]
-        if own:
-            lines.append([set_name, str(len(own)), *map(str, counts_of(own))])
+    for set_name, own in group_rows(rows, attrgetter("set")).items():
+        lines.append([set_name, str(len(own)), *map(str, counts_of(own))])
     shares = [share_of(count, len(rows)) for count in counts_of(rows)]
     lines.append(["all, %", str(len(rows)), *shares])
     print(to_markdown(["set", "of", *(f"{limit} s" for limit in TIMES)], lines))
@@ -439,8 +439,7 @@ def draw(table: Path, rows: Sequence[Any], horizon: float = HORIZON) -> None:
 
 def draw_shares(axes: Any, rows: Sequence[Any], horizon: float) -> None:
     """The share that is solved over time, a curve for each policy of rows that tell it."""
-    for name in dict.fromkeys(row.policy for row in rows):
-        own = [row for row in rows if row.policy == name]
+    for name, own in group_rows(rows, attrgetter("policy")).items():
         times = np.sort([row.time for row in own if row.is_solved])
         shares = 100 * np.arange(len(times) + 1) / len(own)
         axes.step([0.0, *times, horizon], [*shares, shares[-1]], where="post", label=name)

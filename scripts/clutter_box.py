@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ import torch
 from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.worlds.motion_bench_maker import MOST_OBJECTS, ROBOTS, SETS, Problem
 from aicon_torch.parts import Robot, Solid
 from clutter import (
@@ -320,12 +322,12 @@ def draw(table: Path, rows: Sequence[Row]) -> None:
     """The share of problems that are solved over time, by policy and condition, as a picture."""
     import matplotlib.pyplot as plt
 
-    conditions = list(dict.fromkeys(row.condition for row in rows))
+    groups = group_rows(rows, attrgetter("condition"))
     figure, every_axes = plt.subplots(
-        1, len(conditions), figsize=(1.8 + 3.8 * len(conditions), 3.4), sharey=True, squeeze=False
+        1, len(groups), figsize=(1.8 + 3.8 * len(groups), 3.4), sharey=True, squeeze=False
     )
-    for condition, axes in zip(conditions, every_axes[0], strict=True):
-        draw_shares(axes, [row for row in rows if row.condition == condition], HORIZON)
+    for (condition, own), axes in zip(groups.items(), every_axes[0], strict=True):
+        draw_shares(axes, own, HORIZON)
         axes.set_title(f"a box {condition}")
     every_axes[0, 0].set_ylabel("solved, %")
     every_axes[0, -1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)

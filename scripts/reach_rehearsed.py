@@ -11,6 +11,7 @@ import math
 import time
 from collections.abc import Sequence
 from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ import numpy as np
 import torch
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch.models import make_policy
@@ -90,8 +92,7 @@ def report(rows: Sequence[Row]) -> None:
     """Print a table."""
     header = ["condition", "policy", "arrive", "%", "median time", "95th of 100", "thought, median"]
     lines = []
-    for name in dict.fromkeys(row.policy for row in rows):
-        own = [row for row in rows if row.policy == name]
+    for name, own in group_rows(rows, attrgetter("policy")).items():
         times = np.array([row.time for row in own])
         count = sum(row.is_solved for row in own)
 

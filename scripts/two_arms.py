@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ from scipy.spatial.transform import Rotation
 from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_envs.reach import ROBOTS
 from aicon_envs.reach.pair import TABLE_TOP, THICKNESS, ArmPair
@@ -279,10 +281,10 @@ def run(arguments: argparse.Namespace) -> None:
 
 def report(rows: Sequence[Row]) -> None:
     """Print a table."""
+    groups = group_rows(rows, attrgetter("policy"))
     header = ["robots", "policy", "both arrive, %", "median time", "touched", "stuck", "least gap"]
     lines = []
-    for name in dict.fromkeys(row.policy for row in rows):
-        own = [row for row in rows if row.policy == name]
+    for name, own in groups.items():
         times = [row.time for row in own if row.is_solved]
         median = f"{np.median(times):.1f} s" if times else "–"
         touched, stuck = sum(row.touched for row in own), sum(row.stuck for row in own)
@@ -291,8 +293,7 @@ def report(rows: Sequence[Row]) -> None:
         lines.append([own[0].robots, name, arrived, median, str(touched), str(stuck), gap])
     print(to_markdown(header, lines))
 
-    for name in dict.fromkeys(row.policy for row in rows):
-        own = [row for row in rows if row.policy == name]
+    for name, own in groups.items():
         late = [str(row.seed) for row in own if not row.is_solved]
         touching = [str(row.seed) for row in own if row.touched]
         print(f"{name}: not there: {', '.join(late) or 'none'}", end="; ")
