@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from torch import Tensor
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy, make_policy
@@ -119,9 +119,9 @@ def miss_of(within: SafetyBounds, action: NDArray[np.float64]) -> float:
 def run(arguments: argparse.Namespace) -> None:
     """Follow each contact, and print a table."""
     torch.set_num_threads(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
     wanted = touched(arguments.folder / "episodes.csv")
-    found = fill(arguments.out / "contacts.csv", Contact, wanted, lambda *one: [follow(*one)])
+    table = arguments.out / "contacts.csv"
+    found = fill(table, Contact, wanted, lambda *one: [follow(*one)], "contacts")
 
     header = ["condition", "seed", "contact, s", "without an action for, s"]
     header += ["a bound had to be missed by, m/s", "and was by, m/s"]
@@ -135,7 +135,7 @@ def run(arguments: argparse.Namespace) -> None:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare whose contacts are followed."""
     parser.add_argument("folder", type=Path, help="of a comparison, with its episodes.csv")
-    parser.add_argument("--out", type=Path, default=Path("runs/balls_contacts"))
+    add_option(parser, "--out", Path("runs/balls_contacts"), "folder of the results")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

@@ -8,18 +8,21 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from operator import attrgetter
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from torch import Tensor
-from tqdm import tqdm
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.evaluation.statistics import group_rows
+from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.worlds.motion_bench_maker import (
     MOST_OBJECTS,
     ROBOTS,
@@ -35,7 +38,7 @@ from aicon_torch.dampers import PlaceEscape
 from aicon_torch.models import make_policy
 from aicon_torch.parts import Robot, Solid, TipPose, reading_of
 from aicon_torch.ways import OtherPlaces
-from study_table import read, write
+from study_table import fill_in_groups, read
 
 RANDOM_PLACES = PlaceEscape(patience=1.2, remembers=False, seeks=False)
 """The most trivial escape."""
@@ -93,6 +96,11 @@ class Row(NamedTuple):
     angle: float  # rad
     escapes: int
 
+    @property
+    def is_solved(self) -> bool:
+        """Whether it arrived."""
+        return self.time <= HORIZON
+
 
 class World:
     """A robot as spheres among objects, its joints moving at the velocities commanded.
@@ -134,7 +142,7 @@ class World:
         of_objects = np.full(len(q), math.inf)
         for solids, middles, rotations in self.objects:
             local = (moving[:, None] - middles[:, None]) @ rotations
-            distances = _distances(solids, local) - radii
+            distances = distances_to(solids, local) - radii
             of_objects = np.minimum(of_objects, distances.min((-1, -2)))
         return of_objects, of_itself
 
@@ -143,7 +151,7 @@ class World:
         least = math.inf
         for solids, middles, rotations in self.objects:
             local = (points - middles[:, None]) @ rotations
-            least = min(least, float(_distances(solids, local).min()))
+            least = min(least, float(distances_to(solids, local).min()))
         return least
 
     def least_gaps(self, way: Array) -> tuple[float, float]:
@@ -168,7 +176,7 @@ def _frames(solids: Sequence[Solid]) -> tuple[Array, Array]:
     return np.array([solid.position for solid in solids]), turned.as_matrix()
 
 
-def _distances(solids: Sequence[Solid], points: Array) -> Array:
+def distances_to(solids: Sequence[Solid], points: Array) -> Array:
     """The exact signed distances of points ``(k, objects, m, 3)`` in the frames of objects, m."""
     sizes = np.array([solid.size for solid in solids])[:, None]
     if solids[0].kind == "box":
@@ -211,27 +219,15 @@ class Episode:
         return Row(*own, self.time, self.thought, *distances, self.escapes)
 
 
-class Surroundings(Protocol):
-    """What is not as it was from one step to the next; its rows are the problems still running."""
+class Surroundings:
+    """Objects that stay where they are; its rows are the problems still running."""
 
     def after(self, seen: Mapping[str, Tensor], q: Tensor) -> dict[str, Tensor]:
         """What is seen after a step to other joints ``(k, n)``, of what was seen before it."""
-        ...
-
-    def keep(self, going: Tensor) -> None:
-        """Drop the rows that have arrived."""
-        ...
-
-
-class StillSurroundings:
-    """Objects that stay where they are."""
-
-    def after(self, seen: Mapping[str, Tensor], q: Tensor) -> dict[str, Tensor]:
-        """The joints alone are others."""
         return {**seen, "q": q}
 
     def keep(self, going: Tensor) -> None:
-        """There is nothing to drop."""
+        """Drop the rows that have arrived."""
 
 
 def episodes(
@@ -246,14 +242,14 @@ def episodes(
 
     What a step takes a robot beyond 20 ms counts into its time: so long it stands and thinks.
     """
-    surroundings = StillSurroundings() if surroundings is None else surroundings
+    surroundings = surroundings or Surroundings()
     pose = TipPose("full", lever=1.0)
     goals = torch.from_numpy(np.stack([problem.goal for problem in chosen]))
     target = pose.of_frame(robot.chain(goals))
     found = [Episode() for _ in chosen]
     running, memory = list(found), None
 
-    each = [dict(sees(robot, problem, most_objects)) for problem in chosen]
+    each = [sees(robot, problem, most_objects) for problem in chosen]
     seen = {name: torch.from_numpy(np.stack([one[name] for one in each])) for name in each[0]}
     for step in range(round(horizon / DT) + 1):
         x_ee = pose.of_frame(robot.chain(seen["q"]))
@@ -291,20 +287,18 @@ def rows_of(values: Mapping[str, Tensor], which: Tensor) -> dict[str, Tensor]:
     return {name: value[which] for name, value in values.items()}
 
 
-def policy_of(
-    name: str, robot: Robot, options: Mapping[str, Any], most_objects: int = MOST_OBJECTS
-) -> Policy:
-    """The policy of the robot of a name, compiled."""
-    return readable_policy(name, robot, options, most_objects).compile()
-
-
-def readable_policy(
-    name: str, robot: Robot, options: Mapping[str, Any], most_objects: int = MOST_OBJECTS
-) -> Policy:
-    """The policy as it is declared."""
-    target = {"orientation": "full", "axis": ROBOTS[name].axis}
-    own = {"robot": robot, "speed": SPEED, "dt": DT, **target, **options}
+def policy_of(robot_name: str, robot: Robot, name: str, most_objects: int = MOST_OBJECTS) -> Policy:
+    """One of the policies, of a robot with its name."""
+    target = {"orientation": "full", "axis": ROBOTS[robot_name].axis}
+    own = {"robot": robot, "speed": SPEED, "dt": DT, **target, **POLICIES[name]}
     return make_policy("reach", preset="clutter", obstacles=most_objects, **own)
+
+
+def agent(name: str, robot: Robot, problem: Problem, most_objects: int = MOST_OBJECTS) -> Any:
+    """One of the policies, compiled before the first step that counts; says how long one takes."""
+    policy = policy_of(problem.robot, robot, name, most_objects).compile()
+    print(f"{name}: {time_of_a_step(policy, robot, problem, most_objects):.0f} µs a step")
+    return rehearsed(policy) if name == REHEARSED else policy
 
 
 def rehearsed(policy: Policy) -> Rehearsal:
@@ -330,7 +324,7 @@ def time_of_a_step(
 ) -> float:
     """The processor time of a step in C, µs: the least of ten, each of many robots side by side."""
     of_one = sees(robot, problem, most_objects)
-    seen = {name: np.repeat(value[None], SIDE_BY_SIDE, 0) for name, value in of_one}
+    seen = {name: np.repeat(value[None], SIDE_BY_SIDE, 0) for name, value in of_one.items()}
     memory: Any = None
     _, memory = policy.predict(seen, memory)
     times = []
@@ -341,17 +335,15 @@ def time_of_a_step(
     return 1e6 * min(times) / SIDE_BY_SIDE
 
 
-def sees(
-    robot: Robot, problem: Problem, most_objects: int = MOST_OBJECTS
-) -> list[tuple[str, Array]]:
+def sees(robot: Robot, problem: Problem, most_objects: int = MOST_OBJECTS) -> dict[str, Array]:
     """What the policy observes at the start."""
     tip = robot.chain(torch.from_numpy(problem.goal)).numpy()
-    return [
-        ("q", problem.start),
-        ("target_position", tip[:3, 3]),
-        ("target_orientation", Rotation.from_matrix(tip[:3, :3]).as_quat(scalar_first=True)),
-        ("obstacles", reading_of(problem.solids, most_objects).numpy()),
-    ]
+    return {
+        "q": problem.start,
+        "target_position": tip[:3, 3],
+        "target_orientation": Rotation.from_matrix(tip[:3, :3]).as_quat(scalar_first=True),
+        "obstacles": reading_of(problem.solids, most_objects).numpy(),
+    }
 
 
 def is_valid(robot: Robot, problem: Problem) -> bool:
@@ -360,64 +352,58 @@ def is_valid(robot: Robot, problem: Problem) -> bool:
     return float(np.min(World(robot, problem).gaps(both))) > 0.0
 
 
-def chosen_problems(arguments: argparse.Namespace) -> tuple[Robot, list[Problem]]:
-    """The robot, and those of the problems asked for whose start and goal are free."""
-    folder = resources(arguments.cache)
+def chosen_problems(
+    arguments: argparse.Namespace,
+) -> tuple[Robot, dict[tuple[str, int], Problem]]:
+    """The robot, and by set and number the problems asked for whose start and goal are free."""
+    folder = resources(CACHE)
     robot = robot_of(arguments.robot, folder)
     low, high = arguments.indices
     numbers = range(low, high + 1)
     given = problems(arguments.robot, folder, robot.chain.names, arguments.sets, numbers)
-    return robot, [problem for problem in given if is_valid(robot, problem)]
+    return robot, {(each.set, each.index): each for each in given if is_valid(robot, each)}
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report."""
     torch.set_num_threads(1)
-    robot, to_run = chosen_problems(arguments)
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    robot, chosen = chosen_problems(arguments)
     table = arguments.out / f"{arguments.robot}.csv"
-    known = {(row.policy, row.set, row.number) for row in read(table, Row)}
-    compiled: dict[str, Policy] = {}
+
+    @cache
+    def agent_of(name: str) -> Any:
+        return agent(name, robot, next(iter(chosen.values())))
+
+    def measure(group: Sequence[tuple[Any, ...]]) -> list[Row]:
+        name = group[0][1]
+        some = [chosen[begin[2:]] for begin in group]
+        found = episodes(agent_of(name), robot, some)
+        both = zip(some, found, strict=True)
+        return [episode.row(name, robot, problem) for problem, episode in both]
+
     for name in arguments.agents:
-        missing = [each for each in to_run if (name, each.set, each.index) not in known]
-        if not missing:
-            continue
-        options = POLICIES[name]
-        if str(options) not in compiled:
-            compiled[str(options)] = policy_of(arguments.robot, robot, options)
-        policy = compiled[str(options)]
-        print(f"{name}: {time_of_a_step(policy, robot, missing[0]):.0f} µs a step")
-
-        # One that thinks is alone, so that its time is its own.
-        group_size = 1 if name == REHEARSED else SIDE_BY_SIDE
-        agent = rehearsed(policy) if name == REHEARSED else policy
-        for first in tqdm(range(0, len(missing), group_size), desc=name, disable=None):
-            group = missing[first : first + group_size]
-            for problem, episode in zip(group, episodes(agent, robot, group), strict=True):
-                write(table, episode.row(name, robot, problem))
-
-    rows = rows_of_problems(table, to_run)
-    for name in arguments.agents:
-        report(name, [row for row in rows if row.policy == name])
-    draw(table, rows)
+        wanted = [(arguments.robot, name, *key) for key in chosen]
+        report(name, fill_in_groups(table, Row, wanted, measure, group_size(name), name))
+    draw(table, [row for row in read(table, Row) if (row.set, row.number) in chosen])
 
 
-def rows_of_problems(table: Path, chosen: Sequence[Problem]) -> list[Row]:
-    """The rows of a table that are of some problems."""
-    asked_for = {(problem.set, problem.index) for problem in chosen}
-    return [row for row in read(table, Row) if (row.set, row.number) in asked_for]
+def group_size(name: str) -> int:
+    """How many robots there are side by side; one that thinks is alone: its time is its own."""
+    return SIDE_BY_SIDE if name in POLICIES and name != REHEARSED else 1
 
 
 def report(name: str, rows: Sequence[Row]) -> None:
     """Successes within some times, in all and in each set, and what was touched."""
     if not rows:
         return
+
     print(f"\n{name}: {len(rows)} problems")
-    print("| set | of | " + " | ".join(f"{limit} s" for limit in TIMES) + " |")
-    print("|---" * (2 + len(TIMES)) + "|")
-    for set_name in SETS:
-        _print_line(set_name, [row for row in rows if row.set == set_name])
-    _print_line("all, %", rows, shares=True)
+    lines = []
+    for set_name, own in group_rows(rows, attrgetter("set")).items():
+        lines.append([set_name, str(len(own)), *map(str, counts_of(own))])
+    shares = [share_of(count, len(rows)) for count in counts_of(rows)]
+    lines.append(["all, %", str(len(rows)), *shares])
+    print(to_markdown(["set", "of", *(f"{limit} s" for limit in TIMES)], lines))
 
     touching = [
         f"{r.set} {r.number} ({-1e3 * r.clearance:.1f} mm)" for r in rows if r.clearance < 0
@@ -425,22 +411,13 @@ def report(name: str, rows: Sequence[Row]) -> None:
     print(f"penetrations: {len(touching)} {', '.join(touching)}")
     print(f"least gap to itself: {1e3 * min(r.self_gap for r in rows):.1f} mm")
     print(f"least distance to a stop: {min(r.stop_gap for r in rows):.3f} rad")
-    failed = [f"{row.set} {row.number}" for row in rows if not row.time <= HORIZON]
+    failed = [f"{row.set} {row.number}" for row in rows if not row.is_solved]
     print(f"failed: {', '.join(failed)}")
 
 
-def _print_line(label: str, rows: Sequence[Row], shares: bool = False) -> None:
-    """A line of the table, in numbers, or in % with an interval (95 %, Wilson)."""
-    if not rows:
-        return
-    cells = []
-    for limit in TIMES:
-        count = sum(row.time <= limit for row in rows)
-        if shares:
-            cells.append(share_of(count, len(rows)))
-        else:
-            cells.append(str(count))
-    print(f"| {label} | {len(rows)} | " + " | ".join(cells) + " |")
+def counts_of(rows: Sequence[Row]) -> list[int]:
+    """How many arrived within each of the times."""
+    return [sum(row.time <= limit for row in rows) for limit in TIMES]
 
 
 def share_of(count: int, total: int) -> str:
@@ -449,33 +426,24 @@ def share_of(count: int, total: int) -> str:
     return f"{100 * count / total:.1f} ({100 * low:.1f} to {100 * high:.1f})"
 
 
-class Timed(Protocol):
-    """A row with the policy, and when it arrived, s; NaN where it did not."""
-
-    @property
-    def policy(self) -> str:
-        """The policy's name."""
-        ...
-
-    @property
-    def time(self) -> float:
-        """When it arrived."""
-        ...
-
-
-def draw(table: Path, rows: Sequence[Timed], horizon: float = HORIZON) -> None:
-    """The share that is solved over time, by policy, as a picture."""
+def draw(table: Path, rows: Sequence[Any], horizon: float = HORIZON) -> None:
+    """The share that is solved over time, by policy, as a picture beside a table."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
-    for name in dict.fromkeys(row.policy for row in rows):
-        times = np.array([row.time for row in rows if row.policy == name])
-        solved = np.sort(times[times <= horizon])
-        shares = 100 * np.arange(1, len(solved) + 1) / len(times)
-        axes.step([*solved, horizon], [*shares, *shares[-1:]], where="post", label=name)
-    axes.set(xlim=(0, horizon), ylim=(0, 100), xlabel="time, s", ylabel="solved, %")
+    draw_shares(axes, rows, horizon)
+    axes.set_ylabel("solved, %")
     axes.legend(loc="lower right", frameon=False)
     figure.savefig(table.with_suffix(".png"), dpi=150)
+
+
+def draw_shares(axes: Any, rows: Sequence[Any], horizon: float) -> None:
+    """The share that is solved over time, a curve for each policy of rows that tell it."""
+    for name, own in group_rows(rows, attrgetter("policy")).items():
+        times = np.sort([row.time for row in own if row.is_solved])
+        shares = 100 * np.arange(len(times) + 1) / len(own)
+        axes.step([0.0, *times, horizon], [*shares, shares[-1]], where="post", label=name)
+    axes.set(xlim=(0, horizon), ylim=(0, 100), xlabel="time, s")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -485,7 +453,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_problems(parser: argparse.ArgumentParser, out: Path) -> None:
-    """Declare whose problems are run, which of them, and where results and files are kept."""
+    """Declare whose problems are run, which of them, and where results are kept."""
     parser.add_argument("robot", choices=ROBOTS, help="whose problems")
     parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
     parser.add_argument(
@@ -496,9 +464,7 @@ def add_problems(parser: argparse.ArgumentParser, out: Path) -> None:
         metavar=("FIRST", "LAST"),
         help="of each set: 1 to 50 are for tuning, 51 to 100 for the report (default: 51 100)",
     )
-
-    parser.add_argument("--out", type=Path, default=out)
-    parser.add_argument("--cache", type=Path, default=CACHE, help="of what is downloaded")
+    add_option(parser, "--out", out, "folder of the results")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

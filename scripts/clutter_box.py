@@ -7,39 +7,37 @@ import argparse
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import torch
 from torch import Tensor
-from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
-from aicon_baselines.worlds.motion_bench_maker import (
-    MOST_OBJECTS,
-    ROBOTS,
-    SETS,
-    Problem,
-)
+from aicon_baselines.evaluation.statistics import group_rows
+from aicon_baselines.worlds.motion_bench_maker import MOST_OBJECTS, ROBOTS, SETS, Problem
 from aicon_torch.parts import Robot, Solid
 from clutter import (
     DT,
-    POLICIES,
     REHEARSED,
-    SIDE_BY_SIDE,
     Array,
-    Episode,
+    Surroundings,
     World,
     add_problems,
+    agent,
     chosen_problems,
+    distances_to,
+    draw_shares,
     episodes,
-    policy_of,
-    rehearsed,
+    group_size,
     share_of,
 )
 from clutter_planner import Planner
-from study_table import read, write
+from study_table import fill_in_groups, read
 
 CONDITIONS = ("appears", "crosses")
 """The box is there after the first step and stays, or goes to and fro from the start."""
@@ -117,7 +115,7 @@ class Row(NamedTuple):
         return self.time <= HORIZON and min(self.box_gap, self.clearance, self.self_gap) >= 0.0
 
 
-class Boxes:
+class Boxes(Surroundings):
     """One box a problem; all are as large, and none is driven into a robot.
 
     Args:
@@ -178,15 +176,13 @@ class Boxes:
             setattr(self, name, getattr(self, name)[left])
 
 
+_BOX = Solid("box", (SIZE,) * 3, (0.0, 0.0, 0.0))
 _EMPTY = Problem("", "", 0, np.zeros(0), np.zeros(0), ())
 
 
 def _gap(local: Array, radii: Array) -> Array:
     """The least distance ``(k,)`` of spheres to a box, of their centres in its frame, m."""
-    beyond = np.abs(local) - SIZE / 2
-    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
-    distances = outside + np.minimum(beyond.max(-1), 0.0) - radii
-    gap: Array = distances.min(-1)
+    gap: Array = (distances_to([_BOX], local[:, None])[:, 0] - radii).min(-1)
     return gap
 
 
@@ -214,7 +210,7 @@ def track_of(robot: Robot, problem: Problem) -> Track | None:
         turn = generator.uniform(-math.pi, math.pi)
         quaternion = (math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2))
         x, y, z = middle.tolist()
-        box = Solid("box", (SIZE,) * 3, (x, y, z), quaternion)
+        box = replace(_BOX, position=(x, y, z), orientation=quaternion)
         track, places = Track(box, direction), np.array(np.linspace(-HALFWAY, HALFWAY, 17))
         at_goal = track.gap(centres[1], world.radii, places)
         at_start = track.gap(centres[0], world.radii, np.array([-HALFWAY, 0.0]))
@@ -232,98 +228,71 @@ def with_box(problem: Problem, track: Track, cross: bool) -> Problem:
     return replace(problem, solids=(replace(track.box, position=position), *problem.solids))
 
 
-def rows_of_policy(
-    agent: Any, name: str, condition: str, robot: Robot, group: Sequence[tuple[Problem, Track]]
+def rows_of(
+    policy: Any, name: str, condition: str, robot: Robot, group: Sequence[tuple[Problem, Track]]
 ) -> list[Row]:
-    """Some problems side by side."""
+    """What becomes of some problems side by side; of a planner's one, whose computing is granted.
+
+    Args:
+        policy: It; where it is None, there is a planner of that name.
+        name: Of policy or planner.
+        condition: Whether the box appears or crosses.
+        robot: The robot.
+        group: The problems, and where their boxes go.
+    """
     cross = condition == "crosses"
     boxes = Boxes(robot, [track for _, track in group], cross)
+    plans = policy is None
+    if plans:
+        policy = planner(World(robot, group[0][0]), group[0][0], boxes, PLANNERS[name])
+
     seen = [with_box(problem, track, cross) for problem, track in group]
-    found = episodes(agent, robot, seen, boxes, MOST_OBJECTS + 1, HORIZON)
+    found = episodes(policy, robot, seen, boxes, MOST_OBJECTS + 1, HORIZON)
     rows = []
     for number, ((problem, _), episode) in enumerate(zip(group, found, strict=True)):
-        rows.append(row_of(name, condition, robot, problem, episode, boxes, number))
+        time = episode.time - episode.thought if plans else episode.time
+        clearance, self_gap = World(robot, problem).least_gaps(np.array(episode.way))
+        gaps = (float(boxes.gaps[number]), clearance, self_gap)
+        own = (problem.robot, condition, name, problem.set, problem.index)
+        rows.append(Row(*own, time, *gaps, float(boxes.waited[number])))
     return rows
 
 
-def row_of_planner(name: str, condition: str, robot: Robot, problem: Problem, track: Track) -> Row:
-    """One problem by the planner, which knows nothing of a box before it appears."""
-    cross = condition == "crosses"
-    boxes = Boxes(robot, [track], cross)
-    agent: Planner
+def planner(world: World, problem: Problem, boxes: Boxes, replans: bool) -> Planner:
+    """A planner, which knows nothing of a box before it appears."""
+    found: Planner
 
     def gap(centres: Array) -> Array:
-        is_unknown = agent.step == 0 and not cross
+        is_unknown = found.step == 0 and not boxes.cross
         return np.full(len(centres), math.inf) if is_unknown else boxes.gap(centres)
 
-    agent = Planner(World(robot, problem), problem.goal, gap, PLANNERS[name])
-    seen = [with_box(problem, track, cross)]
-    (episode,) = episodes(agent, robot, seen, boxes, MOST_OBJECTS + 1, HORIZON)
-    episode.time -= episode.thought
-    return row_of(name, condition, robot, problem, episode, boxes, 0)
-
-
-def row_of(
-    name: str,
-    condition: str,
-    robot: Robot,
-    problem: Problem,
-    episode: Episode,
-    boxes: Boxes,
-    number: int,
-) -> Row:
-    """What is known of an episode, and what its way touched."""
-    clearance, self_gap = World(robot, problem).least_gaps(np.array(episode.way))
-    gaps = (float(boxes.gaps[number]), clearance, self_gap)
-    own = (problem.robot, condition, name, problem.set, problem.index)
-    return Row(*own, episode.time, *gaps, float(boxes.waited[number]))
+    found = Planner(world, problem.goal, gap, replans)
+    return found
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report."""
     torch.set_num_threads(1)
-    robot, to_run = chosen_problems(arguments)
-    drawn = []
-    for problem in to_run:
-        track = track_of(robot, problem)
-        if track is not None:
-            drawn.append((problem, track))
-
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    robot, chosen = chosen_problems(arguments)
+    tracks = {key: track_of(robot, problem) for key, problem in chosen.items()}
+    groups = {key: (chosen[key], track) for key, track in tracks.items() if track is not None}
     table = arguments.out / f"{arguments.robot}.csv"
-    known = {(row.condition, row.policy, row.set, row.number) for row in read(table, Row)}
-    agents: dict[str, Any] = {}
-    for condition in arguments.conditions:
-        for name in arguments.agents:
-            missing = [
-                each for each in drawn if (condition, name, each[0].set, each[0].index) not in known
-            ]
-            if not missing:
-                continue
-            label = f"{condition}, {name}"
-            if name in PLANNERS:
-                for problem, track in tqdm(missing, desc=label, disable=None):
-                    write(table, row_of_planner(name, condition, robot, problem, track))
-                continue
 
-            options = POLICIES[name]
-            if str(options) not in agents:
-                most = MOST_OBJECTS + 1
-                agents[str(options)] = policy_of(arguments.robot, robot, options, most)
-            policy = agents[str(options)]
-            group_size = 1 if name == REHEARSED else SIDE_BY_SIDE
-            agent = rehearsed(policy) if name == REHEARSED else policy
-            for first in tqdm(range(0, len(missing), group_size), desc=label, disable=None):
-                group = missing[first : first + group_size]
-                for row in rows_of_policy(agent, name, condition, robot, group):
-                    write(table, row)
+    @cache
+    def agent_of(name: str) -> Any:
+        some = next(iter(chosen.values()))
+        return None if name in PLANNERS else agent(name, robot, some, MOST_OBJECTS + 1)
 
-    asked_for = {(problem.set, problem.index) for problem in to_run}
-    rows = [row for row in read(table, Row) if (row.set, row.number) in asked_for]
-    for condition in arguments.conditions:
-        for name in arguments.agents:
-            report([row for row in rows if (row.condition, row.policy) == (condition, name)])
-    draw(table, rows)
+    def measure(group: Sequence[tuple[Any, ...]]) -> list[Row]:
+        _, condition, name, *_ = group[0]
+        some = [groups[begin[3:]] for begin in group]
+        return rows_of(agent_of(name), name, condition, robot, some)
+
+    for condition, name in product(arguments.conditions, arguments.agents):
+        wanted = [(arguments.robot, condition, name, *key) for key in groups]
+        label = f"{condition}, {name}"
+        report(fill_in_groups(table, Row, wanted, measure, group_size(name), label))
+    draw(table, [row for row in read(table, Row) if (row.set, row.number) in chosen])
 
 
 def report(rows: Sequence[Row]) -> None:
@@ -353,19 +322,13 @@ def draw(table: Path, rows: Sequence[Row]) -> None:
     """The share of problems that are solved over time, by policy and condition, as a picture."""
     import matplotlib.pyplot as plt
 
-    conditions = list(dict.fromkeys(row.condition for row in rows))
+    groups = group_rows(rows, attrgetter("condition"))
     figure, every_axes = plt.subplots(
-        1, len(conditions), figsize=(1.8 + 3.8 * len(conditions), 3.4), sharey=True, squeeze=False
+        1, len(groups), figsize=(1.8 + 3.8 * len(groups), 3.4), sharey=True, squeeze=False
     )
-    for condition, axes in zip(conditions, every_axes[0], strict=True):
-        own = [row for row in rows if row.condition == condition]
-        for name in dict.fromkeys(row.policy for row in own):
-            rows_of_name = [row for row in own if row.policy == name]
-            times = np.sort([row.time for row in rows_of_name if row.is_solved])
-            shares = 100 * np.arange(1, len(times) + 1) / len(rows_of_name)
-            ends = [0.0, *times, HORIZON], [0.0, *shares, *shares[-1:]]
-            axes.step(*ends, where="post", label=name)
-        axes.set(title=f"a box {condition}", xlim=(0, HORIZON), ylim=(0, 100), xlabel="time, s")
+    for (condition, own), axes in zip(groups.items(), every_axes[0], strict=True):
+        draw_shares(axes, own, HORIZON)
+        axes.set_title(f"a box {condition}")
     every_axes[0, 0].set_ylabel("solved, %")
     every_axes[0, -1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     figure.tight_layout()

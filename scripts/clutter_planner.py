@@ -1,9 +1,9 @@
 """A planner for `clutter_box.py`: OMPL's RRT-Connect, which sees all objects as they are now."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import torch
@@ -29,14 +29,6 @@ EVERY, AFTER_FAILURE = 5, 25
 """Steps after which it looks at its way again: 10 Hz, and 2 Hz where there was none."""
 
 
-class Gap(Protocol):
-    """The distance to an object that may move."""
-
-    def __call__(self, centres: Array) -> Array:
-        """Of spheres with these centres ``(k, spheres, 3)``, ``(k,)``, m."""
-        ...
-
-
 class Planner:
     """Plans to the joints at the goal, which no policy is told, and goes as fast as it may.
 
@@ -45,12 +37,14 @@ class Planner:
     Args:
         world: The robot and what stays where it is.
         goal: The joints at the goal, rad.
-        gap: The distance to the object that moves, of which nothing is known at the beginning
-            where it appears later.
+        gap: The distance ``(k,)``, m, of spheres with centres ``(k, spheres, 3)`` to the object
+            that moves, of which nothing is known at the beginning where it appears later.
         replans: Whether it looks at its way again, and plans again where it is not free.
     """
 
-    def __init__(self, world: World, goal: Array, gap: Gap, replans: bool) -> None:
+    def __init__(
+        self, world: World, goal: Array, gap: Callable[[Array], Array], replans: bool
+    ) -> None:
         self.world, self.goal, self.gap, self.replans = world, goal, gap, replans
         self.way: list[Array] = []
         self.step, self.next_look = 0, 0

@@ -9,14 +9,14 @@ import argparse
 import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import torch
-from tqdm import tqdm
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import processor_seconds
 from aicon_baselines.worlds.motion_bench_maker import (
@@ -29,8 +29,8 @@ from aicon_baselines.worlds.motion_bench_maker import (
 )
 from aicon_torch import load_exported
 from aicon_torch.parts import Robot, Solid
-from clutter import CACHE, POLICIES, World, readable_policy, time_of_a_step
-from study_table import read, write
+from clutter import CACHE, POLICIES, World, policy_of, time_of_a_step
+from study_table import fill, read
 
 COUNTS = (5, 10, 21, 50, 100, 200)
 
@@ -59,26 +59,25 @@ class Row(NamedTuple):
 def run(arguments: argparse.Namespace) -> None:
     """Measure what is not yet in the table, and report."""
     torch.set_num_threads(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    table = arguments.out / f"{arguments.robot}.csv"
-    known = {(row.policy, row.objects) for row in read(table, Row)}
-    cells = [(name, count) for name in arguments.agents for count in arguments.counts]
-    missing = [cell for cell in cells if cell not in known]
-
-    folder = resources(arguments.cache)
+    folder = resources(CACHE)
     robot = robot_of(arguments.robot, folder)
     given = problems(arguments.robot, folder, robot.chain.names, SETS, [1])
     crowded = max(given, key=lambda problem: len(problem.solids))
-    for name, count in tqdm(missing, desc="objects", disable=None):
+
+    def measure(robot_name: str, name: str, count: int) -> list[Row]:
         problem = replace(crowded, solids=some_objects(robot, crowded, count))
-        write(table, measured(robot, problem, name))
+        return [measured(robot, problem, name)]
+
+    table = arguments.out / f"{arguments.robot}.csv"
+    wanted = list(product([arguments.robot], arguments.agents, arguments.counts))
+    fill(table, Row, wanted, measure, "objects")
     report(read(table, Row))
 
 
 def measured(robot: Robot, problem: Problem, name: str) -> Row:
     """A policy among the objects of a problem, exported and timed."""
     count = len(problem.solids)
-    policy = readable_policy(problem.robot, robot, POLICIES[name], count)
+    policy = policy_of(problem.robot, robot, name, count)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "policy.so")
         before = processor_seconds()
@@ -122,9 +121,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is measured."""
     parser.add_argument("robot", choices=ROBOTS, help="whose problem")
     parser.add_argument("--agents", nargs="+", choices=POLICIES, default=["aicon"])
-    parser.add_argument("--counts", nargs="+", type=int, default=list(COUNTS), help="of objects")
-    parser.add_argument("--out", type=Path, default=Path("runs/clutter_time"))
-    parser.add_argument("--cache", type=Path, default=CACHE, help="of what is downloaded")
+    add_option(parser, "--counts", COUNTS, "of objects")
+    add_option(parser, "--out", Path("runs/clutter_time"), "folder of the results")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

@@ -26,7 +26,7 @@ from aicon_torch.control import Foresight
 from aicon_torch.models.factory import MODELS
 from aicon_torch.resolution import NullspaceProjection
 from aicon_torch.safety import bounds, known_places, place_search, places, task_cost
-from graph_code import WORLDS, functions_of, is_model, is_of_library, lines_of, options_of
+from graph_code import WORLDS, functions_of, is_model, lines_of, options_of
 
 
 class Graph(NamedTuple):
@@ -156,7 +156,7 @@ def run(arguments: argparse.Namespace) -> None:
 def lines_of_graph(graph: Graph) -> tuple[int, int]:
     """Count the lines of one of the worlds of others: its own, and those of the library's model."""
     functions = functions_of(graph.module, graph.maker, without=MAPS)
-    own = [function for function in functions if not is_of_library(function)]
+    own = [function for function in functions if not is_model(function.module)]
     return lines_of(own), lines_of(functions) - lines_of(own)
 
 

@@ -14,14 +14,26 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import torch
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_torch import NullspaceProjection, Resolution
 from doorway_world import DOOR, DT, RADIUS, Array, drive, drive_by_orca, has_orca, starts
-from rule_study import rules as plain_rules
+from rule_study import RULES as PLAIN
 from study_table import fill
 
 TOUCH = 0.01  # m, how far discs overlap before they count as touching
 DISCS = (2, 4, 8)
+
+RULES: dict[str, Resolution] = {
+    "sum": PLAIN["sum"],
+    "sum, explores": NullspaceProjection(projector="none", temperature=None),
+    "projection": PLAIN["projection"],
+    "projection, explores": NullspaceProjection(temperature=None),
+    "as shipped": NullspaceProjection(),
+    "steepest path": PLAIN["steepest path"],
+}
+"""What happens to gradients that meet, without and with exploration."""
 
 
 class Cell(NamedTuple):
@@ -56,8 +68,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule, save a row for each cell as it comes, and draw them."""
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    names = [*rules(), *(["ORCA"] if has_orca() else [])]
+    torch.set_num_threads(1)
+    names = [*RULES, *(["ORCA"] if has_orca() else [])]
     settings = (arguments.seed, arguments.tries, arguments.seconds)
     wanted = [(*settings, name, count) for name in names for count in DISCS]
     cells = fill(arguments.out / "cells.csv", Cell, wanted, measure)
@@ -74,21 +86,6 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"\nsaved in {arguments.out}: cells.csv, doorway.png")
 
 
-def rules() -> dict[str, Any]:
-    """What happens to gradients that meet, without and with exploration."""
-    from aicon_torch import NullspaceProjection
-
-    plain = plain_rules()
-    return {
-        "sum": plain["sum"],
-        "sum, explores": NullspaceProjection(projector="none", temperature=None),
-        "projection": plain["projection"],
-        "projection, explores": NullspaceProjection(temperature=None),
-        "as shipped": NullspaceProjection(),
-        "steepest path": plain["steepest path"],
-    }
-
-
 def measure(seed: int, tries: int, seconds: float, rule: str, count: int) -> list[Cell]:
     """Let so many discs pass in every try."""
     discs, targets = starts(count, tries, seed)
@@ -96,7 +93,7 @@ def measure(seed: int, tries: int, seconds: float, rule: str, count: int) -> lis
     if rule == "ORCA":
         path = drive_by_orca(discs, targets, steps)
     else:
-        path = drive(rules()[rule], discs, targets, steps)
+        path = drive(RULES[rule], discs, targets, steps)
 
     through = np.all(path[..., 0] > RADIUS, axis=-1).reshape(len(path), -1)  # (steps + 1, tries)
     cleared = through[-1]

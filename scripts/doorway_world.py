@@ -1,9 +1,24 @@
 """The world of `doorway.py`: discs that pass a door of a wall x = 0, and what drives them."""
 
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
+
+from aicon_torch import (
+    Actuator,
+    Deterministic,
+    Foresight,
+    Goal,
+    Interconnection,
+    Policy,
+    Resolution,
+    Sensor,
+    WorldModel,
+)
 
 Array = NDArray[np.float64]
 
@@ -16,21 +31,8 @@ MARGIN = 0.15  # m, how far from a wall or another one it begins to cost somethi
 SLOPE = 2.0  # of these costs; a target's is 1
 
 
-def make_policy(resolution: Any, count: int) -> Any:
+def make_policy(resolution: Resolution, count: int) -> Policy:
     """One disc among so many; where the others are is read relative to it."""
-    import torch
-    from torch import Tensor
-
-    from aicon_torch import (
-        Actuator,
-        Deterministic,
-        Foresight,
-        Goal,
-        Interconnection,
-        Policy,
-        Sensor,
-        WorldModel,
-    )
 
     def nearness(length: Tensor) -> Tensor:
         near: Tensor = SLOPE * torch.relu(MARGIN - length)
@@ -76,7 +78,7 @@ def make_policy(resolution: Any, count: int) -> Any:
     return Policy(model, resolution, Foresight()).compile()
 
 
-def drive(resolution: Any, discs: Array, targets: Array, steps: int) -> Array:
+def drive(resolution: Resolution, discs: Array, targets: Array, steps: int) -> Array:
     """Where the discs are, ``(steps + 1, tries, M, 2)``, m, as the rule drives them."""
     tries, count, _ = discs.shape
     policy, memory, path = make_policy(resolution, count), None, [discs]
@@ -125,13 +127,11 @@ def drive_by_orca(discs: Array, targets: Array, steps: int) -> Array:
 
 
 def has_orca() -> bool:
-    """Whether its library is there."""
-    try:
-        import pyrvo  # noqa: F401
-    except ModuleNotFoundError:
+    """Whether its library is there; it says so where it is not."""
+    is_there = find_spec("pyrvo") is not None
+    if not is_there:
         print("without ORCA: pip install pyrvo")
-        return False
-    return True
+    return is_there
 
 
 def starts(count: int, tries: int, seed: int) -> tuple[Array, Array]:

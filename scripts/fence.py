@@ -10,13 +10,27 @@ Example: python scripts/fence.py --out runs/fence
 
 import argparse
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
-from rule_study import rules
+from aicon_torch import (
+    ActionLaw,
+    Actuator,
+    Deterministic,
+    DirectDescent,
+    Foresight,
+    Goal,
+    Interconnection,
+    Policy,
+    Sensor,
+    WorldModel,
+)
+from rule_study import RULES
 from study_table import fill
 
 DT = 0.02  # s
@@ -26,6 +40,9 @@ MARGIN = 0.1  # m, how far before the fence its cost begins
 BEHIND = 0.05  # m, from where on the fence counts as crossed
 LEADERS = (1, 2, 4, 8, 16)
 STARTS, SECONDS = 20, 10.0  # of each cell, and of an episode
+LAWS: dict[str, ActionLaw] = {"one gradient": DirectDescent(), "foresight": Foresight()}
+"""One gradient at each reading, or many on the model's prediction."""
+
 SLOPES = (0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)
 
 
@@ -53,41 +70,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule, save a row for each cell as it comes, and draw them."""
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    wanted = [(rule, law, count) for law in laws() for rule in rules() for count in LEADERS]
+    torch.set_num_threads(1)
+    wanted = [(rule, law, count) for law in LAWS for rule in RULES for count in LEADERS]
     cells = fill(arguments.out / "cells.csv", Cell, wanted, follow)
 
-    for law in laws():
+    for law in LAWS:
         print(f"\n{law}: the least slope that keeps all {STARTS} starts on this side\n")
         print(f"{'leaders':24}" + "".join(f"{count:>8}" for count in LEADERS))
-        for rule in rules():
+        for rule in RULES:
             least = [least_slope(cells, rule, law, count) for count in LEADERS]
             print(f"{rule:24}" + "".join(f"{slope:>8}" for slope in least))
     draw(cells, arguments.out / "fence.png")
     print(f"\nsaved in {arguments.out}: cells.csv, fence.png")
 
 
-def laws() -> dict[str, Any]:
-    """One gradient at each reading, or many on the model's prediction."""
-    from aicon_torch import DirectDescent, Foresight
-
-    return {"one gradient": DirectDescent(), "foresight": Foresight()}
-
-
-def make_policy(rule: str, law: str, count: int) -> Any:
+def make_policy(rule: str, law: str, count: int) -> Policy:
     """A robot with so many leaders, whose fence's slope is read like everything else."""
-    import torch
-    from torch import Tensor
-
-    from aicon_torch import (
-        Actuator,
-        Deterministic,
-        Goal,
-        Interconnection,
-        Policy,
-        Sensor,
-        WorldModel,
-    )
 
     def place(z: Tensor, x: Tensor) -> Tensor:
         return z + x
@@ -117,7 +115,7 @@ def make_policy(rule: str, law: str, count: int) -> Any:
     model = WorldModel(
         sensors=sensors, actuators=actuators, estimators=estimators, goals=goals, dt=DT
     )
-    return Policy(model, rules()[rule], laws()[law]).compile()
+    return Policy(model, RULES[rule], LAWS[law]).compile()
 
 
 def follow(rule: str, law: str, count: int) -> list[Cell]:
@@ -168,10 +166,10 @@ def draw(cells: list[Cell], path: Path) -> None:
     import matplotlib.pyplot as plt
 
     figure, panels = plt.subplots(
-        len(laws()), len(rules()), figsize=(12, 5.2), sharex=True, sharey=True, layout="constrained"
+        len(LAWS), len(RULES), figsize=(12, 5.2), sharex=True, sharey=True, layout="constrained"
     )
-    for row, law in enumerate(laws()):
-        for column, rule in enumerate(rules()):
+    for row, law in enumerate(LAWS):
+        for column, rule in enumerate(RULES):
             shares = np.full((len(SLOPES), len(LEADERS)), np.nan)
             for cell in cells:
                 if (cell.rule, cell.law) == (rule, law):

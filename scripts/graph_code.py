@@ -105,11 +105,6 @@ def _text(module: str) -> str:
     return _path(module).read_text()
 
 
-def is_of_library(function: Function) -> bool:
-    """Whether a function is one of the library's models."""
-    return is_model(function.module)
-
-
 def is_model(module: str) -> bool:
     """Whether a module is one of the library's models, by its name."""
     return module.startswith(MODELS)

@@ -79,16 +79,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare where things go."""
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="save notebooks there")
     parser.add_argument("--pictures", type=Path, metavar="FOLDER", help="save pictures there")
-    parser.add_argument(
-        "--tutorials", nargs="+", default=[page.stem for page in PAGES], help="default: all"
-    )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Save what is asked for."""
     for page in PAGES:
-        if page.stem not in arguments.tutorials:
-            continue
         if arguments.out:
             print(save_notebook(page, arguments.out))
         if arguments.pictures:

@@ -10,20 +10,22 @@ import argparse
 import math
 import time
 from collections.abc import Sequence
+from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch.models import make_policy
-from clutter import DT, ESCAPES, NEAR, STRAIGHT, draw, rehearsed, rows_of, share_of
-from reach_study import Targets, targets
-from study_table import read, write
+from clutter import DT, ESCAPES, draw, rehearsed, rows_of, share_of
+from reach_study import Targets, add_targets, targets
+from study_table import fill
 
 HORIZON = 20.0
 
@@ -38,18 +40,20 @@ class Row(NamedTuple):
     thought: float  # s of computing beyond a step's time
     detours: int
 
+    @property
+    def is_solved(self) -> bool:
+        """Whether it arrived."""
+        return self.time <= HORIZON
+
 
 def follow(agent: Any, found: Targets, number: int) -> tuple[float, float, int]:
     """When the tip is at one of the targets, what it thought until then, and its detours."""
     one = torch.tensor([number])
-    seen, place = rows_of(found.seen, one), found.places[one]
-    memory: Any = None
+    found = found._replace(seen=rows_of(found.seen, one), places=found.places[one])
+    seen, memory = found.seen, None
     thought, detours = 0.0, 0
     for step in range(round(HORIZON / DT)):
-        missing, angle = found.pose.distance(
-            found.pose.of_frame(found.robot.chain(seen["q"])), place
-        )
-        if missing < NEAR and angle < STRAIGHT:
+        if found.has(seen["q"]):
             return step * DT + thought, thought, detours
 
         before = time.process_time()
@@ -63,32 +67,34 @@ def follow(agent: Any, found: Targets, number: int) -> tuple[float, float, int]:
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report."""
     torch.set_num_threads(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     for condition in arguments.conditions:
         table = arguments.out / f"{condition}.csv"
-        known = {(row.policy, row.seed) for row in read(table, Row)}
-        found = targets(condition, seeds)
-        policy = make_policy("reach", **TASK.policy_options(condition)).compile()
-
-        for name, agent in {"aicon": policy, "rehearsed": rehearsed(policy)}.items():
-            missing = [seed for seed in seeds if (name, seed) not in known]
-            for seed in tqdm(missing, desc=f"{condition}, {name}", disable=None):
-                write(table, Row(condition, name, seed, *follow(agent, found, seed - seeds.start)))
-
-        rows = [row for row in read(table, Row) if row.seed in seeds]
+        rows = rows_of_condition(condition, seeds, table)
         report(rows)
         draw(table, rows, HORIZON)
+
+
+def rows_of_condition(condition: str, seeds: range, table: Path) -> list[Row]:
+    """What becomes of the targets of a condition."""
+    found = targets(condition, seeds)
+    policy = make_policy("reach", **TASK.policy_options(condition)).compile()
+    policy.predict(rows_of(found.seen, torch.tensor([0])))  # it compiles before the time counts
+    agents = {"aicon": policy, "rehearsed": rehearsed(policy)}
+
+    def measure(condition: str, name: str, seed: int) -> list[Row]:
+        return [Row(condition, name, seed, *follow(agents[name], found, seeds.index(seed)))]
+
+    return fill(table, Row, list(product([condition], agents, seeds)), measure, condition)
 
 
 def report(rows: Sequence[Row]) -> None:
     """Print a table."""
     header = ["condition", "policy", "arrive", "%", "median time", "95th of 100", "thought, median"]
     lines = []
-    for name in dict.fromkeys(row.policy for row in rows):
-        own = [row for row in rows if row.policy == name]
+    for name, own in group_rows(rows, attrgetter("policy")).items():
         times = np.array([row.time for row in own])
-        count = int((times <= HORIZON).sum())
+        count = sum(row.is_solved for row in own)
 
         # One that does not arrive is later than all that do.
         late = np.where(np.isnan(times), np.inf, times)
@@ -99,18 +105,14 @@ def report(rows: Sequence[Row]) -> None:
     print(to_markdown(header, lines))
 
     for row in rows:
-        if not row.time <= HORIZON:
+        if not row.is_solved:
             print(row)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
-    parser.add_argument(
-        "--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME"
-    )
-    add_option(parser, "--episodes", 100, "targets of each condition")
-    add_option(parser, "--seed", 1000, "of the first target")
-    parser.add_argument("--out", type=Path, default=Path("runs/reach_rehearsed"))
+    add_targets(parser, 100)
+    add_option(parser, "--out", Path("runs/reach_rehearsed"), "folder of the results")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

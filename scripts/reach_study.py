@@ -9,6 +9,7 @@ Example: python scripts/reach_study.py --conditions ur5_pose_home --out runs/rea
 import argparse
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -57,11 +58,17 @@ class Targets(NamedTuple):
     seen: dict[str, Tensor]
     places: Tensor
 
+    def has(self, q: Tensor) -> Tensor:
+        """Whether the tip is at its target in postures ``(seeds, n)``, ``(seeds,)``."""
+        missing, angle = self.pose.distance(self.pose.of_frame(self.robot.chain(q)), self.places)
+        return (missing < NEAR) & (angle < STRAIGHT)
+
 
 def targets(condition: str, seeds: Sequence[int]) -> Targets:
     """The targets of the environment at some seeds."""
     env = TASK.make_env(1, condition, TASK.horizon)
-    first = [env.reset(seed=seed)[0] for seed in tqdm(seeds, desc=f"{condition}, targets")]
+    bar = tqdm(seeds, desc=f"{condition}, targets", disable=None)
+    first = [env.reset(seed=seed)[0] for seed in bar]
     env.close()
     rows = {name: np.concatenate([one[name] for one in first]) for name in first[0]}
     seen = {name: torch.from_numpy(values) for name, values in rows.items()}
@@ -110,20 +117,19 @@ def beyond_a_stop(robot: Robot, q: Tensor, by: float) -> Tensor:
 def reach(policy: Policy, first: int, count: int, outside: float, condition: str) -> list[Row]:
     """What becomes of the targets of a condition within the horizon of the task."""
     seeds = range(first, first + count)
-    robot, pose, seen, target = targets(condition, seeds)
+    found = targets(condition, seeds)
+    chain, seen = found.robot.chain, found.seen
     if outside:
-        seen["q"] = beyond_a_stop(robot, seen["q"], outside)
+        seen["q"] = beyond_a_stop(found.robot, seen["q"], outside)
     memory: Any = None
     times = torch.full((len(seeds),), math.nan, dtype=torch.float64)
     detours = torch.zeros(len(seeds), dtype=torch.long)
     inside = torch.zeros(len(seeds), dtype=torch.float64)
-    for step in tqdm(range(TASK.horizon + 1), desc=condition):
-        missing, angle = pose.distance(pose.of_frame(robot.chain(seen["q"])), target)
+    for step in tqdm(range(TASK.horizon + 1), desc=condition, disable=None):
         going = times.isnan()
-        is_outside = ((seen["q"] < robot.chain.low) | (seen["q"] > robot.chain.high)).any(-1)
+        is_outside = ((seen["q"] < chain.low) | (seen["q"] > chain.high)).any(-1)
         inside[going & is_outside] = (step + 1) * TASK.time_step
-        arrives = going & (missing < NEAR) & (angle < STRAIGHT)
-        times[arrives] = step * TASK.time_step
+        times[going & found.has(seen["q"])] = step * TASK.time_step
         if not times.isnan().any():
             break
 
@@ -138,19 +144,18 @@ def reach(policy: Policy, first: int, count: int, outside: float, condition: str
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report each condition."""
     torch.set_num_threads(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    compiled: dict[str, Policy] = {}
+
+    @cache
+    def policy_of(condition: str) -> Policy:
+        options = TASK.policy_options(condition)
+        return make_policy("reach", preset=arguments.preset, **options).compile()
 
     def measure(first: int, count: int, outside: float, condition: str) -> list[Row]:
-        options = TASK.policy_options(condition)
-        if str(options) not in compiled:  # one for all starts
-            policy = make_policy("reach", preset=arguments.preset, **options)
-            compiled[str(options)] = policy.compile()
-        return reach(compiled[str(options)], first, count, outside, condition)
+        return reach(policy_of(condition), first, count, outside, condition)
 
     settings = (arguments.seed, arguments.episodes, arguments.outside)
     wanted = [(*settings, condition) for condition in arguments.conditions]
-    rows = fill(arguments.out / f"{arguments.preset}.csv", Row, wanted, measure)
+    rows = fill(arguments.out / f"{arguments.preset}.csv", Row, wanted, measure, "conditions")
     for condition in arguments.conditions:
         report(condition, [row for row in rows if row.condition == condition])
 
@@ -170,14 +175,19 @@ def report(condition: str, rows: list[Row]) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
+    add_targets(parser, 200)
+    parser.add_argument("--preset", choices=TASK.presets, default="aicon")
+    add_option(parser, "--outside", 0.0, "how far beyond its stop a joint starts, rad")
+    add_option(parser, "--out", Path("runs/reach_study"), "folder of the results")
+
+
+def add_targets(parser: argparse.ArgumentParser, count: int) -> None:
+    """Declare which targets, and so many as usual."""
     parser.add_argument(
         "--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME"
     )
-    parser.add_argument("--preset", choices=TASK.presets, default="aicon")
-    add_option(parser, "--episodes", 200, "targets of each condition")
+    add_option(parser, "--episodes", count, "targets of each condition")
     add_option(parser, "--seed", 1000, "of the first target")
-    add_option(parser, "--outside", 0.0, "how far beyond its stop a joint starts, rad")
-    parser.add_argument("--out", type=Path, default=Path("runs/reach_study"))
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

@@ -8,6 +8,8 @@ Example: python scripts/reach_unreachable.py --conditions ur5_pose_home --out ru
 
 import argparse
 import math
+from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,8 +26,7 @@ from aicon_torch.models import make_policy
 from aicon_torch.models.reach import Options
 from aicon_torch.parts import Chain, TipPose
 from aicon_torch.parts.pose_reach import PoseReach
-from clutter import NEAR, STRAIGHT
-from reach_study import Targets, target_seen, targets
+from reach_study import Targets, add_targets, target_seen, targets
 from study_table import fill
 
 GIVES_UP = 8
@@ -114,9 +115,7 @@ def follow(policy: Policy, first: int, count: int, condition: str, reachable: bo
     for step in tqdm(range(steps), desc=f"{condition}, reachable: {reachable}", disable=None):
         action, memory = policy.predict(seen, memory)
         seen = {**seen, "q": seen["q"] + TASK.time_step * action}
-        here = found.pose.of_frame(found.robot.chain(seen["q"]))
-        missing, angle = found.pose.distance(here, found.places)
-        arrived |= (missing < NEAR) & (angle < STRAIGHT)
+        arrived |= found.has(seen["q"])
         new = memory[f"{ESCAPE}gave_up"] & gave_up.isnan()
         gave_up[new] = step * TASK.time_step
         if step >= steps - last:
@@ -132,55 +131,47 @@ def follow(policy: Policy, first: int, count: int, condition: str, reachable: bo
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report each condition."""
     torch.set_num_threads(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    compiled: dict[str, Policy] = {}
+
+    @cache
+    def policy_of(condition: str) -> Policy:
+        options = dict(TASK.policy_options(condition))
+        options["dampers.escape"] = PlaceEscape(gives_up=GIVES_UP)
+        return make_policy("reach", **options).compile()
 
     def measure(first: int, count: int, condition: str, reachable: bool) -> list[Row]:
-        if condition not in compiled:  # one for both kinds of targets
-            options = dict(TASK.policy_options(condition))
-            options["dampers.escape"] = PlaceEscape(gives_up=GIVES_UP)
-            compiled[condition] = make_policy("reach", **options).compile()
-        return follow(compiled[condition], first, count, condition, reachable)
+        return follow(policy_of(condition), first, count, condition, reachable)
 
-    settings = (arguments.seed, arguments.episodes)
-    both = [(condition, kind) for condition in arguments.conditions for kind in (False, True)]
-    wanted = [(*settings, *one) for one in both]
-    rows = fill(arguments.out / "unreachable.csv", Row, wanted, measure)
-    for one in both:
-        report([row for row in rows if (row.condition, row.reachable) == one])
+    wanted = list(
+        product([arguments.seed], [arguments.episodes], arguments.conditions, (False, True))
+    )
+    rows = fill(arguments.out / "unreachable.csv", Row, wanted, measure, "conditions")
+    for begin in wanted:
+        report([row for row in rows if row[: len(begin)] == begin])
 
 
 def report(rows: list[Row]) -> None:
     """How many gave up, when, and how near they came."""
     gave_up = np.array([row.gave_up for row in rows])
     said = np.isfinite(gave_up)
-    print(f"{rows[0].condition}: {'' if rows[0].reachable else 'un'}reachable", end="; ")
-    print(
-        f"arrived {sum(row.arrived for row in rows)}, gave up {said.sum()} of {len(rows)}", end=""
-    )
-
+    told = f"{rows[0].condition}: {'' if rows[0].reachable else 'un'}reachable; "
+    told += f"arrived {sum(row.arrived for row in rows)}, gave up {said.sum()} of {len(rows)}"
     if said.any():
-        print(f", after {np.median(gave_up[said]):.0f} s (median)", end="")
+        told += f", after {np.median(gave_up[said]):.0f} s (median)"
+
     if not rows[0].reachable:
         excess = np.array([row.cost / row.least - 1.0 for row in rows])
         near = int((excess < 0.05).sum())
-        print(
-            f"; cost within 5 % of the least in {near}, more by {100 * np.median(excess):.2f} % at "
-            f"the median and {100 * excess.max():.0f} % at most; fastest joint at the end "
-            f"{max(row.speed for row in rows):.3f} rad/s at most",
-            end="",
-        )
-    print()
+        told += f"; cost within 5 % of the least in {near}, "
+        told += f"more by {100 * np.median(excess):.2f} % at the median "
+        told += f"and {100 * excess.max():.0f} % at most; "
+        told += f"fastest joint at the end {max(row.speed for row in rows):.3f} rad/s at most"
+    print(told)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what is run."""
-    parser.add_argument(
-        "--conditions", nargs="+", choices=TASK.conditions, required=True, metavar="NAME"
-    )
-    add_option(parser, "--episodes", 100, "targets of each condition")
-    add_option(parser, "--seed", 1000, "of the first target")
-    parser.add_argument("--out", type=Path, default=Path("runs/unreachable"))
+    add_targets(parser, 100)
+    add_option(parser, "--out", Path("runs/unreachable"), "folder of the results")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

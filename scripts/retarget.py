@@ -14,13 +14,15 @@ Example: python scripts/retarget.py --out runs/retarget
 
 import argparse
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import torch
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_torch import Exploration, NullspaceProjection, Resolution
 from retarget_world import DT, MARGIN, follow, make_policy, references
-from rule_study import rules
+from rule_study import RULES
 from study_table import fill
 
 SETTLES = 1.0  # s, after which errors count
@@ -28,6 +30,14 @@ BEHIND = 0.005  # m, from where on a point counts as behind it
 POINTS = (1, 2, 4, 8, 16)
 SLOPES = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
 DIPS = 0.4  # share of the time in which the reference is behind the wall
+
+EXPLORERS: dict[str, Resolution] = {
+    "sum, explores": NullspaceProjection(projector="none", temperature=None),
+    "as in the text": NullspaceProjection.as_in_paper(),
+    "as shipped": NullspaceProjection(),
+    "unless it tracks": NullspaceProjection(exploration=Exploration(unless_tracking=True)),
+}
+"""Rules with exploration: the text's, the shipped one, and one that lets tracking be."""
 
 
 class Cell(NamedTuple):
@@ -65,10 +75,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Try every rule in both worlds, save a row for each cell as it comes, and draw them."""
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    worlds = [("dips", rule, count) for rule in rules() for count in POINTS]
-    worlds += [("near", rule, 8) for rule in (*rules(), *explorers())]
-    worlds += [("dips", rule, 8) for rule in explorers()]
+    torch.set_num_threads(1)
+    worlds = [("dips", rule, count) for rule in RULES for count in POINTS]
+    worlds += [("near", rule, 8) for rule in (*RULES, *EXPLORERS)]
+    worlds += [("dips", rule, 8) for rule in EXPLORERS]
     settings = (arguments.seed, arguments.tries, arguments.seconds)
     wanted = [(*settings, *world) for world in worlds]
     cells = fill(arguments.out / "cells.csv", Cell, wanted, measure)
@@ -78,23 +88,10 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"\nsaved in {arguments.out}: cells.csv, retarget.png")
 
 
-def explorers() -> dict[str, Any]:
-    """Rules with exploration: the text's, the shipped one, and one that lets tracking be."""
-    from aicon_torch import Exploration, NullspaceProjection
-
-    patient = Exploration(unless_tracking=True)
-    return {
-        "sum, explores": NullspaceProjection(projector="none", temperature=None),
-        "as in the text": NullspaceProjection.as_in_paper(),
-        "as shipped": NullspaceProjection(),
-        "unless it tracks": NullspaceProjection(exploration=patient),
-    }
-
-
 def measure(seed: int, tries: int, seconds: float, world: str, rule: str, count: int) -> list[Cell]:
     """Every slope and every try at once, as rows of one batch."""
     joints, points = references(count, tries, seconds, seed)
-    slopes = SLOPES if world == "dips" and rule in rules() else (3.0,)
+    slopes = SLOPES if world == "dips" and rule in RULES else (3.0,)
     deepest = points[..., 0].max(-1)
     if world == "dips":
         walls = np.quantile(deepest, 1.0 - DIPS, axis=0)
@@ -103,7 +100,7 @@ def measure(seed: int, tries: int, seconds: float, world: str, rule: str, count:
 
     copies = len(slopes)
     depths, errors, _ = follow(
-        make_policy({**rules(), **explorers()}[rule], count),
+        make_policy({**RULES, **EXPLORERS}[rule], count),
         np.tile(joints, (1, copies, 1)),
         np.tile(points, (1, copies, 1, 1)),
         np.tile(walls, copies)[:, None],
@@ -141,12 +138,12 @@ def report(cells: list[Cell], tries: int) -> None:
         f"\nleast slope with all of {tries} tries clean; error before and behind the wall there, mm"
     )
     print(f"{'points':22}" + "".join(f"{count:>20}" for count in POINTS))
-    for rule in rules():
+    for rule in RULES:
         told = [_told(least_slope(cells, rule, count)) for count in POINTS]
         print(f"{rule:22}" + "".join(f"{text:>20}" for text in told))
 
     print("\n8 points, slope 3: error, mm, where all can be had; then before and behind the wall")
-    for rule in (*rules(), *explorers()):
+    for rule in (*RULES, *EXPLORERS):
         near, dips = (
             next(cell for cell in cells if cell[3:7] == (world, rule, 8, 3.0))
             for world in ("near", "dips")
@@ -167,7 +164,7 @@ def draw(cells: list[Cell], path: Path) -> None:
     import matplotlib.pyplot as plt
 
     figure, (slopes, errors) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
-    for number, rule in enumerate(rules()):
+    for number, rule in enumerate(RULES):
         held = {count: least_slope(cells, rule, count) for count in POINTS}
         known = {count: cell for count, cell in held.items() if cell is not None}
         style = {"marker": "osD^v"[number], "label": rule, "alpha": 0.8}

@@ -8,15 +8,17 @@ Example: python scripts/retarget_film.py --out runs/retarget/retarget.webp
 import argparse
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+import torch
+from matplotlib.figure import Figure
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.figures.rendering import Frame, render, save_video
 from aicon_baselines.palette import OBSTACLE, PALE, ROBOT, TARGET
 from retarget import BEHIND, DIPS
 from retarget_world import DT, Array, follow, make_policy, offsets, panda, points_of, references
-from rule_study import rules
+from rule_study import RULES
 
 SHOWN = ("sum", "projection", "steepest path")
 POINTS, SLOPE, SECONDS = 8, 3.0, 8.0
@@ -31,13 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Let every rule follow the reference, and film them beside each other."""
-    from aicon_baselines.figures.rendering import save_video
-
     joints, points = references(POINTS, 1, SECONDS, arguments.seed)
     wall = np.quantile(points[..., 0].max(-1), 1.0 - DIPS, axis=0)[:, None]
     slope = np.full((1, 1), SLOPE)
     paths = {
-        rule: follow(make_policy(rules()[rule], POINTS), joints, points, wall, slope)[2][:, 0]
+        rule: follow(make_policy(RULES[rule], POINTS), joints, points, wall, slope)[2][:, 0]
         for rule in SHOWN
     }
 
@@ -47,12 +47,8 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"saved {arguments.out}")
 
 
-def draw(reference: Array, paths: dict[str, Array], wall: float) -> Iterator[Any]:
+def draw(reference: Array, paths: dict[str, Array], wall: float) -> Iterator[Frame]:
     """A panel for each rule: its arm and the reference, of joints ``(steps, 7)``, rad."""
-    from matplotlib.figure import Figure
-
-    from aicon_baselines.figures.rendering import render
-
     figure = Figure(figsize=(8.4, 2.5), dpi=80, layout="constrained")
     (panels,) = figure.subplots(1, len(paths), sharex=True, sharey=True, squeeze=False)
     aim_links, aim = shape(reference)
@@ -79,8 +75,6 @@ def draw(reference: Array, paths: dict[str, Array], wall: float) -> Iterator[Any
 
 def shape(path: Array) -> tuple[Array, Array]:
     """Links ``(steps, 9, 2)`` and points ``(steps, N, 2)`` of an arm from the side, m."""
-    import torch
-
     frames = panda().frames(torch.from_numpy(path))
     base = np.zeros((len(path), 1, 3))
     links = np.concatenate((base, frames[..., :3, 3].numpy()), axis=1)

@@ -8,7 +8,23 @@ import functools
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
+
+from aicon_envs.reach import ROBOTS, find_file
+from aicon_torch import (
+    Actuator,
+    Deterministic,
+    Foresight,
+    Goal,
+    Interconnection,
+    Policy,
+    Resolution,
+    Sensor,
+    WorldModel,
+)
+from aicon_torch.parts import Chain
 
 Array = NDArray[np.float64]
 Place = tuple[int, tuple[float, float, float]]
@@ -21,25 +37,11 @@ HOME = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # rad
 
 
 @functools.cache
-def make_policy(resolution: Any, count: int) -> Any:
+def make_policy(resolution: Resolution, count: int) -> Policy:
     """An arm with so many points, which looks ahead without a dither.
 
     Reference, wall and its slope are read like everything else. All goals meet at the joints.
     """
-    import torch
-    from torch import Tensor
-
-    from aicon_torch import (
-        Actuator,
-        Deterministic,
-        Foresight,
-        Goal,
-        Interconnection,
-        Policy,
-        Sensor,
-        WorldModel,
-    )
-
     chain, places = panda(), offsets(count)
 
     def step(v: Tensor, dt: Tensor) -> Tensor:
@@ -76,11 +78,8 @@ def make_policy(resolution: Any, count: int) -> Any:
     return Policy(model, resolution, Foresight(dither=0.0)).compile()
 
 
-def panda() -> Any:
+def panda() -> Chain:
     """The joints of a Panda, up to the point between its fingers."""
-    from aicon_envs.reach import ROBOTS, find_file
-    from aicon_torch.parts import Chain
-
     return Chain.from_urdf(find_file(ROBOTS["panda"].urdf), tip=ROBOTS["panda"].tip)
 
 
@@ -92,10 +91,8 @@ def offsets(count: int) -> list[Place]:
     return [(-1, (0.0, 0.0, 0.0)), (3, (0.0, 0.0, 0.0)), (5, (0.0, 0.0, 0.0)), *around][:count]
 
 
-def points_of(frames: Any, places: list[Place]) -> Any:
+def points_of(frames: Tensor, places: list[Place]) -> Tensor:
     """Where the points are, ``(*B, points, 3)``, m, of the links' transforms."""
-    import torch
-
     points = []
     for link, place in places:
         frame = frames[..., link, :3, :]
@@ -111,8 +108,6 @@ def references(count: int, tries: int, seconds: float, seed: int) -> tuple[Array
     Returns:
         Joints ``(steps, tries, 7)``, rad, and points ``(steps, tries, points, 3)``, m.
     """
-    import torch
-
     generator = np.random.default_rng([seed, count])
     steps = round(seconds / DT)
     time = DT * np.arange(2 * steps)[:, None, None, None]
@@ -146,8 +141,6 @@ def follow(
         How deep the deepest point is behind the wall and the mean error of the points, m, and the
         joints, all ``(steps, tries, ...)``.
     """
-    import torch
-
     chain, places = panda(), offsets(points.shape[2])
     q, memory = joints[0], None
     depths, errors, path = [], [], []

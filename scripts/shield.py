@@ -8,9 +8,9 @@ import json
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from itertools import islice
+from itertools import islice, product
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -111,79 +111,86 @@ def _navigation(first: int, count: int) -> tuple[Any, Any]:
     return env, env.reset(**task.reset_arguments(episodes))
 
 
+class Outcome(NamedTuple):
+    """What became of some episodes side by side, each of which ends at a success.
+
+    Attributes:
+        success: Which succeeded, ``(B,)``.
+        touched: In which something was touched, ``(B,)``.
+        stuck: Which stayed where they were, ``(B,)``.
+        duration: How many steps each took, ``(B,)``.
+        change: By how much the guard changed all actions together.
+        steps: How many steps there were.
+    """
+
+    success: Any
+    touched: Any
+    stuck: Any
+    duration: Any
+    change: float
+    steps: int
+
+
 def compare(task: str, out: Path, first: int, count: int, horizon: int, only: list[str]) -> None:
     """Run every policy with every guard, and print a row of the table each."""
     world = _world(task)
     chosen = {name: make for name, make in world.proposers.items() if not only or name in only}
-    for proposer, make in chosen.items():
-        for name, guard in world.guards.items():
-            heard = Heard(make())
-            policy = guard(heard)  # compiled once for all episodes
+    for (proposer, make), (name, guard) in product(chosen.items(), world.guards.items()):
+        heard = Heard(make())
+        policy = guard(heard)  # compiled once for all episodes
 
-            parts = []
-            for begin in range(first, first + count, world.at_once):
-                number = min(world.at_once, first + count - begin)
-                env, start = world.start(begin, number)
-                steps = run_episodes(policy, env, start)
-                parts.append(measured(world, steps, heard, number, horizon, begin))
-                env.close()
+        outcomes = []
+        for begin in range(first, first + count, world.at_once):
+            number = min(world.at_once, first + count - begin)
+            env, start = world.start(begin, number)
+            outcomes.append(outcome_of(world, run_episodes(policy, env, start), heard, horizon))
+            env.close()
 
-            told = {"policy": proposer, "guard": name, **_together(parts)}
-            print(_in_words(told, world.time_step), flush=True)
-            with (out / f"{task.replace(':', '.')}.jsonl").open("a") as file:
-                file.write(json.dumps(told) + "\n")
+        told = {"policy": proposer, "guard": name, **summary(outcomes, first)}
+        print(_in_words(told, world.time_step), flush=True)
+        with (out / f"{task.replace(':', '.')}.jsonl").open("a") as file:
+            file.write(json.dumps(told) + "\n")
 
 
-def measured(
-    world: World, steps: Iterator[Step], heard: Heard, count: int, horizon: int, first: int
-) -> dict[str, Any]:
-    """What became of the episodes, each of which ends at a success."""
-    success, touched = np.zeros(count, bool), np.zeros(count, bool)
-    duration, change, total = np.zeros(count), 0.0, 0
+def outcome_of(world: World, steps: Iterator[Step], heard: Heard, horizon: int) -> Outcome:
+    """Run some episodes, until the horizon at the latest."""
+    success, touched, change = False, False, 0.0
+    running: list[NDArray[Any]] = []
     places: list[NDArray[Any]] = []
-    for number, step in enumerate(steps):
+    for step in islice(steps, horizon):
         on = step.running
-        difference = shortened(step.action, world.longest) - shortened(
-            heard.proposal, world.longest
-        )
+        proposal = shortened(heard.proposal, world.longest)
+        difference = shortened(step.action, world.longest) - proposal
         change += float(np.linalg.norm(difference, axis=-1)[on].sum())
-        total += int(on.sum())
         touched |= on & np.asarray(step.info["collision"], bool)
         success |= on & np.asarray(step.info["is_success"], bool)
-        duration[on] += 1
+        running.append(on)
         places.append(np.asarray(step.info["position"], float))
-        if number + 1 >= horizon:
-            break
 
     still, near = world.still
-    way = np.stack(places)[-still:]
-    spread = np.ptp(way, axis=0).max(-1)
-    failed = ~success & ~(touched if world.ends_at_touch else np.zeros(count, bool))
-    good = success & ~touched
+    spread = np.ptp(np.stack(places)[-still:], axis=0).max(-1)
+    failed = ~success & ~(touched & world.ends_at_touch)
+    stuck = failed & (spread < near)
+    duration = np.sum(running, axis=0)
+    return Outcome(success, touched, stuck, duration, change, int(duration.sum()))
+
+
+def summary(outcomes: list[Outcome], first: int) -> dict[str, Any]:
+    """What became of all episodes, of which some were run side by side."""
+    *of_each, changes, steps = zip(*outcomes, strict=True)
+    success, touched, stuck, duration = (np.concatenate(parts) for parts in of_each)
+    clean = success & ~touched
     return {
-        "episodes": count,
+        "episodes": len(success),
         "seed": first,
         "success": int(success.sum()),
-        "clean": int(good.sum()),
+        "clean": int(clean.sum()),
         "touched": int(touched.sum()),
-        "stuck": int((failed & (spread < near)).sum()),
-        "durations": duration[success].tolist(),
-        "changes": change,
-        "steps": total,
-        "failed": (first + np.flatnonzero(~good)).tolist(),
-    }
-
-
-def _together(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    """What became of all episodes, of which some were run side by side."""
-    lists = {key: [each for part in parts for each in part[key]] for key in ("durations", "failed")}
-    sums = {key: sum(part[key] for part in parts) for key in parts[0] if key not in lists}
-    durations = lists["durations"]
-    return sums | {
-        "seed": parts[0]["seed"],
-        "steps": float(np.median(durations)) if durations else None,
-        "change": sums["changes"] / max(sums["steps"], 1),
-        "failed": lists["failed"],
+        "stuck": int(stuck.sum()),
+        "changes": sum(changes),
+        "steps": float(np.median(duration[success])) if success.any() else None,
+        "change": sum(changes) / max(sum(steps), 1),
+        "failed": (first + np.flatnonzero(~clean)).tolist(),
     }
 
 
@@ -198,19 +205,17 @@ def _in_words(row: Mapping[str, Any], time_step: float) -> str:
 
 def wander(first: int, count: int, horizon: int) -> None:
     """Random policies in navigation, until so many steps were taken."""
-    task, total, touched, least = load("nav2d"), 0, 0, np.inf
+    total, touched, least = 0, 0, np.inf
     for hold in (1.0, 10.0, 40.0, 200.0):
         env, start = _navigation(first, count)
         shield = nav2d.shielded(nav2d.Wandering(hold, seed=int(hold)))
-        for number, step in enumerate(run_episodes(shield, env, start)):
+        for step in islice(run_episodes(shield, env, start), horizon):
             on = step.running
             total += int(on.sum())
             touched += int((on & step.info["collision"]).sum())
             if "clearance" in step.info:
                 least = min(least, float(step.info["clearance"][on].min()))
-            if number + 1 >= horizon:
-                break
-    print(f"{task.name}: {total} steps, {touched} collisions, least clearance {least:.3f} m")
+    print(f"nav2d: {total} steps, {touched} collisions, least clearance {least:.3f} m")
 
 
 def timed(out: Path, count: int) -> None:

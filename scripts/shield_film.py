@@ -4,21 +4,19 @@ Example: python scripts/shield_film.py --seed 1002 --out runs/shield/shield.webp
 """
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from PIL import Image, ImageDraw
 from tqdm import tqdm
 
 from aicon_baselines.agents.shields import arm
 from aicon_baselines.agents.shields.world import Guard, guards
 from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.figures.rendering import Frame, save_video
 from aicon_envs.reach.simulation import CONTROL_STEP
-
-Picture = NDArray[np.uint8]
+from film import beside_each_other, labelled
 
 SIZE = (300, 300)
 """Of each picture, px."""
@@ -41,18 +39,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the episode under each guard, and film them beside each other."""
-    from aicon_baselines.figures.rendering import save_video
-
-    films = {}
+    films = []
     for name, guard in tqdm(guards(arm.clamped, arm.shielded).items(), disable=None):
-        films[name] = list(filmed(guard, arguments.seed))
+        films.append(list(filmed(name, guard, arguments.seed)))
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    save_video(beside_each_other(films), arguments.out, round(1.0 / (CONTROL_STEP * EVERY)))
+    save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (CONTROL_STEP * EVERY)))
     print(f"saved {arguments.out}")
 
 
-def filmed(guard: Guard, seed: int) -> Iterator[tuple[Picture, str]]:
-    """The frames of an episode, each with what has become of it."""
+def filmed(name: str, guard: Guard, seed: int) -> Iterator[Frame]:
+    """The frames of an episode, each with the guard's name and what has become of it."""
     env, state = arm.Posture(), None
     scene: Any = env.unwrapped
     policy: Any = guard(arm.Straight())
@@ -62,7 +58,7 @@ def filmed(guard: Guard, seed: int) -> Iterator[tuple[Picture, str]]:
     for step in range(round(SECONDS / CONTROL_STEP)):
         if step % EVERY == 0:
             told = "has touched" if touched else "has arrived" if arrived else ""
-            yield scene.picture("outside", SIZE), told
+            yield labelled(scene.picture("outside", SIZE), name, told, RED)
         if arrived:
             continue
 
@@ -71,25 +67,6 @@ def filmed(guard: Guard, seed: int) -> Iterator[tuple[Picture, str]]:
         observation, _, arrived, _, info = env.step(np.asarray(action)[0])
         touched |= bool(info["collision"])
     env.close()
-
-
-def beside_each_other(films: Mapping[str, list[tuple[Picture, str]]]) -> Iterator[Picture]:
-    """Frames with a panel for each guard."""
-    frames = list(zip(*films.values(), strict=True))
-    for frame in [*frames, *[frames[-1]] * STAYS]:
-        panels = []
-        for name, (picture, told) in zip(films, frame, strict=True):
-            panels.append(labelled(picture, name, told, RED))
-        yield np.concatenate(panels, axis=1)
-
-
-def labelled(picture: Picture, name: str, told: str, colour: str) -> Picture:
-    """A picture with its name, and what is told of it in a colour."""
-    image = Image.fromarray(picture)
-    drawn = ImageDraw.Draw(image)
-    drawn.text((10, 8), name, fill="black", font_size=18)
-    drawn.text((10, 30), told, fill=colour, font_size=15)
-    return np.asarray(image)
 
 
 COMMAND = Command(__doc__, add_arguments, run)

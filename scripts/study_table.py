@@ -4,9 +4,12 @@ A row is a named tuple, whose fields are the columns.
 """
 
 import csv
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
+
+from tqdm import tqdm
 
 from aicon_baselines.evaluation.errors import ComparisonError
 
@@ -56,6 +59,7 @@ def fill(
     kind: type[Row],
     wanted: Sequence[tuple[Any, ...]],
     measure: Callable[..., Sequence[Row]],
+    label: str = "cells",
 ) -> list[Row]:
     """Measure what a table lacks, saved as it comes, and return the rows that are wanted.
 
@@ -66,19 +70,33 @@ def fill(
         kind: The named tuple of a row, which begins with what was wanted.
         wanted: What to measure: the beginning of a row, or of several.
         measure: From one of these to its rows.
+        label: What the progress bar says.
 
     Raises:
         ComparisonError: If the table is of another study.
     """
-    from tqdm import tqdm
+    return fill_in_groups(path, kind, wanted, lambda group: measure(*group[0]), 1, label)
 
-    size = len(wanted[0]) if wanted else 0
-    known: dict[tuple[Any, ...], list[Row]] = {}
+
+def fill_in_groups(
+    path: Path,
+    kind: type[Row],
+    wanted: Sequence[tuple[Any, ...]],
+    measure: Callable[[Sequence[tuple[Any, ...]]], Sequence[Row]],
+    size: int,
+    label: str = "cells",
+) -> list[Row]:
+    """The same, where up to so many are measured together, to all of their rows."""
+    length = len(wanted[0]) if wanted else 0
+    known = defaultdict(list)
     for row in read(path, kind):
-        known.setdefault(row[:size], []).append(row)
+        known[row[:length]].append(row)
 
-    for begin in tqdm(wanted, unit="cell"):
-        if begin not in known:
-            known[begin] = list(measure(*begin))
-            write(path, *known[begin])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    missing = [begin for begin in wanted if begin not in known]
+    for first in tqdm(range(0, len(missing), size), desc=label, disable=None):
+        rows = measure(missing[first : first + size])
+        write(path, *rows)
+        for row in rows:
+            known[row[:length]].append(row)
     return [row for begin in wanted for row in known[begin]]

@@ -7,7 +7,10 @@ An arm reads where the other's links are as it reads any object, and is not told
 
 import argparse
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,9 +19,9 @@ import torch
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from torch import Tensor
-from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_envs.reach import ROBOTS
 from aicon_envs.reach.pair import TABLE_TOP, THICKNESS, ArmPair
@@ -28,7 +31,7 @@ from aicon_torch.models import make_policy
 from aicon_torch.parts import CapsuleSegments, Robot, Solid, TipPose, reading_of
 from aicon_torch.parts.solids import ROUND
 from clutter import NEAR, RANDOM_PLACES, STRAIGHT, draw, share_of
-from study_table import read, write
+from study_table import fill
 
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
@@ -73,6 +76,11 @@ class Row(NamedTuple):
     table_gap: float
 
     @property
+    def is_solved(self) -> bool:
+        """Whether both arrived."""
+        return self.time <= HORIZON
+
+    @property
     def touched(self) -> bool:
         """Whether anything did."""
         return min(self.apart, self.self_gap, self.table_gap) < 0.0
@@ -94,6 +102,7 @@ class Arm:
         self.segments = CapsuleSegments(self.robot.chain, self.capsules)
         self.radii = np.array([[capsule.radius] for capsule in self.capsules])
         self.pose = TipPose("full", lever=1.0)
+        self.home = np.array(known.home)
 
     def seen_by_the_other(self, q: Array) -> Array:
         """Its capsules as objects, as the arm that faces it reads them, ``(16 m,)``."""
@@ -144,10 +153,15 @@ def table() -> Solid:
     return Solid("box", (2.0, 2.0, THICKNESS), (DISTANCE / 2, 0.0, TABLE_TOP - THICKNESS / 2))
 
 
-def policy_of(arm: Arm, other: Arm, options: Mapping[str, Any]) -> Policy:
-    """The policy of an arm, compiled."""
-    own = {"robot": arm.robot, "orientation": "full", "speed": SPEED, "dt": DT, **options}
-    return make_policy("reach", obstacles=len(other.capsules) + 1, **own).compile()
+def policies_of(arms: Sequence[Arm], name: str) -> list[Policy]:
+    """The policies of both arms, compiled."""
+    policies = []
+    for arm, other in (arms, arms[::-1]):
+        own: dict[str, Any] = {"robot": arm.robot, "orientation": "full", "speed": SPEED, "dt": DT}
+        count = len(other.capsules) + 1
+        policy = make_policy("reach", obstacles=count, **own, **POLICIES[name])
+        policies.append(policy.compile())
+    return policies
 
 
 def drawn(pair: ArmPair, arms: Sequence[Arm], seed: int) -> list[Array]:
@@ -198,7 +212,6 @@ def episode(
     pair: ArmPair,
     arms: Sequence[Arm],
     policies: Sequence[Policy],
-    names: Sequence[str],
     seed: int,
     watch: Callable[[], None] = lambda: None,
 ) -> Outcome:
@@ -206,7 +219,7 @@ def episode(
     targets = [arm.x_ee(q) for arm, q in zip(arms, drawn(pair, arms, seed), strict=True)]
     told = [target_reading(target) for target in targets]
     of_table = reading_of([table()]).numpy()
-    pair.start((home_of(names[0]), home_of(names[1])))
+    pair.start((arms[0].home, arms[1].home))
     memories: list[Any] = [None, None]
     gaps: Array = np.array(pair.gaps)
     moved: Array = np.zeros(2)
@@ -243,49 +256,36 @@ def target_reading(target: Tensor) -> dict[str, Array]:
     return {"target_position": target[:3].numpy(), "target_orientation": turn}
 
 
-def home_of(name: str) -> Array:
-    """Where an arm starts."""
-    return np.array(ROBOTS[name].home)
-
-
 def run(arguments: argparse.Namespace) -> None:
     """Run what is not yet in the table, and report."""
     torch.set_num_threads(1)
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    label = " and ".join(arguments.robots)
-    table_of_rows = arguments.out / f"{'_'.join(arguments.robots)}.csv"
-    known = {(row.policy, row.seed) for row in read(table_of_rows, Row)}
-    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
-
     first, second = arguments.robots
     arms = [Arm(first), Arm(second)]
     pair = ArmPair(ROBOTS[first], ROBOTS[second], DISTANCE)
-    for name in arguments.agents:
-        missing = [seed for seed in seeds if (name, seed) not in known]
-        if not missing:
-            continue
-        options = POLICIES[name]
-        policies = [policy_of(arms[0], arms[1], options), policy_of(arms[1], arms[0], options)]
-        for seed in tqdm(missing, desc=name, disable=None):
-            found = episode(pair, arms, policies, arguments.robots, seed)
-            first_missing, second_missing = found.missing
-            apart, to_itself, to_table = found.gaps.tolist()
-            of_tips = (found.time, first_missing, second_missing, found.stuck)
-            write(table_of_rows, Row(label, name, seed, *of_tips, apart, to_itself, to_table))
+    policies = cache(partial(policies_of, arms))
 
-    rows = [row for row in read(table_of_rows, Row) if row.seed in seeds]
-    chosen = [row for row in rows if row.policy in arguments.agents]
-    report(chosen)
-    draw(table_of_rows, chosen, HORIZON)
+    def measure(robots: str, name: str, seed: int) -> list[Row]:
+        found = episode(pair, arms, policies(name), seed)
+        first_missing, second_missing = found.missing
+        of_tips = (found.time, first_missing, second_missing, found.stuck)
+        apart, to_itself, to_table = found.gaps.tolist()
+        return [Row(robots, name, seed, *of_tips, apart, to_itself, to_table)]
+
+    table = arguments.out / f"{first}_{second}.csv"
+    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+    wanted = list(product([f"{first} and {second}"], arguments.agents, seeds))
+    rows = fill(table, Row, wanted, measure, "episodes")
+    report(rows)
+    draw(table, rows, HORIZON)
 
 
 def report(rows: Sequence[Row]) -> None:
     """Print a table."""
+    groups = group_rows(rows, attrgetter("policy"))
     header = ["robots", "policy", "both arrive, %", "median time", "touched", "stuck", "least gap"]
     lines = []
-    for name in dict.fromkeys(row.policy for row in rows):
-        own = [row for row in rows if row.policy == name]
-        times = [row.time for row in own if row.time <= HORIZON]
+    for name, own in groups.items():
+        times = [row.time for row in own if row.is_solved]
         median = f"{np.median(times):.1f} s" if times else "–"
         touched, stuck = sum(row.touched for row in own), sum(row.stuck for row in own)
         gap = f"{1e3 * min(row.apart for row in own):.1f} mm"
@@ -293,9 +293,8 @@ def report(rows: Sequence[Row]) -> None:
         lines.append([own[0].robots, name, arrived, median, str(touched), str(stuck), gap])
     print(to_markdown(header, lines))
 
-    for name in dict.fromkeys(row.policy for row in rows):
-        own = [row for row in rows if row.policy == name]
-        late = [str(row.seed) for row in own if not row.time <= HORIZON]
+    for name, own in groups.items():
+        late = [str(row.seed) for row in own if not row.is_solved]
         touching = [str(row.seed) for row in own if row.touched]
         print(f"{name}: not there: {', '.join(late) or 'none'}", end="; ")
         print(f"touched: {', '.join(touching) or 'none'}")
@@ -307,7 +306,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--agents", nargs="+", choices=POLICIES, default=list(POLICIES))
     add_option(parser, "--seed", 319000, "of the first episode")
     add_option(parser, "--episodes", 50, "how many")
-    parser.add_argument("--out", type=Path, default=Path("runs/two_arms"))
+    add_option(parser, "--out", Path("runs/two_arms"), "folder of the results")
 
 
 COMMAND = Command(__doc__, add_arguments, run, RESUMABLE)

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.figures.rendering import Frame, camera, mark, save_video
 from aicon_envs.reach import ROBOTS
 from aicon_envs.reach.pair import ArmPair
-from shield_film import labelled
-from two_arms import DISTANCE, DT, POLICIES, Arm, drawn, episode, policy_of
+from film import beside_each_other, labelled
+from two_arms import DISTANCE, DT, Arm, drawn, episode, policies_of
 
-Picture = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
 SHOWN = ("without_escape", "aicon")
@@ -28,7 +28,7 @@ WIDTH, HEIGHT, EVERY = 420, 320, 5
 GREEN = "#1a7a33"
 """Of what is told of an episode."""
 
-SECONDS, STAYS = 14.0, 15
+SECONDS, STAYS = 14.0, 14
 """How long the film is at most, s, and so many frames of the end."""
 
 COLOURS = ((0.1, 0.6, 0.25, 0.9), (0.15, 0.3, 0.8, 0.9))
@@ -40,24 +40,21 @@ BALL = 0.02
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the episode without the escape and with it, and film them beside each other."""
-    from aicon_baselines.figures.rendering import save_video
-
     first, second = arguments.robots
-    pair, arms = ArmPair(ROBOTS[first], ROBOTS[second], DISTANCE), [Arm(first), Arm(second)]
+    pair, arms = ArmPair(ROBOTS[first], ROBOTS[second], DISTANCE), (Arm(first), Arm(second))
+    targets = target_places(arms, drawn(pair, arms, arguments.seed))
     films = []
     for name in SHOWN:
-        options = POLICIES[name]
-        policies = [policy_of(arms[0], arms[1], options), policy_of(arms[1], arms[0], options)]
         states: list[Array] = []
         watch = partial(_keep, pair, states)
-        found = episode(pair, arms, policies, arguments.robots, arguments.seed, watch)
+        policies = policies_of(arms, name)
+        found = episode(pair, arms, policies, arguments.seed, watch)
         print(f"{name}: {found}")
-        films.append((name, states[: round(SECONDS / DT)], found.time))
+        states = states[: round(SECONDS / DT)]
+        films.append(list(filmed(name, pair, targets, states, found.time)))
 
-    targets = target_places(arms, drawn(pair, arms, arguments.seed))
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    frames = beside_each_other(pair, targets, films)
-    save_video(frames, arguments.out, round(1.0 / (DT * EVERY)))
+    save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (DT * EVERY)))
     print(f"saved {arguments.out}")
 
 
@@ -72,35 +69,22 @@ def target_places(arms: Sequence[Arm], postures: Sequence[Array]) -> list[Array]
     return [first, second * (-1.0, -1.0, 1.0) + (DISTANCE, 0.0, 0.0)]
 
 
-def beside_each_other(
-    pair: ArmPair, targets: Sequence[Array], films: Sequence[tuple[str, list[Array], float]]
-) -> Iterator[Picture]:
-    """Frames with a panel for each policy."""
-    from aicon_baselines.figures.rendering import mark
-
-    longest = max(len(states) for _, states, _ in films)
+def filmed(
+    name: str, pair: ArmPair, targets: Sequence[Array], states: Sequence[Array], time: float
+) -> Iterator[Frame]:
+    """The frames of an episode, with the policy's name, and when both arms were there."""
+    view = camera((DISTANCE / 2, 0.0, 0.3), distance=2.2, azimuth=60.0, elevation=-22.0)
     data = mujoco.MjData(pair.model)
     with mujoco.Renderer(pair.model, HEIGHT, WIDTH) as renderer:
-        for step in [*range(0, longest, EVERY), *[longest] * STAYS]:
-            panels = []
-            for name, states, time in films:
-                data.qpos[:] = states[min(step, len(states) - 1)]
-                mujoco.mj_forward(pair.model, data)
+        for step in [*range(0, len(states), EVERY), len(states) - 1]:
+            data.qpos[:] = states[step]
+            mujoco.mj_forward(pair.model, data)
 
-                renderer.update_scene(data, camera())
-                for place, colour in zip(targets, COLOURS, strict=True):
-                    mark(renderer.scene, place, BALL, colour)
-                told = f"both are there, {time:.1f} s" if step * DT >= time else ""
-                panels.append(labelled(renderer.render(), name, told, GREEN))
-            yield np.concatenate(panels, axis=1)
-
-
-def camera() -> mujoco.MjvCamera:
-    """It looks at the middle of the table from the side."""
-    found = mujoco.MjvCamera()
-    found.lookat[:] = (DISTANCE / 2, 0.0, 0.3)
-    found.distance, found.azimuth, found.elevation = 2.2, 60.0, -22.0
-    return found
+            renderer.update_scene(data, view)
+            for place, colour in zip(targets, COLOURS, strict=True):
+                mark(renderer.scene, place, BALL, colour)
+            told = f"both are there, {time:.1f} s" if step * DT >= time else ""
+            yield labelled(renderer.render(), name, told, GREEN)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

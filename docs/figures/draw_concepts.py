@@ -6,21 +6,18 @@ Example: python docs/figures/draw_concepts.py --out docs/images
 import argparse
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import MappingProxyType
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
 from concepts import conflict, exploration, foresight, meeting, path, projection
 
-PICTURES: Mapping[str, Callable[[Path], None]] = MappingProxyType(
-    {
-        "path": path.draw,
-        "meeting": meeting.draw,
-        "projection": projection.draw,
-        "conflict": conflict.draw,
-        "exploration": exploration.draw,
-        "foresight": foresight.draw,
-    }
-)
+PICTURES: Mapping[str, Callable[[Path], None]] = {
+    "path": path.draw,
+    "meeting": meeting.draw,
+    "projection": projection.draw,
+    "conflict": conflict.draw,
+    "exploration": exploration.draw,
+    "foresight": foresight.draw,
+}
 """What draws each picture."""
 
 

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 
-from aicon_baselines.figures.rendering import mark
+from aicon_baselines.figures.rendering import camera, mark
 from draw_picking import BALL, COLOR
 from episodes import moments
 
@@ -83,13 +83,6 @@ class Eye:
         self.renderer.update_scene(self.data, self.view, option)
         mark(self.renderer.scene, goal, BALL, COLOR)
         return self.renderer.render()
-
-
-def camera(at: tuple[float, float, float], distance: float, azimuth: float, down: float) -> Any:
-    """A camera that looks at a place, m, from angles, degrees."""
-    view = mujoco.MjvCamera()
-    view.lookat[:], view.distance, view.azimuth, view.elevation = at, distance, azimuth, down
-    return view
 
 
 def draw(name: str, shown: Shown) -> None:

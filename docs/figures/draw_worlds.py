@@ -5,7 +5,6 @@ After `make worlds`: PYTHONPATH=.venv-worlds:examples/worlds python docs/figures
 
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -19,18 +18,11 @@ SEEDS = {
 IMAGES = Path(__file__).parents[1] / "images"
 
 
-def walls(world: Any, condition: str) -> Any:
-    """Where the walls are, north first."""
-    maze = world.policy_options(condition)["maze"]
-    if world.__name__ == "pointmaze":
-        return np.array(getattr(world.robotics(".envs.maze.maps"), world.MAPS[maze])) == 1
-    return world.make_maze(maze).maze_map[::-1] == 1
-
-
 def draw(name: str, seeds: dict[str, int]) -> None:
     """Draw one episode in each maze of a world."""
     world = import_module(name)
-    grids = {condition: walls(world, condition) for condition in seeds}
+    mazes = {one: world.TASK.policy_options(one)["maze"] for one in seeds}
+    grids = {one: np.array(world.map_of(maze)) == 1 for one, maze in mazes.items()}
     widths = [grid.shape[1] for grid in grids.values()]
     _, axes = plt.subplots(1, 3, figsize=(12, 3.6), width_ratios=widths, layout="constrained")
     for axis, (condition, seed) in zip(axes, seeds.items(), strict=True):

@@ -88,8 +88,7 @@ WORK = """() => {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare where the pages are, and on what they are looked at."""
-    parser.add_argument("--pages", type=Path, help="folder of the pages (default: they are made)")
+    """Declare on what the pages are looked at."""
     add_option(parser, "--slower", 4.0, "how many times")
     add_option(parser, "--seconds", 10.0, "for each screen")
     parser.add_argument("--phone", action="store_true", help="a phone's screen, three dots a pixel")
@@ -98,9 +97,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Print when each page moves, and a line for each of its screens."""
     with tempfile.TemporaryDirectory() as made, sync_playwright() as playwright:
-        folder = (arguments.pages or Path(made)).absolute()
-        if arguments.pages is None:
-            make_pages(folder)
+        folder = Path(made)
+        make_pages(folder)
 
         chromium = shutil.which("chromium") or shutil.which("chromium-browser")
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])

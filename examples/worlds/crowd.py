@@ -18,11 +18,9 @@ import hands
 import numpy as np
 import torch
 from gymnasium.spaces import Box
-from others import needed, readings
+from others import needed, readings, world_task
 from torch import Tensor
 
-from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import (
     Actuator,
     Affine,
@@ -233,10 +231,10 @@ class OrcaClose(Orca):
 # --- the task
 
 
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    crowd, _, blind = condition.partition("_")
-    return side_by_side(lambda: Crowd(crowd, not blind, **options), count, min(horizon, HORIZON))
+def crowd(condition: str, **options: Any) -> Crowd:
+    """The world of a condition."""
+    name, _, blind = condition.partition("_")
+    return Crowd(name, not blind, **options)
 
 
 def policy_options(condition: str) -> dict[str, Any]:
@@ -244,17 +242,15 @@ def policy_options(condition: str) -> dict[str, Any]:
     return {"people": CROWDS[condition.partition("_")[0]]}
 
 
-TASK = Task(
-    name="crowd",
+TASK = world_task(
+    __name__,
+    crowd,
+    CONDITIONS,
+    PRESETS,
     time_step=STEP,
     horizon=HORIZON,
-    chunk_size=50,
     maps=("plane",),
-    conditions=CONDITIONS,
-    make_env=make_env,
+    time_unit="s",
     policy_options=policy_options,
-    noiseless=CONDITIONS,
-    model=__name__,
-    presets=tuple(PRESETS),
     agents={"orca": f"{__name__}:Orca", "orca_close": f"{__name__}:OrcaClose"},
 )

@@ -16,8 +16,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
-from hands import PRESETS, Hand, Options, hand_task, reach_policy
-from others import World, needed, readings
+from hands import PRESETS, Hand, Options, policy_options, reach_policy
+from others import World, needed, readings, world_task
 
 from aicon_torch import Policy
 from aicon_torch.models.pushing import build_policy
@@ -103,4 +103,12 @@ def push(options: Options) -> Policy:
     return build_policy(HAND, block, options)
 
 
-TASK = hand_task(__name__, HAND.time_step, HORIZON, ("reach", "push"), PRESETS, Fetch)
+TASK = world_task(
+    __name__,
+    Fetch,
+    ("reach", "push"),
+    PRESETS,
+    time_step=STEP,
+    horizon=HORIZON,
+    policy_options=policy_options,
+)

@@ -1,25 +1,21 @@
-"""Hands that are told how far to go: the graph of one that reaches a place, and their tasks.
+"""Hands that are told how far to go: the graph of one that reaches a place.
 
 What a world adds is its :class:`Hand`; what is set by hand, :class:`Options`, is the same in all.
 One that pushes a thing has the library's graph, :mod:`aicon_torch.models.pushing`.
 """
 
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-import gymnasium
 import torch
 from torch import Tensor
 
-from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Affine, Deterministic, Goal, Policy, Sensor, WorldModel
 from aicon_torch.models import pushing
 from aicon_torch.models.pushing import PRESETS, Hand
 from aicon_torch.parts import norm
 
-__all__ = ["PRESETS", "Hand", "Options", "hand_task", "reach_policy"]
+__all__ = ["PRESETS", "Hand", "Options", "policy_options", "reach_policy"]
 
 
 @dataclass(frozen=True)
@@ -49,41 +45,3 @@ def reach_policy(hand: Hand, options: Options) -> Policy:
 def policy_options(condition: str) -> dict[str, Any]:
     """What is to be done."""
     return {"task": condition}
-
-
-def hand_task(
-    name: str,
-    time_step: float,
-    horizon: int,
-    conditions: tuple[str, ...],
-    presets: Iterable[str],
-    world: Callable[..., gymnasium.Env[Any, Any]],
-) -> Task:
-    """The task of a world, whose module has its name.
-
-    Args:
-        name: Of the module.
-        time_step: Of the policy, s.
-        horizon: Steps of an episode.
-        conditions: What there is to do.
-        presets: Names of its policies.
-        world: Makes one for a condition and options of its own.
-    """
-
-    def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-        return side_by_side(lambda: world(condition, **options), count, horizon)
-
-    return Task(
-        name=name,
-        time_step=time_step,
-        horizon=horizon,
-        chunk_size=50,
-        maps=("table",),
-        conditions=conditions,
-        make_env=make_env,
-        policy_options=policy_options,
-        noiseless=conditions,
-        time_unit="steps",
-        model=name,
-        presets=tuple(presets),
-    )

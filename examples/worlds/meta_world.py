@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Space
-from hands import PRESETS, Hand, Options, hand_task, reach_policy
-from others import World, needed, readings
+from hands import PRESETS, Hand, Options, policy_options, reach_policy
+from others import World, needed, readings, world_task
 
 from aicon_torch import Policy
 
@@ -108,5 +108,12 @@ def build(options: Options) -> Policy:
     return reach_policy(SAWYER, options)
 
 
-CONDITIONS = ("reach", "coffee-button", "drawer-close")
-TASK = hand_task(__name__, SAWYER.time_step, HORIZON // AT_ONCE, CONDITIONS, PRESETS, MetaWorld)
+TASK = world_task(
+    __name__,
+    MetaWorld,
+    ("reach", "coffee-button", "drawer-close"),
+    PRESETS,
+    time_step=SAWYER.time_step,
+    horizon=HORIZON // AT_ONCE,
+    policy_options=policy_options,
+)

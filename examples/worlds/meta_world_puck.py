@@ -9,12 +9,11 @@ block. A closed hand that pushes it topples it, as it is as high as wide; the fi
 it, and the world's own reward asks for them.
 """
 
-from dataclasses import replace
 from typing import Any
 
 from gymnasium.spaces import Box, Dict
-from hands import hand_task
 from meta_world import AT_ONCE, HORIZON, STEP, STRIDE, THING, MetaWorld
+from others import world_task
 
 from aicon_torch import Policy
 from aicon_torch.models.picking import PRESETS, Hand, Options, build_policy
@@ -68,15 +67,18 @@ def build(options: Options) -> Policy:
 
 # --- the task
 
-CONDITIONS = ("push", "pick-place")
-
 
 def policy_options(condition: str) -> dict[str, Any]:
     """Nothing wants a free hand where the place is in the air."""
     return {"free_hand": 0.0} if condition == "pick-place" else {}
 
 
-TASK = replace(
-    hand_task(__name__, HAND.time_step, HORIZON // AT_ONCE, CONDITIONS, PRESETS, Puck),
+TASK = world_task(
+    __name__,
+    Puck,
+    ("push", "pick-place"),
+    PRESETS,
+    time_step=HAND.time_step,
+    horizon=HORIZON // AT_ONCE,
     policy_options=policy_options,
 )

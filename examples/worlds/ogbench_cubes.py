@@ -18,10 +18,9 @@ import gymnasium
 import numpy as np
 from gymnasium.envs.registration import load_env_creator
 from gymnasium.spaces import Box, Dict
-from others import World, needed, readings
+from others import World, needed, readings, world_task
 
 from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Policy
 from aicon_torch.models.picking import PRESETS, SIZE, Hand, Options, block_names, build_policy
 
@@ -143,13 +142,7 @@ class Oracle:
     It moves the one cube that it is told to: the one of the lowest goal that is not met yet.
     """
 
-    def predict(
-        self,
-        observation: Any,
-        state: Any = None,
-        episode_start: Any = None,
-        deterministic: bool = True,
-    ) -> Any:
+    def predict(self, observation: Any, state: Any = None, *_: Any, **__: Any) -> Any:
         """The next actions of the oracle."""
         # One oracle serves all rows, as it remembers nothing but where to go in the end.
         oracles = needed("ogbench.manipspace.oracles.markov.cube_markov", "ogbench")
@@ -195,23 +188,18 @@ CONDITIONS = tuple(f"task{number}" for number in range(1, 6))
 
 
 def _task(count: int, horizon: int) -> Task:
-    def make_env(episodes: int, condition: str, horizon: int, **options: Any) -> Any:
-        task = CONDITIONS.index(condition) + 1
-        return side_by_side(lambda: Cubes(count, task, **options), episodes, horizon)
+    def world(condition: str, **options: Any) -> Cubes:
+        return Cubes(count, CONDITIONS.index(condition) + 1, **options)
 
-    return Task(
+    return world_task(
+        __name__,
+        world,
+        CONDITIONS,
+        PRESETS,
         name=f"ogbench_cube_{NAMES[count - 1]}",
-        time_step=0.05,
+        time_step=HAND.time_step,
         horizon=horizon,
-        chunk_size=50,
-        maps=("table",),
-        conditions=CONDITIONS,
-        make_env=make_env,
         policy_options=lambda condition: {"blocks": count} if count > 1 else {},
-        noiseless=CONDITIONS,
-        time_unit="steps",
-        model=__name__,
-        presets=tuple(PRESETS),
         agents={"oracle": f"{__name__}:Oracle"},
     )
 

@@ -17,12 +17,10 @@ import gymnasium
 import numpy as np
 import pointmaze
 from gymnasium.spaces import Box
-from others import World, needed, readings
+from others import World, needed, readings, world_task
 from planner import Planner
 from pointmaze import PRESETS, RESOLUTION, keep_clear, maze_model
 
-from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Actuator, Affine, Foresight, Goal, Policy
 from aicon_torch.control import ActionLaw
 from aicon_torch.parts import DisplacementCommand
@@ -161,10 +159,10 @@ class Planned:
 # --- the task
 
 
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    maze, task = condition.split("_task")
-    return side_by_side(lambda: Maze(maze, int(task), **options), count, horizon)
+def maze(condition: str, **options: Any) -> Maze:
+    """The world of a task in a maze."""
+    name, task = condition.split("_task")
+    return Maze(name, int(task), **options)
 
 
 def policy_options(condition: str) -> dict[str, Any]:
@@ -172,18 +170,15 @@ def policy_options(condition: str) -> dict[str, Any]:
     return {"maze": condition.split("_task")[0]}
 
 
-TASK = Task(
-    name="ogbench_mazes",
+TASK = world_task(
+    __name__,
+    maze,
+    CONDITIONS,
+    PRESETS,
     time_step=STEP,
     horizon=HORIZON,
     chunk_size=20,
     maps=("maze",),
-    conditions=CONDITIONS,
-    make_env=make_env,
     policy_options=policy_options,
-    noiseless=CONDITIONS,
-    time_unit="steps",
-    model=__name__,
-    presets=tuple(PRESETS),
     agents={"rehearsed": f"{__name__}:Rehearsed", "planner": f"{__name__}:Planned"},
 )

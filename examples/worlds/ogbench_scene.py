@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 from ogbench_cubes import CONDITIONS, EDGE, HAND, SINGLE, Cubes
-from others import readings
+from others import readings, worlds_of
 from torch import Tensor
 
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Deterministic, Goal, Interconnection, Policy, Sensor
 from aicon_torch.models.picking import (
     PRESETS,
@@ -150,17 +149,16 @@ def room_in_drawer(z_inside: Tensor, x_obj_drawer: Tensor, z_shut: Tensor) -> Te
 # --- the task
 
 
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    task = CONDITIONS.index(condition) + 1
-    return side_by_side(lambda: Scene(task, **options), count, horizon)
+def scene(condition: str, **options: Any) -> Scene:
+    """The world of a task."""
+    return Scene(CONDITIONS.index(condition) + 1, **options)
 
 
 TASK = replace(
     SINGLE,
     name="ogbench_scene",
     horizon=750,
-    make_env=make_env,
+    make_env=worlds_of(scene),
     policy_options=lambda condition: {"clearance": CLEARANCE},
     model=__name__,
     agents={},

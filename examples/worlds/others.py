@@ -1,6 +1,6 @@
-"""What the worlds of others have in common: a package that may be missing, readings, a picture."""
+"""What the worlds of others have in common: packages that may be missing, readings, a task."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -8,6 +8,9 @@ import gymnasium
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from gymnasium.spaces import Box, Dict
+
+from aicon_baselines.evaluation.task import Task
+from aicon_baselines.tasks.side_by_side import side_by_side
 
 
 def needed(module: str, package: str) -> Any:
@@ -41,3 +44,39 @@ class World(gymnasium.Env[Any, Any]):
     def close(self) -> None:
         """Close the world."""
         self.world.close()
+
+
+def worlds_of(world: Callable[..., gymnasium.Env[Any, Any]]) -> Callable[..., Any]:
+    """What makes the worlds of a batch, of what makes one for a condition and options."""
+
+    def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
+        return side_by_side(lambda: world(condition, **options), count, horizon)
+
+    return make_env
+
+
+def world_task(
+    module: str,
+    world: Callable[..., gymnasium.Env[Any, Any]],
+    conditions: Iterable[str],
+    presets: Iterable[str],
+    **others: Any,
+) -> Task:
+    """The task of a world.
+
+    Args:
+        module: Where its `Options` and `build` are; the task has its name.
+        world: Makes one for a condition and options of its own.
+        conditions: What there is to do.
+        presets: Names of its policies.
+        **others: Time step, horizon, and what else :class:`Task` takes.
+    """
+    usual = {"name": module, "chunk_size": 50, "maps": ("table",), "time_unit": "steps"}
+    return Task(
+        conditions=tuple(conditions),
+        make_env=worlds_of(world),
+        noiseless=tuple(conditions),
+        model=module,
+        presets=tuple(presets),
+        **{**usual, **others},
+    )

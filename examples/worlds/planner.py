@@ -3,10 +3,10 @@
 It is what mazes are compared with, and no part of AICON: it knows beforehand which way is open.
 """
 
-from collections import deque
 from collections.abc import Callable
 from typing import Any
 
+import networkx  # it comes with torch
 import numpy as np
 
 TOUCHES = 1e-6  # by how much a ball beside a wall may be in it, cells
@@ -28,15 +28,11 @@ class Planner:
         self.middle = (np.array(self.is_wall.shape) - 1) / 2
         self.walls = self.places_of(np.argwhere(self.is_wall))
         self.radius, self.command = radius, command
-        self.distances: dict[tuple[int, ...], Array] = {}
+        self.free = networkx.grid_2d_graph(*self.is_wall.shape)
+        self.free.remove_nodes_from(map(tuple, np.argwhere(self.is_wall).tolist()))
+        self.distances: dict[tuple[int, ...], dict[tuple[int, ...], int]] = {}
 
-    def predict(
-        self,
-        observation: Any,
-        state: Any = None,
-        episode_start: Any = None,
-        deterministic: bool = True,
-    ) -> Any:
+    def predict(self, observation: Any, state: Any = None, *_: Any, **__: Any) -> Any:
         """The actions of a batch; nothing is remembered."""
         actions = []
         for number in range(len(observation["z_ball"])):
@@ -57,27 +53,17 @@ class Planner:
         """The cells of a shortest way."""
         distances, way = self.distances_to(end), [start]
         while way[-1] != end:
-            neighbours = [cell for cell in _beside(way[-1]) if np.isfinite(distances[cell])]
+            neighbours = [cell for cell in _beside(way[-1]) if cell in distances]
             if not neighbours:
                 return way
             way.append(min(neighbours, key=distances.__getitem__))
         return way
 
-    def distances_to(self, end: tuple[int, ...]) -> Array:
-        """How many cells every cell is from one: breadth-first search."""
-        if end in self.distances:
-            return self.distances[end]
-        found = np.full(self.is_wall.shape, np.inf)
-        found[end] = 0.0
-        waiting = deque([end])
-        while waiting:
-            cell = waiting.popleft()
-            for neighbour in _beside(cell):
-                if not self.is_wall[neighbour] and np.isinf(found[neighbour]):
-                    found[neighbour] = found[cell] + 1.0
-                    waiting.append(neighbour)
-        self.distances[end] = found
-        return found
+    def distances_to(self, end: tuple[int, ...]) -> dict[tuple[int, ...], int]:
+        """How many cells those that lead to one are from it."""
+        if end not in self.distances:
+            self.distances[end] = networkx.single_source_shortest_path_length(self.free, end)
+        return self.distances[end]
 
     def is_free(self, start: Array, end: Array) -> bool:
         """Whether the ball gets straight from one place to another: no line enters a wider wall."""

@@ -17,12 +17,10 @@ import gymnasium
 import numpy as np
 import torch
 from gymnasium.spaces import Box
-from others import World, needed, readings
+from others import World, needed, readings, world_task
 from planner import Planner
 from torch import Tensor
 
-from aicon_baselines.evaluation.task import Task
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import (
     Actuator,
     Deterministic,
@@ -230,29 +228,19 @@ class Planned:
 # --- the task
 
 
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    horizon = min(horizon, HORIZONS[condition])
-    return side_by_side(lambda: PointMaze(condition, **options), count, horizon)
-
-
 def policy_options(condition: str) -> dict[str, Any]:
     """The map."""
     return {"maze": condition}
 
 
-TASK = Task(
-    name="pointmaze",
+TASK = world_task(
+    __name__,
+    PointMaze,
+    HORIZONS,
+    PRESETS,
     time_step=STEP,
     horizon=max(HORIZONS.values()),
-    chunk_size=50,
     maps=("maze",),
-    conditions=tuple(HORIZONS),
-    make_env=make_env,
     policy_options=policy_options,
-    noiseless=tuple(HORIZONS),
-    time_unit="steps",
-    model=__name__,
-    presets=tuple(PRESETS),
     agents={"rehearsed": f"{__name__}:Rehearsed", "planner": f"{__name__}:Planned"},
 )

@@ -18,11 +18,11 @@ import mujoco
 import numpy as np
 import so101_pick_cube
 from gymnasium.spaces import Box, Dict
+from others import worlds_of
 from so101_pick_cube import PickCube
 from so101_pick_place import HAND, so101
 from torch import Tensor
 
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Actuator, Deterministic, Goal, Interconnection, Policy, Sensor
 from aicon_torch.models.picking import PRESETS, Options, Surroundings, build_policy
 from aicon_torch.parts import Chain, EndEffector, TipPose, norm
@@ -136,16 +136,10 @@ def build(options: Options) -> Policy:
 
 # --- the task
 
-
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    return side_by_side(lambda: ByJoints(condition, **options), count, horizon)
-
-
 TASK = replace(
     so101_pick_cube.TASK,
     name="so101_by_joints",
-    make_env=make_env,
+    make_env=worlds_of(ByJoints),
     model=__name__,
     agents={},
     lesson=None,

@@ -18,11 +18,11 @@ import numpy as np
 import so101_pick_place
 import torch
 from gymnasium.spaces import Box, Dict
+from others import worlds_of
 from shielded_picking import FREE, HALF_WIDTH, gap
 from so101_pick_place import HAND, PickPlace
 from torch import Tensor
 
-from aicon_baselines.tasks.side_by_side import side_by_side
 from aicon_torch import Goal, Policy, Sensor
 from aicon_torch.models.picking import (
     PRESETS,
@@ -152,11 +152,6 @@ def build(options: Options) -> Policy:
 CONDITIONS = ("block", "board")
 
 
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    return side_by_side(lambda: InTheWay(condition, **options), count, horizon)
-
-
 def policy_options(condition: str) -> dict[str, Any]:
     """How many blocks there are."""
     return {"blocks": 2} if condition == "block" else {}
@@ -167,7 +162,7 @@ TASK = replace(
     name="so101_in_the_way",
     conditions=CONDITIONS,
     noiseless=CONDITIONS,
-    make_env=make_env,
+    make_env=worlds_of(InTheWay),
     policy_options=policy_options,
     model=__name__,
 )

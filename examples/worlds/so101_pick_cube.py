@@ -14,10 +14,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 import so101_pick_place
+from others import worlds_of
 from so101_pick_place import PickPlace
 
 from aicon_baselines.evaluation.task import told_nothing
-from aicon_baselines.tasks.side_by_side import side_by_side
 
 LIFT = 0.12  # m, from where the block lay to where it belongs; the world asks for 0.1
 FAR = 0.35  # m, from the base
@@ -52,20 +52,13 @@ class PickCube(PickPlace):
 
 
 CONDITIONS = ("near", "anywhere")
-
-
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    return side_by_side(lambda: PickCube(condition, **options), count, horizon)
-
-
 TASK = replace(
     so101_pick_place.TASK,
     name="so101_pick_cube",
     horizon=100,
     conditions=CONDITIONS,
     noiseless=CONDITIONS,
-    make_env=make_env,
+    make_env=worlds_of(PickCube),
     policy_options=told_nothing,
     model=__name__,
     lesson=replace(so101_pick_place.LESSON, words="Lift the block."),

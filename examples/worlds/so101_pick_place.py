@@ -16,10 +16,9 @@ from typing import Any, ClassVar
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
-from others import World, needed, readings
+from others import World, needed, readings, world_task
 
-from aicon_baselines.evaluation.task import Lesson, Look, Task
-from aicon_baselines.tasks.side_by_side import side_by_side
+from aicon_baselines.evaluation.task import Lesson, Look
 from aicon_torch import Policy
 from aicon_torch.models.picking import PRESETS, Hand, Options, build_policy
 
@@ -156,13 +155,6 @@ class Script:
 
 # --- the task
 
-CONDITIONS = ("none", "noise", "lost", "knocked")
-
-
-def make_env(count: int, condition: str, horizon: int, **options: Any) -> Any:
-    """The worlds of a batch."""
-    return side_by_side(lambda: PickPlace(condition, **options), count, horizon)
-
 
 def policy_options(condition: str) -> dict[str, Any]:
     """How good the block's readings are."""
@@ -177,19 +169,14 @@ LESSON = Lesson(
     },
     done={"tip": 3, "jaw": 1},
 )
-TASK = Task(
-    name="so101_pick_place",
-    time_step=0.1,
+TASK = world_task(
+    __name__,
+    PickPlace,
+    ("none", "noise", "lost", "knocked"),
+    PRESETS,
+    time_step=HAND.time_step,
     horizon=300,
-    chunk_size=50,
-    maps=("table",),
-    conditions=CONDITIONS,
-    make_env=make_env,
     policy_options=policy_options,
-    noiseless=CONDITIONS,
-    time_unit="steps",
-    model=__name__,
-    presets=tuple(PRESETS),
     agents={"script": f"{__name__}:Script"},
     look=Look(scene="picking_scene:PickingScene"),
     lesson=LESSON,

@@ -16,8 +16,8 @@ def crowd(world_of: Callable[[str], Any]) -> Any:
 
 
 def test_orca_and_the_graph_read_the_same(crowd: Any) -> None:
-    env = crowd.make_env(2, "circle10", horizon=2)
-    policy = crowd.build(crowd.Options(**crowd.policy_options("circle10")))
+    env = crowd.TASK.make_env(2, "circle10", horizon=2)
+    policy = crowd.build(crowd.Options(**crowd.TASK.policy_options("circle10")))
     observation, _ = env.reset(seed=[1000, 1001])
     assert set(observation) == set(policy.model.sensors) and len(policy.model.paths()) == 2
 

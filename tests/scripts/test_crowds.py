@@ -9,6 +9,7 @@ import doorway_world
 import retarget
 import retarget_film
 import retarget_world
+from rule_study import RULES
 
 
 @pytest.mark.slow
@@ -20,7 +21,7 @@ def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
 
     behind = {}
     for rule in ("sum", "projection"):
-        policy = quick(retarget_world.make_policy(retarget.rules()[rule], 4))
+        policy = quick(retarget_world.make_policy(RULES[rule], 4))
         depths, errors, _ = retarget_world.follow(
             policy, joints, points, walls, np.full((2, 1), 2.0)
         )
@@ -31,7 +32,7 @@ def test_points_of_an_arm_are_held_by_a_projection_and_not_by_a_sum() -> None:
 
 def test_discs_that_do_not_explore_never_touch() -> None:
     discs, targets = doorway_world.starts(2, 2, seed=1000)
-    path = doorway_world.drive(doorway.rules()["projection"], discs, targets, steps=60)
+    path = doorway_world.drive(doorway.RULES["projection"], discs, targets, steps=60)
     assert np.linalg.norm(path[:, :, 0] - path[:, :, 1], axis=-1).min() > 2 * doorway_world.RADIUS
     assert (
         np.linalg.norm(np.diff(path, axis=0), axis=-1).max()

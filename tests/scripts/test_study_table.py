@@ -1,12 +1,13 @@
 """The table of a study: a stopped one goes on, and one of another study is refused."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 from aicon_baselines.evaluation.errors import ComparisonError
-from study_table import fill, read, write
+from study_table import fill, fill_in_groups, read, write
 
 
 class Cell(NamedTuple):
@@ -50,6 +51,21 @@ def test_what_a_table_has_is_not_measured_again(tmp_path: Path) -> None:
     assert asked == wanted[2:]
     assert [cell[:3] for cell in cells] == [(*begin, s) for begin in wanted[1:] for s in (0.1, 2.0)]
     assert len(path.read_text().splitlines()) == 1 + 6
+
+
+def test_what_a_table_lacks_is_measured_in_groups(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    write(path, Answer(3, True))
+    groups: list[list[int]] = []
+
+    def measure(group: Sequence[tuple[int]]) -> list[Answer]:
+        groups.append([seed for (seed,) in group])
+        return [Answer(seed, False) for (seed,) in group]
+
+    answers = fill_in_groups(path, Answer, [(seed,) for seed in range(6)], measure, size=2)
+    assert groups == [[0, 1], [2, 4], [5]]
+    assert [row.seed for row in answers] == list(range(6))
+    assert answers[3].arrived and len(read(path, Answer)) == 6
 
 
 def test_nothing_that_is_wanted_is_no_table(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ pytest.importorskip("trimesh")
 import torch
 
 from aicon_torch.parts.solids import distance_of_point
-from two_arms import DISTANCE, Arm, home_of, turn_of_z
+from two_arms import DISTANCE, Arm, turn_of_z
 
 
 @pytest.mark.parametrize("way", [(0.3, -0.2, 0.5), (0.0, 0.0, -2.0), (0.0, 0.0, 0.1)])
@@ -22,7 +22,8 @@ def test_the_z_axis_is_turned_into_a_way(way: tuple[float, float, float]) -> Non
 
 def test_points_of_an_arm_are_as_deep_in_its_capsules_for_the_other_one() -> None:
     """The distance of each capsule's middle from itself is its radius, below 0."""
-    arm, q = Arm("ur5"), home_of("ur5")
+    arm = Arm("ur5")
+    q = arm.home
     seen = torch.from_numpy(arm.seen_by_the_other(q)).reshape(-1, 16)
     ends = arm.segments(torch.from_numpy(q)).reshape(-1, 2, 3)
     facing = torch.tensor([-1.0, -1.0, 1.0], dtype=torch.float64)

@@ -13,6 +13,7 @@ from aicon_baselines.evaluation.row import Row
 from aicon_baselines.evaluation.task import Measure
 
 _Name = TypeVar("_Name", bound=Hashable)
+_Item = TypeVar("_Item")
 
 
 @dataclass(frozen=True)
@@ -101,9 +102,9 @@ def summarize(
     return sorted(summaries, key=rank)
 
 
-def group_rows(rows: Iterable[Row], name: Callable[[Row], _Name]) -> dict[_Name, list[Row]]:
-    """Collect the rows that have the same name."""
-    groups: dict[_Name, list[Row]] = {}
+def group_rows(rows: Iterable[_Item], name: Callable[[_Item], _Name]) -> dict[_Name, list[_Item]]:
+    """Collect the rows, of whatever kind, that have the same name."""
+    groups: dict[_Name, list[_Item]] = {}
     for row in rows:
         groups.setdefault(name(row), []).append(row)
     return groups

@@ -54,6 +54,23 @@ def mark(scene: Any, place: Any, radius: float, color: Sequence[float]) -> None:
     scene.ngeom += 1
 
 
+def camera(at: Sequence[float], distance: float, azimuth: float, elevation: float) -> Any:
+    """MuJoCo's camera that looks at a place.
+
+    Args:
+        at: The place, ``(3,)``, m.
+        distance: From where it looks, m.
+        azimuth: Its angle about z, degrees.
+        elevation: Its angle above the horizon, degrees.
+    """
+    import mujoco
+
+    view = mujoco.MjvCamera()
+    view.lookat[:] = at
+    view.distance, view.azimuth, view.elevation = distance, azimuth, elevation
+    return view
+
+
 def save_picture(figure: Figure, path: Path) -> None:
     """Save a figure as a png.
 

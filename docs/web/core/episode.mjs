@@ -3,8 +3,8 @@ import { carryOver } from "./policies.mjs";
 /** @typedef {import("../../../examples/web/aicon_policy.mjs").Policy} Policy */
 
 /** What steps, and is sensed.
- * @typedef {{ dt: number, moving: number[], numbers: number[], arrived: boolean,
- *   readings(policy: Policy): number[], step(command: ArrayLike<number>): void, kick(): void }} World */
+ * @typedef {{ dt: number, moving: number[], arrived: boolean, readings(policy: Policy): number[],
+ *   step(command: ArrayLike<number>): void }} World */
 
 /** A policy in a world.
  * @template {World} W */

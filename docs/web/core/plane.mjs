@@ -24,6 +24,16 @@ export function cosine(a, b) {
 /** An angle in [−π, π), rad. @param {number} angle */
 export const wrap = (angle) => angle - 2 * Math.PI * Math.floor((angle + Math.PI) / (2 * Math.PI));
 
+/** The corners of the box around some points, with a margin. @param {Point[]} points @param {number} margin
+ * @returns {{ low: Point, high: Point }} */
+export function boundsOf(points, margin) {
+  const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
+  return {
+    low: [Math.min(...xs) - margin, Math.min(...ys) - margin],
+    high: [Math.max(...xs) + margin, Math.max(...ys) + margin],
+  };
+}
+
 /** A point of a body where the body is: turned by an angle and shifted.
  * @param {Point} point @param {number[]} pose x, y, angle. @returns {Point} */
 export function placed([x, y], [left, top, angle]) {

@@ -123,9 +123,21 @@ export class Stage {
     pen.setLineDash([]);
   }
 
+  /** A box between two corners. @param {Point} low @param {Point} high
+   * @param {{ fill?: string, edge?: string, width?: number }} looks */
+  box([left, low], [right, high], looks) {
+    this.polygon([[left, low], [right, low], [right, high], [left, high]], looks);
+  }
+
   /** @param {Point[]} points @param {string} color @param {number} [width] @param {number[]} [dash] */
   line(points, color, width = 2, dash = []) {
     this.polygon(points, { edge: color, width, dash, open: true });
+  }
+
+  /** A straight line between two points. @param {Point} start @param {Point} end @param {string} color
+   * @param {number} [width] @param {number[]} [dash] */
+  stroke(start, end, color, width, dash) {
+    this.line([start, end], color, width, dash);
   }
 
   /** @param {Point} place @param {number} radius In the world's unit. @param {string} fill @param {string} [edge] */

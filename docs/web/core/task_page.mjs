@@ -8,8 +8,11 @@ import { Stage } from "./stage.mjs";
 /** @typedef {import("./meeting.mjs").Meeting} Meeting */
 /** @typedef {import("../../../examples/web/aicon_policy.mjs").Policy} Policy */
 
+/** What can be pushed, and be brought back by all its numbers.
+ * @typedef {import("./episode.mjs").World & { numbers: number[], kick(): void }} World */
+
 /** What a page knows of its task.
- * @template {import("./episode.mjs").World} W
+ * @template {World} W
  * @typedef {{ seed: number, speed: number, legend: Record<string, string>,
  *   makeWorld(seed: number): W,
  *   frame(world: W): { low: Point, high: Point, isDown: boolean },
@@ -31,7 +34,7 @@ export function pageData() {
 }
 
 /** A task that runs in a page, with everything that can be done to it.
- * @template {import("./episode.mjs").World} W */
+ * @template {World} W */
 export class TaskPage {
   /** @param {Task<W>} task @param {Record<string, import("./policies.mjs").Packed>} packed */
   constructor(task, packed) {

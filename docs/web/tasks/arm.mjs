@@ -1,5 +1,5 @@
 import { drawDecision } from "../core/decision.mjs";
-import { norm } from "../core/plane.mjs";
+import { minus, norm } from "../core/plane.mjs";
 import { TaskPage, pageData } from "../core/task_page.mjs";
 import { ArmWorld, chainAt, tipVelocity } from "../worlds/arm.mjs";
 
@@ -73,7 +73,7 @@ const task = {
   told: (world) =>
     (world.arrived
       ? "The tip is at its target. Drag it elsewhere."
-      : `${Math.round(10 * norm([world.target[0] - world.chain[3][0], world.target[1] - world.chain[3][1]])) * 10} cm to the target.`) +
+      : `${Math.round(10 * norm(minus(world.target, world.chain[3]))) * 10} cm to the target.`) +
     (world.gap < 0 ? " A link is in the ball." : ""),
 };
 

@@ -1,5 +1,5 @@
 import { asItIs, drawDecision } from "../core/decision.mjs";
-import { norm, plus, times } from "../core/plane.mjs";
+import { boundsOf, minus, norm, plus, times } from "../core/plane.mjs";
 import { TaskPage, pageData } from "../core/task_page.mjs";
 import { NavigationWorld } from "../worlds/navigation.mjs";
 
@@ -29,17 +29,10 @@ const task = {
 
   makeWorld: (seed) => new NavigationWorld(maps[seed % maps.length], physics, seed),
 
-  frame({ map }) {
-    const points = [...map.obstacles.flat(), map.start, map.target];
-    const bound = (
-      /** @type {(...xs: number[]) => number} */ extreme,
-      /** @type {number} */ margin,
-    ) =>
-      /** @type {Point} */ (
-        [0, 1].map((axis) => extreme(...points.map((point) => point[axis])) + margin)
-      );
-    return { low: bound(Math.min, -MARGIN), high: bound(Math.max, MARGIN), isDown: false };
-  },
+  frame: ({ map }) => ({
+    ...boundsOf([...map.obstacles.flat(), map.start, map.target], MARGIN),
+    isDown: false,
+  }),
 
   draw(stage, world, at, policy, meeting) {
     const robot = /** @type {Point} */ ([at[0], at[1]]);
@@ -84,7 +77,7 @@ const task = {
         label: `Wall ${i + 1}`,
         color: palette.PALE,
         place,
-        move: (/** @type {Point} */ to) => world.moveWall(i, [to[0] - place[0], to[1] - place[1]]),
+        move: (/** @type {Point} */ to) => world.moveWall(i, minus(to, place)),
       };
     }),
   ],
@@ -94,7 +87,7 @@ const task = {
   told: (world) =>
     world.arrived
       ? "It has arrived. Drag the target elsewhere."
-      : `${Math.round(norm([world.target[0] - world.robot[0], world.target[1] - world.robot[1]]))} m to the target.` +
+      : `${Math.round(norm(minus(world.target, world.robot)))} m to the target.` +
         (world.hits ? ` Stopped by a wall ${world.hits} times.` : ""),
 };
 

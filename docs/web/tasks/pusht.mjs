@@ -38,15 +38,7 @@ const task = {
   draw(stage, world, at, policy, meeting) {
     const disc = /** @type {Point} */ ([at[0], at[1]]);
     stage.clear(palette.GROUND);
-    stage.polygon(
-      [
-        [7, 7],
-        [504, 7],
-        [504, 504],
-        [7, 504],
-      ],
-      { edge: palette.OUTLINE, width: 3 },
-    );
+    stage.box([7, 7], [504, 504], { edge: palette.OUTLINE, width: 3 });
     stage.polygon(outline(world.goal), { fill: palette.GOAL });
     stage.polygon(outline([at[2], at[3], at[4]]), { fill: palette.OBJECT, edge: palette.OUTLINE });
 
@@ -102,29 +94,11 @@ const task = {
           ]),
       },
     ];
+    const held = /** @type {[Point, Point]} */ ([[-42, 15], [42, 15]]);
+    const ends = /** @type {[Point, Point]} */ ([[0, 30], [0, LEVER]]);
     return [
-      ...both(
-        "goal",
-        "goal",
-        world.goal,
-        "#2e7d1e",
-        [
-          [-42, 15],
-          [42, 15],
-        ],
-        (pose) => world.moveGoal(pose),
-      ),
-      ...both(
-        "object",
-        "T",
-        object,
-        palette.OUTLINE,
-        [
-          [0, 30],
-          [0, LEVER],
-        ],
-        (pose) => world.moveObject(pose),
-      ),
+      ...both("goal", "goal", world.goal, "#2e7d1e", held, (pose) => world.moveGoal(pose)),
+      ...both("object", "T", object, palette.OUTLINE, ends, (pose) => world.moveObject(pose)),
     ];
   },
 

@@ -59,24 +59,8 @@ export async function startFloor({ root, policies, palette, data }) {
     const places = runners.after(passed);
     if (!stage.differs([places, count.value, slope.value])) return;
     stage.clear(palette.GROUND);
-    stage.polygon(
-      [
-        [-2, data.floor.margin],
-        [2, data.floor.margin],
-        [2, 0],
-        [-2, 0],
-      ],
-      { fill: "#f6dccb" },
-    );
-    stage.polygon(
-      [
-        [-2, 0],
-        [2, 0],
-        [2, -2],
-        [-2, -2],
-      ],
-      { fill: palette.OBJECT },
-    );
+    stage.box([-2, 0], [2, data.floor.margin], { fill: "#f6dccb" });
+    stage.box([-2, -2], [2, 0], { fill: palette.OBJECT });
     stage.text("from here on the floor is felt", [0, data.floor.margin], palette.INK, [0, -12]);
 
     ["sum", "projection"].forEach((name, i) => {
@@ -98,11 +82,7 @@ export async function startFloor({ root, policies, palette, data }) {
       });
       stage.text(name, place, palette.INK, [0, -26]);
       const height = runners.episodes[i].world.moving[1];
-      tell(
-        root,
-        `[data-told="${name}"]`,
-        `${height.toFixed(2)} m${height < -0.02 ? ", sunk" : ""}`,
-      );
+      tell(root, name, `${height.toFixed(2)} m${height < -0.02 ? ", sunk" : ""}`);
     });
 
     // What the policies say of the pulls: how far each points down.
@@ -113,7 +93,7 @@ export async function startFloor({ root, policies, palette, data }) {
     const together = down.reduce((total, value) => total + value, 0);
     tell(
       root,
-      '[data-told="bounds"]',
+      "bounds",
       `The pulls together press with ${together.toFixed(1)}, the strongest with ${Math.max(...down, 0).toFixed(1)}; the floor holds with ${slope.value}.`,
     );
   });

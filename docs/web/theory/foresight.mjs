@@ -58,23 +58,8 @@ export async function startForesight({ root, policies, palette }) {
     ]);
 
     plot.clear(palette.WHITE);
-    plot.line(
-      [
-        [0, 0],
-        [MOST, 0],
-      ],
-      palette.PALE,
-      1,
-    );
-    plot.line(
-      [
-        [0, distance(full)],
-        [MOST, distance(full)],
-      ],
-      palette.AWAY,
-      1.5,
-      [4, 4],
-    );
+    plot.stroke([0, 0], [MOST, 0], palette.PALE, 1);
+    plot.stroke([0, distance(full)], [MOST, distance(full)], palette.AWAY, 1.5, [4, 4]);
     plot.text("one gradient, at full speed", [MOST - 5, distance(full)], palette.AWAY, [0, -10]);
     plot.line(
       foreseen.map((place, k) => [k, distance(place)]),
@@ -85,7 +70,7 @@ export async function startForesight({ root, policies, palette }) {
     plot.text("gradients in the step: 0 … 20", [MOST / 2, 0], palette.INK, [0, 18]);
     tell(
       root,
-      '[data-told="left"]',
+      "left",
       `After ${count} ${count === 1 ? "gradient" : "gradients"} it is ${distance(end).toFixed(2)} cm from the target; with one at full speed ${distance(full).toFixed(2)} cm.`,
     );
   }

@@ -1,7 +1,7 @@
 import { cosine, minus, norm, times } from "../core/plane.mjs";
 import { readingsOf } from "../core/readings.mjs";
 import { Stage } from "../core/stage.mjs";
-import { tell } from "./screen.mjs";
+import { tell, write } from "./screen.mjs";
 
 /** @typedef {import("../core/plane.mjs").Point} Point */
 
@@ -74,12 +74,12 @@ export async function startNullspace({ root, policies, palette }) {
     for (const [name, motion] of Object.entries(rows)) {
       wants.forEach(([x, y], i) => {
         const gain = motion[0] * x + motion[1] * y;
-        tell(root, `[data-row="${name}"] td:nth-child(${i + 2})`, gain.toFixed(2));
+        write(root.querySelector(`[data-row="${name}"] td:nth-child(${i + 2})`), gain.toFixed(2));
       });
     }
     tell(
       root,
-      '[data-told="leader"]',
+      "leader",
       `The ${["first", "second"][leader]} leads. Cosine ${cosine(...wants).toFixed(2)}: ${exploring ? "a conflict; it explores." : "no conflict."}`,
     );
   }

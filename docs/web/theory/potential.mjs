@@ -1,5 +1,5 @@
 import { Episode } from "../core/episode.mjs";
-import { contains, minus, nearestOn, norm, plus, times } from "../core/plane.mjs";
+import { boundsOf, contains, minus, nearestOn, norm, plus, times } from "../core/plane.mjs";
 import { readingsOf } from "../core/readings.mjs";
 import { Stage } from "../core/stage.mjs";
 import { NavigationWorld } from "../worlds/navigation.mjs";
@@ -19,21 +19,18 @@ export async function startPotential({ root, policies, palette, data }) {
   const probe = await policies.fresh("potential");
   const stage = new Stage(root.querySelector(".stage"));
   const { start, target, obstacles } = data.map;
-  const points = [...obstacles.flat(), start, target];
-  const low = /** @type {Point} */ (
-    [0, 1].map((axis) => Math.min(...points.map((point) => point[axis])) - 0.8)
-  );
-  const high = /** @type {Point} */ (
-    [0, 1].map((axis) => Math.max(...points.map((point) => point[axis])) + 0.8)
-  );
+  const { low, high } = boundsOf([...obstacles.flat(), start, target], 0.8);
   stage.fit(low, high, false);
 
-  let world = new NavigationWorld(data.map, data.physics, 1);
-  let runners = new Runners([new Episode(world, policy)]);
+  /** @type {NavigationWorld} */
+  let world;
+  /** @type {Runners<NavigationWorld>} */
+  let runners;
   const restart = () => {
     world = new NavigationWorld(data.map, data.physics, 1);
     runners = new Runners([new Episode(world, policy)]);
   };
+  restart();
   root.querySelector("button").addEventListener("click", restart);
   const isRunning = /** @type {HTMLInputElement} */ (root.querySelector('input[name="runs"]'));
 
@@ -87,10 +84,10 @@ export async function startPotential({ root, policies, palette, data }) {
 
     const { exploring } = policy.decided("x_rob");
     const [xx, , , yy] = policy.values("P_tar");
-    tell(root, '[data-told="spread"]', `${Math.sqrt(xx + yy).toFixed(1)} m`);
+    tell(root, "spread", `${Math.sqrt(xx + yy).toFixed(1)} m`);
     tell(
       root,
-      '[data-told="state"]',
+      "state",
       world.arrived
         ? "It has arrived."
         : exploring

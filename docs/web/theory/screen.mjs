@@ -51,11 +51,16 @@ export function slider(root, name, does = () => {}) {
 const untold = new Map();
 const TELL_EVERY = 120; // ms; nobody reads faster
 
-/** Write words into a part of a screen, soon. @param {HTMLElement} root
- * @param {string} selector @param {string} words */
-export function tell(root, selector, words) {
+/** Write words into the part of a screen that has a name, soon. @param {HTMLElement} root
+ * @param {string} name @param {string} words */
+export function tell(root, name, words) {
+  write(root.querySelector(`[data-told="${name}"]`), words);
+}
+
+/** Write words into a part of a screen, soon. @param {Element} part @param {string} words */
+export function write(part, words) {
   if (untold.size === 0) setTimeout(tellAll, TELL_EVERY);
-  untold.set(root.querySelector(selector), words);
+  untold.set(part, words);
 }
 
 function tellAll() {
@@ -79,10 +84,6 @@ export class PointWorld {
     return [...this.place];
   }
 
-  get numbers() {
-    return [...this.place];
-  }
-
   /** @param {Policy} policy */
   readings(policy) {
     return readingsOf(policy, this.sense(this.place));
@@ -93,8 +94,6 @@ export class PointWorld {
     this.place = plus(this.place, times(this.dt, [command[0], command[1]]));
     this.trail = [...this.trail.slice(-400), this.place];
   }
-
-  kick() {}
 }
 
 /** Episodes side by side, which keep step with the time.

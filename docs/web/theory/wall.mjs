@@ -62,17 +62,7 @@ export async function startWall({ root, policies, palette }) {
     stage.text("target", target, palette.TARGET, [0, -26]);
     runners.episodes.forEach(({ world, policy }, i) => {
       stage.line(world.trail, colors[i], 1.5);
-      for (const [row, gradient] of policy.decided("x").gradients.entries()) {
-        const color = goals[row] === "avoid" ? palette.OBSTACLE : palette.TARGET;
-        if (i === 0)
-          stage.arrow(
-            places[i],
-            [-gradient[0], -gradient[1]],
-            50 * scale * norm(gradient),
-            color,
-            3,
-          );
-      }
+      if (i === 0) drawGradients(places[i], policy);
       stage.disc(places[i], 0.09 - 0.02 * i, colors[i], palette.WHITE); // all can be seen in one place
     });
     stage.hold([
@@ -96,15 +86,7 @@ export async function startWall({ root, policies, palette }) {
     const gap = norm(minus(nearestOn(wall, here), here));
     curves ??= plot.picture(drawCurves);
     plot.show(curves);
-    plot.line(
-      [
-        [FAR - gap, 0],
-        [FAR - gap, 0.38 * FAR],
-      ],
-      palette.AWAY,
-      1.5,
-      [4, 4],
-    );
+    plot.stroke([FAR - gap, 0], [FAR - gap, 0.38 * FAR], palette.AWAY, 1.5, [4, 4]);
     const { gradients } = runners.episodes[0].policy.decided("x");
     const rest = norm(
       gradients.reduce(
@@ -114,7 +96,7 @@ export async function startWall({ root, policies, palette }) {
     );
     tell(
       root,
-      '[data-told="sum"]',
+      "sum",
       `${gap.toFixed(2)} m from the wall; ${goals.map((goal, i) => `“${goal}” ${(scale * norm(gradients[i])).toFixed(2)}`).join(", ")}; their sum ${(scale * rest).toFixed(2)}.`,
     );
     const arrived = places.map((place) =>
@@ -122,22 +104,22 @@ export async function startWall({ root, policies, palette }) {
         ? "there"
         : `${norm(minus(target, place)).toFixed(1)} m away`,
     );
-    ["sum-place", "projection", "with exploration"].forEach((name, i) =>
-      tell(root, `[data-told="${name}"]`, arrived[i]),
-    );
+    ["sum-place", "projection", "with exploration"].forEach((name, i) => tell(root, name, arrived[i]));
   });
+
+  /** What each goal wants of the robot that adds up. @param {Point} place @param {import("./screen.mjs").Policy} policy */
+  function drawGradients(place, policy) {
+    for (const [row, gradient] of policy.decided("x").gradients.entries()) {
+      const color = goals[row] === "avoid" ? palette.OBSTACLE : palette.TARGET;
+      const [x, y] = gradient;
+      stage.arrow(place, [-x, -y], 50 * scale * norm(gradient), color, 3);
+    }
+  }
 
   /** Both strengths over the distance to the wall. */
   function drawCurves() {
     plot.clear(palette.WHITE);
-    plot.line(
-      [
-        [0, 0],
-        [FAR, 0],
-      ],
-      palette.PALE,
-      1,
-    );
+    plot.stroke([0, 0], [FAR, 0], palette.PALE, 1);
     plot.text("distance to the wall: 1.2 m … 0", [FAR / 2, 0], palette.INK, [0, 16]);
     goals.forEach((goal, row) => {
       const color = goal === "avoid" ? palette.OBSTACLE : palette.TARGET;
