@@ -96,6 +96,8 @@ def filmed(panel: Panel) -> Iterator[Frame]:
 def coloured(panel: Panel, target: Array) -> mujoco.MjModel:
     """The problem and a ball at its target, in colours, before a white sky."""
     spec = model_of(panel.robot, panel.problem)
+
+    # Light, and a sky.
     spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH, HEIGHT
     spec.visual.headlight.ambient = (0.5, 0.5, 0.5)
     spec.worldbody.add_light(pos=(0.0, -1.0, 3.0), dir=(0.1, 0.3, -1.0))
@@ -107,6 +109,8 @@ def coloured(panel: Panel, target: Array) -> mujoco.MjModel:
         rgb1=(1.0, 1.0, 1.0),
         rgb2=(1.0, 1.0, 1.0),
     )
+
+    # The robot and what is around it, and where it shall go.
     for geom in spec.geoms:
         geom.rgba = to_rgba(ROBOT) if geom.name.startswith("sphere") else to_rgba(OBSTACLE, 0.4)
     spec.worldbody.add_geom(
@@ -115,6 +119,7 @@ def coloured(panel: Panel, target: Array) -> mujoco.MjModel:
         pos=target,
         rgba=to_rgba(TARGET, 0.8),
     )
+
     return spec.compile()
 
 

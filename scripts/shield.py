@@ -180,6 +180,7 @@ def summary(outcomes: list[Outcome], first: int) -> dict[str, Any]:
     *of_each, changes, steps = zip(*outcomes, strict=True)
     success, touched, stuck, duration = (np.concatenate(parts) for parts in of_each)
     clean = success & ~touched
+
     return {
         "episodes": len(success),
         "seed": first,

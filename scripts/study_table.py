@@ -93,7 +93,7 @@ def fill_in_groups(
         known[row[:length]].append(row)
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    missing = [begin for begin in wanted if begin not in known]
+    missing = [begin for begin in dict.fromkeys(wanted) if begin not in known]
     for first in tqdm(range(0, len(missing), size), desc=label, disable=None):
         rows = measure(missing[first : first + size])
         write(path, *rows)

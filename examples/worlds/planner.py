@@ -28,8 +28,8 @@ class Planner:
         self.middle = (np.array(self.is_wall.shape) - 1) / 2
         self.walls = self.places_of(np.argwhere(self.is_wall))
         self.radius, self.command = radius, command
-        self.free = networkx.grid_2d_graph(*self.is_wall.shape)
-        self.free.remove_nodes_from(map(tuple, np.argwhere(self.is_wall).tolist()))
+        self.cells = networkx.grid_2d_graph(*self.is_wall.shape)
+        self.closed = set(map(tuple, np.argwhere(self.is_wall).tolist()))
         self.distances: dict[tuple[int, ...], dict[tuple[int, ...], int]] = {}
 
     def predict(self, observation: Any, state: Any = None, *_: Any, **__: Any) -> Any:
@@ -62,7 +62,8 @@ class Planner:
     def distances_to(self, end: tuple[int, ...]) -> dict[tuple[int, ...], int]:
         """How many cells those that lead to one are from it."""
         if end not in self.distances:
-            self.distances[end] = networkx.single_source_shortest_path_length(self.free, end)
+            free = networkx.restricted_view(self.cells, self.closed - {end}, ())
+            self.distances[end] = networkx.single_source_shortest_path_length(free, end)
         return self.distances[end]
 
     def is_free(self, start: Array, end: Array) -> bool:

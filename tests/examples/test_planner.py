@@ -49,3 +49,8 @@ def test_a_ball_comes_from_anywhere_to_anywhere_and_touches_no_wall(planner: Any
             assert planner.is_free(ball, ball + move)
         balls = balls + moves
     assert np.linalg.norm(balls - goals, axis=-1).max() < 1e-9
+
+
+def test_a_goal_in_a_wall_has_a_way_too(planner: Any) -> None:
+    way = planner.way((1, 1), (2, 2))
+    assert way[-1] == (2, 2) and len(way) == 3

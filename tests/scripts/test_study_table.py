@@ -68,6 +68,20 @@ def test_what_a_table_lacks_is_measured_in_groups(tmp_path: Path) -> None:
     assert answers[3].arrived and len(read(path, Answer)) == 6
 
 
+def test_what_is_wanted_twice_is_measured_once(tmp_path: Path) -> None:
+    path, wanted = tmp_path / "answers.csv", [(1,), (2,), (1,)]
+    asked: list[int] = []
+
+    def measure(seed: int) -> list[Answer]:
+        asked.append(seed)
+        return [Answer(seed, True)]
+
+    answers = fill(path, Answer, wanted, measure)
+    assert asked == [1, 2]
+    assert [row.seed for row in read(path, Answer)] == [1, 2]
+    assert [row.seed for row in answers] == [1, 2, 1]
+
+
 def test_nothing_that_is_wanted_is_no_table(tmp_path: Path) -> None:
     assert fill(tmp_path / "cells.csv", Cell, [], lambda: []) == []
     assert not (tmp_path / "cells.csv").exists()
