@@ -100,11 +100,7 @@ class MovingObstacle:
         """
         ahead = 0.0 if self.wheels is None else self.wheels.ahead
         gap = GapToCome(radius, horizon, ahead)
-
-        def likelihood(x: Tensor) -> Tensor:
-            return likelihood_across(gap(x), length)
-
-        return Interconnection(likelihood, [self.name])
+        return Interconnection(CollisionToCome(gap, length), [self.name])
 
     def _moved(self, x: Tensor, x_rob: Tensor, dt: Tensor) -> Tensor:
         """Position and velocity after a step, ``(*B, 4)``, m and m/s."""
@@ -179,6 +175,23 @@ class GapToCome:
         axle = torch.zeros_like(way[..., :3])
         point_ahead = axle + axle.new_tensor((self.ahead, 0.0, 0.0))
         return segment_distance(torch.cat((axle, point_ahead), dim=-1), way) - self.radius
+
+
+@dataclass(frozen=True)
+class CollisionToCome:
+    """exp(−d/ℓ), where d is the gap to come.
+
+    Attributes:
+        gap: d.
+        length: ℓ, m.
+    """
+
+    gap: GapToCome
+    length: float
+
+    def __call__(self, x: Tensor) -> Tensor:
+        """The cost ``(*B,)`` of (p, v), ``(*B, 4)``, m and m/s."""
+        return likelihood_across(self.gap(x), self.length)
 
 
 @dataclass(frozen=True)

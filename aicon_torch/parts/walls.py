@@ -1,7 +1,7 @@
 """Walls that a map tells: how far a robot in the plane is from each of their faces."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -43,7 +43,10 @@ class Walls:
     def __post_init__(self) -> None:
         """Check faces and radius."""
         check_not_negative(self, ("radius",))
-        faces = tuple(tuple(map(float, face)) for face in self.faces)
+        try:
+            faces = tuple(tuple(map(float, face)) for face in self.faces)
+        except (TypeError, ValueError):  # no numbers
+            faces = ()
         if not faces or any(len(face) != 4 for face in faces):
             raise OptionError(f"faces={self.faces!r}: expected one or more (x, y, x, y), m.")
         object.__setattr__(self, "faces", faces)
@@ -104,13 +107,26 @@ class Walls:
         distance = torch.sqrt(before**2 + beside**2 + 1e-24)
         return torch.where(is_within, before, distance) - self.radius
 
-    def collision_likelihood(self, length: float) -> Callable[[Tensor], Tensor]:
-        """The cost Σ exp(−d/ℓ), ``(*B,)``, over the gaps d of a position, of a length ℓ, m."""
+    def collision_likelihood(self, length: float) -> "WallCost":
+        """The cost Σ exp(−d/ℓ) over the gaps d, of a length ℓ, m, as a function of a position."""
+        return WallCost(self, length)
 
-        def cost(position: Tensor) -> Tensor:
-            return likelihood_across(self.gaps(position), length).sum(-1)
 
-        return cost
+@dataclass(frozen=True)
+class WallCost:
+    """Σ exp(−d/ℓ), ``(*B,)``, of a position ``(*B, 2)``: see :class:`Walls`.
+
+    Attributes:
+        walls: The walls.
+        length: ℓ, m.
+    """
+
+    walls: Walls
+    length: float
+
+    def __call__(self, position: Tensor) -> Tensor:
+        """The cost."""
+        return likelihood_across(self.walls.gaps(position), self.length).sum(-1)
 
 
 def _turned(face: Face, keeps: bool) -> Face:

@@ -1,6 +1,7 @@
 """An obstacle by range and bearing: where it is, how it moves, and what is kept from it."""
 
 import math
+import pickle
 
 import pytest
 import torch
@@ -162,3 +163,8 @@ def test_numbers_are_checked() -> None:
         MovingObstacle("x", "z", 0.0, 0.1, 0.1, DT)
     with pytest.raises(OptionError, match="motion_noise=-1"):
         MovingObstacle("x", "z", 0.1, 0.1, -1, DT)
+
+
+def test_its_cost_is_kept_in_a_pickle() -> None:
+    cost = person(None).collision_likelihood(RADIUS, length=0.1, horizon=1.0)
+    assert pickle.loads(pickle.dumps(cost)).function == cost.function

@@ -1,5 +1,8 @@
 """Walls of a map: gaps to their faces, also in corners and within the wall."""
 
+import pickle
+from typing import Any
+
 import numpy as np
 import pytest
 import torch
@@ -68,3 +71,14 @@ def test_faces_may_come_in_an_array() -> None:
     for given in (np.array(faces), torch.tensor(faces), [list(face) for face in faces]):
         assert Walls(given) == Walls(faces)
         assert hash(Walls(given)) == hash(Walls(faces))
+
+
+@pytest.mark.parametrize("faces", [None, "abcd", [None], ["abcd"], [(0.0, 0.0, 1.0)]], ids=str)
+def test_what_is_no_face_is_refused(faces: Any) -> None:
+    with pytest.raises(OptionError, match=r"faces=.*expected one or more \(x, y, x, y\)"):
+        Walls(faces)
+
+
+def test_their_cost_is_kept_in_a_pickle() -> None:
+    cost = Walls.from_grid(U).collision_likelihood(0.1)
+    assert pickle.loads(pickle.dumps(cost)) == cost

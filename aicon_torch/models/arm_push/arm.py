@@ -1,5 +1,7 @@
 """The arm's estimators: joints, end effector, camera, the stick as a pusher, and its height."""
 
+from dataclasses import dataclass
+
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import stop
@@ -87,3 +89,33 @@ class TipMotion(nn.Module):
         jacobian = self.end_effector.jacobian(stop(x_joints))
         tip: Tensor = (jacobian @ stop(velocity).unsqueeze(-1)).squeeze(-1)
         return even_motion(tip[..., :2] * dt, self.parts)
+
+
+@dataclass(frozen=True)
+class HeightOverTable:
+    """x_heights: height of the tip above where it should be, over a table at height 0.
+
+    Attributes:
+        height: Where it should be, m.
+    """
+
+    height: float
+
+    def __call__(self, x_ee: Tensor) -> Tensor:
+        """``(*B, 1)``, m."""
+        return x_ee[..., 2:3] - self.height
+
+
+@dataclass(frozen=True)
+class HeightAtObject:
+    """x_heights: height of the tip above where it should be, so far below the object's top.
+
+    Attributes:
+        depth: How far, m.
+    """
+
+    depth: float
+
+    def __call__(self, x_ee: Tensor, x_top: Tensor) -> Tensor:
+        """``(*B, 1)``, m."""
+        return x_ee[..., 2:3] - x_top + self.depth

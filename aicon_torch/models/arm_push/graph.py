@@ -15,7 +15,7 @@ from torch import Tensor
 from aicon_torch.estimation import Deterministic, Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
-from aicon_torch.models.arm_push.arm import arm, hand
+from aicon_torch.models.arm_push.arm import HeightAtObject, HeightOverTable, arm, hand
 from aicon_torch.models.arm_push.goals import CertainPush, PushWithinReach, Ring, off_height, tilt
 from aicon_torch.models.arm_push.image_registration import ImageRegistration
 from aicon_torch.models.arm_push.limits import JOINT_SPEED, TIP_SPEED, ArmLimits
@@ -130,21 +130,12 @@ def _actuator(scene: Scene) -> Actuator:
 
 
 def _heights(scene: Scene) -> list[Estimator]:
-    """x_heights: how high the tip is above where it should be, ``(*B, 1)``, m.
-
-    That is so far below the object's top, where it is seen, or else so high over the table.
-    """
+    """The height of the tip: at the object, where that is seen, or else over the table."""
     height = scene.options.height
-
-    def over_table(x_ee: Tensor) -> Tensor:
-        return x_ee[..., 2:3] - height
-
-    def at_object(x_ee: Tensor, x_top: Tensor) -> Tensor:
-        return x_ee[..., 2:3] - x_top + height
-
     if scene.options.sensing == "pose":
-        return [Deterministic("x_heights", over_table)]
-    heights = Deterministic("x_heights", at_object)
+        return [Deterministic("x_heights", HeightOverTable(height))]
+
+    heights = Deterministic("x_heights", HeightAtObject(depth=height))
     return [*hand(scene), object_top(scene.options), heights]
 
 

@@ -160,11 +160,15 @@ def _of_tip(options: Options) -> list[str]:
 
 def _target(pose: TipPose) -> Callable[..., Tensor]:
     """x_target, from what the observation says of it."""
-
-    def position_of_target(z_position: Tensor) -> Tensor:
-        return 1.0 * z_position
+    if pose.orientation == "free":
+        return _position_of_target
 
     def pose_of_target(z_position: Tensor, z_orientation: Tensor) -> Tensor:
         return pose.target(z_position, z_orientation)
 
-    return position_of_target if pose.orientation == "free" else pose_of_target
+    return pose_of_target
+
+
+def _position_of_target(z_position: Tensor) -> Tensor:
+    """x_target where the orientation is free, ``(*B, 3)``, m."""
+    return 1.0 * z_position

@@ -1,3 +1,4 @@
+import pickle
 from dataclasses import replace
 
 import pytest
@@ -90,3 +91,10 @@ def test_a_goal_that_is_left_out_leaves_the_others_as_they_are():
     assert set(whole.goals) - set(bare.goals) == left_out
     kept = {path for path in paths_of(whole) if path.split(" → ")[0] not in left_out}
     assert paths_of(bare) == kept
+
+
+@pytest.mark.parametrize("sensing", ["pose", "camera"])
+def test_the_graph_is_kept_in_a_pickle(sensing):
+    model = world_model(Options(sensing=sensing))
+    kept = pickle.loads(pickle.dumps(model))
+    assert [str(path) for path in kept.paths()] == [str(path) for path in model.paths()]
