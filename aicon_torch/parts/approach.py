@@ -12,7 +12,6 @@ from aicon_torch.interconnections import Values
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.tip_pose import TipPose
-from aicon_torch.parts.validation import check_positive
 
 LOWER = 0.97
 """Share of what was missing below which it counts as less."""
@@ -57,7 +56,8 @@ class ToolAxis:
                 "pose: its orientation is free, so its target has no axis; expected 'axis' or "
                 "'full'."
             )
-        check_positive(self, ("within",))
+        if not self.within > 0:
+            raise OptionError(f"within={self.within!r}: expected a distance > 0 (m).")
 
     def gated(self, gradient: Tensor, x_ee: Tensor, x_target: Tensor) -> Tensor:
         """A gradient ``(*B, k)`` of x_ee as its advance counts, from the tip to its target."""

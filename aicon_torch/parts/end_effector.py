@@ -8,9 +8,10 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import is_hop, learns
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.approach import ToolAxis
 from aicon_torch.parts.chain import Chain
-from aicon_torch.parts.validation import check_choice, check_positive
+from aicon_torch.parts.validation import check_choice
 
 Pullback = Literal["natural", "transpose"]
 """Which joint gradient stands for a gradient of the end effector: see :class:`EndEffector`."""
@@ -142,8 +143,8 @@ class EndEffector(nn.Module):
         self.pullback, self.damping, self.turns_within = pullback, damping, turns_within
         self.advance = advance
         check_choice(self, "pullback", get_args(Pullback))
-        if turns_within is not None:
-            check_positive(self, ("turns_within",))
+        if turns_within is not None and not turns_within > 0:
+            raise OptionError(f"turns_within={turns_within!r}: expected a distance > 0 (m).")
 
     def forward(
         self, x_joints: Tensor, x_target: Tensor | None = None, x_approach: Tensor | None = None

@@ -6,7 +6,6 @@ from torch import Tensor
 from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Interconnection, Values
-from aicon_torch.parts.validation import check_positive
 from aicon_torch.quantities import Actuator
 from aicon_torch.shaping import straight_through_clamp
 
@@ -49,8 +48,9 @@ class Gripper(Estimator):
                 f"narrowest={narrowest!r}, first={first!r}, widest={widest!r}: expected "
                 "0 <= narrowest <= first <= widest, and a range (m)."
             )
+        if not speed > 0:
+            raise OptionError(f"speed={speed!r}: expected a number > 0 (m/s).")
         self.narrowest, self.widest, self.speed = narrowest, widest, speed
-        check_positive(self, ("speed",))
 
         # Its own last value, the rate that it was told, and for how long.
         self.inputs = ("x_opening", "jaw", "dt")

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.validation import check_choice, check_positive
+from aicon_torch.parts.validation import check_choice
 
 Orientation = Literal["free", "axis", "full"]
 """How much of a tip's orientation matters: nothing, one of its axes, or all."""
@@ -49,7 +49,8 @@ class TipPose:
     def __post_init__(self) -> None:
         """Check the options."""
         check_choice(self, "orientation", get_args(Orientation))
-        check_positive(self, ("lever",))
+        if not self.lever > 0:
+            raise OptionError(f"lever={self.lever!r}: expected a length > 0 (m).")
         if not math.isclose(math.hypot(*self.axis), 1.0, abs_tol=1e-6):
             raise OptionError(f"axis={self.axis!r}: expected a unit vector.")
 

@@ -4,9 +4,9 @@ import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import values_only
+from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
-from aicon_torch.parts.validation import check_positive
 
 
 class VelocityLag(Estimator):
@@ -31,8 +31,9 @@ class VelocityLag(Estimator):
 
     def __init__(self, joints: int, time_constant: float) -> None:
         super().__init__()
+        if not time_constant > 0:
+            raise OptionError(f"time_constant={time_constant!r}: expected more than 0 s.")
         self.time_constant = time_constant
-        check_positive(self, ("time_constant",))
         self.register_buffer("at_rest", torch.zeros(joints))
 
     def initial(self, values: Values) -> dict[str, Tensor]:

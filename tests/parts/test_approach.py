@@ -92,5 +92,5 @@ def test_a_closed_way_changes_where_the_joints_go_and_an_open_one_does_not() -> 
 def test_a_target_of_free_orientation_has_no_axis() -> None:
     with pytest.raises(OptionError, match="its orientation is free"):
         ToolAxis(TipPose("free"), 0.28)
-    with pytest.raises(OptionError, match="within=0: expected a positive number"):
+    with pytest.raises(OptionError, match="within=0: expected a distance > 0"):
         ToolAxis(POSE, 0)

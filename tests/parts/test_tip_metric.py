@@ -63,5 +63,5 @@ def test_the_gradient_and_the_metric_weigh_turns_alike() -> None:
 
 
 def test_turns_wait_within_a_distance() -> None:
-    with pytest.raises(OptionError, match="turns_within=0: expected a positive number"):
+    with pytest.raises(OptionError, match="turns_within=0: expected a distance > 0"):
         EndEffector(panda_chain(), TipPose("full"), turns_within=0)

@@ -97,7 +97,7 @@ def test_within_its_tolerance_a_target_asks_for_nothing() -> None:
 def test_wrong_options_are_named() -> None:
     with pytest.raises(OptionError, match="orientation='round': expected one of"):
         TipPose("round")  # type: ignore[arg-type]
-    with pytest.raises(OptionError, match=r"lever=0: expected a positive number"):
+    with pytest.raises(OptionError, match=r"lever=0: expected a length > 0"):
         TipPose(lever=0)
     with pytest.raises(OptionError, match="expected a unit vector"):
         TipPose("axis", axis=(1.0, 1.0, 0.0))
