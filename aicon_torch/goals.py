@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.errors import GraphError, OptionError
 from aicon_torch.interconnections import Interconnection, Node, Values
-from aicon_torch.quantities import as_numbers
+from aicon_torch.quantities import as_number
 
 MOST_GAPS = 8
 """So many gaps of a safety goal bound an action, the smallest, unless its cost says otherwise."""
@@ -77,8 +77,8 @@ class Goal(Node):
         safety: bool = False,
     ) -> None:
         super().__init__()
-        number = as_numbers(tolerance)
-        if isinstance(number, tuple) or not number >= 0:
+        number = as_number(tolerance)
+        if not number >= 0:
             raise GraphError(f"Goal {name!r}: tolerance={tolerance!r}; expected a number >= 0.")
         self.name, self.tolerance, self.safety = name, number, safety
         self.cost = Interconnection.of(cost)

@@ -112,7 +112,7 @@ class Sensor:
 
     def __post_init__(self) -> None:
         """Check size, range, scale and times, and keep them as plain numbers."""
-        object.__setattr__(self, "size", _size("Sensor", self.size))
+        object.__setattr__(self, "size", as_size("Sensor", self.size))
         object.__setattr__(self, "range", _range("Sensor range", self.range))
 
         # One factor for all components, or one each.
@@ -131,14 +131,14 @@ class Sensor:
             value = getattr(self, name)
             if value is None:
                 continue
-            number = as_numbers(value)
-            if isinstance(number, tuple) or not number > 0:
+            number = as_number(value)
+            if not number > 0:
                 raise GraphError(f"Sensor {name}={value!r}: expected a number > 0, or None.")
             object.__setattr__(self, name, number)
         if self.period is not None and math.isinf(self.period):
             raise GraphError(f"Sensor period={self.period!r}: expected a finite number, or None.")
-        age = as_numbers(self.age)
-        if isinstance(age, tuple) or not 0 <= age < math.inf:
+        age = as_number(self.age)
+        if not 0 <= age < math.inf:
             raise GraphError(f"Sensor age={self.age!r}: expected a number >= 0, in s.")
         object.__setattr__(self, "age", age)
 
@@ -193,7 +193,7 @@ class Actuator:
 
     def __post_init__(self) -> None:
         """Check limit, constraints and the range of commands; numbers become plain ones."""
-        object.__setattr__(self, "size", _size("Actuator", self.size))
+        object.__setattr__(self, "size", as_size("Actuator", self.size))
 
         # One number for the norm, or one a component.
         limit = as_numbers(self.limit)
@@ -268,12 +268,27 @@ def as_numbers(given: Any) -> float | tuple[float, ...]:
     return float(array) if array.ndim == 0 else tuple(map(float, array.flatten().tolist()))
 
 
-def _size(what: str, given: Any) -> int:
-    """A number of components."""
+def as_number(given: Any) -> float:
+    """A number, whatever it comes in; NaN where it is none, or several."""
+    number = as_numbers(given)
+    return math.nan if isinstance(number, tuple) else number
+
+
+def as_count(given: Any) -> int:
+    """A whole number, whatever it comes in; −1 where it is none."""
     try:
-        size = operator.index(given)
-    except TypeError:  # no whole number
-        size = 0
+        return operator.index(given)
+    except TypeError:
+        return -1
+
+
+def as_size(what: str, given: Any) -> int:
+    """A number of components.
+
+    Raises:
+        GraphError: If it is no whole number, or less than 1.
+    """
+    size = as_count(given)
     if size < 1:
         raise GraphError(f"{what} size {given!r}: expected 1 or more components.")
     return size

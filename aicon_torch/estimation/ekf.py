@@ -14,7 +14,7 @@ from aicon_torch.estimation.correction import Correction
 from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.estimation.measurement import Innovation, Measurement
 from aicon_torch.interconnections import Affine, Interconnection, Values
-from aicon_torch.quantities import RESTART
+from aicon_torch.quantities import RESTART, as_size
 
 Derivative = Literal["model", "update", "detached_gain"]
 """Which derivative the anticipated mean has: see :class:`EKF`."""
@@ -180,10 +180,9 @@ class EKF(Estimator):
                     f"{self.mean!r}: a function as initial= needs size=, the number of components."
                 )
             relation = Interconnection.of(initial)
-            size = int(size)
             self.prior: Interconnection | None = relation
             self.prior_inputs = relation.inputs
-            return size
+            return as_size(repr(self.mean), size)
 
         # ... and numbers are kept with the module, to move between devices with it.
         mean, variances = initial

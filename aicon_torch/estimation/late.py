@@ -10,7 +10,7 @@ from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.ekf import EKF
 from aicon_torch.estimation.measurement import Innovation, Measurement
 from aicon_torch.interconnections import Values
-from aicon_torch.quantities import AGE, PRESENT
+from aicon_torch.quantities import AGE, PRESENT, as_count, as_size
 
 
 class LateEKF(EKF):
@@ -54,8 +54,11 @@ class LateEKF(EKF):
         super().__init__(mean, covariance, **options)
         several = (sensor,) if isinstance(sensor, str) else sensor
         self.sensors = in_order(f"sensor of {mean!r}", several)
-        self.steps = int(steps)
-        self.moved_by = {name: int(size) for name, size in moved_by.items()}
+        self.steps = as_count(steps)
+        if self.steps < 0:
+            raise GraphError(f"steps={steps!r} of {mean!r}: expected a number of steps >= 0.")
+        what = f"moved_by of {mean!r}:"
+        self.moved_by = {name: as_size(f"{what} {name!r}", n) for name, n in moved_by.items()}
         self._prompt = in_order(f"prompt of {mean!r}", prompt)
         self.prompt = nn.ModuleList(self._prompt)  # registers them
 

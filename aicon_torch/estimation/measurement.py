@@ -1,5 +1,6 @@
 """Implicit measurements: what relates an estimate to a reading."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -8,7 +9,7 @@ from torch import Tensor, nn
 from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.interconnections import Interconnection, Values
-from aicon_torch.quantities import PRESENT
+from aicon_torch.quantities import PRESENT, as_number, as_size
 
 
 class Innovation(NamedTuple):
@@ -63,10 +64,12 @@ class Measurement(nn.Module):
     ) -> None:
         super().__init__()
         self.residual = Interconnection.of(function)
-        self.noise = Covariance(noise, int(size))
+        self.size = as_size("Measurement", size)
+        self.noise = Covariance(noise, self.size)
         self.uncertain = dict(uncertain or {})
-        self.gate = None if gate is None else float(gate)
-        self.size = int(size)
+        self.gate = None if gate is None else as_number(gate)
+        if self.gate is not None and math.isnan(self.gate):
+            raise GraphError(f"Measurement gate={gate!r}: expected a number, or None.")
 
         # What the residual does not read cannot add to its noise.
         for name in self.uncertain:

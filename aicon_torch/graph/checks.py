@@ -95,7 +95,9 @@ def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> N
 
     # Their order counts, so a set will not do.
     for kind, parts in (("estimators", estimators), ("goals", goals)):
-        if not isinstance(parts, Iterable) or isinstance(parts, str | Mapping | Iterator | set):
+        if not isinstance(parts, Iterable) or isinstance(
+            parts, str | Mapping | Iterator | set | frozenset
+        ):
             raise GraphError(f"{kind}: expected a list or a tuple, got {type(parts).__name__}.")
 
     for estimator in estimators:

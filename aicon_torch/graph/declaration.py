@@ -11,7 +11,7 @@ from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.checks import check_clock, check_late, check_names
 from aicon_torch.interconnections import Interconnection
-from aicon_torch.quantities import Actuator, Sensor, as_numbers
+from aicon_torch.quantities import Actuator, Sensor, as_number
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,8 @@ class Declaration:
         check_names(sensors, actuators, estimators, goals)
         check_clock(clock, sensors)
         check_late(estimators, sensors)
-        step = math.nan if isinstance(dt, bool | str) else as_numbers(dt)
-        if isinstance(step, tuple) or not 0 < step < math.inf:
+        step = as_number(dt)
+        if not 0 < step < math.inf:
             raise GraphError(f"dt={dt!r}: expected the time of a step, a number > 0, in s.")
         estimates = [name for estimator in estimators for name in estimator.outputs]
         known = [*sensors, *actuators, *estimates, "dt"]

@@ -247,9 +247,9 @@ class ActuatorSafety:
         with torch.enable_grad():
             action = torch.zeros_like(copies[self.actuator]).requires_grad_()
             gaps = self._gap_ahead(goal, {**copies, self.actuator: action}, gap_of_copy)
-            (slopes,) = (
-                pull(gaps.sum(), action, allow_unused=True) if gaps.requires_grad else (None,)
-            )
+            slopes: Tensor | None = None
+            if gaps.requires_grad:
+                (slopes,) = pull(gaps.sum(), action, allow_unused=True)
         if slopes is None:
             raise GraphError(
                 f"Safety goal {goal.name!r}: its gaps do not depend on the actuator "

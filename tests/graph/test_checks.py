@@ -190,6 +190,7 @@ def test_the_same_parts_make_a_model_that_works() -> None:
         ("estimators", 2),
         ("goals", 2),
         ("goals", {Goal("near", near)}),
+        ("goals", frozenset({Goal("near", near)})),
     ],
     ids=str,
 )

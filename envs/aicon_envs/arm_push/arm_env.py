@@ -48,13 +48,13 @@ class ArmSimulation:
     @property
     def joints(self) -> FloatArray:
         """Values of the joints, ``(n,)``, rad or m."""
-        values: FloatArray = self.data.qpos[self._positions].copy()
+        values: FloatArray = self.data.qpos[self._positions]  # a copy
         return values
 
     @property
     def speeds(self) -> FloatArray:
         """Velocities of the joints, ``(n,)``, rad/s or m/s."""
-        values: FloatArray = self.data.qvel[self._velocities].copy()
+        values: FloatArray = self.data.qvel[self._velocities]  # a copy
         return values
 
     def margin(self) -> float:
