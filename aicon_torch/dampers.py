@@ -22,11 +22,15 @@ class PlaceEscape:
         remembers: Whether it remembers at which stops its components were held up.
         whole: So many components, the first and the last ones, go anywhere in their ranges.
         seeks: Whether it seeks.
+        looks_ahead: Whether it passes over places of the sequence at which a gap would be closed,
+            or halfway to which one would: it looks at the next one while it moves. Such places have
+            their turn sooner, since more of them can be reached.
         gives_up: After so many places it goes to where the goals were nearest, and stays; None
             never does.
 
     Raises:
-        OptionError: If patience, near or gives_up is not positive.
+        OptionError: If patience, near or gives_up is not positive, or if it looks ahead and does
+            not seek.
     """
 
     near: float = 0.005
@@ -34,6 +38,7 @@ class PlaceEscape:
     remembers: bool = True
     whole: tuple[int, int] = (0, 0)
     seeks: bool = True
+    looks_ahead: bool = False
     gives_up: int | None = None
 
     def __post_init__(self) -> None:
@@ -42,6 +47,10 @@ class PlaceEscape:
         _check_positive("patience", self.patience)
         if self.gives_up is not None:
             _check_positive("gives_up", self.gives_up)
+        if self.looks_ahead and not self.seeks:
+            raise OptionError(
+                "looks_ahead=True with seeks=False: expected seeks=True, since the search looks."
+            )
 
 
 @dataclass(frozen=True)

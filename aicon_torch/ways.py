@@ -126,10 +126,10 @@ class OtherPlaces:
         for name, places in self.places.items():
             start = f"{name}/escape/"
             own = {key[len(start) :]: value for key, value in ways.items() if key.startswith(start)}
-            escapes = memory[f"{start}escapes"]
-            numbers = torch.arange(self.count + 1, device=escapes.device)
-            numbers = numbers.reshape(-1, *[1] * escapes.dim())
-            number = own["escapes"] + numbers + round * (self.count + 1) - 1
+            following = places.next_number(own)
+            numbers = torch.arange(self.count + 1, device=following.device)
+            numbers = numbers.reshape(-1, *[1] * (following.dim() - 1))
+            number = following + numbers + round * (self.count + 1) - 1
             own = places.first_to(number, own)
             ways |= {start + key: value for key, value in own.items()}
         if round == 0:

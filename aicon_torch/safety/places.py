@@ -9,6 +9,7 @@ from torch import Tensor
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.known_places import time_of
+from aicon_torch.safety.look_ahead import LookAhead, initial_look
 from aicon_torch.safety.nearest import initial_nearest, nearest_so_far
 from aicon_torch.safety.place_search import KEPT, Found, PlaceSearch, initial_search
 from aicon_torch.safety.task_cost import FollowedCost, is_of_other_goals
@@ -51,6 +52,8 @@ def initial_places(size: int, options: PlaceEscape) -> Memory:
 
     if options.seeks:
         remembered |= initial_search(size)
+    if options.looks_ahead:
+        remembered |= initial_look()
     if options.gives_up is not None:
         remembered |= initial_nearest(size)
     return remembered
@@ -96,6 +99,10 @@ class Places:
     as are kept one of the sequence. It turns to one that becomes known on its way to a place of the
     sequence, if that was the next because none was known. From the way to a known one, which is
     blocked where it no longer gets shorter, it turns to the next.
+
+    *A look ahead*, an option: places of the sequence that are not open are passed over
+    (:class:`aicon_torch.safety.look_ahead.LookAhead`), and those that are have their turn sooner:
+    the first after as many known ones as are kept, each other after one.
 
     *Memory of stops.* Where a component is at its stop when it is held up, the branch that led
     there was the wrong one, as that of a wrist: from then on its places are on the other side of
@@ -175,10 +182,12 @@ class Places:
         is_over = ~is_free & (is_there | is_blocked | (clock >= longest))
 
         # Where it leads to.
-        turn = Turn(begins, torch.zeros_like(begins), self._place(escapes, stops))
+        number = torch.where(is_other, 0, self.next_number(memory))
+        turn = Turn(begins, torch.zeros_like(begins), self._place(number, stops))
         blind = torch.where(is_other, 0, memory["blind"])
         if self.options.seeks:
-            found = self.search(cost, room, memory)
+            ahead = self._ahead(number, turn.place, room, memory)
+            found = self.search(cost, room, memory, ahead)
             fails = is_over & memory["to_known"] & ~is_there
             is_due = self._is_due(escapes, blind, memory)
             turn, found = self._turn(turn, found, fails, is_due, room, memory)
@@ -207,6 +216,8 @@ class Places:
         }
         if self.options.seeks:
             remembered |= self._searched(found, action, room, stops, memory)
+            if found.ahead is not None:
+                remembered |= found.ahead.remembered(begins & ~to_known)
         if self.options.gives_up is not None:
             remembered |= nearest_so_far(now, is_other, self.dt * action, gave_up, memory)
         return remembered
@@ -225,8 +236,23 @@ class Places:
         slow = torch.where(is_slow & memory["escaping"], memory["slow"] + self.step, 0.0)
         return slow >= BLOCKED, slow
 
+    def _ahead(
+        self, number: Tensor, place: Tensor, room: tuple[Tensor, Tensor], memory: Memory
+    ) -> LookAhead | None:
+        """The next place of the sequence, if it is looked at before it is gone to.
+
+        Args:
+            number: Of the place, ``(*B,)``.
+            place: The place, ``(*B, n)``.
+            room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
+            memory: What was remembered.
+        """
+        if not self.options.looks_ahead:
+            return None
+        return LookAhead(number, _way(place, room, math.pi * place), memory["look"])
+
     def _is_due(self, escapes: Tensor, blind: Tensor, memory: Memory) -> Tensor:
-        """Whether a known place may be the next, ``(*B,)``: as many as are kept for each other one.
+        """Whether a known place may be the next, ``(*B,)``.
 
         Args:
             escapes: How often it went elsewhere, ``(*B,)``.
@@ -235,7 +261,18 @@ class Places:
         """
         is_blind = memory["escaping"] & ~memory["to_known"]
         blind_before = blind - is_blind.to(blind)
-        return escapes - blind < KEPT * (1 + blind_before)
+        return escapes - blind < self._turns_of_known(blind_before)
+
+    def _turns_of_known(self, blind: Tensor) -> Tensor:
+        """How many known places have their turns before the next one of the sequence, ``(*B,)``.
+
+        As many as are kept for each of the sequence; where these are looked at before, as many for
+        the first of them, and one for each other.
+
+        Args:
+            blind: How often it went to a place of the sequence, ``(*B,)``.
+        """
+        return KEPT + blind if self.options.looks_ahead else KEPT * (1 + blind)
 
     def _turn(
         self,
@@ -326,16 +363,23 @@ class Places:
             memory: What was remembered.
         """
         place, nothing = self._place(number, memory["stops"]), torch.zeros_like(memory["clock"])
-        return memory | {
+        begun = {
             "escaping": torch.ones_like(memory["escaping"]),
             "direction": math.pi * place,
             "place": place,
             "clock": nothing,
             "slow": nothing,
-            "escapes": (1 + KEPT) * (number + 1),  # the known ones had their turns
+            "escapes": number + 1 + self._turns_of_known(number),  # which they had
             "blind": number + 1,
             "to_known": torch.zeros_like(memory["to_known"]),
         }
+        if self.options.looks_ahead:
+            begun["ahead"] = number + 1
+        return memory | begun
+
+    def next_number(self, memory: Memory) -> Tensor:
+        """The number of the next place of the sequence, ``(*B,)``."""
+        return memory["ahead" if self.options.looks_ahead else "escapes"]
 
     def _place(self, number: Tensor, stops: Tensor) -> Tensor:
         """A place of the sequence, ``(*B, n)``: on the side that is left of a component's stop."""

@@ -1,6 +1,7 @@
 """Sensors and actuator of the benchmark: where px become metres, and metres px."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from torch import Tensor
@@ -86,12 +87,20 @@ def actuator(options: Options, servo: Servo) -> Actuator:
 
 def _command(options: Options, servo: Servo) -> Callable[..., Tensor]:
     """A position target in px, or a velocity in px/s."""
-    target = PositionTarget(servo if options.compensate_lag else None, WORKSPACE)
+    if options.command == "velocity":
+        return _velocity_in_pixels
+    return _PositionInPixels(PositionTarget(servo if options.compensate_lag else None, WORKSPACE))
 
-    def position_in_pixels(a: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: Tensor) -> Tensor:
-        return target(a, x_pusher, v_pusher, dt) / PIXEL
 
-    def velocity_in_pixels(a: Tensor) -> Tensor:
-        return a / PIXEL
+@dataclass(frozen=True)
+class _PositionInPixels:
+    """The position target in px; a class, so that the policy can be pickled."""
 
-    return position_in_pixels if options.command == "position" else velocity_in_pixels
+    target: PositionTarget
+
+    def __call__(self, a: Tensor, x_pusher: Tensor, v_pusher: Tensor, dt: Tensor) -> Tensor:
+        return self.target(a, x_pusher, v_pusher, dt) / PIXEL
+
+
+def _velocity_in_pixels(a: Tensor) -> Tensor:
+    return a / PIXEL

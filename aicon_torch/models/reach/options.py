@@ -107,7 +107,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
         "dampers.braking": 0.15,
         "dampers.sweeps": 150,
         "dampers.haste": 1.0,
-        "dampers.escape": PlaceEscape(whole=(1, 3)),
+        "dampers.escape": PlaceEscape(whole=(1, 3), looks_ahead=True),
         "self_collision": SquaredHinge(0.0025, 1.0),
         "damping": 0.05,
         "turns_within": 0.2,

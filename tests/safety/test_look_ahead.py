@@ -1,0 +1,114 @@
+"""Before a place of the sequence is gone to, it is looked at: one that is closed is passed over."""
+
+from typing import Any, cast
+
+import pytest
+import torch
+from torch import Tensor
+
+from aicon_torch.dampers import PlaceEscape
+from aicon_torch.errors import OptionError
+from aicon_torch.safety.look_ahead import END, HALFWAY, LEADER, LookAhead
+from aicon_torch.safety.place_search import KEPT
+from aicon_torch.safety.places import Places, initial_places, spread
+
+DT = 0.02
+LIMITS = torch.full((2,), 1.5, dtype=torch.float64)
+RANGE = (torch.tensor([2.0, 2.0]).double(), torch.tensor([2.0, 2.0]).double())
+
+
+class Held:
+    """A cost that never falls; a gap is closed near one place, and one place is at the goals."""
+
+    def __init__(self, closed: Tensor | None = None, reached: Tensor | None = None) -> None:
+        self.closed, self.reached = closed, reached
+        self.at_rest = torch.tensor(1.0).double()
+
+    def steepness(self, limits: Tensor) -> Tensor:
+        return torch.tensor(1.0).double()
+
+    def slope(self, action: Tensor) -> tuple[Tensor, Tensor]:
+        if self.reached is None:
+            return torch.ones_like(action[..., 0]), torch.zeros_like(action)
+        offset = DT * action - self.reached
+        distance = offset.norm(dim=-1)
+        return distance, DT * offset / distance.clamp(min=1e-9).unsqueeze(-1)
+
+    def of_safety(self, action: Tensor) -> Tensor:
+        if self.closed is None:
+            return torch.zeros_like(action[..., 0])
+        distance = torch.linalg.vector_norm(DT * action - self.closed, dim=-1)
+        closed: Tensor = (0.05 - distance).clamp(min=0.0)
+        return closed
+
+
+def place(number: int) -> Tensor:
+    """A place of the sequence, as the way from the middle of both ranges."""
+    return spread(torch.tensor(number), LIMITS)
+
+
+def held_up(cost: Held, looks_ahead: bool = True, detours: int = 1) -> dict[str, Tensor]:
+    """What is remembered after some detours of one that is held up, and cannot move at all."""
+    options = PlaceEscape(whole=(1, 1), looks_ahead=looks_ahead)
+    places, memory = Places(options, LIMITS, DT), initial_places(2, options)
+    memory = {k: v.double() if v.is_floating_point() else v for k, v in memory.items()}
+    nominal, still = torch.ones(2).double(), torch.zeros(2).double()
+    while int(memory["escapes"]) < detours:
+        memory = places.judge(cast(Any, cost), nominal, still, still, RANGE, memory)
+    return memory
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_it_passes_over_a_place_that_is_closed_there_or_halfway(share: float) -> None:
+    closed = Held(share * RANGE[0] * place(0))
+    torch.testing.assert_close(held_up(closed)["direction"], RANGE[0] * place(1))
+    torch.testing.assert_close(held_up(closed, looks_ahead=False)["direction"], RANGE[0] * place(0))
+
+
+def test_it_goes_to_the_first_place_where_that_is_open() -> None:
+    memory = held_up(Held())
+    torch.testing.assert_close(memory["direction"], RANGE[0] * place(0))
+    assert int(memory["ahead"]) == 1
+
+
+def test_after_the_first_each_place_of_the_sequence_has_one_known_one_before_it() -> None:
+    """Which known one is tried does not matter: there is but one, and it is always blocked."""
+    cost = Held(reached=torch.tensor([1.2, -0.7]).double())
+    blind = [int(held_up(cost, detours=count)["blind"]) for count in range(1, KEPT + 6)]
+    assert blind == [*[0] * KEPT, 1, 1, 2, 2, 3]
+
+
+def look(turn: int, has_looked: bool, is_clear: bool) -> tuple[int, int]:
+    """The number of the next place, which was 7, and what has its turn after a look."""
+    ahead = LookAhead(torch.tensor(7), place(7), torch.tensor(turn))
+    after = ahead.after(torch.tensor(has_looked), torch.tensor(is_clear))
+    return int(after.number), int(after.turn)
+
+
+def test_looks_take_turns() -> None:
+    assert look(END, True, is_clear=True) == (7, HALFWAY)
+    assert look(HALFWAY, True, is_clear=True) == (7, LEADER)
+    assert look(LEADER, True, is_clear=True) == (7, END)
+
+
+def test_a_place_that_is_closed_is_passed_over_and_the_leader_is_looked_at() -> None:
+    assert look(END, True, is_clear=False) == (8, LEADER)
+    assert look(HALFWAY, True, is_clear=False) == (8, LEADER)
+    assert look(LEADER, True, is_clear=False) == (7, END)  # that says nothing of the sequence
+
+
+@pytest.mark.parametrize("turn", [END, HALFWAY, LEADER])
+def test_a_look_at_something_else_takes_no_turn(turn: int) -> None:
+    assert look(turn, False, is_clear=False) == (7, turn)
+
+
+def test_what_is_tried_first_counts_in_the_sequence() -> None:
+    options = PlaceEscape(looks_ahead=True)
+    places, memory = Places(options, LIMITS, DT), initial_places(2, options)
+    begun = places.first_to(torch.tensor(4), memory)
+    assert int(places.next_number(begun)) == 5
+
+
+def test_without_a_search_there_is_no_look_ahead() -> None:
+    with pytest.raises(OptionError, match="looks_ahead=True with seeks=False: expected seeks=True"):
+        PlaceEscape(seeks=False, looks_ahead=True)
