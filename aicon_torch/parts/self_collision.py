@@ -18,6 +18,10 @@ from aicon_torch.vectors import select
 FREE_LINKS = 2
 """Links at most so far apart in the chain are not compared: neighbours always overlap."""
 
+MOST_OF_SPHERES = 24
+"""So many gaps of spheres bound an action, the smallest: where two links that are rows of spheres
+lie side by side, more than a few are about as small."""
+
 
 class Capsule(NamedTuple):
     """A segment with a radius, fixed to a link.
@@ -117,6 +121,8 @@ class SelfCollision(Margin, nn.Module):
 
         # The distance of two capsules is that of their segments, less both radii.
         self.are_spheres = all_are_spheres(capsules)
+        if self.are_spheres:
+            self.most_gaps = MOST_OF_SPHERES
         radii = [capsule.radius for capsule in capsules]
         single = torch.tensor(radii, dtype=torch.float64)
         self.register_buffer("radii", single[first] + single[second])
