@@ -20,13 +20,13 @@ from scipy.spatial.transform import Rotation
 from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.errors import check_known
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.statistics import group_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.worlds.motion_bench_maker import (
     MOST_OBJECTS,
     ROBOTS,
-    SETS,
     SPEED,
     Problem,
     problems,
@@ -358,9 +358,12 @@ def chosen_problems(
     """The robot, and by set and number the problems asked for whose start and goal are free."""
     folder = resources(CACHE)
     robot = robot_of(arguments.robot, folder)
+    sets = arguments.sets or ROBOTS[arguments.robot].sets
+    for name in sets:
+        check_known("set", name, ROBOTS[arguments.robot].sets)
     low, high = arguments.indices
     numbers = range(low, high + 1)
-    given = problems(arguments.robot, folder, robot.chain.names, arguments.sets, numbers)
+    given = problems(arguments.robot, folder, robot.chain.names, sets, numbers)
     return robot, {(each.set, each.index): each for each in given if is_valid(robot, each)}
 
 
@@ -455,7 +458,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def add_problems(parser: argparse.ArgumentParser, out: Path) -> None:
     """Declare whose problems are run, which of them, and where results are kept."""
     parser.add_argument("robot", choices=ROBOTS, help="whose problems")
-    parser.add_argument("--sets", nargs="+", choices=SETS, default=list(SETS))
+    sets = dict.fromkeys(name for robot in ROBOTS.values() for name in robot.sets)
+    parser.add_argument("--sets", nargs="+", choices=sets, help="which (default: all of the robot)")
     parser.add_argument(
         "--indices",
         nargs=2,

@@ -19,7 +19,7 @@ from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.evaluation.statistics import group_rows
-from aicon_baselines.worlds.motion_bench_maker import MOST_OBJECTS, ROBOTS, SETS, Problem
+from aicon_baselines.worlds.motion_bench_maker import MOST_OBJECTS, ROBOTS, Problem
 from aicon_torch.parts import Robot, Solid
 from clutter import (
     DT,
@@ -197,7 +197,8 @@ def track_of(robot: Robot, problem: Problem) -> Track | None:
     The robot has room at its goal wherever the box is, and at its start, where the box starts and
     in the middle.
     """
-    own = (list(ROBOTS).index(problem.robot), SETS.index(problem.set), problem.index)
+    number_of_set = ROBOTS[problem.robot].sets.index(problem.set)
+    own = (list(ROBOTS).index(problem.robot), number_of_set, problem.index)
     generator = np.random.default_rng(own)
     ends = robot.chain(torch.from_numpy(np.stack((problem.start, problem.goal)))).numpy()
     (here, there), world = ends[:, :3, 3], World(robot, problem)
@@ -312,7 +313,7 @@ def report(rows: Sequence[Row]) -> None:
     )
 
     by_set = []
-    for set_name in SETS:
+    for set_name in ROBOTS[rows[0].robot].sets:
         of_set = [row.is_solved for row in rows if row.set == set_name]
         by_set.append(f"{set_name} {sum(of_set)} of {len(of_set)}")
     print("  " + ", ".join(by_set))

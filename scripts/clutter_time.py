@@ -21,7 +21,6 @@ from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.evaluation.timing import processor_seconds
 from aicon_baselines.worlds.motion_bench_maker import (
     ROBOTS,
-    SETS,
     Problem,
     problems,
     resources,
@@ -61,7 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
     torch.set_num_threads(1)
     folder = resources(CACHE)
     robot = robot_of(arguments.robot, folder)
-    given = problems(arguments.robot, folder, robot.chain.names, SETS, [1])
+    given = problems(arguments.robot, folder, robot.chain.names, ROBOTS[arguments.robot].sets, [1])
     crowded = max(given, key=lambda problem: len(problem.solids))
 
     def measure(robot_name: str, name: str, count: int) -> list[Row]:

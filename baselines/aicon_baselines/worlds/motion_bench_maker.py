@@ -13,12 +13,15 @@ import urllib.request
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 from urllib.parse import urljoin
+from xml.etree import ElementTree
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_torch.parts import Chain, Robot, Solid
@@ -30,7 +33,7 @@ SETS = (
     *("table_pick", "table_under_pick", "box"),
     *("bookshelf_small", "bookshelf_tall", "bookshelf_thin", "cage"),
 )
-"""The sets of problems, of 100 each."""
+"""The sets of problems of most robots, of 100 each."""
 
 MOST_OBJECTS = 21
 """No problem has more objects."""
@@ -51,21 +54,40 @@ class Description(NamedTuple):
         base: The link on which the arm stands; the root if None. The joints before it are held as
             they are at the goal.
         axis: The axis along which its tool approaches, in the frame of the tip.
+        sets: Its sets of problems.
+        held: Joints of another arm of it, and where they are held, rad.
     """
 
     tip: str
     always_touching: tuple[tuple[str, str], ...] = ()
     base: str | None = None
     axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    sets: tuple[str, ...] = SETS
+    held: Mapping[str, float] = MappingProxyType({})
 
 
 ROBOTS = {
     "panda": Description("panda_grasptarget", axis=(0.0, 0.0, 1.0)),
     "ur5": Description("ee_link", (("fts_robotside", "wrist_2_link"),)),
     "fetch": Description("gripper_link", base="torso_lift_link"),
+    "baxter": Description(
+        "left_gripper",
+        axis=(0.0, 0.0, 1.0),
+        sets=tuple(f"bookshelf_tall_both_arms_{how}" for how in ("easy", "medium", "hard")),
+        held={
+            "right_s0": 0.00115049,
+            "right_s1": 0.0145728,
+            "right_e0": 0.00230097,
+            "right_e1": 1.41586,
+            "right_w0": -0.00115049,
+            "right_w1": 0.253107,
+            "right_w2": -0.18868,
+        },
+    ),
 }
 """The robots whose problems are read. The Fetch's torso is held; what is below it is taken to be as
-near as where it is lowered."""
+near as where it is lowered. Baxter's problems are of both arms: the left one goes to its part of
+the goal, and the right one is held where it is at every start."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +136,9 @@ def robot_of(name: str, folder: Path) -> Robot:
     for first, second in described.always_touching:
         disabled = f'<disable_collisions link1="{first}" link2="{second}" reason="Always"/>'
         srdf = srdf.replace("</robot>", f"{disabled}</robot>")
-    urdf = _urdf_of(name, folder)
+    urdf: str | Path = _urdf_of(name, folder)
+    if described.held:
+        urdf = _with_joints_held(_urdf_of(name, folder).read_text(), described.held)
     robot = Robot.from_urdf(urdf, tip=described.tip, base=described.base, srdf=srdf)
     robot.chain.speed.fill_(SPEED)
     return robot
@@ -123,6 +147,27 @@ def robot_of(name: str, folder: Path) -> Robot:
 def _urdf_of(name: str, folder: Path) -> Path:
     """The description of a robot by its spheres."""
     return folder / name / f"{name}_spherized.urdf"
+
+
+def _with_joints_held(urdf: str, held: Mapping[str, float]) -> str:
+    """A URDF whose joints of some names are fixed at some angles, rad."""
+    root = ElementTree.fromstring(urdf)
+    for joint in root.iter("joint"):
+        angle = held.get(joint.get("name", ""))
+        origin, axis = joint.find("origin"), joint.find("axis")
+        if angle is None or origin is None or axis is None:
+            continue
+
+        turn = Rotation.from_euler("xyz", _numbers(origin, "rpy"))
+        turn = turn * Rotation.from_rotvec(angle * _numbers(axis, "xyz"))
+        origin.set("rpy", " ".join(str(each) for each in turn.as_euler("xyz")))
+        joint.set("type", "fixed")
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _numbers(element: ElementTree.Element, name: str) -> Array:
+    """What an attribute of a URDF's says."""
+    return np.array(element.get(name, "0 0 0").split(), dtype=float)
 
 
 def problems(

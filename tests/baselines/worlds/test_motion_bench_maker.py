@@ -59,3 +59,27 @@ def test_an_arm_stands_where_its_torso_is_at_the_goal() -> None:
     held = Chain.from_urdf(LIFT, "torso")
     place = motion_bench_maker._place_of_base(held, {"lift": 0.3, "elbow": 1.0})
     np.testing.assert_allclose(place, [0.1, 0.0, 0.7])
+
+
+TWO_JOINTS = """
+<robot name="arm">
+  <link name="base"/><link name="upper"/><link name="lower"/>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/>
+    <origin xyz="0 0 0.3" rpy="0.3 -0.2 0.5"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" velocity="1" effort="1"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <parent link="upper"/><child link="lower"/><origin xyz="0.4 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1" effort="1"/>
+  </joint>
+</robot>
+"""
+
+
+def test_a_joint_that_is_held_leaves_the_arm_as_it_was_there() -> None:
+    held = Chain.from_urdf(motion_bench_maker._with_joints_held(TWO_JOINTS, {"shoulder": 0.7}))
+    assert held.names == ("elbow",)
+    whole = Chain.from_urdf(TWO_JOINTS)
+    place = whole(torch.tensor([0.7, -0.4], dtype=torch.float64))
+    torch.testing.assert_close(held(torch.tensor([-0.4], dtype=torch.float64)), place)
