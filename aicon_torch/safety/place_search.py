@@ -108,11 +108,10 @@ class PlaceSearch:
         is_next = first_of(is_reached[len(known) :])
         is_new = is_next.any(0)
         is_head = listed.head(self.limits) & ~is_new
-        if ahead is not None:
-            is_head = is_head & ~ahead.has_turn
         looked_at = (sought * is_next.unsqueeze(-1)).sum(0) + (known * is_head.unsqueeze(-1)).sum(0)
         if ahead is not None:
             is_ahead = ahead.has_turn & ~is_new
+            is_head = is_head & ~is_ahead
             looked_at = torch.where(is_ahead.unsqueeze(-1), ahead.looked_at, looked_at)
         is_clear = cost.of_safety(looked_at / self.dt) <= 0.0
         new = (improved[len(known) :] * is_next.unsqueeze(-1)).sum(0)

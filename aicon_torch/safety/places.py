@@ -363,6 +363,7 @@ class Places:
             memory: What was remembered.
         """
         place, nothing = self._place(number, memory["stops"]), torch.zeros_like(memory["clock"])
+
         begun = {
             "escaping": torch.ones_like(memory["escaping"]),
             "direction": math.pi * place,
@@ -375,6 +376,7 @@ class Places:
         }
         if self.options.looks_ahead:
             begun["ahead"] = number + 1
+
         return memory | begun
 
     def next_number(self, memory: Memory) -> Tensor:

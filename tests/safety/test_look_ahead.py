@@ -4,6 +4,7 @@ from typing import Any, cast
 
 import pytest
 import torch
+from _inputs.places import DT, LIMITS, RANGE, Distance, doubled
 from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape
@@ -12,34 +13,8 @@ from aicon_torch.safety.look_ahead import END, HALFWAY, LEADER, LookAhead
 from aicon_torch.safety.place_search import KEPT
 from aicon_torch.safety.places import Places, initial_places, spread
 
-DT = 0.02
-LIMITS = torch.full((2,), 1.5, dtype=torch.float64)
-RANGE = (torch.tensor([2.0, 2.0]).double(), torch.tensor([2.0, 2.0]).double())
-
-
-class Held:
-    """A cost that never falls; a gap is closed near one place, and one place is at the goals."""
-
-    def __init__(self, closed: Tensor | None = None, reached: Tensor | None = None) -> None:
-        self.closed, self.reached = closed, reached
-        self.at_rest = torch.tensor(1.0).double()
-
-    def steepness(self, limits: Tensor) -> Tensor:
-        return torch.tensor(1.0).double()
-
-    def slope(self, action: Tensor) -> tuple[Tensor, Tensor]:
-        if self.reached is None:
-            return torch.ones_like(action[..., 0]), torch.zeros_like(action)
-        offset = DT * action - self.reached
-        distance = offset.norm(dim=-1)
-        return distance, DT * offset / distance.clamp(min=1e-9).unsqueeze(-1)
-
-    def of_safety(self, action: Tensor) -> Tensor:
-        if self.closed is None:
-            return torch.zeros_like(action[..., 0])
-        distance = torch.linalg.vector_norm(DT * action - self.closed, dim=-1)
-        closed: Tensor = (0.05 - distance).clamp(min=0.0)
-        return closed
+NOWHERE = torch.tensor([2.5, 0.0], dtype=torch.float64)
+"""A target beyond the range."""
 
 
 def place(number: int) -> Tensor:
@@ -47,11 +22,10 @@ def place(number: int) -> Tensor:
     return spread(torch.tensor(number), LIMITS)
 
 
-def held_up(cost: Held, looks_ahead: bool = True, detours: int = 1) -> dict[str, Tensor]:
+def held_up(cost: Distance, looks_ahead: bool = True, detours: int = 1) -> dict[str, Tensor]:
     """What is remembered after some detours of one that is held up, and cannot move at all."""
     options = PlaceEscape(whole=(1, 1), looks_ahead=looks_ahead)
-    places, memory = Places(options, LIMITS, DT), initial_places(2, options)
-    memory = {k: v.double() if v.is_floating_point() else v for k, v in memory.items()}
+    places, memory = Places(options, LIMITS, DT), doubled(initial_places(2, options))
     nominal, still = torch.ones(2).double(), torch.zeros(2).double()
     while int(memory["escapes"]) < detours:
         memory = places.judge(cast(Any, cost), nominal, still, still, RANGE, memory)
@@ -60,20 +34,20 @@ def held_up(cost: Held, looks_ahead: bool = True, detours: int = 1) -> dict[str,
 
 @pytest.mark.parametrize("share", [1.0, 0.5])
 def test_it_passes_over_a_place_that_is_closed_there_or_halfway(share: float) -> None:
-    closed = Held(share * RANGE[0] * place(0))
+    closed = Distance(NOWHERE, closed=share * RANGE[0] * place(0), radius=0.05)
     torch.testing.assert_close(held_up(closed)["direction"], RANGE[0] * place(1))
     torch.testing.assert_close(held_up(closed, looks_ahead=False)["direction"], RANGE[0] * place(0))
 
 
 def test_it_goes_to_the_first_place_where_that_is_open() -> None:
-    memory = held_up(Held())
+    memory = held_up(Distance(NOWHERE))
     torch.testing.assert_close(memory["direction"], RANGE[0] * place(0))
     assert int(memory["ahead"]) == 1
 
 
 def test_after_the_first_each_place_of_the_sequence_has_one_known_one_before_it() -> None:
     """Which known one is tried does not matter: there is but one, and it is always blocked."""
-    cost = Held(reached=torch.tensor([1.2, -0.7]).double())
+    cost = Distance(torch.tensor([1.2, -0.7]).double())
     blind = [int(held_up(cost, detours=count)["blind"]) for count in range(1, KEPT + 6)]
     assert blind == [*[0] * KEPT, 1, 1, 2, 2, 3]
 

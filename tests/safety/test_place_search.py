@@ -4,42 +4,14 @@ from typing import Any, cast
 
 import pytest
 import torch
-from torch import Tensor
+from _inputs.places import DT, LIMITS, RANGE, Distance, doubled
 
 from aicon_torch.dampers import PlaceEscape
 from aicon_torch.safety.place_search import IMAGINED, KEPT, Found, PlaceSearch, initial_search
 from aicon_torch.safety.places import Places, initial_places
 
-DT, NEAR = 0.02, 0.005
-LIMITS = torch.full((2,), 1.5, dtype=torch.float64)
-RANGE = (torch.tensor([2.0, 2.0]).double(), torch.tensor([2.0, 2.0]).double())
+NEAR = 0.005
 TARGET = torch.tensor([1.2, -0.7], dtype=torch.float64)
-
-
-class Distance:
-    """G = ‖x − target‖ from x = 0; within a metre of a place a gap is closed."""
-
-    def __init__(self, target: Tensor, closed: Tensor | None = None) -> None:
-        self.target, self.closed = target, closed
-        self.at_rest = target.norm()
-
-    def steepness(self, limits: Tensor) -> Tensor:
-        return torch.tensor(1.0).double()
-
-    def slope(self, action: Tensor) -> tuple[Tensor, Tensor]:
-        offset = DT * action - self.target
-        distance = offset.norm(dim=-1)
-        return distance, DT * offset / distance.clamp(min=1e-9).unsqueeze(-1)
-
-    def of_safety(self, action: Tensor) -> Tensor:
-        if self.closed is None:
-            return torch.zeros_like(action[..., 0])
-        return (1.0 - (DT * action - self.closed).norm(dim=-1)).clamp(min=0.0)
-
-
-def doubled(memory: dict[str, Tensor]) -> dict[str, Tensor]:
-    """A memory in double precision."""
-    return {k: v.double() if v.is_floating_point() else v for k, v in memory.items()}
 
 
 def searched(cost: Distance, steps: int = 8, moved: float = 0.0) -> Found:

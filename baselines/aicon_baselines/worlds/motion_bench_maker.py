@@ -136,9 +136,8 @@ def robot_of(name: str, folder: Path) -> Robot:
     for first, second in described.always_touching:
         disabled = f'<disable_collisions link1="{first}" link2="{second}" reason="Always"/>'
         srdf = srdf.replace("</robot>", f"{disabled}</robot>")
-    urdf: str | Path = _urdf_of(name, folder)
-    if described.held:
-        urdf = _with_joints_held(_urdf_of(name, folder).read_text(), described.held)
+    file = _urdf_of(name, folder)
+    urdf = _with_joints_held(file.read_text(), described.held) if described.held else file
     robot = Robot.from_urdf(urdf, tip=described.tip, base=described.base, srdf=srdf)
     robot.chain.speed.fill_(SPEED)
     return robot
@@ -256,6 +255,7 @@ def _download(archive: Path) -> None:
             f"{PACKAGE}: its source could not be downloaded from pip's package index ({error}). "
             f"Where there is no network, put {ARCHIVE} into {archive.parent}."
         ) from error
+
     if _digest(archive) != SHA256:
         archive.unlink()
         raise ComparisonError(f"{ARCHIVE}: the package index has another file by this name.")
