@@ -23,14 +23,13 @@ class PlaceEscape:
         whole: So many components, the first and the last ones, go anywhere in their ranges.
         seeks: Whether it seeks.
         looks_ahead: Whether it passes over places of the sequence at which a gap would be closed,
-            or halfway to which one would: it looks at the next one while it moves. Such places have
+            or halfway to which one would: it looks at one of both in each step. Such places have
             their turn sooner, since more of them can be reached.
         gives_up: After so many places it goes to where the goals were nearest, and stays; None
             never does.
 
     Raises:
-        OptionError: If patience, near or gives_up is not positive, or if it looks ahead and does
-            not seek.
+        OptionError: If patience, near or gives_up is not positive.
     """
 
     near: float = 0.005
@@ -47,10 +46,6 @@ class PlaceEscape:
         _check_positive("patience", self.patience)
         if self.gives_up is not None:
             _check_positive("gives_up", self.gives_up)
-        if self.looks_ahead and not self.seeks:
-            raise OptionError(
-                "looks_ahead=True with seeks=False: expected seeks=True, since the search looks."
-            )
 
 
 @dataclass(frozen=True)

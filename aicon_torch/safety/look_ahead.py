@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.resolution import Memory
 
-END, HALFWAY, LEADER = range(3)
+END, HALFWAY = range(2)
 
 
 def initial_look() -> Memory:
@@ -18,16 +18,14 @@ def initial_look() -> Memory:
 class LookAhead(NamedTuple):
     """Looks at the next place of the sequence, and passes over it where a gap would be closed.
 
-    One place is looked at in each step, so they take turns with looks at the place that leads of
-    those that are known:
+    One place is looked at in each step:
 
-    =======  ==========================  ===================================
-    turn     what is looked at           next turn
-    =======  ==========================  ===================================
-    END      the next place              HALFWAY; LEADER if a gap is closed
-    HALFWAY  half the way to it          LEADER
-    LEADER   the known place that leads  END
-    =======  ==========================  ===================================
+    =======  ==================  =========  =================================
+    turn     what is looked at   next turn  next turn if a gap is closed
+    =======  ==================  =========  =================================
+    END      the next place      HALFWAY    END, of the place that follows it
+    HALFWAY  half the way to it  END        END, of the place that follows it
+    =======  ==================  =========  =================================
 
     Attributes:
         number: Of the next place, ``(*B,)``.
@@ -40,29 +38,19 @@ class LookAhead(NamedTuple):
     turn: Tensor
 
     @property
-    def has_turn(self) -> Tensor:
-        """Whether the next place or half the way to it has its turn, ``(*B,)``."""
-        return self.turn != LEADER
-
-    @property
     def looked_at(self) -> Tensor:
-        """The way to what is looked at if it has its turn, ``(*B, n)``."""
+        """The way to what is looked at, ``(*B, n)``."""
         share = torch.where(self.turn == END, 1.0, 0.5)
         return share.unsqueeze(-1).to(self.way) * self.way
 
-    def after(self, has_looked: Tensor, is_clear: Tensor) -> "LookAhead":
-        """What is known after a look at a place, whose turn comes again if another was looked at.
+    def after(self, is_clear: Tensor) -> "LookAhead":
+        """What is known after the look.
 
         Args:
-            has_looked: Whether what had its turn was looked at, ``(*B,)``.
             is_clear: Whether no gap is closed at what was looked at, ``(*B,)``.
         """
-        is_closed = has_looked & self.has_turn & ~is_clear
-        following = torch.where(is_closed, LEADER, (self.turn + 1) % 3)
-        return self._replace(
-            number=self.number + is_closed,
-            turn=torch.where(has_looked, following, self.turn),
-        )
+        following = torch.where(is_clear, (self.turn + 1) % 2, END)
+        return self._replace(number=self.number + ~is_clear, turn=following)
 
     def remembered(self, goes: Tensor) -> Memory:
         """What is remembered of it.

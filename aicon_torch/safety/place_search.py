@@ -7,7 +7,6 @@ from torch import Tensor
 
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.known_places import Known, first_of
-from aicon_torch.safety.look_ahead import LookAhead
 from aicon_torch.safety.task_cost import FollowedCost
 
 FALLS = 0.03  # share by which the cost of an imagined place must fall to count as lower
@@ -45,7 +44,6 @@ class Found(NamedTuple):
         cost: The least that each has cost, ``(m, *B)``.
         hopeless: For how many steps that has not fallen, ``(m, *B)``.
         is_done: Whether it is given up or has been taken over, ``(m, *B)``.
-        ahead: What is known of the next place of the actuator's sequence, if it is looked at.
     """
 
     known: Known
@@ -53,7 +51,6 @@ class Found(NamedTuple):
     cost: Tensor
     hopeless: Tensor
     is_done: Tensor
-    ahead: LookAhead | None
 
 
 class PlaceSearch:
@@ -80,20 +77,13 @@ class PlaceSearch:
     def __init__(self, limits: Tensor, near: float, dt: float) -> None:
         self.limits, self.near, self.dt = limits, near, dt
 
-    def __call__(
-        self,
-        cost: FollowedCost,
-        room: tuple[Tensor, Tensor],
-        memory: Memory,
-        ahead: LookAhead | None = None,
-    ) -> Found:
+    def __call__(self, cost: FollowedCost, room: tuple[Tensor, Tensor], memory: Memory) -> Found:
         """A step of the search.
 
         Args:
             cost: What the goals cost elsewhere.
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
-            ahead: The next place of the actuator's sequence, if it is to be looked at in turn.
         """
         known, sought = (memory[name].movedim(-2, 0) for name in ("known", "sought"))
         here, improved = self._improved(cost, torch.cat((known, sought)), room)
@@ -109,10 +99,6 @@ class PlaceSearch:
         is_new = is_next.any(0)
         is_head = listed.head(self.limits) & ~is_new
         looked_at = (sought * is_next.unsqueeze(-1)).sum(0) + (known * is_head.unsqueeze(-1)).sum(0)
-        if ahead is not None:
-            is_ahead = ahead.has_turn & ~is_new
-            is_head = is_head & ~is_ahead
-            looked_at = torch.where(is_ahead.unsqueeze(-1), ahead.looked_at, looked_at)
         is_clear = cost.of_safety(looked_at / self.dt) <= 0.0
         new = (improved[len(known) :] * is_next.unsqueeze(-1)).sum(0)
         remaining = Known(
@@ -131,7 +117,6 @@ class PlaceSearch:
             cost=torch.minimum(own, least),
             hopeless=hopeless,
             is_done=is_next | (hopeless >= HOPELESS),
-            ahead=None if ahead is None else ahead.after(~is_new, is_clear),
         )
 
     def _improved(

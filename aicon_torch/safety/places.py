@@ -183,11 +183,11 @@ class Places:
 
         # Where it leads to.
         number = torch.where(is_other, 0, self.next_number(memory))
-        turn = Turn(begins, torch.zeros_like(begins), self._place(number, stops))
+        following = self._place(number, stops)
+        turn = Turn(begins, torch.zeros_like(begins), following)
         blind = torch.where(is_other, 0, memory["blind"])
         if self.options.seeks:
-            ahead = self._ahead(number, turn.place, room, memory)
-            found = self.search(cost, room, memory, ahead)
+            found = self.search(cost, room, memory)
             fails = is_over & memory["to_known"] & ~is_there
             is_due = self._is_due(escapes, blind, memory)
             turn, found = self._turn(turn, found, fails, is_due, room, memory)
@@ -216,8 +216,9 @@ class Places:
         }
         if self.options.seeks:
             remembered |= self._searched(found, action, room, stops, memory)
-            if found.ahead is not None:
-                remembered |= found.ahead.remembered(begins & ~to_known)
+        if self.options.looks_ahead:
+            ahead = self._ahead(cost, number, following, room, memory)
+            remembered |= ahead.remembered(begins & ~to_known)
         if self.options.gives_up is not None:
             remembered |= nearest_so_far(now, is_other, self.dt * action, gave_up, memory)
         return remembered
@@ -237,19 +238,24 @@ class Places:
         return slow >= BLOCKED, slow
 
     def _ahead(
-        self, number: Tensor, place: Tensor, room: tuple[Tensor, Tensor], memory: Memory
-    ) -> LookAhead | None:
-        """The next place of the sequence, if it is looked at before it is gone to.
+        self,
+        cost: FollowedCost,
+        number: Tensor,
+        place: Tensor,
+        room: tuple[Tensor, Tensor],
+        memory: Memory,
+    ) -> LookAhead:
+        """What is known of the next place of the sequence after a look at it.
 
         Args:
+            cost: What the goals cost elsewhere.
             number: Of the place, ``(*B,)``.
             place: The place, ``(*B, n)``.
             room: How far each component may go down and up, ``(*B, n)`` both; ∞ for any.
             memory: What was remembered.
         """
-        if not self.options.looks_ahead:
-            return None
-        return LookAhead(number, _way(place, room, math.pi * place), memory["look"])
+        ahead = LookAhead(number, _way(place, room, math.pi * place), memory["look"])
+        return ahead.after(cost.of_safety(ahead.looked_at / self.dt) <= 0.0)
 
     def _is_due(self, escapes: Tensor, blind: Tensor, memory: Memory) -> Tensor:
         """Whether a known place may be the next, ``(*B,)``.

@@ -8,8 +8,7 @@ from _inputs.places import DT, LIMITS, RANGE, Distance, doubled
 from torch import Tensor
 
 from aicon_torch.dampers import PlaceEscape
-from aicon_torch.errors import OptionError
-from aicon_torch.safety.look_ahead import END, HALFWAY, LEADER, LookAhead
+from aicon_torch.safety.look_ahead import END, HALFWAY, LookAhead
 from aicon_torch.safety.place_search import KEPT
 from aicon_torch.safety.places import Places, initial_places, spread
 
@@ -22,9 +21,11 @@ def place(number: int) -> Tensor:
     return spread(torch.tensor(number), LIMITS)
 
 
-def held_up(cost: Distance, looks_ahead: bool = True, detours: int = 1) -> dict[str, Tensor]:
+def held_up(
+    cost: Distance, looks_ahead: bool = True, seeks: bool = True, detours: int = 1
+) -> dict[str, Tensor]:
     """What is remembered after some detours of one that is held up, and cannot move at all."""
-    options = PlaceEscape(whole=(1, 1), looks_ahead=looks_ahead)
+    options = PlaceEscape(whole=(1, 1), seeks=seeks, looks_ahead=looks_ahead)
     places, memory = Places(options, LIMITS, DT), doubled(initial_places(2, options))
     nominal, still = torch.ones(2).double(), torch.zeros(2).double()
     while int(memory["escapes"]) < detours:
@@ -32,11 +33,13 @@ def held_up(cost: Distance, looks_ahead: bool = True, detours: int = 1) -> dict[
     return memory
 
 
+@pytest.mark.parametrize("seeks", [True, False])
 @pytest.mark.parametrize("share", [1.0, 0.5])
-def test_it_passes_over_a_place_that_is_closed_there_or_halfway(share: float) -> None:
+def test_it_passes_over_a_place_that_is_closed_there_or_halfway(share: float, seeks: bool) -> None:
     closed = Distance(NOWHERE, closed=share * RANGE[0] * place(0), radius=0.05)
-    torch.testing.assert_close(held_up(closed)["direction"], RANGE[0] * place(1))
-    torch.testing.assert_close(held_up(closed, looks_ahead=False)["direction"], RANGE[0] * place(0))
+    looked, blind = held_up(closed, seeks=seeks), held_up(closed, looks_ahead=False, seeks=seeks)
+    torch.testing.assert_close(looked["direction"], RANGE[0] * place(1))
+    torch.testing.assert_close(blind["direction"], RANGE[0] * place(0))
 
 
 def test_it_goes_to_the_first_place_where_that_is_open() -> None:
@@ -52,28 +55,21 @@ def test_after_the_first_each_place_of_the_sequence_has_one_known_one_before_it(
     assert blind == [*[0] * KEPT, 1, 1, 2, 2, 3]
 
 
-def look(turn: int, has_looked: bool, is_clear: bool) -> tuple[int, int]:
+def look(turn: int, is_clear: bool) -> tuple[int, int]:
     """The number of the next place, which was 7, and what has its turn after a look."""
     ahead = LookAhead(torch.tensor(7), place(7), torch.tensor(turn))
-    after = ahead.after(torch.tensor(has_looked), torch.tensor(is_clear))
+    after = ahead.after(torch.tensor(is_clear))
     return int(after.number), int(after.turn)
 
 
 def test_looks_take_turns() -> None:
-    assert look(END, True, is_clear=True) == (7, HALFWAY)
-    assert look(HALFWAY, True, is_clear=True) == (7, LEADER)
-    assert look(LEADER, True, is_clear=True) == (7, END)
+    assert look(END, is_clear=True) == (7, HALFWAY)
+    assert look(HALFWAY, is_clear=True) == (7, END)
 
 
-def test_a_place_that_is_closed_is_passed_over_and_the_leader_is_looked_at() -> None:
-    assert look(END, True, is_clear=False) == (8, LEADER)
-    assert look(HALFWAY, True, is_clear=False) == (8, LEADER)
-    assert look(LEADER, True, is_clear=False) == (7, END)  # that says nothing of the sequence
-
-
-@pytest.mark.parametrize("turn", [END, HALFWAY, LEADER])
-def test_a_look_at_something_else_takes_no_turn(turn: int) -> None:
-    assert look(turn, False, is_clear=False) == (7, turn)
+@pytest.mark.parametrize("turn", [END, HALFWAY])
+def test_a_place_that_is_closed_is_passed_over_and_the_next_one_is_looked_at(turn: int) -> None:
+    assert look(turn, is_clear=False) == (8, END)
 
 
 def test_what_is_tried_first_counts_in_the_sequence() -> None:
@@ -81,8 +77,3 @@ def test_what_is_tried_first_counts_in_the_sequence() -> None:
     places, memory = Places(options, LIMITS, DT), initial_places(2, options)
     begun = places.first_to(torch.tensor(4), memory)
     assert int(places.next_number(begun)) == 5
-
-
-def test_without_a_search_there_is_no_look_ahead() -> None:
-    with pytest.raises(OptionError, match="looks_ahead=True with seeks=False: expected seeks=True"):
-        PlaceEscape(seeks=False, looks_ahead=True)

@@ -30,7 +30,7 @@ BALL_DISTANCE = SquaredHinge(margin=0.03, weight=1.0)
 """How far links stay from balls, m, which is their margin where balls are goals like any other:
 three times as far as from each other, since a ball may move."""
 
-OBSTACLE_DISTANCE = SquaredHinge(margin=0.003, weight=1.0)
+OBSTACLE_DISTANCE = SquaredHinge(margin=0.004, weight=1.0)
 """How far links stay from objects, m: where there is clutter, targets have little room."""
 
 TABLE_DISTANCE = SquaredHinge(margin=0.01, weight=1.0)

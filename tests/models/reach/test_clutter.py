@@ -7,7 +7,9 @@ from _inputs.reaching import planar_arm, reach
 
 from aicon_torch import make_policy
 from aicon_torch.errors import OptionError
+from aicon_torch.models.reach.options import PRESETS
 from aicon_torch.parts import Solid, Solids, SquaredHinge, reading_of
+from aicon_torch.safety import SafetyBounds, nearest_safe
 
 
 def gaps(way: torch.Tensor) -> torch.Tensor:
@@ -61,3 +63,25 @@ def test_the_compiled_step_is_the_readable_one() -> None:
 def test_objects_are_kept_from_a_shape() -> None:
     with pytest.raises(OptionError, match="obstacles=1: expected 0, since the robot has no shape"):
         make_policy("reach", robot=planar_arm(shape=False), obstacles=1)
+
+
+def test_joints_that_nothing_is_near_go_on_where_the_others_are_wedged() -> None:
+    # The upper arm of a Fetch between boards: bounds that nearly oppose each other, so that an
+    # action comes near to them in many sweeps only. None of them concerns the last joint.
+    slopes = torch.tensor(
+        [
+            [-0.11, -0.32, -0.07, -0.04, 0.0, 0.0],
+            [0.0, 0.40, 0.30, -0.03, -0.01, 0.0],
+            [0.0, 0.36, -0.02, 0.0, 0.0, 0.0],
+            [0.33, -0.07, 0.03, 0.0, 0.0, 0.0],
+        ],
+        dtype=torch.float64,
+    )
+    bounds = torch.tensor([0.0, 0.0, -0.001, -0.001], dtype=torch.float64)
+    fastest = torch.full((6,), 1.5, dtype=torch.float64)
+    wanted = torch.tensor([0.0, 1.5, -1.2, 1.5, -0.6, 1.1], dtype=torch.float64)
+
+    sweeps = PRESETS["clutter"]["dampers.sweeps"]
+    found = nearest_safe(wanted, SafetyBounds(slopes, bounds, -fastest, fastest), sweeps).action
+    assert float(found[5]) == pytest.approx(1.1, rel=1e-3)
+    assert bool((slopes @ found > bounds - 1e-3).all())
