@@ -45,11 +45,12 @@ RANDOM_PLACES = PlaceEscape(patience=1.2, remembers=False, seeks=False)
 
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
-    "rehearsed": {"dampers.haste": 2.0},
+    "rehearsed": {"dampers.haste": 2.0, "dampers.sweeps": 150},
     "random_places": {"dampers.escape": RANDOM_PLACES, "advances_within": None},
     "without_escape": {"dampers.escape": None, "advances_within": None},
 }
-"""What differs from the preset "clutter". What is rehearsed may go askew: it is tried before."""
+"""What differs from the preset "clutter". What is rehearsed may go askew, since it is tried before; and
+while many robots are tried side by side, one that is wedged is not worth many sweeps."""
 
 REHEARSED = "rehearsed"
 """This one tries on its own model first: see aicon_torch.Rehearsal."""
