@@ -49,8 +49,11 @@ POLICIES: dict[str, dict[str, Any]] = {
     "random_places": {"dampers.escape": RANDOM_PLACES, "advances_within": None},
     "without_escape": {"dampers.escape": None, "advances_within": None},
 }
-"""What differs from the preset "clutter". What is rehearsed may go askew, since it is tried before; and
-while many robots are tried side by side, one that is wedged is not worth many sweeps."""
+"""What differs from the preset "clutter".
+
+What is rehearsed may go askew, since it is tried before. And while many robots are tried side by
+side, one that is wedged is not worth many sweeps.
+"""
 
 REHEARSED = "rehearsed"
 """This one tries on its own model first: see aicon_torch.Rehearsal."""
