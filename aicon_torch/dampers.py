@@ -23,7 +23,7 @@ class PlaceEscape:
         whole: So many components, the first and the last ones, go anywhere in their ranges.
         seeks: Whether it seeks.
         looks_ahead: Whether it passes over places of the sequence at which a gap would be closed,
-            or halfway to which one would: it looks at one of both in each step. Such places have
+            or halfway to which one would: in each step it looks at one of the two. Such places have
             their turn sooner, since more of them can be reached.
         gives_up: After so many places it goes to where the goals were nearest, and stays; None
             never does.
