@@ -70,7 +70,9 @@ class VelocityDampers:
         braking: The way on which an actuator at its limit comes to rest, in the unit of its action
             times s: rad for an arm.
         escape: How a stalemate is left; None stays there.
-        sweeps: Of the solver, at most: among many gaps it needs more of them.
+        sweeps: Of the solver, at most: what they have not found yet is drawn back toward rest.
+            None finds the action exactly, which pays among many gaps; nothing is learned through
+            it.
         haste: So many times the nominal action is what it comes near to. Where the actuator has a
             metric, components that are not at their limits then go on faster, as far as the metric
             gains by it; at 1 the nominal action itself is within the limits, and they do not.
@@ -84,13 +86,14 @@ class VelocityDampers:
 
     braking: float = 0.3
     escape: PlaceEscape | WayAround | None = field(default_factory=PlaceEscape)
-    sweeps: int = 12
+    sweeps: int | None = 12
     haste: float = 1.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         _check_positive("braking", self.braking)
-        _check_positive("sweeps", self.sweeps)
+        if self.sweeps is not None:
+            _check_positive("sweeps", self.sweeps)
         _check_positive("haste", self.haste)
         if isinstance(self.escape, WayAround) and self.haste != 1.0:
             raise OptionError(

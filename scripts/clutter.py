@@ -45,14 +45,13 @@ RANDOM_PLACES = PlaceEscape(patience=1.2, remembers=False, seeks=False)
 
 POLICIES: dict[str, dict[str, Any]] = {
     "aicon": {},
-    "rehearsed": {"dampers.haste": 2.0, "dampers.sweeps": 150},
+    "rehearsed": {"dampers.haste": 2.0},
     "random_places": {"dampers.escape": RANDOM_PLACES, "advances_within": None},
     "without_escape": {"dampers.escape": None, "advances_within": None},
 }
 """What differs from the preset "clutter".
 
-What is rehearsed may go askew, since it is tried before. And while many robots are tried side by
-side, one that is wedged is not worth many sweeps.
+What is rehearsed may go askew, since it is tried before.
 """
 
 REHEARSED = "rehearsed"

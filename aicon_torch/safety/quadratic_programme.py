@@ -1,4 +1,4 @@
-"""The nearest action that keeps linear bounds: a quadratic programme in fixed sweeps."""
+"""The nearest action that keeps linear bounds: a quadratic programme, in sweeps or exactly."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -7,6 +7,8 @@ import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import learns
+from aicon_torch.errors import OptionError
+from aicon_torch.safety.active_set import exactly
 
 MOST_UNROLLED = 48
 """Where rows are looked at more often, it is one operation, for which there is a routine in C."""
@@ -50,7 +52,7 @@ class SafeAction(NamedTuple):
 
 
 def nearest_safe(
-    nominal: Tensor, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
+    nominal: Tensor, within: SafetyBounds, sweeps: int | None, inverse: Tensor | None = None
 ) -> SafeAction:
     """The action a = argmin (a − w)ᵀM(a − w) with c·a ≥ b for every row, and low ≤ a ≤ high.
 
@@ -63,24 +65,28 @@ def nearest_safe(
     Args:
         nominal: w, ``(*B, n)``.
         within: The bounds.
-        sweeps: How many.
+        sweeps: How many; None for the action itself (:mod:`aicon_torch.safety.active_set`).
         inverse: M⁻¹, ``(*B, n, n)``, symmetric and positive definite; None for M = I.
 
     Returns:
         The action and the force of the bounds.
     """
     rows, lengths = _normalised(within)
-    action, force = _projected(nominal, rows, within, sweeps, inverse)
     if rows.bounds.shape[-1] == 0:
-        return SafeAction(action, force)
+        return _projected(nominal, rows, within, sweeps, inverse)
 
     retreat, _ = _projected(torch.zeros_like(nominal), rows, within, sweeps)
-    enough = max(sweeps, YIELDING_SWEEPS)
+    enough = None if sweeps is None else max(sweeps, YIELDING_SWEEPS)
     yielding = _yielding(rows, lengths, within, enough)
     slack = _slack(within) * lengths.amax(-1, keepdim=True)  # no choice hangs on rounding
     missed = _most_missed(yielding, rows, lengths)
     missed_at_rest = _most_missed(retreat, rows, lengths)
     retreat = torch.where(missed + slack < missed_at_rest, yielding, retreat)
+
+    asked = rows
+    if sweeps is None:  # what no action keeps is asked for as far as the retreat keeps it
+        asked = rows._replace(bounds=rows.bounds + _kept(retreat, rows).clamp(max=0.0))
+    action, force = _projected(nominal, asked, within, sweeps, inverse)
     return SafeAction(_drawn_back(action, retreat, rows, within), force)
 
 
@@ -96,7 +102,7 @@ class _Rows(NamedTuple):
     bounds: Tensor
 
 
-def _yielding(rows: _Rows, lengths: Tensor, within: SafetyBounds, sweeps: int) -> Tensor:
+def _yielding(rows: _Rows, lengths: Tensor, within: SafetyBounds, sweeps: int | None) -> Tensor:
     """The action near rest that misses least of the bounds that rest does not keep, ``(*B, n)``.
 
     Where not all of them can be kept, they may all be missed by the same speed κs:
@@ -138,17 +144,26 @@ def _most_missed(action: Tensor, rows: _Rows, lengths: Tensor) -> Tensor:
 
 
 def _projected(
-    nominal: Tensor, rows: _Rows, within: SafetyBounds, sweeps: int, inverse: Tensor | None = None
+    nominal: Tensor,
+    rows: _Rows,
+    within: SafetyBounds,
+    sweeps: int | None,
+    inverse: Tensor | None = None,
 ) -> SafeAction:
-    """The nearest action, as far as the sweeps converge.
+    """The nearest action, as far as the sweeps converge; without a number of them, itself.
 
     Hildreth's method (1957): one row after the other is satisfied by the least change, and what an
     earlier sweep changed too much is taken back. The least change for a row n is along M⁻¹n, and
     brings n·a forward by nᵀM⁻¹n.
     """
-    if sweeps * rows.bounds.shape[-1] > MOST_UNROLLED and not learns():
-        identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
-        metric = identity if inverse is None else inverse
+    identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
+    metric = identity if inverse is None else inverse
+    if sweeps is None:
+        _check_not_learning()
+        boxed = _with_box(rows, within, identity)
+        found = exactly(nominal, boxed.normals, boxed.bounds, metric)
+        action, force = found.chunk(2, dim=-1)
+    elif sweeps * rows.bounds.shape[-1] > MOST_UNROLLED and not learns():
         of_rows = (rows.normals, rows.bounds, _effects_of(rows, metric))
         found = swept(nominal, *of_rows, within.low, within.high, metric, sweeps)
         action, force = found.chunk(2, dim=-1)
@@ -156,6 +171,26 @@ def _projected(
         effects = None if inverse is None else _effects_of(rows, inverse)
         action, force = _sweep(nominal, rows, effects, within, sweeps, inverse)
     return SafeAction(_clamped(action, within), force)
+
+
+def _check_not_learning() -> None:
+    """Check that nothing is to be learned through a solver that is no function of torch.
+
+    Raises:
+        OptionError: If something is.
+    """
+    if learns():
+        raise OptionError(
+            "dampers.sweeps=None: gradients do not go through the exact solver. To learn through "
+            "time, give a number of sweeps, such as 12."
+        )
+
+
+def _with_box(rows: _Rows, within: SafetyBounds, identity: Tensor) -> _Rows:
+    """The rows, and the sides of the box as rows."""
+    sides = torch.cat((identity, -identity)).expand(*rows.normals.shape[:-2], -1, -1)
+    limits = torch.cat((within.low, -within.high), dim=-1).expand(*rows.bounds.shape[:-1], -1)
+    return _Rows(torch.cat((rows.normals, sides), dim=-2), torch.cat((rows.bounds, limits), dim=-1))
 
 
 def _effects_of(rows: _Rows, inverse: Tensor) -> Tensor:

@@ -79,75 +79,6 @@ static void substitute_adjoint(int n, int m, const real *lu, const real *rows, c
   }
 }
 """,
-    "sweep": """\
-/* How long a vector of n components is. */
-static real length(int n, const real *x) {
-  real sum = 0;
-  for (int k = 0; k < n; ++k) sum += x[k] * x[k];
-  return root(sum);
-}
-/* Hildreth's sweeps for m rows and a box of n components in a metric, until they change nothing:
-   x has w, the rows' normals, of length one or zero, bounds and effects, the box, and the inverse
-   of the metric; y gets the action and the force of the bounds.
-
-   A row that is kept with room to spare is looked at again when the action has travelled as far:
-   before that it changes nothing. */
-static void sweep(int m, int n, int sweeps, const real *x, real *y) {
-  const real *normals = x + n, *bounds = normals + m * n, *effects = bounds + m;
-  const real *low = effects + m, *high = low + n, *inverse = high + n;
-  real changes[m * n], lengths[m], multipliers[m], due[m], widths[n], travelled = 0;
-  real *action = y, *push = y + n;
-  for (int i = 0; i < m; ++i) multipliers[i] = 0, due[i] = 0, lengths[i] = -1;
-  for (int k = 0; k < n; ++k) {
-    action[k] = x[k], push[k] = 0;
-    widths[k] = length(n, inverse + k * n);
-  }
-
-  for (int changed = 1; sweeps > 0 && changed; --sweeps) {
-    changed = 0;
-    for (int i = 0; i < m; ++i) {
-      if (travelled < due[i]) continue;
-      real along = 0;
-      for (int k = 0; k < n; ++k) along += normals[i * n + k] * action[k];
-      real multiplier = larger(multipliers[i] + (bounds[i] - along) / effects[i], 0);
-      real more = multiplier - multipliers[i];
-      if (more == 0) {
-        real room = along - bounds[i];
-        if (multiplier == 0) due[i] = travelled + room - ROUNDING * (1 + travelled + room);
-        continue;
-      }
-
-      /* The least change is along the row turned by the inverse of the metric. */
-      real *change = changes + i * n;
-      if (lengths[i] < 0) {
-        for (int k = 0; k < n; ++k) {
-          change[k] = 0;
-          for (int j = 0; j < n; ++j) change[k] += normals[i * n + j] * inverse[j * n + k];
-        }
-        lengths[i] = length(n, change);
-      }
-      for (int k = 0; k < n; ++k) action[k] += more * change[k];
-      travelled += magnitude(more) * lengths[i];
-      multipliers[i] = multiplier;
-      due[i] = 0;
-      changed = 1;
-    }
-    for (int k = 0; k < n; ++k) {
-      real effect = inverse[k * n + k], free = action[k] - push[k] * effect;
-      real needed = (smaller(larger(free, low[k]), high[k]) - free) / effect;
-      real more = needed - push[k];
-      if (more == 0) continue;
-      for (int j = 0; j < n; ++j) action[j] += more * inverse[k * n + j];
-      travelled += magnitude(more) * widths[k];
-      push[k] = needed;
-      changed = 1;
-    }
-  }
-  for (int i = 0; i < m; ++i)
-    if (multipliers[i] > 0)
-      for (int k = 0; k < n; ++k) push[k] += multipliers[i] * normals[i * n + k];
-}
-""",
 }
 """The routines in C."""
 
@@ -165,26 +96,6 @@ def solve_ex(
 
     success = writer.full(matrix.shape[:-2], 0, "int")
     return solution.squeeze(-1) if is_vector else solution, factors, rows, success
-
-
-def sweep(writer: Writer, kind: Kind, nominal: Array, normals: Array, *others: Any) -> Array:
-    """The sweeps of a quadratic programme: :func:`aicon_torch.safety.quadratic_programme.swept`."""
-    *arrays, sweeps = others
-    rows, size = normals.shape[-2:]
-    leading = nominal.shape[:-1]
-    result = np.empty((*leading, 2 * size), dtype=object)
-
-    own = (1, 2, 1, 1, 1, 1, 2)  # dimensions of each without the batch
-    given = [
-        np.broadcast_to(array, (*leading, *array.shape[array.ndim - count :]))
-        for array, count in zip((nominal, normals, *arrays), own, strict=True)
-    ]
-    for place in np.ndindex(leading):
-        # One flat argument for each robot, in the order in which the routine reads it.
-        numbers = [number for array in given for number in writer.cast(array[place], "real").flat]
-        call = writer.program.call("sweep", numbers, (rows, size, sweeps, 2 * size))
-        result[place] = [writer.program.item(call, index) for index in range(2 * size)]
-    return result
 
 
 def factorize(writer: Writer, kind: Kind, matrix: Array, **_: Any) -> tuple[Array, ...]:
@@ -236,6 +147,5 @@ SOLVING: dict[str, Translation] = {
     "_linalg_solve_ex": solve_ex,
     "linalg_lu_factor_ex": factorize,
     "linalg_lu_solve": substitute,
-    "swept": sweep,
 }
 """The translation of each operator that solves, by its name in aten without the overload."""

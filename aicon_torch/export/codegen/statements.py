@@ -9,6 +9,7 @@ import torch
 from aicon_torch.export.codegen.grids import COLUMN, PLACE, ROW, Grid
 from aicon_torch.export.codegen.lanes import Lanes, in_phases, in_rows
 from aicon_torch.export.codegen.networks import NETWORK_ROUTINES
+from aicon_torch.export.codegen.programmes import ROUTINES as PROGRAMME_ROUTINES
 from aicon_torch.export.codegen.scalars import (
     CONSTANT,
     INPUT,
@@ -24,7 +25,12 @@ from aicon_torch.export.codegen.scalars import (
 from aicon_torch.export.codegen.selection import SELECTION_ROUTINES
 from aicon_torch.export.codegen.solving import ROUTINES as SOLVING_ROUTINES
 
-ROUTINES = {**SOLVING_ROUTINES, **NETWORK_ROUTINES, **SELECTION_ROUTINES}
+ROUTINES = {
+    **SOLVING_ROUTINES,
+    **PROGRAMME_ROUTINES,
+    **NETWORK_ROUTINES,
+    **SELECTION_ROUTINES,
+}
 """The routines that a program calls, in C."""
 
 TYPES = {"real": "real", "int": "integer", "bool": "int"}

@@ -13,6 +13,7 @@ from aicon_torch.export.codegen.indexing import INDEXING
 from aicon_torch.export.codegen.networks import NETWORKS
 from aicon_torch.export.codegen.operations import Operation
 from aicon_torch.export.codegen.operators import ELEMENTWISE, Translation
+from aicon_torch.export.codegen.programmes import PROGRAMMES
 from aicon_torch.export.codegen.scalars import Kind
 from aicon_torch.export.codegen.selection import SELECTION
 from aicon_torch.export.codegen.solving import SOLVING
@@ -22,6 +23,7 @@ TRANSLATIONS: dict[str, Translation] = {
     **INDEXING,
     **SELECTION,
     **SOLVING,
+    **PROGRAMMES,
     **CREATION,
     **NETWORKS,
 }

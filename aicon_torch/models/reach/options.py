@@ -105,7 +105,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
     "aicon": {},
     "clutter": {
         "dampers.braking": 0.15,
-        "dampers.sweeps": 1000,
+        "dampers.sweeps": None,
         "dampers.haste": 1.0,
         "dampers.escape": PlaceEscape(whole=(1, 3), looks_ahead=True),
         "self_collision": SquaredHinge(0.0025, 1.0),

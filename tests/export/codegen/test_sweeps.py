@@ -1,4 +1,4 @@
-"""The sweeps over many bounds in C find what those of torch do, though they pass over some rows."""
+"""Programmes of many bounds in C find what they do in torch, though sweeps pass over some rows."""
 
 from pathlib import Path
 
@@ -19,19 +19,22 @@ SLOPES, ROOT = normal(ROWS, SIZE // 2), normal(SIZE // 2, SIZE, seed=3)
 LOWEST = -normal(ROWS, seed=1).abs() / SIZE
 
 
-def safe(x: Tensor, inverse: Tensor | None) -> Tensor:
+def safe(x: Tensor, inverse: Tensor | None, sweeps: int | None) -> Tensor:
     """The action and force with many bounds, of which the nominal action breaks more or fewer."""
     nominal, reach = x[: SIZE // 2], x[SIZE // 2 :].abs().sum()
     box = torch.full_like(nominal, 0.8)
     within = SafetyBounds(SLOPES, LOWEST * reach, -box, box)
-    found = nearest_safe(nominal, within, 40, inverse)
+    found = nearest_safe(nominal, within, sweeps, inverse)
     return torch.cat((found.action, found.force))
 
 
+@pytest.mark.parametrize("sweeps", [40, None], ids=["sweeps", "exactly"])
 @pytest.mark.parametrize("inverse", [None, ROOT @ ROOT.mT], ids=["alike", "in a metric"])
-def test_in_c_the_sweeps_find_the_same(inverse: Tensor | None, tmp_path: Path) -> None:
+def test_in_c_the_programme_finds_the_same(
+    inverse: Tensor | None, sweeps: int | None, tmp_path: Path
+) -> None:
     def function(x: Tensor) -> Tensor:
-        return safe(x, inverse)
+        return safe(x, inverse, sweeps)
 
     in_c = translated(function, torch.float64, tmp_path)
     for seed in range(20):
