@@ -7,6 +7,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from aicon_torch.differentiation import learns
+from aicon_torch.errors import OptionError
+from aicon_torch.safety.rows import Rows, SafetyBounds
+
 MISSED = 1e-5
 """By how much a row of length one is missed at least, as a share of its bound and of the largest
 component that the action has had: less is left to rounding."""
@@ -24,6 +28,36 @@ MOST = 200
 Array = NDArray[np.float64]
 
 
+def exactly_within(
+    nominal: Tensor, rows: Rows, within: SafetyBounds, inverse: Tensor
+) -> tuple[Tensor, Tensor]:
+    """The action that keeps rows and box, and the force of the bounds, ``(*B, n)`` both.
+
+    Args:
+        nominal: w.
+        rows: The rows.
+        within: The bounds, with the box.
+        inverse: M⁻¹, ``(*B, n, n)``.
+
+    Raises:
+        OptionError: If something is to be learned through it, since it is no function of torch.
+    """
+    if learns():
+        raise OptionError(
+            "dampers.sweeps=None: gradients do not go through the exact solver. To learn through "
+            "time, give a number of sweeps, such as 12."
+        )
+
+    # The sides of the box are rows as well.
+    identity = torch.eye(nominal.shape[-1], dtype=nominal.dtype, device=nominal.device)
+    sides = torch.cat((identity, -identity)).expand(*rows.normals.shape[:-2], -1, -1)
+    limits = torch.cat((within.low, -within.high), dim=-1).expand(*rows.bounds.shape[:-1], -1)
+    normals = torch.cat((rows.normals, sides), dim=-2)
+    found = exactly(nominal, normals, torch.cat((rows.bounds, limits), dim=-1), inverse)
+    action, force = found.chunk(2, dim=-1)
+    return action, force
+
+
 @torch.library.custom_op("aicon::exactly", mutates_args=())
 def exactly(nominal: Tensor, normals: Tensor, bounds: Tensor, inverse: Tensor) -> Tensor:
     """The action a = argmin (a − w)ᵀM(a − w) with n·a ≥ b for every row.
@@ -31,7 +65,8 @@ def exactly(nominal: Tensor, normals: Tensor, bounds: Tensor, inverse: Tensor) -
     The dual method of Goldfarb and Idnani (1983). From a = w, the row that is missed most is
     satisfied by the least change that leaves those at their bounds there, and joins them; where
     that would need a multiplier below 0, its row is let go first. The cost rises with every row, so
-    none of the sets of rows comes twice. Where no action keeps all rows, it is w.
+    none of the sets of rows comes twice. Where no action keeps all rows, it is w. A row whose bound
+    is no number (NaN) bounds nothing.
 
     Args:
         nominal: w, ``(*B, n)``.
@@ -64,7 +99,8 @@ def _(nominal: Tensor, *_: Any) -> Tensor:
 
 def _nearest(nominal: Array, normals: Array, bounds: Array, inverse: Array) -> Array:
     """The same for one robot."""
-    root = np.linalg.cholesky(inverse)
+    is_known = bool(np.isfinite(inverse).all())
+    root = np.linalg.cholesky(inverse) if is_known else np.full_like(inverse, np.nan)
     turned = normals @ root  # M⁻¹ = K Kᵀ: along Kᵀn, all components count alike
     action, active, largest = nominal.copy(), _Active([], np.empty(0)), 0.0
 

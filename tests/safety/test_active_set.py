@@ -10,6 +10,7 @@ from torch import Tensor
 from aicon_torch.differentiation import through_time
 from aicon_torch.errors import OptionError
 from aicon_torch.safety import SafetyBounds, nearest_safe
+from aicon_torch.safety.active_set import exactly
 
 
 def metric(*batch: int, size: int = 4, seed: int = 20) -> Tensor:
@@ -88,6 +89,21 @@ def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
         single = SafetyBounds(*(value[row] for value in flat))
         found, _ = nearest_safe(single_nominal, single, None, single_inverse)
         torch.testing.assert_close(action.reshape(-1, 4)[row], found)
+
+
+def test_a_bound_that_is_no_number_bounds_nothing() -> None:
+    slopes = torch.tensor([[1.0, 0.0], [0.0, 1.0]])
+    within = SafetyBounds(slopes, torch.tensor([torch.nan, 0.0]), -torch.ones(2), torch.ones(2))
+    identity = torch.eye(2)
+    rows = (within.slopes, within.bounds, identity)
+    found = exactly(torch.tensor([-0.5, -0.5]), *rows)
+    torch.testing.assert_close(found[:2], torch.tensor([-0.5, 0.0]))
+
+
+def test_in_a_metric_that_is_no_number_it_stays_what_was_asked_for() -> None:
+    nominal, unknown = torch.tensor([-0.5, -0.5]), torch.full((2, 2), torch.nan)
+    found = exactly(nominal, torch.eye(2), torch.zeros(2), unknown)
+    torch.testing.assert_close(found[:2], nominal)
 
 
 def test_nothing_is_learned_through_it() -> None:

@@ -212,7 +212,7 @@ static void exactly(int m, int n, const real *x, real *y) {{
 
 
 def sweep(writer: Writer, kind: Kind, nominal: Array, normals: Array, *others: Any) -> Array:
-    """The sweeps of a quadratic programme: :func:`aicon_torch.safety.quadratic_programme.swept`."""
+    """The sweeps of a quadratic programme: :func:`aicon_torch.safety.hildreth.swept`."""
     *arrays, sweeps = others
     return _found(writer, "sweep", (nominal, normals, *arrays), (1, 2, 1, 1, 1, 1, 2), (sweeps,))
 
