@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from aicon_torch.errors import OptionError
+from aicon_torch.validation import check_positive, check_whole
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class PlaceEscape:
             never does.
 
     Raises:
-        OptionError: If patience, near or gives_up is not positive.
+        OptionError: If patience, near or gives_up is no positive number, gives_up a whole one.
     """
 
     near: float = 0.005
@@ -42,10 +43,8 @@ class PlaceEscape:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        _check_positive("near", self.near)
-        _check_positive("patience", self.patience)
-        if self.gives_up is not None:
-            _check_positive("gives_up", self.gives_up)
+        check_positive(self, ("near", "patience"))
+        check_whole(self, ("gives_up",))
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,8 @@ class VelocityDampers:
             gains by it; at 1 the nominal action itself is within the limits, and they do not.
 
     Raises:
-        OptionError: If a number is not positive, or there is haste with a :class:`WayAround`.
+        OptionError: If one is no positive number, sweeps a whole one, or there is haste with a
+            :class:`WayAround`.
 
     Example:
         >>> Actuator(6, "rad/s", limit=(3.1,) * 6, dampers=VelocityDampers(braking=0.3))
@@ -91,18 +91,10 @@ class VelocityDampers:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        _check_positive("braking", self.braking)
-        if self.sweeps is not None:
-            _check_positive("sweeps", self.sweeps)
-        _check_positive("haste", self.haste)
+        check_positive(self, ("braking", "haste"))
+        check_whole(self, ("sweeps",))
         if isinstance(self.escape, WayAround) and self.haste != 1.0:
             raise OptionError(
                 f"haste={self.haste!r}: expected 1 with a WayAround, since nothing moves faster "
                 "than is proposed."
             )
-
-
-def _check_positive(name: str, value: float) -> None:
-    """Check an option that is a number above zero."""
-    if not value > 0:
-        raise OptionError(f"{name}={value!r}: expected a number > 0.")

@@ -10,7 +10,7 @@ from torch import Tensor, nn
 from aicon_torch.differentiation import stop
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.joint_product import Transform
-from aicon_torch.parts.validation import check_choice
+from aicon_torch.validation import check_choice
 
 Steering = Literal["heading", "orientation", "all"]
 

@@ -11,7 +11,7 @@ from torch import Tensor
 from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_delay
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.prior import ReadingPrior, first_belief
-from aicon_torch.parts.validation import check_not_negative, check_positive
+from aicon_torch.validation import check_not_negative, check_positive
 from aicon_torch.vectors import shorten, unit
 
 UNIT_GRADIENT_VARIANCE = 0.05

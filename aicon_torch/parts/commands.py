@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from aicon_torch.parts.validation import check_positive
+from aicon_torch.validation import check_positive
 from aicon_torch.vectors import shorten
 
 

@@ -10,7 +10,7 @@ from typing import get_args
 from aicon_torch.parts.contact import ContactLikelihood
 from aicon_torch.parts.contact_dynamics import ContactDynamics, ContactEffect
 from aicon_torch.parts.rigid_object import RigidObject
-from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
+from aicon_torch.validation import check_choice, check_not_negative, check_positive
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from aicon_torch.differentiation import is_hop, learns
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.approach import ToolAxis
 from aicon_torch.parts.chain import Chain
-from aicon_torch.parts.validation import check_choice
+from aicon_torch.validation import check_choice
 
 Pullback = Literal["natural", "transpose"]
 """Which joint gradient stands for a gradient of the end effector: see :class:`EndEffector`."""

@@ -17,8 +17,8 @@ from aicon_torch.interconnections import Values
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.planar import norm
-from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import by_sign, by_worth, straight_through
+from aicon_torch.validation import check_positive
 
 STEEPNESS = 4.0
 """How steeply the way leads up from an object's side, no unit."""

@@ -10,8 +10,8 @@ from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.grasp import Grasp, way_from_above
 from aicon_torch.parts.planar import norm
-from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import by_sign, by_worth, straight_through
+from aicon_torch.validation import check_positive
 
 END = 0.005
 """How near to an end of its way a handle is at it, m."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from aicon_torch.parts.validation import check_not_negative, check_positive
+from aicon_torch.validation import check_not_negative, check_positive
 
 
 class Margin:

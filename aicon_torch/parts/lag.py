@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from aicon_torch.parts.validation import check_positive
+from aicon_torch.validation import check_positive
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,13 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_d
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.planar import quarter_turn
 from aicon_torch.parts.prior import ReadingPrior, first_belief
-from aicon_torch.parts.validation import (
+from aicon_torch.parts.wheels import Wheels
+from aicon_torch.validation import (
     check_choice,
     check_not_negative,
     check_positive,
     check_steps,
 )
-from aicon_torch.parts.wheels import Wheels
 from aicon_torch.vectors import wrap_angle
 
 Sight = Literal["bearing", "position"]

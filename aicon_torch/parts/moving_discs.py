@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.differentiation import stop
 from aicon_torch.parts.planar import norm
-from aicon_torch.parts.validation import check_not_negative, check_positive
+from aicon_torch.validation import check_not_negative, check_positive
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from aicon_torch.parts.landmark import bearing_jacobian, bearing_residual
 from aicon_torch.parts.planar import norm, rotate
 from aicon_torch.parts.prior import first_belief
 from aicon_torch.parts.self_collision import segment_distance
-from aicon_torch.parts.validation import check_not_negative, check_positive
 from aicon_torch.parts.wheels import Wheels
+from aicon_torch.validation import check_not_negative, check_positive
 from aicon_torch.vectors import unit
 
 

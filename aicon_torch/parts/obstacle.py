@@ -10,7 +10,7 @@ from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.self_collision import Capsule, check_sizes, segment_distance
-from aicon_torch.parts.validation import check_positive
+from aicon_torch.validation import check_positive
 
 
 class Obstacle(Margin, nn.Module):

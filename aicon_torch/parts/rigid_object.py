@@ -8,7 +8,7 @@ from torch import Tensor
 
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.planar import cross, norm, rotate
-from aicon_torch.parts.validation import numbers
+from aicon_torch.validation import numbers
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from torch import Tensor
 from aicon_torch.differentiation import stop
 from aicon_torch.parts.grasp import upward, way_from_above
 from aicon_torch.parts.planar import norm
-from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import straight_through
+from aicon_torch.validation import check_positive
 
 Thing = tuple[Tensor, Tensor]
 """Of an object its centre ``(*B, n)`` and the place where it belongs ``(*B, 3)``, m."""

@@ -11,8 +11,8 @@ from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.planar import norm, quarter_turn
 from aicon_torch.parts.touch import GRAVITY
-from aicon_torch.parts.validation import check_positive
 from aicon_torch.shaping import by_gain, straight_through
+from aicon_torch.validation import check_positive
 
 NONE = 1e-9
 """A motion that counts as none, m or m/s."""

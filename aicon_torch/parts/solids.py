@@ -14,8 +14,8 @@ from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.self_collision import Capsule, CapsuleSegments
 from aicon_torch.parts.tip_pose import rotation_of_quaternion
-from aicon_torch.parts.validation import check_choice
-from aicon_torch.parts.validation import numbers as finite_numbers
+from aicon_torch.validation import check_choice
+from aicon_torch.validation import numbers as finite_numbers
 from aicon_torch.vectors import select
 
 Kind = Literal["box", "cylinder", "capsule", "sphere"]

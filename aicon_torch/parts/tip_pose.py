@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.validation import check_choice
+from aicon_torch.validation import check_choice
 
 Orientation = Literal["free", "axis", "full"]
 """How much of a tip's orientation matters: nothing, one of its axes, or all."""

@@ -11,7 +11,7 @@ from torch import Tensor
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.planar import cross
-from aicon_torch.parts.validation import check_not_negative
+from aicon_torch.validation import check_not_negative
 
 Face = tuple[float, float, float, float]
 """A straight piece of a wall's outline, from (x, y) to (x, y), m; what is free lies on its left."""

@@ -20,7 +20,7 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.parts.planar import pose_error, rotate
 from aicon_torch.parts.prior import ReadingPrior, first_belief
-from aicon_torch.parts.validation import check_positive
+from aicon_torch.validation import check_positive
 
 
 class Wheels:

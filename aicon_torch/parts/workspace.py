@@ -7,7 +7,7 @@ from torch import Tensor
 
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import Margin, SquaredHinge
-from aicon_torch.parts.validation import check_positive
+from aicon_torch.validation import check_positive
 
 SAMPLES = 8192
 """Random postures of which the one that reaches farthest counts."""

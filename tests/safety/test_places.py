@@ -121,5 +121,5 @@ def test_what_is_remembered_is_finite() -> None:
 
 
 def test_patience_is_positive() -> None:
-    with pytest.raises(OptionError, match="patience=0.0: expected a number > 0"):
+    with pytest.raises(OptionError, match="patience=0.0: expected a positive number"):
         PlaceEscape(patience=0.0)

@@ -14,14 +14,14 @@ from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.parts.end_effector import Pullback
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.servo import PARTS
-from aicon_torch.parts.validation import (
+from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+from aicon_torch.validation import (
     check_choice,
     check_not_negative,
     check_positive,
     check_steps,
     numbers,
 )
-from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 
 Sensing = Literal["camera", "pose"]
 """Whether the object is seen by the camera in the hand, or its true pose is observed."""

@@ -7,12 +7,6 @@ from typing import Any, Literal
 import torch
 
 from aicon_torch.control import ActionLaw, DirectDescent, Foresight
-from aicon_torch.parts.validation import (
-    check_choice,
-    check_not_negative,
-    check_positive,
-    check_steps,
-)
 from aicon_torch.resolution import (
     Exploration,
     NullspaceProjection,
@@ -20,6 +14,12 @@ from aicon_torch.resolution import (
     SteepestPath,
     Sum,
     TrapEscape,
+)
+from aicon_torch.validation import (
+    check_choice,
+    check_not_negative,
+    check_positive,
+    check_steps,
 )
 
 ESCAPE = TrapEscape(progress="reach", hold="avoid", along="avoid")

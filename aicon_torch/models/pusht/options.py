@@ -11,14 +11,14 @@ from aicon_torch.control import ActionLaw, DirectDescent, Foresight
 from aicon_torch.errors import OptionError
 from aicon_torch.models.pusht.benchmark import GOAL_POSE, PIXEL, SUBSTEP, T_WIDTH
 from aicon_torch.parts.contact_options import ContactOptions
-from aicon_torch.parts.validation import (
+from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+from aicon_torch.validation import (
     check_choice,
     check_not_negative,
     check_positive,
     check_steps,
     numbers,
 )
-from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 
 CONTACT = ContactOptions(size=T_WIDTH)
 

@@ -12,8 +12,8 @@ from aicon_torch.dampers import PlaceEscape, VelocityDampers
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.tip_pose import Orientation
-from aicon_torch.parts.validation import check_choice, check_not_negative, check_positive
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
+from aicon_torch.validation import check_choice, check_not_negative, check_positive
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from aicon_torch.errors import OptionError
 from aicon_torch.models.pusht import PIXEL
-from aicon_torch.parts.validation import check_not_negative, check_positive
+from aicon_torch.validation import check_not_negative, check_positive
 
 
 @dataclass(frozen=True)

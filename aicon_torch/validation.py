@@ -63,6 +63,19 @@ def check_steps(options: object, name: str) -> None:
         raise OptionError(f"{name}={value!r}: expected a number of steps >= 0.")
 
 
+def check_whole(options: object, names: Sequence[str]) -> None:
+    """Check that fields of some options are whole numbers above 0, or None.
+
+    Raises:
+        OptionError: If one is neither.
+    """
+    for name in names:
+        value = getattr(options, name)
+        is_whole = type(value) is int and value > 0
+        if value is not None and not is_whole:
+            raise OptionError(f"{name}={value!r}: expected a whole number > 0, or None.")
+
+
 def check_choice(options: object, name: str, valid: Sequence[str]) -> None:
     """Check that a field of some options is one of the words that it takes.
 
