@@ -7,10 +7,10 @@ again. The least speed by which some bound has to be missed is a linear programm
 """
 
 import argparse
-import csv
 from collections.abc import Mapping
+from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -19,6 +19,8 @@ from scipy.optimize import linprog
 from torch import Tensor
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.episodes import run_episodes
+from aicon_baselines.evaluation.rows_file import read_rows
 from aicon_baselines.evaluation.tables import to_markdown
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy, make_policy
@@ -45,9 +47,8 @@ class Contact(NamedTuple):
 
 def touched(episodes: Path) -> list[tuple[str, int]]:
     """Conditions and seeds of the episodes in which something touched the arm."""
-    with episodes.open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["policy"] == POLICY]
-    return [(row["condition"], int(row["seed"])) for row in rows if row["collision"] == "1"]
+    rows = [row for row in read_rows(episodes) if row.policy == POLICY and row.collision]
+    return [(row.condition, row.seed) for row in rows]
 
 
 def follow(condition: str, seed: int) -> Contact:
@@ -55,23 +56,16 @@ def follow(condition: str, seed: int) -> Contact:
     plain = make_policy("reach", preset=POLICY, **TASK.policy_options(condition))
     policy, safety = plain.compile(), safety_of(plain.model)["a"]
     env = TASK.make_env(1, condition, TASK.horizon)
-    seen, _ = env.reset(seed=seed)
+    start = env.reset(seed=seed)
 
-    memory: Any = None
     least: list[float] = []
     missed: list[float] = []
-    for step in range(TASK.horizon):
-        action, memory = policy.predict(seen, memory)
-
-        bounds = bounds_of(policy, safety, memory)
+    for number, step in enumerate(islice(run_episodes(policy, env, start), TASK.horizon)):
+        bounds = bounds_of(policy, safety, step.memory)
         least.append(least_miss(bounds))
-        missed.append(miss_of(bounds, torch.as_tensor(action)[0].numpy()))
-
-        seen, _, done, late, info = env.step(np.asarray(action))
-        if float(np.ravel(info["ball_gap"])[0]) <= 0.0:
-            return _contact(condition, seed, step, least, missed)
-        if done[0] or late[0]:
-            break
+        missed.append(miss_of(bounds, np.asarray(step.action)[0]))
+        if step.info["ball_gap"][0] <= 0.0:
+            return _contact(condition, seed, number, least, missed)
     return Contact(condition, seed, np.nan, 0.0, 0.0, 0.0)
 
 
