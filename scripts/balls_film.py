@@ -23,7 +23,6 @@ def run(arguments: argparse.Namespace) -> None:
     from aicon_baselines.figures.reach import ReachRollout, record_reach
     from aicon_baselines.figures.rollout import draw_film
 
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     recording = record_reach(CONDITION, arguments.seed, TASK.horizon)
     draw_film(ReachRollout(recording), arguments.out)
     print(f"saved {arguments.out}")

@@ -56,7 +56,6 @@ def run(arguments: argparse.Namespace) -> None:
     panels = [panel for name in robots for panel in panels_of(name, folder)]
     films = [list(filmed(panel)) for panel in tqdm(panels, desc="films", disable=None)]
 
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (DT * EVERY)))
     print(f"saved {arguments.out}")
 

@@ -41,7 +41,6 @@ def run(arguments: argparse.Namespace) -> None:
         for rule in SHOWN
     }
 
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     frames = draw(joints[:, 0], paths, float(wall[0, 0]))
     save_video(frames, arguments.out, round(1.0 / (DT * EVERY)))
     print(f"saved {arguments.out}")

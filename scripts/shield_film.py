@@ -42,7 +42,6 @@ def run(arguments: argparse.Namespace) -> None:
     films = []
     for name, guard in tqdm(guards(arm.clamped, arm.shielded).items(), disable=None):
         films.append(list(filmed(name, guard, arguments.seed)))
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (CONTROL_STEP * EVERY)))
     print(f"saved {arguments.out}")
 

@@ -53,7 +53,6 @@ def run(arguments: argparse.Namespace) -> None:
         states = states[: round(SECONDS / DT)]
         films.append(list(filmed(name, pair, targets, states, found.time)))
 
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (DT * EVERY)))
     print(f"saved {arguments.out}")
 

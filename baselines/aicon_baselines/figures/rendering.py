@@ -88,12 +88,13 @@ def save_video(frames: Iterable[Frame], path: Path, rate: int) -> None:
 
     Args:
         frames: The frames.
-        path: Where to save the video.
+        path: Where to save the video; its folder is made if need be.
         rate: Frames per second.
 
     Raises:
         ComparisonError: If imageio is not installed and the video is an mp4.
     """
+    path.parent.mkdir(parents=True, exist_ok=True)
     save = _save_webp if is_moving_picture(path) else _save_mp4
     with replacing(path) as place:
         save(frames, place, rate)

@@ -90,7 +90,6 @@ class AiconSimulated(Robot):
         if self.config.film is not None and self._film:
             from aicon_baselines.figures.rendering import save_video
 
-            self.config.film.parent.mkdir(parents=True, exist_ok=True)
             save_video(self._film, self.config.film, round(self.config.fps / FILMED))
             self._film = []
 

@@ -51,7 +51,7 @@ def test_an_mp4_has_the_size_of_its_frames_and_nothing_is_said_of_it(
 
 
 def test_a_webp_moves_and_is_small(tmp_path: Path) -> None:
-    path = tmp_path / "video.webp"
+    path = tmp_path / "new" / "video.webp"
     save_video(frames(6), path, 5)
 
     with Image.open(path) as image:
