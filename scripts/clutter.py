@@ -140,21 +140,15 @@ class World:
         first, second = self.pairs.T
         apart = np.linalg.norm(centres[:, first] - centres[:, second], axis=-1)
         of_itself = (apart - self.radii[first] - self.radii[second]).min(-1)
+        return self.gaps_of(centres[:, self.moving], self.radii[self.moving]), of_itself
 
-        moving, radii = centres[:, self.moving], self.radii[self.moving]
-        of_objects = np.full(len(q), math.inf)
+    def gaps_of(self, points: Array, radii: Array | float = 0.0) -> Array:
+        """The least distance of points ``(k, m, 3)``, or of spheres, to an object, ``(k,)``, m."""
+        least = np.full(len(points), math.inf)
         for solids, middles, rotations in self.objects:
-            local = (moving[:, None] - middles[:, None]) @ rotations
+            local = (points[:, None] - middles[:, None]) @ rotations
             distances = distances_to(solids, local) - radii
-            of_objects = np.minimum(of_objects, distances.min((-1, -2)))
-        return of_objects, of_itself
-
-    def gap_of_points(self, points: Array) -> float:
-        """The least distance of points ``(k, 3)`` to an object, m."""
-        least = math.inf
-        for solids, middles, rotations in self.objects:
-            local = (points - middles[:, None]) @ rotations
-            least = min(least, float(distances_to(solids, local).min()))
+            least = np.minimum(least, distances.min((-1, -2)))
         return least
 
     def least_gaps(self, way: Array) -> tuple[float, float]:

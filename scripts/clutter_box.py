@@ -215,7 +215,7 @@ def track_of(robot: Robot, problem: Problem) -> Track | None:
         track, places = Track(box, direction), np.array(np.linspace(-HALFWAY, HALFWAY, 17))
         at_goal = track.gap(centres[1], world.radii, places)
         at_start = track.gap(centres[0], world.radii, np.array([-HALFWAY, 0.0]))
-        if min(at_goal, at_start) >= ROOM and world.gap_of_points(track.points(places)) > 0.0:
+        if min(at_goal, at_start) >= ROOM and world.gaps_of(track.points(places)[None]) > 0.0:
             return track
     return None
 
