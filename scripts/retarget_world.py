@@ -33,7 +33,7 @@ DT = 0.02  # s
 SPEED = 1.0  # rad/s, of each joint; the reference's stay below half of it
 SLACK = 0.01  # m, below which a point's error is worth less and less
 MARGIN = 0.03  # m, how far before the wall its cost begins
-HOME = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # rad
+HOME = np.array(ROBOTS["panda"].home)  # rad
 
 
 @functools.cache

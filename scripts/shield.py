@@ -27,6 +27,7 @@ from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.intervals import wilson_interval
 from aicon_baselines.evaluation.predictor import Predictor
 from aicon_baselines.named import find
+from aicon_baselines.palette import OBSTACLE, ROBOT, TARGET
 from aicon_baselines.tasks import load
 from aicon_envs.nav2d import Physics, make_map
 from aicon_torch import load_exported
@@ -254,9 +255,9 @@ def draw(out: Path, seed: int, horizon: int) -> None:
         steps = run_episodes(guard(nav2d.Straight()), env, start)
         way = np.array([begin] + [step.info["position"][0] for step in islice(steps, horizon)])
         for obstacle in obstacles:
-            axis.fill(*np.asarray(obstacle).T, color="#3c4048")
-        axis.plot(*way.T, color="#0059a8", linewidth=2)
-        axis.plot(*target, "*", color="#c4122f", markersize=14)
+            axis.fill(*np.asarray(obstacle).T, color=OBSTACLE)
+        axis.plot(*way.T, color=ROBOT, linewidth=2)
+        axis.plot(*target, "*", color=TARGET, markersize=14)
         axis.set(title=name, aspect="equal")
     figure.savefig(out / "shield.png", dpi=110, bbox_inches="tight")
 

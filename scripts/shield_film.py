@@ -15,6 +15,7 @@ from aicon_baselines.agents.shields import arm
 from aicon_baselines.agents.shields.world import Guard, guards
 from aicon_baselines.cli.command_line import Command, add_option, run_command
 from aicon_baselines.figures.rendering import Frame, save_video
+from aicon_baselines.palette import TARGET
 from aicon_envs.reach.simulation import CONTROL_STEP
 from film import beside_each_other, labelled
 
@@ -23,9 +24,6 @@ SIZE = (300, 300)
 
 SECONDS, EVERY = 8.0, 5
 """How long the film is, s, and so many steps from a frame to the next."""
-
-RED = "#c4122f"
-"""Of what is told of an episode."""
 
 STAYS = 15
 """So many frames of the end."""
@@ -57,7 +55,7 @@ def filmed(name: str, guard: Guard, seed: int) -> Iterator[Frame]:
     for step in range(round(SECONDS / CONTROL_STEP)):
         if step % EVERY == 0:
             told = "has touched" if touched else "has arrived" if arrived else ""
-            yield labelled(scene.picture("outside", SIZE), name, told, RED)
+            yield labelled(scene.picture("outside", SIZE), name, told, TARGET)
         if arrived:
             continue
 
