@@ -12,9 +12,9 @@ import mujoco
 import numpy as np
 import torch
 from matplotlib.colors import to_rgba
-from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.figures.rendering import Frame, camera, save_video
 from aicon_baselines.palette import OBSTACLE, ROBOT, TARGET
 from aicon_baselines.worlds.motion_bench_maker import Problem, problems, resources, robot_of
@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> None:
     folder = resources(CACHE)
     robots = dict.fromkeys(robot for robot, _, _ in SHOWN)
     panels = [panel for name in robots for panel in panels_of(name, folder)]
-    films = [list(filmed(panel)) for panel in tqdm(panels, desc="films", disable=None)]
+    films = [list(filmed(panel)) for panel in track(panels, "films")]
 
     save_video(beside_each_other(films, STAYS), arguments.out, round(1.0 / (DT * EVERY)))
     print(f"saved {arguments.out}")

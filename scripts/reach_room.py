@@ -15,9 +15,9 @@ import torch
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from torch import Tensor
-from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.tasks.reach import TASK
 from aicon_envs.reach.robots import draw_postures
 from aicon_torch.models.reach import Options
@@ -39,7 +39,7 @@ def solutions(robot: Robot, pose: TipPose, target: Tensor, starts: int) -> list[
     low, high = robot.chain.low.numpy() + MARGIN, robot.chain.high.numpy() - MARGIN
     found: list[Array] = []
     generator = np.random.default_rng(0)
-    for _ in tqdm(range(starts), desc="solutions", disable=None):
+    for _ in track(range(starts), "solutions"):
         (start,) = draw_postures(low, high, 1, generator)
         solved = least_squares(missing, start, bounds=(low, high))
         if np.linalg.norm(solved.fun) < SOLVED:

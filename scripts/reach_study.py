@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from torch import Tensor
-from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
 from aicon_baselines.evaluation.intervals import wilson_interval
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy
 from aicon_torch.models import make_policy
@@ -67,8 +67,7 @@ class Targets(NamedTuple):
 def targets(condition: str, seeds: Sequence[int]) -> Targets:
     """The targets of the environment at some seeds."""
     env = TASK.make_env(1, condition, TASK.horizon)
-    bar = tqdm(seeds, desc=f"{condition}, targets", disable=None)
-    first = [env.reset(seed=seed)[0] for seed in bar]
+    first = [env.reset(seed=seed)[0] for seed in track(seeds, f"{condition}, targets")]
     env.close()
     rows = {name: np.concatenate([one[name] for one in first]) for name in first[0]}
     seen = {name: torch.from_numpy(values) for name, values in rows.items()}
@@ -125,7 +124,7 @@ def reach(policy: Policy, first: int, count: int, outside: float, condition: str
     times = torch.full((len(seeds),), math.nan, dtype=torch.float64)
     detours = torch.zeros(len(seeds), dtype=torch.long)
     inside = torch.zeros(len(seeds), dtype=torch.float64)
-    for step in tqdm(range(TASK.horizon + 1), desc=condition, disable=None):
+    for step in track(range(TASK.horizon + 1), condition):
         going = times.isnan()
         is_outside = ((seen["q"] < chain.low) | (seen["q"] > chain.high)).any(-1)
         inside[going & is_outside] = (step + 1) * TASK.time_step

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 import torch
 from torch import Tensor
-from tqdm import tqdm
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.recording import track
 from aicon_baselines.tasks.reach import TASK
 from aicon_torch import Policy
 from aicon_torch.dampers import PlaceEscape
@@ -78,7 +78,7 @@ def least_cost(chain: Chain, reach: PoseReach, pose: TipPose, target: Tensor) ->
     target = target.expand(STARTS, -1, -1)
     margin = Options().joint_limits.margin
     low, high = chain.low + margin, chain.high - margin
-    for _ in tqdm(range(DESCENT), desc="least cost", disable=None):
+    for _ in track(range(DESCENT), "least cost"):
         optimizer.zero_grad()
         reach(pose.of_frame(chain(q)), target).sum().backward()  # type: ignore[no-untyped-call]
         optimizer.step()
@@ -112,7 +112,7 @@ def follow(policy: Policy, first: int, count: int, condition: str, reachable: bo
     arrived = torch.zeros(len(seeds), dtype=torch.bool)
     speed = torch.zeros(len(seeds), dtype=torch.float64)
     steps, last = round(HORIZON / TASK.time_step), round(1.0 / TASK.time_step)
-    for step in tqdm(range(steps), desc=f"{condition}, reachable: {reachable}", disable=None):
+    for step in track(range(steps), f"{condition}, reachable: {reachable}"):
         action, memory = policy.predict(seen, memory)
         seen = {**seen, "q": seen["q"] + TASK.time_step * action}
         arrived |= found.has(seen["q"])

@@ -9,9 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
-from tqdm import tqdm
-
 from aicon_baselines.evaluation.errors import ComparisonError
+from aicon_baselines.evaluation.recording import track
 
 Row = TypeVar("Row", bound=tuple[Any, ...])
 
@@ -94,7 +93,7 @@ def fill_in_groups(
 
     path.parent.mkdir(parents=True, exist_ok=True)
     missing = [begin for begin in dict.fromkeys(wanted) if begin not in known]
-    for first in tqdm(range(0, len(missing), size), desc=label, disable=None):
+    for first in track(range(0, len(missing), size), label):
         rows = measure(missing[first : first + size])
         write(path, *rows)
         for row in rows:
