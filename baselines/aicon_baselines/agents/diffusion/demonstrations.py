@@ -37,7 +37,7 @@ _PUSHER_RANGE = (50.0, 450.0)  # px
 _CLEARANCE = 110.0  # px from the middle of the keypoints, where the pusher cannot touch the object
 
 
-class KeypointObservation(gym.ObservationWrapper[Any, Any, Any]):
+class KeypointObservation(gym.Wrapper[Any, Any, Any, Any]):
     """PushT that observes pictures and, beside them, the object's keypoints (2N,), px.
 
     Args:
@@ -47,8 +47,6 @@ class KeypointObservation(gym.ObservationWrapper[Any, Any, Any]):
     def __init__(self, env: gym.Env[Any, Any]) -> None:
         super().__init__(env)
         self._keypoints = OBJECTS["T"].keypoints
-        self._pose: Any = None
-
         readings: Any = env.observation_space
         world = spaces.Box(0.0, 512.0, (2 * len(self._keypoints),), np.float64)
         self.observation_space = spaces.Dict({**readings.spaces, "environment_state": world})
@@ -56,18 +54,16 @@ class KeypointObservation(gym.ObservationWrapper[Any, Any, Any]):
     def reset(self, **arguments: Any) -> tuple[Any, dict[str, Any]]:
         """Start an episode."""
         observation, info = self.env.reset(**arguments)
-        self._pose = info["block_pose"]
-        return self.observation(observation), info
+        return self._seen(observation, info), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Move by one control step."""
         observation, reward, terminated, truncated, info = self.env.step(action)
-        self._pose = info["block_pose"]
-        return self.observation(observation), reward, terminated, truncated, info
+        return self._seen(observation, info), reward, terminated, truncated, info
 
-    def observation(self, observation: Any) -> Any:
-        """Add the keypoints."""
-        keypoints = place(self._keypoints, tuple(self._pose))
+    def _seen(self, observation: Any, info: dict[str, Any]) -> Any:
+        """With the keypoints."""
+        keypoints = place(self._keypoints, tuple(info["block_pose"]))
         return {**observation, "environment_state": keypoints.ravel()}
 
 
