@@ -15,9 +15,9 @@ MISSED = 1e-5
 """By how much a row of length one is missed at least, as a share of its bound and of the largest
 component that the action has had: less is left to rounding."""
 
-DEPENDENT = 1e-10
+DEPENDENT = 1e-12
 """What is left of the square of a row beside those that are active, as a share of it, if it depends
-on them: what such a row still asks for is less than is missed."""
+on them."""
 
 FALLS = 1e-10
 """How fast a multiplier falls at least, so that it may come to zero."""
@@ -65,8 +65,8 @@ def exactly(nominal: Tensor, normals: Tensor, bounds: Tensor, inverse: Tensor) -
     The dual method of Goldfarb and Idnani (1983). From a = w, the row that is missed most is
     satisfied by the least change that leaves those at their bounds there, and joins them; where
     that would need a multiplier below 0, its row is let go first. The cost rises with every row, so
-    none of the sets of rows comes twice. Where no action keeps all rows, it is w. A row whose bound
-    is no number (NaN) bounds nothing.
+    none of the sets of rows comes twice. Where no action keeps all rows, it is w, as
+    where M⁻¹ is not positive definite. A row whose bound is no number (NaN) bounds nothing.
 
     Args:
         nominal: w, ``(*B, n)``.
@@ -99,8 +99,10 @@ def _(nominal: Tensor, *_: Any) -> Tensor:
 
 def _nearest(nominal: Array, normals: Array, bounds: Array, inverse: Array) -> Array:
     """The same for one robot."""
-    is_known = bool(np.isfinite(inverse).all())
-    root = np.linalg.cholesky(inverse) if is_known else np.full_like(inverse, np.nan)
+    root = _root(inverse)
+    if root is None:
+        return np.concatenate((nominal, np.zeros_like(nominal)))
+
     turned = normals @ root  # M⁻¹ = K Kᵀ: along Kᵀn, all components count alike
     action, active, largest = nominal.copy(), _Active([], np.empty(0)), 0.0
 
@@ -118,6 +120,14 @@ def _nearest(nominal: Array, normals: Array, bounds: Array, inverse: Array) -> A
         change, active = following
         action = action + root @ change
     return np.concatenate((nominal, np.zeros_like(nominal)))
+
+
+def _root(inverse: Array) -> Array | None:
+    """K of M⁻¹ = K Kᵀ; None where M⁻¹ is no number or not positive definite."""
+    try:
+        return np.linalg.cholesky(inverse) if np.isfinite(inverse).all() else None
+    except np.linalg.LinAlgError:
+        return None
 
 
 class _Active(NamedTuple):

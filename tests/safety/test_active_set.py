@@ -77,6 +77,15 @@ def test_where_no_action_keeps_all_bounds_it_misses_as_little_of_each() -> None:
     torch.testing.assert_close(action[0], torch.tensor(0.0), rtol=0, atol=1e-3)
 
 
+def test_bounds_that_nearly_oppose_each_other_in_a_metric_leave_the_rest_free() -> None:
+    slopes = torch.tensor([[1.0, 0.0, 0.0], [-1.0, 2.3e-5, 0.0]], dtype=torch.float64)
+    nominal = torch.tensor([-0.9, -0.6, 0.7], dtype=torch.float64)
+    box, inverse = torch.ones_like(nominal), torch.diag(nominal.new_tensor([1.0, 0.01, 1.0]))
+    within = SafetyBounds(slopes, torch.zeros(2, dtype=torch.float64), -box, box)
+    action, _ = nearest_safe(nominal, within, None, inverse)
+    torch.testing.assert_close(action, torch.tensor([0.0, 0.0, 0.7]).double(), rtol=0, atol=1e-4)
+
+
 @pytest.mark.parametrize("batch", BATCHES)
 def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
     within, nominal = random_bounds(*batch), normal(*batch, 4, seed=9)
@@ -100,9 +109,10 @@ def test_a_bound_that_is_no_number_bounds_nothing() -> None:
     torch.testing.assert_close(found[:2], torch.tensor([-0.5, 0.0]))
 
 
-def test_in_a_metric_that_is_no_number_it_stays_what_was_asked_for() -> None:
-    nominal, unknown = torch.tensor([-0.5, -0.5]), torch.full((2, 2), torch.nan)
-    found = exactly(nominal, torch.eye(2), torch.zeros(2), unknown)
+@pytest.mark.parametrize("inverse", [torch.full((2, 2), torch.nan), torch.ones(2, 2)])
+def test_in_no_metric_it_stays_what_was_asked_for(inverse: Tensor) -> None:
+    nominal = torch.tensor([-0.5, -0.5])
+    found = exactly(nominal, torch.eye(2), torch.zeros(2), inverse)
     torch.testing.assert_close(found[:2], nominal)
 
 

@@ -113,14 +113,17 @@ static double taken_apart(int count, int n, const double *axes, const double *di
   return square;
 }}
 
-/* K of the inverse of the metric, K K', below the diagonal and on it. */
-static void root_of(int n, const real *inverse, double *root) {{
+/* K of the inverse of the metric, K K', below the diagonal and on it. Returns whether it is positive
+   definite. */
+static int root_of(int n, const real *inverse, double *root) {{
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) {{
       double rest = inverse[i * n + j];
       for (int k = 0; k < j; ++k) rest -= root[i * n + k] * root[j * n + k];
+      if (i == j && !(rest > 0)) return 0;
       root[i * n + j] = i == j ? sqrt(rest) : rest / root[j * n + j];
     }}
+  return 1;
 }}
 
 /* The dual active-set method for m rows of length one and n components in a metric, in double
@@ -133,9 +136,8 @@ static void exactly(int m, int n, const real *x, real *y) {{
   const real *normals = x + n, *bounds = normals + m * n, *inverse = bounds + m;
   double turned[(n + 1) * n], axes[(n + 1) * n], factors[(n + 1) * n], multipliers[n + 1];
   double action[n], apart[n], shares[n], root[n * n], largest = 0;
-  int rows[n + 1], active = 0, is_kept = 1, row = -1;
+  int rows[n + 1], active = 0, is_kept = root_of(n, inverse, root), row = -1;
   for (int k = 0; k < n; ++k) action[k] = x[k];
-  root_of(n, inverse, root);
 
   for (int turn = 0; turn < {MOST} && is_kept; ++turn) {{
     for (int k = 0; k < n; ++k) largest = fabs(action[k]) > largest ? fabs(action[k]) : largest;
