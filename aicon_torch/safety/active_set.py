@@ -124,8 +124,10 @@ def _nearest(nominal: Array, normals: Array, bounds: Array, inverse: Array) -> A
 
 def _root(inverse: Array) -> Array | None:
     """K of M⁻¹ = K Kᵀ; None where M⁻¹ is no number or not positive definite."""
+    if not np.isfinite(inverse).all():
+        return None
     try:
-        return np.linalg.cholesky(inverse) if np.isfinite(inverse).all() else None
+        return np.asarray(np.linalg.cholesky(inverse), np.float64)
     except np.linalg.LinAlgError:
         return None
 

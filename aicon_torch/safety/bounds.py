@@ -1,7 +1,8 @@
 """Safety goals at an actuator: how fast gaps may close, and the nearest action that keeps to it."""
 
 import math
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 
 import torch
@@ -34,18 +35,26 @@ class ActuatorSafety:
     """What keeps the safety goals at one actuator (see :class:`aicon_torch.Goal`).
 
     The gaps are anticipated one step ahead of the values, as functions of the action; how they grow
-    with it are the rows. What moves by itself is in them as the model foresees it.
+    with it are the rows. What moves by itself is in them as the model foresees it. Actuators that
+    share a goal share what its gaps may close: each keeps to an equal part, wherever the others go.
 
     Args:
         model: The world model.
         actuator: Name of the actuator.
         goals: The safety goals that depend on it.
+        sharing: For each of them all actuators on which it depends.
 
     Raises:
         GraphError: If the actuator has no finite limit.
     """
 
-    def __init__(self, model: WorldModel, actuator: str, goals: list[Goal]) -> None:
+    def __init__(
+        self,
+        model: WorldModel,
+        actuator: str,
+        goals: list[Goal],
+        sharing: Mapping[str, Sequence[str]],
+    ) -> None:
         declared = model.actuators[actuator]
         limits = torch.as_tensor(declared.limit, dtype=torch.float64, device="cpu").expand(
             declared.size
@@ -57,13 +66,15 @@ class ActuatorSafety:
             )
 
         self.model, self.actuator, self.goals = model, actuator, goals
+        self.sharing = sharing
         self.limits = limits
         self.time = declared.dampers.braking / float(limits.median())
         self.sweeps = declared.dampers.sweeps
         self.haste = declared.dampers.haste
         self._upstream = {goal.name: _upstream(model, goal.inputs) for goal in goals}
         self._moved_on = {
-            name: _moved_on(model, actuator, upstream) for name, upstream in self._upstream.items()
+            name: _moved_on(model, sharing[name], upstream)
+            for name, upstream in self._upstream.items()
         }
         self._boxed = [goal.name for goal in goals if self._is_box(goal)]
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
@@ -201,7 +212,9 @@ class ActuatorSafety:
 
         One step ahead a gap is d⁺(a) ≈ d⁺(0) + (∂d⁺/∂a)·a, and shall be e^(−dt/T) d or more, so
 
-            c = (∂d⁺/∂a)/dt,   b = (e^(−dt/T) d − d⁺(0))/dt.
+            c = (∂d⁺/∂a)/dt,   b = (e^(−dt/T) d − d⁺(0))/dt,
+
+        and of b the k-th part where k actuators share the goal, all of them at rest in d⁺(0).
 
         Args:
             goal: The goal.
@@ -219,16 +232,22 @@ class ActuatorSafety:
         gaps = gaps.gather(-1, smallest)
         least = math.exp(-self.model.dt / self.time) * gaps
         at_rest, slopes = self._ahead(goal, values, smallest)
-        return slopes / self.model.dt, (least - at_rest) / self.model.dt, gaps
+        own_part = (least - at_rest) / len(self.sharing[goal.name])
+        return slopes / self.model.dt, own_part / self.model.dt, gaps
 
     def _now(self, goal: Goal, values: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
         """The values before the action, for a goal: some have moved on by the last one already."""
         if not self._moved_on[goal.name]:
             return values
-        now = {**values, self.actuator: torch.zeros_like(values[self.actuator])}
+        now = self._at_rest(goal, values)
         for name in self._moved_on[goal.name]:
             now[name] = self.model.owners[name](now, name)
         return now
+
+    def _at_rest(self, goal: Goal, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """The values, with the actuators that share a goal at rest."""
+        resting = {name: torch.zeros_like(values[name]) for name in self.sharing[goal.name]}
+        return {**values, **resting}
 
     def _ahead(
         self, goal: Goal, values: Mapping[str, Tensor], which: Tensor
@@ -245,8 +264,9 @@ class ActuatorSafety:
         gap_of_copy = which.movedim(-1, 0)
 
         with torch.enable_grad():
-            action = torch.zeros_like(copies[self.actuator]).requires_grad_()
-            gaps = self._gap_ahead(goal, {**copies, self.actuator: action}, gap_of_copy)
+            resting = self._at_rest(goal, copies)
+            action = resting[self.actuator].requires_grad_()
+            gaps = self._gap_ahead(goal, resting, gap_of_copy)
             slopes: Tensor | None = None
             if gaps.requires_grad:
                 (slopes,) = pull(gaps.sum(), action, allow_unused=True)
@@ -327,9 +347,14 @@ def _without_rounding(slopes: Tensor) -> Tensor:
 
 def safety_of(model: WorldModel) -> dict[str, ActuatorSafety]:
     """What keeps the safety goals, for each actuator on which one of them depends."""
+    found = _safety_goals(model)
+    sharing: defaultdict[str, list[str]] = defaultdict(list)
+    for actuator, goals in found.items():
+        for goal in goals:
+            sharing[goal.name].append(actuator)
     return {
-        actuator: ActuatorSafety(model, actuator, goals)
-        for actuator, goals in _safety_goals(model).items()
+        actuator: ActuatorSafety(model, actuator, goals, sharing)
+        for actuator, goals in found.items()
     }
 
 
@@ -382,9 +407,11 @@ def _upstream(model: WorldModel, inputs: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(reversed(found))
 
 
-def _moved_on(model: WorldModel, actuator: str, upstream: tuple[str, ...]) -> tuple[str, ...]:
-    """Those of some estimates, in order, that have no memory and follow from the action at once."""
-    moved = {actuator}
+def _moved_on(
+    model: WorldModel, actuators: Iterable[str], upstream: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Those of some estimates, in order, that have no memory and follow from actions at once."""
+    moved = set(actuators)
     for name in upstream:
         owner = model.owners[name]
         if not owner.recursive and moved.intersection(owner.inputs):

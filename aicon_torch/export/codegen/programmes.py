@@ -113,8 +113,8 @@ static double taken_apart(int count, int n, const double *axes, const double *di
   return square;
 }}
 
-/* K of the inverse of the metric, K K', below the diagonal and on it. Returns whether it is positive
-   definite. */
+/* K of the inverse of the metric, K K', below the diagonal and on it. Returns whether the metric is
+   positive definite. */
 static int root_of(int n, const real *inverse, double *root) {{
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) {{
