@@ -93,6 +93,10 @@ class VelocityDampers:
         """Check the numbers."""
         check_positive(self, ("braking", "haste"))
         check_whole(self, ("sweeps",))
+        if self.escape is not None and not isinstance(self.escape, PlaceEscape | WayAround):
+            raise OptionError(
+                f"escape={self.escape!r}: expected PlaceEscape(), WayAround() or None, which stays."
+            )
         if isinstance(self.escape, WayAround) and self.haste != 1.0:
             raise OptionError(
                 f"haste={self.haste!r}: expected 1 with a WayAround, since nothing moves faster "

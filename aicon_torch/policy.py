@@ -37,6 +37,7 @@ from aicon_torch.readings.perception import Perception
 from aicon_torch.readings.validation import BEGINS
 from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
 from aicon_torch.safety.watchdog import keep_finite
+from aicon_torch.validation import check_instance
 
 
 class Policy(nn.Module):
@@ -67,6 +68,7 @@ class Policy(nn.Module):
         super().__init__()
         self.model = model
         self.resolution = NullspaceProjection() if resolution is None else resolution
+        check_instance(self, ("resolution",), Resolution, "NullspaceProjection()")
         self.law = Foresight() if law is None else law
         self.perception = perception
         if isinstance(perception, nn.Module):

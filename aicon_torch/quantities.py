@@ -12,6 +12,7 @@ from torch import Tensor
 
 from aicon_torch.dampers import VelocityDampers
 from aicon_torch.errors import GraphError
+from aicon_torch.validation import check_instance
 
 PRESENT = ".present"
 """Suffix of the flag ``(*B,)`` that says whether a sensor has a reading in this step."""
@@ -206,6 +207,7 @@ class Actuator:
         object.__setattr__(self, "limit", limit)
 
         # What else limits it, and what it is sent.
+        check_instance(self, ("dampers",), VelocityDampers, "VelocityDampers(braking=0.3)")
         if not isinstance(self.constraints, Sequence):
             raise GraphError(
                 f"Actuator constraints {self.constraints!r}: expected a sequence of functions."
@@ -290,7 +292,7 @@ def as_size(what: str, given: Any) -> int:
     """
     size = as_count(given)
     if size < 1:
-        raise GraphError(f"{what} size {given!r}: expected 1 or more components.")
+        raise GraphError(f"{what} size {given!r}: expected 1 or more components, a whole number.")
     return size
 
 

@@ -170,7 +170,15 @@ class Shield:
         Args:
             state: The state.
             row: Which row of the batch.
+
+        Raises:
+            OptionError: If it is no state of a shield.
         """
+        if not isinstance(state, ShieldState):
+            raise OptionError(
+                f"state={state!r}: expected the ShieldState that a step returned: "
+                "action, state = shield.predict(...)."
+            )
         return shielding(self.policy.model, NOMINAL, state.memory, row)
 
 

@@ -63,6 +63,36 @@ def check_steps(options: object, name: str) -> None:
         raise OptionError(f"{name}={value!r}: expected a number of steps >= 0.")
 
 
+def check_count(options: object, names: Sequence[str]) -> None:
+    """Check that fields of some options are whole numbers, 0 or more.
+
+    Raises:
+        OptionError: If one is not.
+    """
+    for name in names:
+        value = getattr(options, name)
+        if not (type(value) is int and value >= 0):
+            raise OptionError(f"{name}={value!r}: expected a whole number >= 0.")
+
+
+def check_instance(options: object, names: Sequence[str], kind: type, such_as: str) -> None:
+    """Check that fields of some options are what they may be, and no number or word.
+
+    Args:
+        options: The options.
+        names: Names of the fields.
+        kind: What they are to be.
+        such_as: An example, for the error.
+
+    Raises:
+        OptionError: If one is something else.
+    """
+    for name in names:
+        value = getattr(options, name)
+        if not isinstance(value, kind):
+            raise OptionError(f"{name}={value!r}: expected {kind.__name__}, such as {such_as}.")
+
+
 def check_whole(options: object, names: Sequence[str]) -> None:
     """Check that fields of some options are whole numbers above 0, or None.
 

@@ -154,9 +154,11 @@ def check_memory(
             )
         if tuple(value.shape) != (*batch, *shape):
             own = tuple(value.shape[: value.dim() - len(shape)])
+            is_batch = tuple(value.shape) == (*own, *shape)
+            reason = f"the batch of {key!r} is {own}, that of the observation {batch}; " * is_batch
             raise ObservationError(
-                f"state: the batch of {key!r} is {own}, that of the observation {batch}; expected "
-                f"shape {(*batch, *shape)}, got {tuple(value.shape)}."
+                f"state: {reason}expected shape {(*batch, *shape)} of {key!r}, got "
+                f"{tuple(value.shape)}."
             )
 
 

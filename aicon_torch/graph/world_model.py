@@ -84,7 +84,8 @@ class WorldModel(nn.Module):
         dtype: torch.dtype | None = None,
     ) -> None:
         super().__init__()
-        if dtype is not None and not dtype.is_floating_point:
+        is_type = isinstance(dtype, torch.dtype) and dtype.is_floating_point
+        if dtype is not None and not is_type:
             raise GraphError(
                 f"dtype={dtype!r}: expected a floating-point type such as torch.float64."
             )

@@ -1,5 +1,6 @@
 """A robot: its joints and its shape, read from its description."""
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,6 +42,7 @@ class Robot:
             base: The link in whose frame everything is; the root by default.
             srdf: A file, or the text of one, that says which links need not be compared.
             collisions: Whether to fit capsules to the collision geometry, which takes seconds.
+                Where the URDF has none, there is a warning, and the robot has no shape.
 
         Raises:
             OptionError: See :meth:`aicon_torch.parts.Chain.from_urdf`.
@@ -49,4 +51,14 @@ class Robot:
         chain = Chain.from_urdf(source, tip, base)
         if not collisions:
             return Robot(chain)
-        return Robot(chain, Capsules.from_urdf(source, srdf, tip, base))
+
+        shape = Capsules.from_urdf(source, srdf, tip, base)
+        if not shape.capsules:
+            warnings.warn(
+                "The URDF has no collision geometry, so the robot has no shape: nothing keeps it "
+                "off itself or off anything else. Expected a <collision> in its links, or "
+                "collisions=False.",
+                stacklevel=2,
+            )
+            return Robot(chain)
+        return Robot(chain, shape)

@@ -14,6 +14,7 @@ from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.self_collision import Capsule, CapsuleSegments
 from aicon_torch.parts.tip_pose import rotation_of_quaternion
+from aicon_torch.quantities import as_count, as_numbers
 from aicon_torch.validation import check_choice
 from aicon_torch.validation import numbers as finite_numbers
 from aicon_torch.vectors import select
@@ -35,6 +36,9 @@ SECTIONS = 24
 
 GOLDEN = 0.6180339887498949
 """What each of them leaves of the interval."""
+
+TURNED = 1e-3
+"""By how much the products of a rotation's rows may differ from those of a rotation."""
 
 FAR = 99.0
 """Where an object is that there is not, m."""
@@ -70,8 +74,9 @@ class Solid:
         """Check the kind and the numbers."""
         check_choice(self, "kind", get_args(Kind))
         count = LENGTHS[self.kind]
-        is_right = isinstance(self.size, Sequence) and len(self.size) == count
-        if not (is_right and all(0 < length < math.inf for length in self.size)):
+        lengths = as_numbers(self.size)
+        given = lengths if isinstance(lengths, tuple) else ()
+        if len(given) != count or not all(0 < length < math.inf for length in given):
             raise OptionError(
                 f"size={self.size!r}: expected {count} numbers above 0 m for a {self.kind}, in a "
                 "tuple."
@@ -109,16 +114,42 @@ def reading_of(solids: Sequence[Solid], count: int | None = None) -> Tensor:
         count: How many a policy reads; those that there are not are far away. All by default.
 
     Raises:
-        OptionError: If there are more than that, or none at all.
+        OptionError: If they are no Solids, more than that, or none at all.
     """
-    count = len(solids) if count is None else count
+    if not isinstance(solids, Sequence) or not all(isinstance(each, Solid) for each in solids):
+        raise OptionError(f"solids={solids!r}: expected a list of Solids.")
+    count = len(solids) if count is None else as_count(count)
+    if count < 1:
+        raise OptionError(
+            "solids: got none; expected some, or count=, a whole number: how many a policy reads."
+        )
     if len(solids) > count:
         raise OptionError(f"solids: got {len(solids)} of them, expected at most {count}.")
-    if count == 0:
-        raise OptionError("solids: got none; expected some, or count=, how many a policy reads.")
     nothing = Solid("sphere", (1e-3,), (FAR, 0.0, 0.0))
     filled = [*solids, *[nothing] * (count - len(solids))]
     return torch.cat([solid.numbers() for solid in filled])
+
+
+def can_be_solids(reading: Tensor) -> Tensor:
+    """Which readings ``(*B, 16 count)`` can be objects, ``(*B,)``.
+
+    A rotation has rows of length one that stand upright on each other, half lengths are above 0,
+    and there is each kind.
+    """
+    numbers = reading.reshape(*reading.shape[:-1], -1, NUMBERS).unbind(-1)
+    rows = [numbers[3:6], numbers[6:9], numbers[9:12]]
+    is_right = torch.ones_like(numbers[0], dtype=torch.bool)
+    for first, row in enumerate(rows):
+        for second in range(first, len(rows)):
+            x, y, z = (a * b for a, b in zip(row, rows[second], strict=True))
+            product = x + y + z
+            is_right = is_right & ((product - float(first == second)).abs() < TURNED)
+
+    least = torch.minimum(torch.minimum(numbers[12], numbers[13]), numbers[14])
+    kind = numbers[15]
+    is_kind = (kind == BOX) | (kind == CYLINDER) | (kind == ROUND)
+    found: Tensor = (is_right & (least > 0.0) & is_kind).all(-1)
+    return found
 
 
 def distance_of_point(point: Tensor, solid: Tensor) -> Tensor:

@@ -1,3 +1,5 @@
+import re
+
 import pytest
 import torch
 from _inputs.robots import ROBOTS, Physics, mujoco_model, random_postures, robot_file
@@ -6,6 +8,7 @@ from aicon_torch.errors import OptionError
 from aicon_torch.parts.capsules import Capsules
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import SquaredHinge
+from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 
 pytest.importorskip("pytorch_kinematics")
@@ -123,3 +126,10 @@ def test_what_touches_in_the_physics_touches_as_capsules(name: str) -> None:
                 assert found.any(), names
 
     assert touching > 0
+
+
+def test_a_robot_without_collision_geometry_has_no_shape_and_says_so() -> None:
+    bare = re.sub(r"<collision>.*?</collision>", "", ARM, flags=re.DOTALL)
+    with pytest.warns(UserWarning, match="no collision geometry"):
+        robot = Robot.from_urdf(bare, tip="hand")
+    assert robot.shape is None

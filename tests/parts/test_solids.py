@@ -8,7 +8,7 @@ from torch import Tensor
 
 from aicon_torch.errors import OptionError
 from aicon_torch.parts import Capsule, Chain, Solid, Solids, SquaredHinge, reading_of
-from aicon_torch.parts.solids import distance_of_point
+from aicon_torch.parts.solids import can_be_solids, distance_of_point
 
 TURNED = (0.8, 0.3, -0.5, 0.1)
 SOLIDS = {
@@ -178,6 +178,7 @@ def test_objects_that_there_are_not_are_far_away() -> None:
         (("sphere", (0.1, 0.2), (0.0, 0.0, 0.0)), "expected 1 numbers above 0 m for a sphere"),
         (("box", (0.1, 0.2, 0.0), (0.0, 0.0, 0.0)), "expected 3 numbers"),
         (("sphere", 0.1, (0.0, 0.0, 0.0)), "size=0.1: expected 1 numbers"),
+        (("sphere", ("a",), (0.0, 0.0, 0.0)), "size=.*: expected 1 numbers"),
         (("sphere", (0.1,), (0.0, 0.0)), "position=.*expected 3 finite numbers"),
         (("sphere", (0.1,), (0.0, 0.0, float("nan"))), "position=.*expected 3 finite numbers"),
         (("sphere", (0.1,), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)), "orientation=.*not zero"),
@@ -186,6 +187,19 @@ def test_objects_that_there_are_not_are_far_away() -> None:
 def test_a_wrong_object_is_refused(arguments: tuple[object, ...], message: str) -> None:
     with pytest.raises(OptionError, match=message):
         Solid(*arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("given", "count"), [(SOLIDS["box"], None), (["box"], 3), ([], None), ([SOLIDS["box"]], 2.0)]
+)
+def test_what_is_no_list_of_objects_is_refused(given: object, count: object) -> None:
+    with pytest.raises(OptionError, match="solids"):
+        reading_of(given, count)  # type: ignore[arg-type]
+
+
+def test_what_is_read_of_objects_can_be() -> None:
+    assert can_be_solids(reading_of(list(SOLIDS.values()), 9))
+    assert can_be_solids(reading_of(list(SOLIDS.values()), 9).float())
 
 
 def test_more_objects_than_a_policy_reads_are_refused() -> None:

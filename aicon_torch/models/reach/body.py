@@ -19,7 +19,7 @@ from aicon_torch.parts.joint_limits import JointLimits
 from aicon_torch.parts.obstacle import Obstacle, moving_point
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
-from aicon_torch.parts.solids import NUMBERS, Solids
+from aicon_torch.parts.solids import NUMBERS, Solids, can_be_solids
 from aicon_torch.parts.table import Table
 from aicon_torch.quantities import Actuator, Sensor
 
@@ -78,6 +78,12 @@ def towards(proposal: Tensor, x_joints: Tensor, dt: Tensor) -> Tensor:
 def robot_of(options: Options) -> Robot:
     """The robot of the options, a copy of its own for this model."""
     if isinstance(options.robot, Robot):
+        for name in ("tip", "srdf"):
+            if getattr(options, name) is not None:
+                raise OptionError(
+                    f"{name}={getattr(options, name)!r}: expected None, since the robot is no URDF "
+                    "but a Robot already: Robot.from_urdf takes it."
+                )
         return copy.deepcopy(options.robot)
     if isinstance(options.robot, str | Path):
         return Robot.from_urdf(options.robot, tip=options.tip, srdf=options.srdf)
@@ -118,7 +124,9 @@ def obstacle_sensors(options: Options, **watched: Any) -> dict[str, Sensor]:
     sensors = {f"z_{ball}": Sensor(3, "m", key=ball, **watched) for ball in _balls(options)}
     if options.obstacles:
         size = options.obstacles * NUMBERS
-        sensors["z_obstacles"] = Sensor(size, "m and others", key="obstacles", **watched)
+        sensors["z_obstacles"] = Sensor(
+            size, "m and others", key="obstacles", is_possible=can_be_solids, **watched
+        )
     return sensors
 
 

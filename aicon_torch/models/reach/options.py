@@ -13,7 +13,13 @@ from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.tip_pose import Orientation
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
-from aicon_torch.validation import check_choice, check_not_negative, check_positive
+from aicon_torch.validation import (
+    check_choice,
+    check_count,
+    check_instance,
+    check_not_negative,
+    check_positive,
+)
 
 
 @dataclass(frozen=True)
@@ -33,8 +39,8 @@ class Options:
         law: From the gradient to the action.
         dampers: How joint limits and self-collision are kept.
         safety: Whether they are safety goals, which nothing violates, or goals like any other.
-        joint_limits: How far from its limits a joint stays, rad, or its margin as a goal.
-        self_collision: How far links stay from each other, m, or their margin as a goal.
+        joint_limits: Its margin is how far from its limits a joint stays, rad.
+        self_collision: Its margin is how far links stay from each other, m.
         balls: Number of balls that are seen, still or moving, and not to be touched.
         ball_radius: Their radius, m.
         obstacles: Number of objects that are seen, of any shape and place, and not to be touched:
@@ -89,9 +95,13 @@ class Options:
         """
         check_choice(self, "orientation", ("free", "axis", "full"))
         check_positive(self, ("dt", "lever", "damping", "ball_radius", "arrives_within"))
-        check_not_negative(self, ("tolerance", "balls", "obstacles"))
-        if self.speed is not None:
-            check_positive(self, ("speed",))
+        check_not_negative(self, ("tolerance",))
+        check_count(self, ("balls", "obstacles"))
+        optional = ("speed", "turns_within", "advances_within")
+        check_positive(self, [name for name in optional if getattr(self, name) is not None])
+        margins = ("joint_limits", "self_collision")
+        check_instance(self, margins, SquaredHinge, "SquaredHinge(0.02, 1.0)")
+        check_instance(self, ("resolution",), Resolution, "NullspaceProjection()")
 
 
 # Limits as goals like any other need wider margins; these were the best of a search.

@@ -60,6 +60,28 @@ def test_the_compiled_step_is_the_readable_one() -> None:
         q = q + 0.02 * action
 
 
+@pytest.mark.parametrize("spoilt", ["nothing", "turned", "flat", "unknown"])
+def test_an_arm_rests_while_an_object_cannot_be(spoilt: str) -> None:
+    objects = reading_of([POST], 2)
+    rotation, half_lengths, kind = slice(3, 12), slice(12, 15), 15
+    match spoilt:
+        case "nothing":
+            objects[rotation] = 0.0
+        case "turned":
+            objects[rotation] *= 2.0
+        case "flat":
+            objects[half_lengths] *= -1.0
+        case "unknown":
+            objects[kind] = 7.0
+    way, _ = reach(policy(), START, seconds=1, target_position=TARGET, obstacles=objects)
+    torch.testing.assert_close(way[-1], START)
+
+
+def test_a_robot_has_its_tip_already() -> None:
+    with pytest.raises(OptionError, match="tip='hand': expected None, since the robot is no URDF"):
+        make_policy("reach", robot=planar_arm(), tip="hand")
+
+
 def test_objects_are_kept_from_a_shape() -> None:
     with pytest.raises(OptionError, match="obstacles=1: expected 0, since the robot has no shape"):
         make_policy("reach", robot=planar_arm(shape=False), obstacles=1)
