@@ -38,7 +38,7 @@ AGENTS = {"mink": False, "mink_places": True}
 BRAKING, STOP = 0.1, 0.02
 """T of gaps and stops, s, and how far joints stay from their stops, rad: as the policy has them."""
 
-OBJECT_GAP, SELF_GAP, SIGHT = 0.003, 0.0025, 0.08
+OBJECT_GAP, SELF_GAP, SIGHT = 0.004, 0.0025, 0.08
 """How far spheres stay from objects and from each other, and from how far both count, m."""
 
 GAIN, LEVER, DAMPING = 20.0, 0.2, 1e-4
