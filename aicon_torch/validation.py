@@ -52,19 +52,13 @@ def check_not_negative(options: object, names: Sequence[str]) -> None:
             raise OptionError(f"{name}={value!r}: expected a number >= 0.")
 
 
-def check_steps(options: object, name: str) -> None:
-    """Check that a field of some options is a number of steps, or 0.
-
-    Raises:
-        OptionError: If it is not.
-    """
-    value = getattr(options, name)
-    if not (type(value) is int and value >= 0):
-        raise OptionError(f"{name}={value!r}: expected a number of steps >= 0.")
-
-
-def check_count(options: object, names: Sequence[str]) -> None:
+def check_count(options: object, names: Sequence[str], what: str = "whole number") -> None:
     """Check that fields of some options are whole numbers, 0 or more.
+
+    Args:
+        options: The options.
+        names: Names of the fields.
+        what: What they count, for the error.
 
     Raises:
         OptionError: If one is not.
@@ -72,7 +66,7 @@ def check_count(options: object, names: Sequence[str]) -> None:
     for name in names:
         value = getattr(options, name)
         if not (type(value) is int and value >= 0):
-            raise OptionError(f"{name}={value!r}: expected a whole number >= 0.")
+            raise OptionError(f"{name}={value!r}: expected a {what} >= 0.")
 
 
 def check_instance(options: object, names: Sequence[str], kind: type, such_as: str) -> None:

@@ -49,10 +49,7 @@ POLICIES: dict[str, dict[str, Any]] = {
     "random_places": {"dampers.escape": RANDOM_PLACES, "advances_within": None},
     "without_escape": {"dampers.escape": None, "advances_within": None},
 }
-"""What differs from the preset "clutter".
-
-What is rehearsed may go askew, since it is tried before.
-"""
+"""What differs from the preset "clutter". What is rehearsed may go askew: it is tried before."""
 
 REHEARSED = "rehearsed"
 """This one tries on its own model first: see aicon_torch.Rehearsal."""

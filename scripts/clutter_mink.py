@@ -19,6 +19,8 @@ from torch import Tensor
 from aicon_baselines.agents.reach.random_places import RandomPlaces
 from aicon_baselines.cli.command_line import RESUMABLE, Command, run_command
 from aicon_baselines.worlds.motion_bench_maker import SPEED, Problem
+from aicon_torch.models.reach.body import OBSTACLE_DISTANCE
+from aicon_torch.models.reach.options import PRESETS
 from aicon_torch.parts import Robot
 from clutter import (
     DT,
@@ -38,8 +40,11 @@ AGENTS = {"mink": False, "mink_places": True}
 BRAKING, STOP = 0.1, 0.02
 """T of gaps and stops, s, and how far joints stay from their stops, rad: as the policy has them."""
 
-OBJECT_GAP, SELF_GAP, SIGHT = 0.004, 0.0025, 0.08
-"""How far spheres stay from objects and from each other, and from how far both count, m."""
+OBJECT_GAP, SELF_GAP = OBSTACLE_DISTANCE.margin, PRESETS["clutter"]["self_collision"].margin
+"""How far spheres stay from objects and from each other, m: as the policy has them."""
+
+SIGHT = 0.08
+"""From how far both count, m."""
 
 GAIN, LEVER, DAMPING = 20.0, 0.2, 1e-4
 """As `aicon_baselines.agents.reach.Mink` has them."""

@@ -154,8 +154,9 @@ def check_memory(
             )
         if tuple(value.shape) != (*batch, *shape):
             own = tuple(value.shape[: value.dim() - len(shape)])
-            is_batch = tuple(value.shape) == (*own, *shape)
-            reason = f"the batch of {key!r} is {own}, that of the observation {batch}; " * is_batch
+            reason = ""
+            if tuple(value.shape) == (*own, *shape):
+                reason = f"the batch of {key!r} is {own}, that of the observation {batch}; "
             raise ObservationError(
                 f"state: {reason}expected shape {(*batch, *shape)} of {key!r}, got "
                 f"{tuple(value.shape)}."

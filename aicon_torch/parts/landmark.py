@@ -18,9 +18,9 @@ from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.wheels import Wheels
 from aicon_torch.validation import (
     check_choice,
+    check_count,
     check_not_negative,
     check_positive,
-    check_steps,
 )
 from aicon_torch.vectors import wrap_angle
 
@@ -144,7 +144,7 @@ class Landmark:
         check_positive(self, ("noise",))
         check_not_negative(self, ("motion_noise",))
         check_choice(self, "sees", get_args(Sight))
-        check_steps(self, "delay")
+        check_count(self, ("delay",), "number of steps")
 
     @property
     def covariance(self) -> str:

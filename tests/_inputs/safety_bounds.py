@@ -1,5 +1,6 @@
 """Random bounds on an action, and how well one keeps them."""
 
+import torch
 from torch import Tensor
 
 from _inputs.random_numbers import normal
@@ -20,3 +21,9 @@ def random_bounds(*batch: int, rows: int = 5, size: int = 4, seed: int = 0) -> S
 def closing(action: Tensor, within: SafetyBounds) -> Tensor:
     """c·a − b of each row, at least 0 where it holds."""
     return (within.slopes * action.unsqueeze(-2)).sum(-1) - within.bounds
+
+
+def random_metric(*batch: int, size: int = 4, seed: int = 20) -> Tensor:
+    """Random symmetric positive definite matrices."""
+    factor = normal(*batch, size, size, seed=seed)
+    return factor @ factor.mT + 0.3 * torch.eye(size, dtype=torch.float64)

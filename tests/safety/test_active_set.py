@@ -4,7 +4,7 @@ import pytest
 import torch
 from _inputs import normal
 from _inputs.random_numbers import BATCHES
-from _inputs.safety_bounds import closing, random_bounds
+from _inputs.safety_bounds import closing, random_bounds, random_metric
 from torch import Tensor
 
 from aicon_torch.differentiation import through_time
@@ -13,16 +13,10 @@ from aicon_torch.safety import SafetyBounds, nearest_safe
 from aicon_torch.safety.active_set import exactly
 
 
-def metric(*batch: int, size: int = 4, seed: int = 20) -> Tensor:
-    """Random symmetric positive definite matrices."""
-    factor = normal(*batch, size, size, seed=seed)
-    return factor @ factor.mT + 0.3 * torch.eye(size, dtype=torch.float64)
-
-
 @pytest.mark.parametrize("rows", [1, 3, 40])
 def test_every_bound_is_kept_and_no_allowed_action_is_nearer(rows: int) -> None:
     """(v − a)ᵀM(w − a) ≤ 0 for every v within the bounds."""
-    within, square = random_bounds(40, rows=rows), metric(40)
+    within, square = random_bounds(40, rows=rows), random_metric(40)
     nominal = 2 * normal(40, 4, seed=9)
     action, _ = nearest_safe(nominal, within, None, torch.linalg.inv(square))
     assert (closing(action, within) >= -1e-9).all()
@@ -40,14 +34,14 @@ def test_every_bound_is_kept_and_no_allowed_action_is_nearer(rows: int) -> None:
 
 def test_it_is_what_sweeps_come_to() -> None:
     within, nominal = random_bounds(40, rows=6), 2 * normal(40, 4, seed=9)
-    inverse = torch.linalg.inv(metric(40))
+    inverse = torch.linalg.inv(random_metric(40))
     exactly = nearest_safe(nominal, within, None, inverse)
     swept = nearest_safe(nominal, within, 3000, inverse)
     torch.testing.assert_close(exactly.action, swept.action, rtol=0, atol=1e-3)
 
 
 def test_the_force_is_what_the_bounds_add_as_the_metric_weighs_it() -> None:
-    within, square = random_bounds(40, rows=12), metric(40)
+    within, square = random_bounds(40, rows=12), random_metric(40)
     nominal = 2 * normal(40, 4, seed=9)
     action, force = nearest_safe(nominal, within, None, torch.linalg.inv(square))
     added = (square @ (action - nominal).unsqueeze(-1)).squeeze(-1)
@@ -89,7 +83,7 @@ def test_bounds_that_nearly_oppose_each_other_in_a_metric_leave_the_rest_free() 
 @pytest.mark.parametrize("batch", BATCHES)
 def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
     within, nominal = random_bounds(*batch), normal(*batch, 4, seed=9)
-    inverse = torch.linalg.inv(metric(*batch))
+    inverse = torch.linalg.inv(random_metric(*batch))
     action, _ = nearest_safe(nominal, within, None, inverse)
 
     flat = SafetyBounds(*(value.reshape(-1, *value.shape[len(batch) :]) for value in within))

@@ -4,16 +4,9 @@ import pytest
 import torch
 from _inputs import normal
 from _inputs.random_numbers import BATCHES
-from _inputs.safety_bounds import closing, random_bounds
-from torch import Tensor
+from _inputs.safety_bounds import closing, random_bounds, random_metric
 
 from aicon_torch.safety import SafetyBounds, nearest_safe
-
-
-def metric(*batch: int, size: int = 4, seed: int = 20) -> Tensor:
-    """Random symmetric positive definite matrices."""
-    factor = normal(*batch, size, size, seed=seed)
-    return factor @ factor.mT + 0.3 * torch.eye(size, dtype=torch.float64)
 
 
 def test_where_all_components_count_alike_it_is_the_plain_projection() -> None:
@@ -27,7 +20,7 @@ def test_where_all_components_count_alike_it_is_the_plain_projection() -> None:
 
 def test_it_is_the_nearest_action_in_the_metric_once_the_sweeps_have_converged() -> None:
     """(v − a)ᵀM(w − a) ≤ 0 for every v within the bounds."""
-    within, square = random_bounds(40, rows=3), metric(40)
+    within, square = random_bounds(40, rows=3), random_metric(40)
     nominal = 2 * normal(40, 4, seed=9)
     action, _ = nearest_safe(nominal, within, 3000, torch.linalg.inv(square))
 
@@ -41,7 +34,7 @@ def test_it_is_the_nearest_action_in_the_metric_once_the_sweeps_have_converged()
 
 
 def test_the_force_is_what_the_bounds_add_as_the_metric_weighs_it() -> None:
-    within, square = random_bounds(40, rows=3), metric(40)
+    within, square = random_bounds(40, rows=3), random_metric(40)
     nominal = 2 * normal(40, 4, seed=9)
     action, force = nearest_safe(nominal, within, 3000, torch.linalg.inv(square))
     added = (square @ (action - nominal).unsqueeze(-1)).squeeze(-1)
@@ -64,7 +57,7 @@ def test_what_a_component_cannot_do_the_others_do() -> None:
 @pytest.mark.parametrize("sweeps", [1, 3, 12])
 def test_what_rest_keeps_is_kept_even_where_the_sweeps_have_not_converged(sweeps: int) -> None:
     within = random_bounds(500, rows=12)
-    inverse = torch.linalg.inv(metric(500))
+    inverse = torch.linalg.inv(random_metric(500))
     action, _ = nearest_safe(5 * normal(500, 4, seed=9), within, sweeps, inverse)
     slack = 1e-3 * within.high.amax(-1, keepdim=True) * within.slopes.norm(dim=-1)
     assert (closing(action, within) >= -slack).all()
@@ -82,7 +75,7 @@ def test_a_gap_that_no_action_changes_asks_for_nothing() -> None:
 @pytest.mark.parametrize("batch", BATCHES)
 def test_a_batch_is_as_many_singles(batch: tuple[int, ...]) -> None:
     within, nominal = random_bounds(*batch), normal(*batch, 4, seed=9)
-    inverse = torch.linalg.inv(metric(*batch))
+    inverse = torch.linalg.inv(random_metric(*batch))
     action, _ = nearest_safe(nominal, within, 4, inverse)
 
     flat = SafetyBounds(*(value.reshape(-1, *value.shape[len(batch) :]) for value in within))

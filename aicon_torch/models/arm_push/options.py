@@ -17,9 +17,9 @@ from aicon_torch.parts.servo import PARTS
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 from aicon_torch.validation import (
     check_choice,
+    check_count,
     check_not_negative,
     check_positive,
-    check_steps,
     numbers,
 )
 
@@ -91,7 +91,7 @@ class CameraOptions:
         Raises:
             OptionError: If one is not what it may be.
         """
-        check_steps(self, "delay")
+        check_count(self, ("delay",), "number of steps")
         check_positive(self, ("noise",))
         check_not_negative(self, ("edge_growth", "trace_weight", "trace_tolerance"))
         check_choice(self, "steering", get_args(Steering))
@@ -199,7 +199,7 @@ class Options:
                 f"robot={self.robot!r}: expected a PushingRobot, such as "
                 "PushingRobot.from_description(env.unwrapped.description())."
             )
-        check_steps(self, "delay")
+        check_count(self, ("delay",), "number of steps")
 
 
 PRESETS: Mapping[str, Mapping[str, Any]] = {

@@ -17,9 +17,9 @@ from aicon_torch.resolution import (
 )
 from aicon_torch.validation import (
     check_choice,
+    check_count,
     check_not_negative,
     check_positive,
-    check_steps,
 )
 
 ESCAPE = TrapEscape(progress="reach", hold="avoid", along="avoid")
@@ -73,8 +73,7 @@ class Options:
             OptionError: If an option is not what it may be.
         """
         check_positive(self, ("dt", "max_speed"))
-        check_steps(self, "delay")
-        check_steps(self, "action_delay")
+        check_count(self, ("delay", "action_delay"), "number of steps")
         check_not_negative(self, ("range_offset",))
         check_positive(self, ("bearing_noise", "range_noise", "actuation_noise"))
         check_choice(self, "sensing", ("range", "range_bearing"))

@@ -14,9 +14,9 @@ from aicon_torch.parts.contact_options import ContactOptions
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath, Sum
 from aicon_torch.validation import (
     check_choice,
+    check_count,
     check_not_negative,
     check_positive,
-    check_steps,
     numbers,
 )
 
@@ -96,7 +96,7 @@ class Options:
         check_not_negative(self, ("keypoint_offset", "push_noise"))
         check_choice(self, "command", ("position", "velocity"))
         numbers("goal_pose", self.goal_pose, 3)
-        check_steps(self, "delay")
+        check_count(self, ("delay",), "number of steps")
         if self.picture_noise is not None:
             check_positive(self, ("picture_noise",))
         if self.picture is not None and (self.keypoint_offset or self.delay):

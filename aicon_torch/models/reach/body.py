@@ -85,6 +85,7 @@ def robot_of(options: Options) -> Robot:
                     "but a Robot already: Robot.from_urdf takes it."
                 )
         return copy.deepcopy(options.robot)
+
     if isinstance(options.robot, str | Path):
         return Robot.from_urdf(options.robot, tip=options.tip, srdf=options.srdf)
     raise OptionError(

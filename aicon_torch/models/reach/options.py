@@ -101,7 +101,6 @@ class Options:
         check_positive(self, [name for name in optional if getattr(self, name) is not None])
         margins = ("joint_limits", "self_collision")
         check_instance(self, margins, SquaredHinge, "SquaredHinge(0.02, 1.0)")
-        check_instance(self, ("resolution",), Resolution, "NullspaceProjection()")
 
 
 # Limits as goals like any other need wider margins; these were the best of a search.
