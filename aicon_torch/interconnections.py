@@ -49,6 +49,26 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     return tuple(names)
 
 
+def wired_by(function: Callable[..., object], inputs: Sequence[str]) -> tuple[str, ...]:
+    """The quantities that a function reads, by the names that were given, one a parameter.
+
+    Raises:
+        GraphError: If it cannot be given so many by their place.
+    """
+    names = in_order("inputs", inputs)
+    called = function.forward if isinstance(function, nn.Module) else function
+    try:
+        inspect.signature(called).bind(*names)
+    except TypeError as error:
+        raise GraphError(
+            f"{function!r}, inputs={list(names)}: expected one name for each parameter that can be "
+            f"given by its place; {error}."
+        ) from None
+    except ValueError:  # functions of torch itself do not say what they take
+        pass
+    return names
+
+
 class Node(nn.Module):
     """A module called without the hooks of :class:`torch.nn.Module`, dozens of times a step."""
 
@@ -83,7 +103,7 @@ class Interconnection(Node):
     ) -> None:
         super().__init__()
         self.function: Any = function  # a cost may have methods besides
-        self.inputs = wiring(function) if inputs is None else in_order("inputs", inputs)
+        self.inputs = wiring(function) if inputs is None else wired_by(function, inputs)
 
         # A network with such layers gets its rows as one batch.
         layers = function.modules() if isinstance(function, nn.Module) else ()

@@ -148,6 +148,10 @@ class Sensor:
         """Whether its readings have an age."""
         return self.age_key is not None or self.age > 0
 
+    def key_of(self, name: str) -> str:
+        """The observation's key of its reading, where the graph calls it so."""
+        return self.key or name
+
 
 @dataclass(frozen=True)
 class Actuator:

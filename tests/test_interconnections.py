@@ -76,6 +76,21 @@ def test_a_variadic_parameter_names_nothing(function: Callable[..., Any]) -> Non
         Interconnection(function)
 
 
+@pytest.mark.parametrize(
+    ("function", "inputs"),
+    [(lambda *, x: x, ["x"]), (lambda x: x, ["x", "y"]), (lambda x, y: x + y, ["x"])],
+)
+def test_other_names_are_as_many_as_the_parameters(
+    function: Callable[..., Any], inputs: list[str]
+) -> None:
+    with pytest.raises(GraphError, match="expected one name for each parameter"):
+        Interconnection(function, inputs=inputs)
+
+
+def test_functions_that_do_not_say_what_they_take_are_wired_as_told() -> None:
+    assert Interconnection(torch.sin, inputs=["x"]).inputs == ("x",)
+
+
 def test_a_jacobian_by_something_unread_is_named() -> None:
     with pytest.raises(GraphError, match=r"'q'.*'p', 'z'"):
         Interconnection(residual, q=by_hand)

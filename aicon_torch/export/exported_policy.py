@@ -192,7 +192,7 @@ class ExportedPolicy:
     def _check_perceived(self, observation: Mapping[str, Any]) -> None:
         """Readings that a perception makes are there, since there is none here to make them."""
         for name in self.metadata["perceived"]:
-            key = self._sensors[name].key or name
+            key = self._sensors[name].key_of(name)
             if key not in observation:
                 raise ObservationError(
                     f"Sensor {name!r}: the observation has no {key!r}, and the perception that may "

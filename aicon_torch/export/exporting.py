@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -55,6 +56,8 @@ def export(
             such target or no C compiler.
         GraphError: If an operation cannot be translated to C.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise OptionError(f"path={path!r}: expected the name of a file.")
     path = Path(path)
 
     # A web page is the one target that the name of a file tells.

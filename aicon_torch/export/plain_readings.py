@@ -40,7 +40,7 @@ class PlainReadings:
         self._expected: list[_PlainReading] = []
         for name, sensor in sensors.items():
             absent = np.full(sensor.size, math.nan, dtype) if sensor.optional else None
-            self._expected.append(_PlainReading(sensor.key or name, (sensor.size,), absent))
+            self._expected.append(_PlainReading(sensor.key_of(name), (sensor.size,), absent))
 
         # After the readings stand ages, then executed actions: as they are where none is reported.
         executed = [actuator for actuator in actuators.values() if actuator.key is not None]

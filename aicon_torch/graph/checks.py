@@ -50,6 +50,8 @@ def check_names(
                 f"{name!r} is taken: 'dt' is the time step, and '/' and '.' mark what is "
                 "remembered."
             )
+        if name == "":
+            raise GraphError("A part of the graph is called '': expected a name.")
 
     # There is something to sense, to do and to want.
     for kind, parts in (("sensor", sensors), ("goal", goals), ("actuator", actuators)):

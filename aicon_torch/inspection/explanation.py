@@ -114,7 +114,7 @@ def _alerts(backward: BackwardPass, memory: Memory) -> Iterator[str]:
             continue
 
         # Since when, and why.
-        key, age = sensor.key or name, float(memory[name + AGE])
+        key, age = sensor.key_of(name), float(memory[name + AGE])
         since = "none ever" if age >= NEVER else f"the last is {age:.2f} s old"
         if sensor.driven_by is not None and bool(memory[name + FROZEN]):
             since += ", and it repeats itself"

@@ -88,7 +88,10 @@ class _Chosen(torch.autograd.Function):
         motion = ctx.chain.point_jacobian_at(frames, point)
         slopes = (motion * gradients[0].unsqueeze(-1)).sum(-2)
         slopes = slopes * moves
-        return slopes.reshape(-1, *ctx.joints).sum(0), None, None, None, None
+
+        # What was chosen several times for a copy adds up.
+        several = tuple(range(slopes.dim() - len(ctx.joints)))
+        return (slopes.sum(several) if several else slopes), None, None, None, None
 
 
 def _with_base(frames: Tensor) -> Tensor:

@@ -40,7 +40,7 @@ def read(
             not optional has no key.
     """
     if not isinstance(observation, Mapping):
-        keys = [sensor.key or name for name, sensor in sensors.items()]
+        keys = [sensor.key_of(name) for name, sensor in sensors.items()]
         raise ObservationError(
             f"expected an observation by sensor ({choices(keys)}), got {type(observation)}."
         )
@@ -49,7 +49,7 @@ def read(
     readings: dict[str, Tensor] = {}
     batch: tuple[int, ...] | None = None
     for name, sensor in sensors.items():
-        key = sensor.key or name
+        key = sensor.key_of(name)
         if key in observation:
             readings[name] = _reading(_called(name, sensor), sensor, observation[key], batch, like)
             batch = tuple(readings[name].shape[:-1])
@@ -92,7 +92,7 @@ def _executed(
 
 def _called(name: str, sensor: Sensor) -> str:
     """What an error calls a sensor: the user's own key first."""
-    key = sensor.key or name
+    key = sensor.key_of(name)
     return f"{key!r}" if key == name else f"{key!r} (sensor {name!r})"
 
 

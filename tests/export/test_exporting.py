@@ -224,6 +224,8 @@ def test_a_source_is_complete(good: Path) -> None:
 def test_the_name_tells_what_to_write(tmp_path: Path) -> None:
     with pytest.raises(OptionError, match=r"policy.pt2.*ends in \.so"):
         make_policy("nav2d").export(tmp_path / "policy.pt2")
+    with pytest.raises(OptionError, match="path=3: expected the name of a file"):
+        make_policy("nav2d").export(3)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("name", "words"), REFUSED.items())

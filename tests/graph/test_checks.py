@@ -91,6 +91,10 @@ MISNAMED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tracking_model(goals=[Goal("near/by", near)]),
         r"'near/by' is taken",
     ),
+    "no name": (
+        lambda: tracking_model(goals=[Goal("", near)]),
+        r"called ''",
+    ),
     "what a layer calls its input": (
         lambda: tracking_model(Deterministic("x", lambda input: input), TRACK),
         r"'x' reads 'input'.*wired by Interconnection\(layer",
