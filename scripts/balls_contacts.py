@@ -86,7 +86,9 @@ def bounds_of(policy: Policy, safety: ActuatorSafety, memory: Mapping[str, Tenso
     """What the safety goals asked of the last action."""
     values = dict(policy.trace(dict(memory)).values)
     values["dt"] = torch.full((1, 1), TASK.time_step, dtype=torch.float64)
-    within, _ = safety.bounds(values, torch.ones(1, len(policy.model.goals), dtype=torch.float64))
+    within, _, _ = safety.bounds(
+        values, torch.ones(1, len(policy.model.goals), dtype=torch.float64)
+    )
     return within
 
 

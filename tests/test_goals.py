@@ -32,7 +32,7 @@ def test_a_part_that_knows_its_gaps_says_them() -> None:
     stops = JointLimits((-1.0, -2.0), (1.0, 2.0), SquaredHinge(margin=0.1, weight=1.0))
     goal = Goal("stops", stops, safety=True)
     values = {"x_joints": torch.tensor([0.7, -1.95])}
-    torch.testing.assert_close(goal.gaps(values), torch.tensor([0.2, -0.05]))
+    torch.testing.assert_close(goal.gaps(values), torch.tensor([1.6, -0.05, 0.2, 3.85]))
     assert goal(values) > 0
 
 

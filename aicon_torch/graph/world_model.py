@@ -445,11 +445,20 @@ class WorldModel(nn.Module):
         return cost
 
     @values_only
-    def constrain(self, actuator: str, values: Mapping[str, Tensor]) -> Tensor:
-        """The action of an actuator within its constraints, ``(*B, size)``."""
+    def constrain(
+        self, actuator: str, values: Mapping[str, Tensor], on_detour: bool = False
+    ) -> Tensor:
+        """The action of an actuator within its constraints, ``(*B, size)``.
+
+        Args:
+            actuator: Its name.
+            values: Values of the step, with the action.
+            on_detour: Whether it goes elsewhere than to its targets, which do not slow it then.
+        """
         # Each limits what those before it have left.
         for constraint in self.declaration.constraints[actuator]:
-            values = {**values, actuator: constraint(values)}
+            if not (on_detour and getattr(constraint.function, "slows_for_targets", False)):
+                values = {**values, actuator: constraint(values)}
         return values[actuator]
 
     @values_only

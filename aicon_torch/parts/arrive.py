@@ -21,6 +21,9 @@ class Arrive(nn.Module):
         >>> Actuator(7, "rad/s", limit=speeds, constraints=[Arrive(end_effector, time=0.2)])
     """
 
+    slows_for_targets = True
+    """It holds on the way to a target, and not on a detour."""
+
     def __init__(self, end_effector: EndEffector, time: float) -> None:
         super().__init__()
         self.end_effector, self.time = end_effector, time

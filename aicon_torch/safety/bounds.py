@@ -14,21 +14,25 @@ from aicon_torch.errors import GraphError, choices
 from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.interconnections import copied
-from aicon_torch.quantities import AGE, PRESENT
 from aicon_torch.resolution import Memory
-from aicon_torch.safety import SafetyBounds, nearest_safe
+from aicon_torch.safety import SafeAction, SafetyBounds, nearest_safe
 from aicon_torch.safety.places import Places, initial_places
+from aicon_torch.safety.probing import check_gaps, is_box, probe_values, without_rounding
+from aicon_torch.safety.rows import Rows, joined
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.safety.way_around import Around, initial_way
 
-FARTHEST = 1e3
+FARTHEST = 1e9
 """A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
 
-ROUNDING = 64
-"""So many units in the last place of the largest component of a slope are but rounding."""
+LEAST_CHANGE = 1e-6
+"""A gap that changes by less while an actuator brakes, in its unit, is none of its own."""
+
+COASTS = 0.1
+"""A share of what an action changes that comes after it: then it is no velocity."""
 
 LEAST_SPEED = 1e-6
-"""A gap that the action can change by less than this, in its unit a second, is none of its own."""
+"""By how much a bound may be missed, in the gap's unit a second, and count as kept."""
 
 
 class ActuatorSafety:
@@ -45,7 +49,8 @@ class ActuatorSafety:
         sharing: For each of them all actuators on which it depends.
 
     Raises:
-        GraphError: If the actuator has no finite limit.
+        GraphError: If the actuator has no finite limit, a goal has no gaps, or its gaps go on
+            changing when the actuator is at rest.
     """
 
     def __init__(
@@ -68,6 +73,8 @@ class ActuatorSafety:
         self.model, self.actuator, self.goals = model, actuator, goals
         self.sharing = sharing
         self.limits = limits
+        is_norm = isinstance(declared.limit, float) and declared.size > 1
+        self.longest = float(limits[0]) if is_norm else None
         self.time = declared.dampers.braking / float(limits.median())
         self.sweeps = declared.dampers.sweeps
         self.haste = declared.dampers.haste
@@ -76,7 +83,16 @@ class ActuatorSafety:
             name: _moved_on(model, sharing[name], upstream)
             for name, upstream in self._upstream.items()
         }
-        self._boxed = [goal.name for goal in goals if self._is_box(goal)]
+        self._boxed: list[str] = []
+        self._still: dict[str, int] = {}  # gaps that no action changes, which are to crowd out none
+        values = probe_values(model)
+        for goal in goals:
+            slopes, _, gaps = self.rows_of(goal, values)
+            check_gaps(goal, gaps, slopes)
+            self._check_comes_to_rest(goal, values)
+            self._still[goal.name] = int((~self._moves(slopes)).all(0).sum())
+            if is_box(slopes):
+                self._boxed.append(goal.name)
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
 
         escape = declared.dampers.escape
@@ -105,14 +121,18 @@ class ActuatorSafety:
         Returns:
             The action ``(*B, n)``, and what is remembered of it.
         """
-        within, known = self.bounds(values, goal_factors)
+        within, coming, known = self.bounds(values, goal_factors)
         inverse = self._inverse_metric(values)
+
+        def nearest(action: Tensor) -> SafeAction:
+            """The action nearest to one that keeps the bounds."""
+            return nearest_safe(action, within, self.sweeps, inverse, self.longest, coming)
+
         wanted = nominal
         if self.haste != 1.0:
             wanted = self._constrained(values, self.haste * nominal)
         if self.stalemate is None:
-            action = nearest_safe(wanted, within, self.sweeps, inverse).action
-            return torch.where(known, action, 0.0), {}
+            return torch.where(known, nearest(wanted).action, 0.0), {}
 
         # While escaping, the direction of the escape stands for the nominal action, and serves no
         # goal: all components count alike.
@@ -122,12 +142,12 @@ class ActuatorSafety:
             escaping = own["escaping"][..., None, None]
             identity = torch.eye(nominal.shape[-1], dtype=inverse.dtype, device=inverse.device)
             inverse = torch.where(escaping, identity, inverse)
-        if isinstance(self.stalemate, Places):  # a detour leads to no target, and slows for none
-            aim = self.stalemate.aim(wanted, own)
+        if isinstance(self.stalemate, Places):
+            aim = self._constrained(values, self.stalemate.aim(wanted, own), on_detour=True)
         else:
             aim = self._constrained(values, self.stalemate.aim(nominal, own))
-        safe = nearest_safe(aim, within, self.sweeps, inverse)
-        action = self.model.actuators[self.actuator].clip(safe.action)  # its norm, if limited
+        safe = nearest(aim)
+        action = self.model.actuators[self.actuator].clip(safe.action)  # but for rounding, it is
 
         if isinstance(self.stalemate, Around):
             remembered = self.stalemate.judge(nominal, aim, safe, own)
@@ -141,9 +161,11 @@ class ActuatorSafety:
         action = torch.where(known, action, 0.0)
         return action, {start + key: value for key, value in remembered.items()}
 
-    def _constrained(self, values: Mapping[str, Tensor], action: Tensor) -> Tensor:
+    def _constrained(
+        self, values: Mapping[str, Tensor], action: Tensor, on_detour: bool = False
+    ) -> Tensor:
         """An action within the constraints of the actuator, ``(*B, n)``."""
-        return self.model.constrain(self.actuator, {**values, self.actuator: action})
+        return self.model.constrain(self.actuator, {**values, self.actuator: action}, on_detour)
 
     def _inverse_metric(self, values: Mapping[str, Tensor]) -> Tensor | None:
         """M⁻¹ of the actuator's metric, ``(*B, n, n)``; None where all components count alike."""
@@ -165,7 +187,7 @@ class ActuatorSafety:
 
     def bounds(
         self, values: Mapping[str, Tensor], goal_factors: Tensor
-    ) -> tuple[SafetyBounds, Tensor]:
+    ) -> tuple[SafetyBounds, Tensor, Tensor]:
         """What all goals ask of the action, and its limits.
 
         Args:
@@ -173,37 +195,41 @@ class ActuatorSafety:
             goal_factors: Factor of each goal, ``(*B, goals)``; one that is off asks for nothing.
 
         Returns:
-            The bounds, and in which rows of the batch all of them are numbers, ``(*B, 1)``.
+            The bounds; how fast the gap of each row closes at rest, ``(*B, m)``; and in which rows
+            of the batch all of them are numbers, ``(*B, 1)``.
         """
         names = list(self.model.goals)
         at_rest = torch.zeros_like(values[self.actuator])
         high = at_rest + self.limits.to(at_rest)
         low = -high
-        slopes, bounds = [at_rest.unsqueeze(-2)[..., :0, :]], [at_rest[..., :0]]
+        nothing = Rows(at_rest.unsqueeze(-2)[..., :0, :], at_rest[..., :0])
+        rows, sides, coming = [nothing], [nothing], [nothing.bounds]
         known = torch.ones_like(at_rest[..., :1], dtype=torch.bool)
 
         # A goal's rows; one that is off, or that the action cannot serve, gets a bound that never
         # holds anything up.
         for goal in self.goals:
             is_box = goal.name in self._boxed
-            slope, bound, gaps = self.rows_of(goal, values, most=None if is_box else goal.most_gaps)
+            most = None if is_box else goal.most_gaps + self._still[goal.name]
+            slope, bound, gaps = self.rows_of(goal, values, most)
             is_on = goal_factors[..., names.index(goal.name), None] != 0
-            fastest = (slope.abs() * self.limits.to(slope)).sum(-1)
 
             # What is no number bounds nothing, and says nothing either.
-            is_known = (gaps + bound + fastest).isfinite().all(-1, keepdim=True)
+            is_known = (gaps + bound + slope.sum(-1)).isfinite().all(-1, keepdim=True)
             known = known & (is_known | ~is_on)
-            counts = is_on & (is_box | (fastest > LEAST_SPEED))  # what cannot give way is no bound
+            counts = is_on & (is_box | self._moves(slope))  # what cannot give way is no bound
+            closing = (bound - self._asked_at(gaps, goal)).clamp(min=0.0)
             bound = torch.where(counts, bound, -FARTHEST / self.model.dt)
-
-            # Joint stops and the like narrow the box of the limits; all else are rows.
             if is_box:
-                low, high = _narrowed(low, high, slope, bound)
+                sides.append(Rows(slope, bound))
             else:
-                slopes.append(slope)
-                bounds.append(bound)
-        rows = torch.cat(slopes, dim=-2), torch.cat(bounds, dim=-1)
-        return SafetyBounds(*rows, low, high), known
+                rows.append(Rows(slope, bound))
+                coming.append(closing)
+
+        # Joint stops and the like narrow the box of the limits; all else are rows.
+        if self._boxed:
+            low, high = _narrowed(low, high, joined(sides))
+        return SafetyBounds(*joined(rows), low, high), torch.cat(coming, dim=-1), known
 
     def rows_of(
         self, goal: Goal, values: Mapping[str, Tensor], most: int | None = None
@@ -234,6 +260,11 @@ class ActuatorSafety:
         at_rest, slopes = self._ahead(goal, values, smallest)
         own_part = (least - at_rest) / len(self.sharing[goal.name])
         return slopes / self.model.dt, own_part / self.model.dt, gaps
+
+    def _asked_at(self, gaps: Tensor, goal: Goal) -> Tensor:
+        """What b is where nothing moves by itself, (e^(−dt/T) − 1) d/dt, ``(*B, m)``."""
+        own_part = math.expm1(-self.model.dt / self.time) * gaps / len(self.sharing[goal.name])
+        return own_part / self.model.dt
 
     def _now(self, goal: Goal, values: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
         """The values before the action, for a goal: some have moved on by the last one already."""
@@ -282,30 +313,47 @@ class ActuatorSafety:
 
     def _gap_ahead(self, goal: Goal, values: Mapping[str, Tensor], which: Tensor) -> Tensor:
         """One gap of each row one step ahead, ``(*B,)``: every estimate is anticipated once."""
-        inputs = dict(values)
+        return goal.gap(self._foreseen(goal, values), which).clamp(max=FARTHEST)
+
+    def _foreseen(self, goal: Goal, values: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """The values with those on which a goal depends one step ahead."""
+        foreseen = dict(values)
         for name in self._upstream[goal.name]:
-            inputs[name] = self.model.owners[name](inputs, name)
-        return goal.gap(inputs, which).clamp(max=FARTHEST)
+            foreseen[name] = self.model.owners[name](foreseen, name)
+        return foreseen
 
-    def _is_box(self, goal: Goal) -> bool:
-        """Whether each of a goal's gaps depends on one component of the action, as joint stops do.
+    def _moves(self, slopes: Tensor) -> Tensor:
+        """Which gaps an action can change, by their slopes ``(*B, m, n)``, ``(*B, m)``."""
+        change = self.time * (slopes.abs() * self.limits.to(slopes)).sum(-1)
+        return change > LEAST_CHANGE
 
-        Then the components can be bounded one by one, which no sweep needs to approach. A joint
-        without a stop has a gap that depends on none.
+    def _check_comes_to_rest(self, goal: Goal, values: Mapping[str, Tensor]) -> None:
+        """Check that a goal's gaps come to rest with the actuator, as those of velocities do.
+
+        Raises:
+            GraphError: If they go on changing by themselves.
         """
-        generator, like = torch.Generator("cpu").manual_seed(0), self.model.like
-        readings: dict[str, Tensor] = {}
-        for name, sensor in self.model.sensors.items():
-            size = (4, sensor.size)
-            reading = torch.rand(size, generator=generator, dtype=torch.float64, device="cpu")
-            readings[name] = reading.to(like)
-            readings[name + PRESENT] = like.new_ones(4, dtype=torch.bool)
-            readings[name + AGE] = like.new_zeros(4)
 
-        values = self.model.update(self.model.initial(readings, (4,)))
-        slopes, _, _ = self.rows_of(goal, values)
-        components = (_without_rounding(slopes) != 0).sum(-1)
-        return bool((components <= 1).all() and (components == 1).any())
+        def after(action: Tensor) -> tuple[Tensor, Tensor]:
+            """The gaps after a step with an action, and after one more at rest."""
+            once = self._foreseen(goal, {**self._at_rest(goal, values), self.actuator: action})
+            twice = self._foreseen(goal, self._at_rest(goal, once))
+            return goal.gaps(once), goal.gaps(twice)
+
+        with torch.no_grad():
+            fastest = self.limits.to(values[self.actuator]).expand_as(values[self.actuator])
+            moved, coasted = after(fastest)
+            stayed, drifted = after(torch.zeros_like(fastest))
+        by_action, afterwards = moved - stayed, (coasted - moved) - (drifted - stayed)
+        goes_on = by_action * afterwards >= 0.0  # what is read again goes back
+        coasts = goes_on & (afterwards.abs() > LEAST_CHANGE + COASTS * by_action.abs())
+        if coasts.any():
+            raise GraphError(
+                f"Safety goal {goal.name!r}: its gaps go on changing when {self.actuator!r} is "
+                "back at rest, as where an action is an acceleration or a force. It bounds how "
+                "fast gaps close, so let the action be a velocity, and Actuator(command=) make of "
+                "it what the robot is sent."
+            )
 
 
 def _unless_escaping(
@@ -320,29 +368,30 @@ def _unless_escaping(
     return torch.where(is_taken.unsqueeze(-1), shortened, action)
 
 
-def _narrowed(low: Tensor, high: Tensor, slopes: Tensor, bounds: Tensor) -> tuple[Tensor, Tensor]:
+def _narrowed(low: Tensor, high: Tensor, sides: Rows) -> tuple[Tensor, Tensor]:
     """A box within which rows hold that depend on one component each, ``(*B, n)`` both.
 
-    Should one depend on several after all, each of them gets an equal share of its bound.
+    Should one depend on several after all, each of them gets an equal share of its bound. Where two
+    rows cannot both hold, none is missed by more than at rest.
     """
-    largest = torch.finfo(slopes.dtype).max
-    slopes = _without_rounding(slopes)
+    largest = torch.finfo(low.dtype).max
+    slopes = without_rounding(sides.normals)
     components = (slopes != 0).sum(-1).clamp(min=1)
-    shares = (bounds / components).unsqueeze(-1)
+    shares = (sides.bounds / components).unsqueeze(-1)
     ratios = shares / torch.where(slopes == 0, 1.0, slopes)
     from_below = torch.where(slopes > 0, ratios, -largest).amax(-2)
     from_above = torch.where(slopes < 0, ratios, largest).amin(-2)
+
+    # A side that asks for a motion asks for no more than the other one allows.
+    from_below, from_above = (
+        torch.minimum(from_below, from_above.clamp(min=0.0)),
+        torch.maximum(from_above, from_below.clamp(max=0.0)),
+    )
 
     # What is beyond a gap comes back as fast as it may.
     lowest = torch.minimum(torch.maximum(low, from_below), high)
     highest = torch.maximum(torch.minimum(high, from_above), lowest)
     return lowest, highest
-
-
-def _without_rounding(slopes: Tensor) -> Tensor:
-    """Slopes ``(*B, m, n)`` with zeros where a component is but the rounding of another."""
-    smallest = ROUNDING * torch.finfo(slopes.dtype).eps * slopes.abs().amax(-1, keepdim=True)
-    return torch.where(slopes.abs() > smallest, slopes, 0.0)
 
 
 def safety_of(model: WorldModel) -> dict[str, ActuatorSafety]:

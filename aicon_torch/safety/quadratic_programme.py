@@ -6,7 +6,7 @@ from torch import Tensor
 from aicon_torch.differentiation import learns
 from aicon_torch.safety.active_set import exactly_within
 from aicon_torch.safety.hildreth import sweep, swept_within
-from aicon_torch.safety.rows import Rows, SafeAction, SafetyBounds, clamped, normalised
+from aicon_torch.safety.rows import Rows, SafeAction, SafetyBounds, clamped, joined, normalised
 
 MOST_UNROLLED = 48
 """Where rows are looked at more often, it is one operation, for which there is a routine in C."""
@@ -15,13 +15,21 @@ SLACK = 1e-4
 """By how much a bound may be missed, as a share of the widest range of a component: rounding must
 not bring a robot to rest."""
 
+GIVES_WAY = 10.0
+"""By how many times what a row asks for it may be missed beyond that, where no action keeps it."""
+
 YIELDING, YIELDING_SWEEPS = 0.05, 100
 """κ, as a share of the longest row, and how many sweeps at least. The less κ is, the less is
 missed in the end, and the more sweeps it takes to come there."""
 
 
 def nearest_safe(
-    nominal: Tensor, within: SafetyBounds, sweeps: int | None, inverse: Tensor | None = None
+    nominal: Tensor,
+    within: SafetyBounds,
+    sweeps: int | None,
+    inverse: Tensor | None = None,
+    longest: float | None = None,
+    coming: Tensor | None = None,
 ) -> SafeAction:
     """The action a = argmin (a − w)ᵀM(a − w) with c·a ≥ b for every row, and low ≤ a ≤ high.
 
@@ -29,7 +37,10 @@ def nearest_safe(
     nearest to rest that came out likewise, until it keeps every row as well as the retreat does.
     Where rest keeps all rows (b ≤ 0) it is the retreat, so that the action is safe where the sweeps
     have not converged. Where something comes nearer (b > 0), the retreat gets out of its way; and
-    where no action keeps all rows, it is the one that misses least (:func:`_yielding`).
+    where no action keeps all rows, it is the one that misses least (:func:`_yielding`). What comes
+    nearer pushes nobody through what stands still.
+
+    Where the norm of the action is limited, it is drawn back likewise until it is short enough.
 
     Without a number of sweeps, it is found exactly (:mod:`aicon_torch.safety.active_set`). What no
     action keeps is then asked for as far as the retreat keeps it.
@@ -39,51 +50,109 @@ def nearest_safe(
         within: The bounds.
         sweeps: How many; None for exactly.
         inverse: M⁻¹, ``(*B, n, n)``, symmetric and positive definite; None for M = I.
+        longest: L, the largest norm of an action, in its unit; None for any in the box.
+        coming: u, how fast each gap closes at rest, since something comes nearer, ``(*B, m)``, in
+            its unit a second; None where that is not known, so that anything with b > 0 may come.
 
     Returns:
         The action and the force of the bounds.
     """
     rows, lengths = normalised(within)
-    if rows.bounds.shape[-1] == 0:
-        return _projected(nominal, rows, within, sweeps, inverse)
+    rest = clamped(torch.zeros_like(nominal), within)
+    retreat = rest
+    if rows.bounds.shape[-1] > 0:
+        held = _held(rest, rows, None if coming is None else coming / lengths)
+        retreat = _retreat(rest, rows, lengths, held, within, sweeps)
+    if longest is not None:
+        retreat = _shortened(retreat, torch.zeros_like(retreat), longest)
 
-    retreat, _ = _projected(torch.zeros_like(nominal), rows, within, sweeps)
-    enough = None if sweeps is None else max(sweeps, YIELDING_SWEEPS)
-    yielding = _yielding(rows, lengths, within, enough)
-    slack = _slack(within) * lengths.amax(-1, keepdim=True)  # no choice hangs on rounding
-    missed = _most_missed(yielding, rows, lengths)
-    missed_at_rest = _most_missed(retreat, rows, lengths)
-    retreat = torch.where(missed + slack < missed_at_rest, yielding, retreat)
-
+    # The nearest action, on the safe side of what has not been found exactly.
     asked = rows
     if sweeps is None:
         asked = rows._replace(bounds=rows.bounds + _kept(retreat, rows).clamp(max=0.0))
     action, force = _projected(nominal, asked, within, sweeps, inverse)
-    return SafeAction(_drawn_back(action, retreat, rows, within), force)
+    if rows.bounds.shape[-1] > 0:
+        action = _drawn_back(action, retreat, rows, within)
+    if longest is not None:
+        action = _shortened(action, retreat, longest)
+    return SafeAction(action, force)
 
 
-def _yielding(rows: Rows, lengths: Tensor, within: SafetyBounds, sweeps: int | None) -> Tensor:
+def _held(rest: Tensor, rows: Rows, coming: Tensor | None) -> Rows:
+    """What is asked of each row in any case, h of c·a ≥ h.
+
+    That is b, where rest keeps it. Else it is −u: a gap that something closes may close as much
+    faster, but one that has just been missed (b → 0) or to what stands still (u = 0) no further.
+
+    Args:
+        rest: Rest, within the box, ``(*B, n)``: 0, unless a component has to move anyway.
+        rows: The rows.
+        coming: u, ``(*B, m)``, in the action's unit.
+    """
+    given_way = GIVES_WAY * rows.bounds
+    if coming is not None:
+        given_way = torch.minimum(given_way, coming)
+    held = torch.where(rows.bounds > 0.0, -given_way, rows.bounds)
+    of_rest = (rows.normals * rest.unsqueeze(-2)).sum(-1)
+    return rows._replace(bounds=torch.minimum(held, of_rest))
+
+
+def _retreat(
+    rest: Tensor,
+    rows: Rows,
+    lengths: Tensor,
+    held: Rows,
+    within: SafetyBounds,
+    sweeps: int | None,
+) -> Tensor:
+    """The action near rest that keeps all rows, or else misses least of them, ``(*B, n)``.
+
+    Args:
+        rest: Rest, within the box, ``(*B, n)``.
+        rows: The rows.
+        lengths: What they were divided by, ``(*B, m)``.
+        held: What is asked of them in any case.
+        within: The bounds, with the box.
+        sweeps: How many; None for exactly.
+    """
+    # One that keeps all rows, if there is one and the sweeps have found it, and one that yields.
+    keeping, _ = _projected(torch.zeros_like(rest), rows, within, sweeps)
+    keeping = _drawn_back(keeping, rest, held, within)
+    enough = None if sweeps is None else max(sweeps, YIELDING_SWEEPS)
+    yielding = _yielding(rows, lengths, held, within, enough)
+    yielding = _drawn_back(yielding, rest, held, within)
+
+    # The yielding one, if it misses less by more than rounding.
+    slack = _slack(within) * lengths.amax(-1, keepdim=True)
+    missed = _most_missed(yielding, rows, lengths)
+    missed_by_keeping = _most_missed(keeping, rows, lengths)
+    return torch.where(missed + slack < missed_by_keeping, yielding, keeping)
+
+
+def _yielding(
+    rows: Rows, lengths: Tensor, held: Rows, within: SafetyBounds, sweeps: int | None
+) -> Tensor:
     """The action near rest that misses least of the bounds that rest does not keep, ``(*B, n)``.
 
     Where not all of them can be kept, they may all be missed by the same speed κs:
 
-        min ‖a‖² + s²  with  c·a + κs ≥ b where b > 0,  c·a ≥ b elsewhere,
+        min ‖a‖² + s²  with  c·a + κs ≥ b where b > 0,  and  c·a ≥ h  everywhere,
 
-    the same programme with one component more. What stands still is kept.
+    the same programme with one component more.
 
     Args:
         rows: The rows.
         lengths: What they were divided by, ``(*B, m)``.
+        held: What is asked of them in any case, h.
         within: The bounds, with the box.
         sweeps: How many.
     """
     price = YIELDING * lengths.amax(-1, keepdim=True) / lengths
     price = torch.where(rows.bounds > 0.0, price, 0.0)
     length = (1.0 + price * price).sqrt()
-    wider = Rows(
-        normals=torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1),
-        bounds=rows.bounds / length,
-    )
+    yielding = torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1)
+    in_any_case = torch.cat((held.normals, torch.zeros_like(price).unsqueeze(-1)), dim=-1)
+    wider = joined([Rows(yielding, rows.bounds / length), Rows(in_any_case, held.bounds)])
 
     nothing = torch.zeros_like(within.low[..., :1])
     anything = nothing + torch.finfo(nothing.dtype).max
@@ -140,3 +209,25 @@ def _drawn_back(action: Tensor, retreat: Tensor, rows: Rows, within: SafetyBound
     exceeds = closing > room
     share = torch.where(exceeds, room / torch.where(exceeds, closing, 1.0), 1.0)
     return retreat + (action - retreat) * share.amin(-1, keepdim=True)
+
+
+def _shortened(action: Tensor, retreat: Tensor, longest: float) -> Tensor:
+    """The action on the way from the retreat that goes farthest and is short enough, ``(*B, n)``.
+
+    ‖r + t(a − r)‖ ≤ L for a share t of the way, the larger root of a quadratic equation. What is
+    between two actions keeps all bounds that both of them keep.
+
+    Args:
+        action: a, ``(*B, n)``.
+        retreat: r, no longer than L, ``(*B, n)``.
+        longest: L, in the action's unit.
+    """
+    way = action - retreat
+    square = (way * way).sum(-1, keepdim=True)
+    along = (retreat * way).sum(-1, keepdim=True)
+    left = (longest**2 - (retreat * retreat).sum(-1, keepdim=True)).clamp(min=0.0)
+
+    tiny = torch.finfo(square.dtype).tiny ** 0.5
+    root = (along * along + square * left).clamp(min=tiny).sqrt()
+    share = ((root - along) / square.clamp(min=tiny)).clamp(0.0, 1.0)
+    return retreat + share * way

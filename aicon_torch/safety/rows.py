@@ -1,5 +1,6 @@
 """Linear bounds on an action, as rows."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
@@ -36,15 +37,21 @@ class SafeAction(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Rows of length one: n·a ≥ b.
+    """Rows n·a ≥ b, most of them of length one.
 
     Attributes:
         normals: n, ``(*B, m, n)``.
-        bounds: b, ``(*B, m)``, in the action's unit.
+        bounds: b, ``(*B, m)``, in the action's unit where n has length one.
     """
 
     normals: Tensor
     bounds: Tensor
+
+
+def joined(rows: Sequence[Rows]) -> Rows:
+    """All rows, one after the other."""
+    normals = torch.cat([some.normals for some in rows], dim=-2)
+    return Rows(normals, torch.cat([some.bounds for some in rows], dim=-1))
 
 
 def normalised(within: SafetyBounds) -> tuple[Rows, Tensor]:

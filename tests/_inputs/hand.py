@@ -31,6 +31,15 @@ def angle_to_target(q: Tensor, z_target: Tensor) -> Tensor:
     return torch.atan2(sine.abs(), cosine)[..., 0]
 
 
+class Slowed:
+    """Half as fast on the way to a target."""
+
+    slows_for_targets = True
+
+    def __call__(self, a: Tensor) -> Tensor:
+        return a / 2.0
+
+
 def readable_hand(
     escape: PlaceEscape | None, speed: float = 1.0, dt: float = DT, slowed: bool = False
 ) -> Policy:
@@ -53,7 +62,7 @@ def readable_hand(
                 1,
                 "rad/s",
                 limit=(speed,),
-                constraints=[lambda a: a / 2.0] if slowed else [],
+                constraints=[Slowed()] if slowed else [],
                 dampers=VelocityDampers(escape=escape),
             )
         },
