@@ -8,6 +8,7 @@ from aicon_torch.inspection.shielding import Shielding
 from lerobot_robot_aicon.config_aicon_shield import AiconShieldConfig
 from lerobot_robot_aicon.interference import Interference
 from lerobot_robot_aicon.joint_shield import JointShield
+from lerobot_robot_aicon.motors import check_mapping
 
 
 class AiconShield(Robot):
@@ -110,9 +111,10 @@ class AiconShield(Robot):
             What was sent.
 
         Raises:
-            ValueError: If it names a motor that the robot does not have, or the robot does not
-                stand as it is described at the beginning.
+            ValueError: If it names a motor that the robot does not have, or has no number for one,
+                or the robot does not stand as it is described at the beginning.
         """
+        check_mapping("action", action, list(self.action_features))
         unknown = [key for key in action if key not in self.action_features]
         if unknown:
             raise ValueError(
@@ -127,5 +129,5 @@ class AiconShield(Robot):
         return sent
 
     def explain(self) -> Shielding | None:
-        """What was changed in the last action, and why; None before the first."""
+        """What was changed in the last action, and why; None before the first, and while held."""
         return self._shield.explain()

@@ -8,6 +8,7 @@ from lerobot.utils.errors import DeviceNotConnectedError
 
 from aicon_envs.reach import ReachEnv
 from aicon_envs.reach.simulation import CONTROL_STEP
+from aicon_torch.validation import check_positive
 from lerobot_robot_aicon.config_aicon_simulated import AiconSimulatedConfig
 
 SERVO = 0.1
@@ -35,6 +36,7 @@ class AiconSimulated(Robot):
 
     def __init__(self, config: AiconSimulatedConfig) -> None:
         super().__init__(config)
+        check_positive(config, ("fps",))
         self.config = config
         self._env = ReachEnv(config.robot, "axis", "random", speed=10.0)
         self._keys = [f"{joint}.pos" for joint in self._env.description()["joints"]]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from aicon_envs.reach.robots import ROBOTS, find_file
 from aicon_torch.parts import Robot
+from aicon_torch.validation import check_not_negative, check_positive, numbers
 
 
 @dataclass(kw_only=True)
@@ -49,7 +50,12 @@ class ShieldOptions(ArmOptions):
 
 
 def described_arm(options: ArmOptions) -> Robot:
-    """The arm that is described."""
+    """The arm that is described.
+
+    Raises:
+        ValueError: If there is no such description, or an option has a value that it cannot have.
+    """
+    _check_numbers(options)
     known = ROBOTS.get(options.urdf)
     if known is None and not Path(options.urdf).is_file():
         raise ValueError(
@@ -61,3 +67,13 @@ def described_arm(options: ArmOptions) -> Robot:
         return Robot.from_urdf(options.urdf, tip=options.tip, srdf=options.srdf)
     srdf = None if known.srdf is None else find_file(known.srdf)
     return Robot.from_urdf(find_file(known.urdf), tip=known.tip, srdf=srdf)
+
+
+def _check_numbers(options: ArmOptions) -> None:
+    """Check the numbers among the options, all of which must be finite."""
+    check_positive(options, ("speed", "fps"))
+    check_not_negative(options, ("lead",))
+    for joint, offset in options.offsets.items():
+        numbers(f"offsets[{joint!r}]", offset, 1)
+    if isinstance(options, ShieldOptions) and options.table is not None:
+        numbers("table", options.table, 1)

@@ -1,5 +1,6 @@
 """From a pose of the end effector to joints, as a step of a LeRobot processor."""
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -12,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from aicon_torch import make_policy
 from lerobot_robot_aicon.arm_options import ArmOptions, described_arm
 from lerobot_robot_aicon.commanded_joints import CommandedJoints
+from lerobot_robot_aicon.motors import as_number
 
 POSE = ("ee.x", "ee.y", "ee.z", "ee.wx", "ee.wy", "ee.wz")
 """LeRobot's keys of a pose of the tip in the frame of the base: a place, m, and a rotation vector,
@@ -52,7 +54,8 @@ class EndEffectorStep(ArmOptions, RobotActionProcessorStep):
             watchdog=False,  # what it reads are commands, which neither age nor freeze
         )
         self._policy = policy.compile()
-        self._joints = CommandedJoints(arm.chain.names, self)
+        self._joints = CommandedJoints(arm.chain, self)
+        self._speeds = arm.chain.speed.clamp(max=self.speed).numpy()
         self.reset()
 
         # The first step compiles it, for which no arm shall wait.
@@ -60,19 +63,35 @@ class EndEffectorStep(ArmOptions, RobotActionProcessorStep):
         self._policy.predict({"q": middle, **self._target(np.zeros(6))})
 
     def action(self, action: dict[str, Any]) -> dict[str, Any]:
-        """Where the motors are sent next, in the place of the pose."""
+        """Where the motors are sent next, in the place of the pose.
+
+        What is not finite of a pose is none, and what is not finite of an opening is not sent. Of
+        readings that cannot be true, see :class:`CommandedJoints`.
+
+        Raises:
+            ValueError: If the action lacks a part of the pose, the observation a motor, something
+                of either is no number, or an episode begins with an arm beyond its stops.
+        """
         missing = [key for key in POSE if key not in action]
         if missing:
             raise ValueError(f"action: it has no {', '.join(missing)}; expected {', '.join(POSE)}.")
 
-        pose = np.array([float(action.pop(key)) for key in POSE])
-        commanded = self._joints.commanded(self.transition[TransitionKey.OBSERVATION])
-        sought = {"q": commanded, **self._target(pose)}
-        velocity, self._memory = self._policy.predict(sought, self._memory)
-
+        pose = np.array([as_number("action", key, action.pop(key)) for key in POSE])
         if GRIPPER[0] in action:
-            action[GRIPPER[1]] = float(action.pop(GRIPPER[0]))
-        return {**action, **self._joints.moved(commanded, velocity)}
+            opening = as_number("action", GRIPPER[0], action.pop(GRIPPER[0]))
+            if math.isfinite(opening):
+                action[GRIPPER[1]] = opening
+
+        arm = self._joints.look(self.transition.get(TransitionKey.OBSERVATION))
+        if arm.is_held:
+            return {**action, **self._joints.motors.written(arm.commanded)}
+        if arm.is_displaced:  # straight to where it is, which is no pose to look for
+            back = (arm.measured - arm.commanded) * self.fps
+            velocity = back.clip(-self._speeds, self._speeds)
+        else:
+            sought = {"q": arm.commanded, **self._target(pose)}
+            velocity, self._memory = self._policy.predict(sought, self._memory)
+        return {**action, **self._joints.moved(arm.commanded, velocity)}
 
     def reset(self) -> None:
         """Begin anew."""

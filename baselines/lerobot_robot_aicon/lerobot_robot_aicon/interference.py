@@ -3,7 +3,7 @@
 import logging
 import time
 
-from lerobot_robot_aicon.joint_shield import CHANGED, JointShield
+from lerobot_robot_aicon.joint_shield import JointShield
 
 EVERY = 2.0
 """A line is written so often at most, s."""
@@ -30,13 +30,14 @@ class Interference:
     def note(self) -> None:
         """Take the last action into account."""
         self._steps += 1
-        if self._shield.interference() <= CHANGED:
+        if not self._shield.is_changed():
             return
 
         self._changed += 1
-        if time.monotonic() - self._last >= EVERY:
+        explained = self._shield.explain()
+        if explained is not None and time.monotonic() - self._last >= EVERY:
             self._last = time.monotonic()
-            _log.info("Shield, in rad/s: %s", self._shield.explain())
+            _log.info("Shield, in rad/s: %s", explained)
 
     def close(self) -> None:
         """Say how often it was changed in all."""

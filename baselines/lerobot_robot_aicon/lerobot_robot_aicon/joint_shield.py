@@ -1,6 +1,5 @@
 """A shield for the positions that LeRobot sends to an arm."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,14 +8,16 @@ from aicon_torch.inspection.shielding import Shielding
 from aicon_torch.models.reach import Options, body_model, towards
 from aicon_torch.shield import NOMINAL, ShieldState
 from lerobot_robot_aicon.arm_options import ShieldOptions, described_arm
-from lerobot_robot_aicon.commanded_joints import CommandedJoints
+from lerobot_robot_aicon.commanded_joints import ArmState, CommandedJoints
+from lerobot_robot_aicon.measured_joints import REMEDY
+from lerobot_robot_aicon.motors import check_mapping, finite
 
 WANTED = "wanted"
 """The observation's key of where the joints are sent, rad."""
 
-BEYOND_STOP, OVERLAP = math.radians(10.0), 0.03
-"""An arm that seems to stand farther beyond its stops, rad, or within the margins of the table or
-of itself, m, does not stand as it is described, and is not moved."""
+OVERLAP = 0.03
+"""An arm that seems to stand farther within the margins of the table or of itself, m, does not
+stand as it is described, and is not moved."""
 
 CHANGED = 0.02
 """An action that is changed by more than this, rad/s, has been interfered with."""
@@ -41,8 +42,7 @@ class JointShield:
         shield = Shield(_wanted, model, nominal=towards, goes_around=options.goes_around)
 
         self._shield = shield.compile()
-        self._chain = arm.chain
-        self.joints = CommandedJoints(arm.chain.names, options)
+        self.joints = CommandedJoints(arm.chain, options)
         self._middle = arm.chain.middle.numpy()
         self.reset()
 
@@ -53,6 +53,7 @@ class JointShield:
     def reset(self) -> None:
         """Begin anew."""
         self._state: ShieldState | None = None
+        self._arm: ArmState | None = None
         self.joints.reset()
 
     def __call__(
@@ -60,60 +61,61 @@ class JointShield:
     ) -> dict[str, float]:
         """The nearest action that is allowed.
 
+        While a motor shows what cannot be, the arm is held; if it was moved by force, it is sent
+        to where it is before it is sent where it is told: see :class:`CommandedJoints`.
+
         Args:
             observation: Where the motors are, degrees.
             action: Where they are sent, degrees. What is not finite stays where it is.
 
         Raises:
-            ValueError: If an episode begins with an arm that does not stand as it is described.
+            ValueError: If an episode begins with an arm that does not stand as it is described, the
+                observation lacks a motor, or something of either is no number.
         """
-        commanded = self.joints.commanded(observation)
-        finite = {key: value for key, value in action.items() if math.isfinite(value)}
-        wanted = self.joints.read({**self.joints.written(commanded), **finite})
+        check_mapping("action", action, self.joints.keys)
+        told = finite(action)
+        self._arm = arm = self.joints.look(observation)
+        stays = self.joints.motors.written(arm.commanded)
+        if arm.is_held:
+            return {**told, **stays}
 
-        begins = self._state is None
-        proposed = {"q": commanded, WANTED: wanted}
-        velocity, self._state = self._shield.predict(proposed, self._state)
-        if begins:
-            self._check_start(commanded, self._state)
-        return {**finite, **self.joints.moved(commanded, velocity)}
+        wanted = arm.measured if arm.is_displaced else self.joints.motors.read({**stays, **told})
+        proposed = {"q": arm.commanded, WANTED: wanted}
+        velocity, state = self._shield.predict(proposed, self._state)
+        if arm.begins:
+            self._check_links(state)
 
-    def interference(self) -> float:
-        """By how much the last action differs from what was asked for, as fast as it may, rad/s."""
-        if self._state is None:
-            return 0.0
+        self._state = state
+        return {**told, **self.joints.moved(arm.commanded, velocity)}
+
+    def is_changed(self) -> bool:
+        """Whether the last action is another one than was asked for, as fast as it may be."""
+        if self._arm is None or self._state is None:
+            return False
+        if self._arm.is_held or self._arm.is_displaced:
+            return True
+
         memory, actuator = self._state.memory, self._shield.model.actuators["a"]
-        return float((memory["a"] - actuator.clip(memory[NOMINAL])).abs().max())
+        difference = (memory["a"] - actuator.clip(memory[NOMINAL])).abs().max()
+        return float(difference) > CHANGED
 
-    def _check_start(self, joints: Any, state: ShieldState) -> None:
-        """Check that the arm stands neither beyond its stops, nor in the table or itself."""
-        remedy = (
-            "is not moved. Either it is to be moved there by hand, or the description does not "
-            "stand as the arm does: see --robot.offsets, --robot.signs and its calibration."
-        )
-        low, high = self._chain.low.numpy(), self._chain.high.numpy()
-        for name, q, least, most in zip(self._chain.names, joints, low, high, strict=True):
-            if not least - BEYOND_STOP <= q <= most + BEYOND_STOP:
-                found, range_of = math.degrees(q), (math.degrees(least), math.degrees(most))
-                raise ValueError(
-                    f"{name} seems to stand at {found:.0f}°, beyond its stops, "
-                    f"{range_of[0]:.0f}° and {range_of[1]:.0f}°, so the arm {remedy}"
-                )
-
+    def _check_links(self, state: ShieldState) -> None:
+        """Check that the arm stands neither in the table nor in itself; its stops are checked."""
         model = self._shield.model
         values = model.values(state.memory)
         for goal in model.goals.values():
-            if goal.safety and not goal.has_room:  # links; stops have room, and are checked above
+            if goal.safety and not goal.has_room:  # links; stops have room
                 gap = float(goal.gaps(values).min())
                 if gap < -OVERLAP:
                     raise ValueError(
                         f"{goal.name}: the arm seems to be {-100 * gap:.0f} cm within its margin, "
-                        f"so it {remedy}"
+                        f"so it {REMEDY}"
                     )
 
     def explain(self) -> Shielding | None:
-        """What was changed in the last action, and why; None before the first."""
-        return None if self._state is None else self._shield.explain(self._state)
+        """What was changed in the last action, and why; None before the first, and while held."""
+        is_held = self._arm is not None and self._arm.is_held
+        return None if self._state is None or is_held else self._shield.explain(self._state)
 
 
 def _wanted(observation: Mapping[str, Any]) -> Any:

@@ -26,10 +26,10 @@ class ShieldStep(ShieldOptions, RobotActionProcessorStep):
 
     def action(self, action: dict[str, Any]) -> dict[str, Any]:
         """The nearest action that is allowed."""
-        return self._shield(self.transition[TransitionKey.OBSERVATION], action)
+        return self._shield(self.transition.get(TransitionKey.OBSERVATION), action)
 
     def explain(self) -> Shielding | None:
-        """What was changed in the last action, and why; None before the first."""
+        """What was changed in the last action, and why; None before the first, and while held."""
         return self._shield.explain()
 
     def reset(self) -> None:

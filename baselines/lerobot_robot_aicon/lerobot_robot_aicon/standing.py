@@ -17,8 +17,8 @@ import torch
 from lerobot.robots import make_robot_from_config
 
 from lerobot_robot_aicon.arm_options import described_arm
-from lerobot_robot_aicon.commanded_joints import CommandedJoints
 from lerobot_robot_aicon.config_aicon_shield import AiconShieldConfig
+from lerobot_robot_aicon.motors import Motors
 
 # The command line knows the robots whose modules are imported; some of them need more packages.
 for module in pkgutil.iter_modules(lerobot.robots.__path__):
@@ -44,7 +44,7 @@ def main(config: Standing) -> None:
     """Print what the motors show, what that is by the description, and where the tip is."""
     robot = make_robot_from_config(config.robot.inner)
     chain = described_arm(config.robot).chain
-    joints = CommandedJoints(chain.names, config.robot)
+    motors = Motors(chain.names, config.robot)
     low, high = np.degrees(chain.low.numpy()), np.degrees(chain.high.numpy())
 
     robot.connect()
@@ -54,10 +54,10 @@ def main(config: Standing) -> None:
         end = time.monotonic() + config.duration
         while time.monotonic() < end:
             observation = robot.get_observation()
-            q = joints.read(observation)
+            q = motors.read(observation)
             print(f"\n{'joint':>16} {'motor':>8} {'described':>10}   stops, degrees")
             for name, key, angle, *stops in zip(
-                chain.names, joints.keys, np.degrees(q), low, high, strict=True
+                chain.names, motors.keys, np.degrees(q), low, high, strict=True
             ):
                 beyond = "" if stops[0] <= angle <= stops[1] else "  BEYOND"
                 print(

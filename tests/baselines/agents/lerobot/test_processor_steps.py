@@ -97,6 +97,13 @@ def test_a_saved_processor_is_the_same(
     assert loaded((pose, observation)) == sent
 
 
+def test_an_opening_that_is_not_finite_is_not_sent(processor: Any, robot: AiconSimulated) -> None:
+    pose = {f"ee.{name}": 0.1 for name in ("x", "y", "z", "wx", "wy", "wz")}
+    processor.reset()
+    sent = processor(({**pose, "ee.gripper_pos": np.nan}, robot.get_observation()))
+    assert sent.keys() == to_action(np.zeros(5)).keys()
+
+
 def test_a_pose_lacks_a_component(processor: Any, robot: AiconSimulated) -> None:
     with pytest.raises(ValueError, match=r"no ee\.wz; expected ee\.x"):
         pose = {f"ee.{name}": 0.1 for name in ("x", "y", "z", "wx", "wy")}

@@ -26,7 +26,7 @@ from lerobot_robot_aicon import (
     AiconSimulatedConfig,
 )
 from lerobot_robot_aicon.arm_options import ShieldOptions
-from lerobot_robot_aicon.commanded_joints import CommandedJoints
+from lerobot_robot_aicon.motors import Motors
 
 pytestmark = pytest.mark.slow
 
@@ -131,10 +131,10 @@ def test_a_tip_of_an_arm_that_has_one_is_refused() -> None:
 
 def test_a_motor_that_counts_the_other_way_round_turns_the_other_way() -> None:
     options = ShieldOptions(urdf="so101", signs={"wrist_roll": -1}, offsets={"wrist_roll": 10.0})
-    commanded = CommandedJoints(JOINTS, options)
-    q = commanded.read(to_action([0.0, 0.0, 0.0, 0.0, 30.0]))
+    motors = Motors(JOINTS, options)
+    q = motors.read(to_action([0.0, 0.0, 0.0, 0.0, 30.0]))
     assert np.degrees(q) == pytest.approx([0.0, 0.0, 0.0, 0.0, -20.0])
-    assert commanded.written(q)["wrist_roll.pos"] == pytest.approx(30.0)
+    assert motors.written(q)["wrist_roll.pos"] == pytest.approx(30.0)
 
 
 def test_the_simulated_arm_has_a_gripper_and_pictures() -> None:
