@@ -50,8 +50,15 @@ class CommandedJoints:
         self._commanded: NDArray[Any] | None = None
 
     def read(self, positions: Mapping[str, Any]) -> NDArray[Any]:
-        """The joints ``(n,)``, rad, that motors show or are sent to, degrees."""
+        """The joints ``(n,)``, rad, that motors show or are sent to, degrees.
+
+        Raises:
+            ValueError: If one is no finite number.
+        """
         degrees = np.array([float(positions[key]) for key in self.keys])
+        for key, angle in zip(self.keys, degrees, strict=True):
+            if not np.isfinite(angle):
+                raise ValueError(f"{key} is {angle}: expected a finite number, degrees.")
         return np.radians(self._signs * (degrees - self._offsets))
 
     def written(self, joints: NDArray[Any]) -> dict[str, float]:
