@@ -1,5 +1,6 @@
 """A shield: somebody else's policy, within bounds that nothing violates."""
 
+import copy
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -19,9 +20,9 @@ from aicon_torch.goals import Goal
 from aicon_torch.graph import WorldModel
 from aicon_torch.inspection.shielding import Shielding, shielding
 from aicon_torch.inspection.trace import StepTrace
-from aicon_torch.interconnections import Interconnection
+from aicon_torch.interconnections import Interconnection, Values
 from aicon_torch.policy import Policy
-from aicon_torch.quantities import Sensor
+from aicon_torch.quantities import PRESENT, Sensor
 from aicon_torch.readings.observation import as_array, as_tensor
 from aicon_torch.resolution import Memory
 
@@ -29,11 +30,14 @@ PROPOSAL = "proposal"
 """The sensor, and the observation's key, of what is proposed."""
 
 NOMINAL = "x_proposal"
-"""The estimate of it as an action of the actuator."""
+"""The estimate of it as an action of the actuator: at rest where nothing is proposed."""
 
 
 class ShieldState(NamedTuple):
     """What lives from step to step.
+
+    ``torch.save`` writes it, and ``torch.load`` reads it again, as far as it reads the state of the
+    policy within: tensors, and what Python itself is made of.
 
     Attributes:
         memory: Of the shield.
@@ -44,6 +48,9 @@ class ShieldState(NamedTuple):
     inner: Any
 
 
+torch.serialization.add_safe_globals([ShieldState])
+
+
 class Shield:
     """A policy that does what another one proposes, as far as the safety goals of a graph allow.
 
@@ -52,13 +59,17 @@ class Shield:
     safety goals the nearest is taken. Where they bring to rest what w asks for, that is a conflict,
     and explored: see :class:`aicon_torch.safety.way_around.Around`.
 
+    A row with a number that is not finite, or masked, is no proposal, as it would be no reading:
+    what is left of it might point anywhere. It asks for rest, whatever ``nominal`` is, and bounds
+    that have to grow move the robot as ever. An episode begins with its first proposal.
+
     It is a policy like any other: batched, and compiled; what it exports reads the proposal as a
-    part of the observation.
+    part of the observation, by the same rule.
 
     Args:
         policy: Anything with the ``predict`` of stable-baselines3, or a function of the
-            observation, that proposes actions ``(*B, size)``. What is not finite is taken for 0,
-            which asks for nothing, unless ``nominal`` makes something else of it.
+            observation, that proposes actions ``(*B, size)``. The shield has copies of what its
+            sensors read, which stay as they are whatever the policy does to the observation.
         model: The graph: sensors, one actuator with a finite limit, estimators, safety goals.
         nominal: Where proposals are no actions of the actuator, such as places to go to: a function
             of ``proposal`` and any quantities, wired by its parameters' names, that returns the
@@ -68,7 +79,8 @@ class Shield:
 
     Raises:
         GraphError: If the model has another number of actuators than one, no safety goal that
-            bounds it, or one of the names that the shield adds.
+            bounds it, or one of the names that the shield adds, or nominal reads no proposal.
+        OptionError: If the policy proposes nothing, or the model or nominal is none.
 
     Example:
         >>> shield = Shield(PPO.load("agent.zip"), WorldModel(...))
@@ -90,6 +102,7 @@ class Shield:
         self.inner = policy
         following = _following(model, nominal, size, goes_around)
         self.policy = Policy(following, law=DirectDescent(gain=1.0, smoothing=0.0))
+        self._keys = _keys_of(following)
         self._state: ShieldState | None = None
 
     @property
@@ -114,6 +127,11 @@ class Shield:
 
         Returns:
             The action ``(*B, size)``, and the state.
+
+        Raises:
+            ObservationError: If the observation has no keys, the state is none of a shield, or what
+                is proposed is no action; also as for :meth:`aicon_torch.Policy.predict`.
+            OptionError: If what the policy within returns is no action and state.
         """
         if not isinstance(observation, Mapping):
             raise ObservationError(
@@ -121,7 +139,14 @@ class Shield:
                 f"({choices(self.model.sensors)}), got {type(observation).__name__}."
             )
 
-        memory, inner = (None, None) if state is None else state
+        memory, inner = (None, None) if state is None else _checked(state)
+
+        # The policy may change in place what it is given.
+        seen = {
+            key: _copied(reading) if key in self._keys else reading
+            for key, reading in observation.items()
+        }
+
         if hasattr(self.inner, "predict"):
             told = self.inner.predict(observation, inner, episode_start, deterministic)
             if not isinstance(told, tuple | list) or len(told) != 2:
@@ -132,8 +157,8 @@ class Shield:
         else:
             proposal = self.inner(observation)
 
-        proposed = {**observation, PROPOSAL: _finite(proposal, self.model.like)}
-        action, memory = self.policy.predict(proposed, memory, episode_start)
+        seen[PROPOSAL] = _numbers(proposal, self.model.like)
+        action, memory = self.policy.predict(seen, memory, episode_start)
         return action, ShieldState(memory, inner)
 
     def act(self, observation: Mapping[str, Any]) -> Any:
@@ -150,6 +175,7 @@ class Shield:
         """The same shield with its step compiled: see :meth:`aicon_torch.Policy.compile`."""
         compiled = object.__new__(Shield)
         compiled.inner, compiled._state = self.inner, None
+        compiled._keys = self._keys
         compiled.policy = self.policy.compile()
         return compiled
 
@@ -161,8 +187,15 @@ class Shield:
         self.policy.export(path, target, **description)
 
     def trace(self, state: ShieldState) -> StepTrace:
-        """What the step that returned this state knew and decided."""
-        return self.policy.trace(state.memory)
+        """What the step that returned this state knew and decided.
+
+        Args:
+            state: The state.
+
+        Raises:
+            ObservationError: If it is no state of a shield.
+        """
+        return self.policy.trace(_checked(state).memory)
 
     def explain(self, state: ShieldState, row: int | tuple[int, ...] = ()) -> Shielding:
         """What the step that returned this state made of the proposal, and why.
@@ -172,14 +205,10 @@ class Shield:
             row: Which row of the batch.
 
         Raises:
-            OptionError: If it is no state of a shield.
+            ObservationError: If it is no state of a shield.
+            ValueError: If the row names no single one of the batch.
         """
-        if not isinstance(state, ShieldState):
-            raise OptionError(
-                f"state={state!r}: expected the ShieldState that a step returned: "
-                "action, state = shield.predict(...)."
-            )
-        return shielding(self.policy.model, NOMINAL, state.memory, row)
+        return shielding(self.policy.model, NOMINAL, _checked(state).memory, row)
 
 
 def _following(
@@ -209,13 +238,23 @@ def _following(
             "nothing to keep: Goal(..., safety=True)."
         )
 
+    if nominal is not None and not callable(nominal):
+        raise OptionError(
+            f"nominal={nominal!r}: expected a function of {PROPOSAL!r} and any quantities, or None."
+        )
+
     ((name, actuator),) = model.actuators.items()
     escape = WayAround() if goes_around else None
     dampers = replace(actuator.dampers, escape=escape, haste=1.0)  # no faster than is proposed
 
     # The proposal is read, what it means is estimated, and to do that is the goal.
     proposal = Sensor(actuator.size if size is None else size, actuator.unit)
-    asked = Deterministic(NOMINAL, _asked if nominal is None else nominal)
+    asked = _Asked(NOMINAL, _as_it_is if nominal is None else nominal)
+    if PROPOSAL not in asked.inputs:
+        raise GraphError(
+            f"nominal: it reads {choices(asked.inputs)}; expected {PROPOSAL!r} among them, which "
+            "is what the policy proposes."
+        )
     follow = Goal("follow", Interconnection(_disagreement, inputs=[name, NOMINAL]))
     following = WorldModel(
         sensors={**model.sensors, PROPOSAL: proposal},
@@ -237,7 +276,19 @@ def _following(
     return following
 
 
-def _asked(proposal: Tensor) -> Tensor:
+class _Asked(Deterministic):
+    """The action that is asked for: what a proposal means, and rest where there is none."""
+
+    def forward(self, values: Values, output: str) -> Tensor:
+        """The action ``(*B, size)``; a sensor without a reading repeats its last one."""
+        meant = super().forward(values, output)
+        flag = PROPOSAL + PRESENT
+        if flag not in values:
+            return meant
+        return torch.where(values[flag].unsqueeze(-1), meant, 0.0)
+
+
+def _as_it_is(proposal: Tensor) -> Tensor:
     """The proposal is an action, ``(*B, size)``."""
     return proposal
 
@@ -247,11 +298,38 @@ def _disagreement(action: Tensor, nominal: Tensor) -> Tensor:
     return -(action * stop(nominal)).sum(-1)  # stops: moving is not to change what is asked for
 
 
-def _finite(proposal: Any, like: Tensor) -> Any:
-    """The proposal with zeros, which ask for nothing, where it is not finite, ``(*B, size)``."""
+def _keys_of(model: WorldModel) -> frozenset[str]:
+    """The keys of an observation that a model reads: readings, their ages, executed actions."""
+    keys = {sensor.key_of(name) for name, sensor in model.sensors.items()}
+    keys |= {sensor.age_key for sensor in model.sensors.values() if sensor.age_key is not None}
+    keys |= {actuator.key for actuator in model.actuators.values() if actuator.key is not None}
+    return frozenset(keys)
+
+
+def _copied(reading: Any) -> Any:
+    """A reading that nobody else can change."""
+    if isinstance(reading, Tensor):
+        return reading.detach().clone()  # a reading is a constant of the step
+    return copy.deepcopy(reading) if isinstance(reading, np.ndarray | list) else reading
+
+
+def _numbers(proposal: Any, like: Tensor) -> Any:
+    """The proposal as numbers ``(*B, size)``, a tensor if it is one; NaN where a mask is."""
     called, unit = "what the policy within proposes", "the unit of a proposal"
     if isinstance(proposal, Tensor):
-        numbers = as_tensor(called, unit, proposal, like)
-        return torch.where(numbers.isfinite(), numbers, 0.0)
-    array = as_array(called, unit, proposal)
-    return np.where(np.isfinite(array), array, 0.0)
+        return as_tensor(called, unit, proposal, like)
+    return as_array(called, unit, proposal)
+
+
+def _checked(state: Any) -> ShieldState:
+    """A state, if it is one of a shield.
+
+    Raises:
+        ObservationError: If it is none.
+    """
+    if not isinstance(state, ShieldState):
+        raise ObservationError(
+            f"state: expected the ShieldState that the last step returned (action, state = "
+            f"shield.predict(observation, state)), got {type(state).__name__}."
+        )
+    return state

@@ -77,13 +77,6 @@ def test_a_batch_is_its_rows_compiled_or_not_and_so_is_what_it_exports(tmp_path:
         np.testing.assert_allclose(position, together[step + 1, 0], atol=1e-5)
 
 
-@pytest.mark.parametrize("broken", [np.nan, np.inf, -np.inf])
-def test_a_proposal_that_is_not_finite_asks_for_nothing(broken: float) -> None:
-    shield = Shield(lambda seen: np.array([broken, 0.3]), world())
-    action, _ = shield.predict({"position": np.array([0.0, 2.0])})
-    np.testing.assert_allclose(action, (0.0, 0.3), atol=1e-6)
-
-
 class Counting:
     """A policy with a state of its own: it counts the steps of each episode."""
 

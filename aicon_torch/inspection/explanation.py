@@ -7,6 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.control.backward import BackwardPass
+from aicon_torch.graph import WorldModel
 from aicon_torch.inspection.rows import of_one_robot
 from aicon_torch.inspection.trace import UNUSED, QuantityTrace, trace
 from aicon_torch.quantities import AGE, FROZEN, PRESENT, SILENCE
@@ -101,13 +102,12 @@ def explain(backward: BackwardPass, memory: Memory, row: int | tuple[int, ...] =
         action={name: tuple(action.tolist()) for name, action in actions.items()},
         goals=_goal_reports(backward, one_robot, actions),
         quantities={name: _report(quantity) for name, quantity in step.quantities.items()},
-        alerts=tuple(_alerts(backward, one_robot)),
+        alerts=tuple(alerts(model, one_robot)),
     )
 
 
-def _alerts(backward: BackwardPass, memory: Memory) -> Iterator[str]:
-    """Which sensors have no reading, why, and what the action does."""
-    model = backward.model
+def alerts(model: WorldModel, memory: Memory) -> Iterator[str]:
+    """Which sensors of one robot have no reading, why, and what the action does."""
     share = float(confidence(model.sensors, memory))
     for name, sensor in model.sensors.items():
         if bool(memory[name + PRESENT]) or name == model.clock:

@@ -1,13 +1,17 @@
 """What a shield made of a proposal, and why, in numbers to read."""
 
+import math
 from dataclasses import dataclass
 
 import torch
+from torch import Tensor
 
+from aicon_torch.control.memory import GOAL_FACTORS
 from aicon_torch.graph import WorldModel
+from aicon_torch.inspection.explanation import alerts
 from aicon_torch.inspection.rows import of_one_robot
 from aicon_torch.resolution import Memory
-from aicon_torch.safety.bounds import safety_of
+from aicon_torch.safety.bounds import LEAST_SPEED, safety_of
 
 
 @dataclass(frozen=True)
@@ -15,7 +19,8 @@ class Held:
     """A safety goal that does not allow what is proposed.
 
     Attributes:
-        gap: The gap that allows the least of it, in the goal's unit.
+        gap: The gap that allows the least of it, in the goal's unit; where it is no number, this or
+            one of the others is not finite, and nothing moves.
         asked: How fast that gap would change, per second.
         allowed: How fast it may close at most; above zero it has to grow.
     """
@@ -34,21 +39,28 @@ class Shielding:
         action: What is done.
         held: The safety goals that did not allow it, by name.
         is_around: Whether it is on a way around what holds it up.
+        alerts: Sentences on sensors without a reading, the proposal's among them, and on what that
+            does to the action.
     """
 
     proposal: tuple[float, ...]
     action: tuple[float, ...]
     held: dict[str, Held]
     is_around: bool
+    alerts: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """A few lines to read."""
         lines = [f"proposed {_numbers(self.proposal)}, done {_numbers(self.action)}"]
         for name, held in self.held.items():
+            if not math.isfinite(held.gap + held.asked + held.allowed):
+                lines.append(f"  {name}: a gap or its slope is no number, so nothing moves")
+                continue
             speeds = f"would change by {held.asked:+.3g}/s, may by {held.allowed:+.3g}/s"
             lines.append(f"  {name}: a gap of {held.gap:.3g} {speeds}")
         if self.is_around:
             lines.append("  held up: on the way around")
+        lines += self.alerts
         return "\n".join(lines)
 
 
@@ -75,21 +87,35 @@ def shielding(
     return Shielding(
         proposal=tuple(asked.tolist()),
         action=tuple(values[name].tolist()),
-        held=_held(model, name, values, asked),
+        held=_held(model, name, values, asked, one_robot[GOAL_FACTORS]),
         is_around=around is not None and bool(around),
+        alerts=tuple(alerts(model, one_robot)),
     )
 
 
-def _held(model: WorldModel, name: str, values: Memory, asked: torch.Tensor) -> dict[str, Held]:
+def _held(
+    model: WorldModel, name: str, values: Memory, asked: Tensor, factors: Tensor
+) -> dict[str, Held]:
     """The safety goals that do not allow an action ``(size,)``, each with its worst gap."""
     safety = safety_of(model)[name]
+    is_on = dict(zip(model.goals, (factors != 0).tolist(), strict=True))
     found: dict[str, Held] = {}
     for goal in safety.goals:
+        if not is_on[goal.name]:
+            continue
+
         # The rate of each gap that is asked for, ∇d · a, and the least that is allowed.
         slopes, bounds, gaps = safety.rows_of(goal, values)
         speed = (slopes * asked).sum(-1)
-        worst = int((speed - bounds).argmin())
-        if speed[worst] < bounds[worst] - 1e-6:
+
+        # What no action can serve holds up none; what is no number holds up all.
+        fastest = (slopes.abs() * safety.limits.to(slopes)).sum(-1)
+        is_known = (gaps + bounds + fastest).isfinite()
+        spare = torch.where(fastest > LEAST_SPEED, speed - bounds, torch.inf)
+        spare = torch.where(is_known, spare, -torch.inf)
+
+        worst = int(spare.argmin())
+        if spare[worst] < -1e-6:
             found[goal.name] = Held(
                 gap=float(gaps[worst]), asked=float(speed[worst]), allowed=float(bounds[worst])
             )

@@ -50,12 +50,12 @@ class JointLimits(Margin, nn.Module):
         """The cost ``(*B,)`` of the joint angles ``(*B, n)``, rad."""
         return self.cost(self.distances(x_joints))
 
-    def gaps(self, x_joints: Tensor) -> Tensor:
+    def gaps(self, *values: Tensor) -> Tensor:
         """How far each joint is from where each of its limits costs something, ``(*B, 2 n)``, rad.
 
         A step may be longer than half of a short range, so that both limits count.
         """
-        return torch.cat(self.room(x_joints), dim=-1)
+        return torch.cat(self.room(*values), dim=-1)
 
     def room(self, x_joints: Tensor) -> tuple[Tensor, Tensor]:
         """How far each joint may turn down and up until that costs something, ``(*B, n)``, rad."""

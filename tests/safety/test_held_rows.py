@@ -58,11 +58,10 @@ def test_what_comes_may_come_at_most_twice_as_fast() -> None:
 def follow(proposal: tuple[float, float], sweeps: int | None, noise: float = 0.0) -> list[float]:
     """How far a point stays above a floor, which stands still, while a ceiling comes down on it."""
     direction = FLOOR / FLOOR.norm()
+    dampers = VelocityDampers(sweeps=sweeps)
     model = WorldModel(
         sensors={"z": Sensor(2, "m"), "z_w": Sensor(1, "m")},
-        actuators={
-            "v": Actuator(2, "m/s", limit=(1.0, 1.0), dampers=VelocityDampers(sweeps=sweeps))
-        },
+        actuators={"v": Actuator(2, "m/s", limit=(1.0, 1.0), dampers=dampers)},
         estimators=[place(2), moving_point("w", "z_w", dt=DT, noise=1e-3, size=1)],
         goals=[
             Goal("floor", lambda x: -(x @ direction.to(x)), safety=True),

@@ -1,4 +1,4 @@
-"""What a safety goal is like is found when the model is built: gaps that count, and gaps that do not."""
+"""What a safety goal is like is found when the model is built: which gaps count."""
 
 import pytest
 import torch

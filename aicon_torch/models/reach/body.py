@@ -22,6 +22,13 @@ from aicon_torch.parts.self_collision import CapsuleSegments, SelfCollision
 from aicon_torch.parts.solids import NUMBERS, Solids, can_be_solids
 from aicon_torch.parts.table import Table
 from aicon_torch.quantities import Actuator, Sensor
+from aicon_torch.validation import numbers
+
+ANYWHERE = (-100.0, 100.0)
+"""Range of angles, places and components of a direction, rad and m."""
+
+MAX_GAP = 2.5
+"""Steps without a reading of joints, target or obstacle after which the arm slows down."""
 
 BALL_NOISE = 0.002
 """Standard deviation of a ball's position as it is seen, m."""
@@ -44,13 +51,20 @@ def body_model(options: Options, table: float | None = None) -> WorldModel:
     action ``a`` is the velocity of the joints.
 
     Args:
-        options: The robot, its safety and balls; what concerns a target is not read.
+        options: The robot, its safety, its watchdog, and what is in its way; what concerns a target
+            is not read.
         table: Height of a table in the frame of the base, m; None for no table.
 
     Raises:
         OptionError: As for :func:`aicon_torch.models.reach.world_model`; also if the robot has no
-            shape, or a link cannot keep off the table.
+            shape, the table is no number, or a link cannot keep off it.
     """
+    if not isinstance(options, Options):
+        raise OptionError(
+            f"options={options!r}: expected Options, such as Options(robot='ur5.urdf', speed=1.0)."
+        )
+    if table is not None:
+        (table,) = numbers("table", table, 1)
     robot = robot_of(options)
     if robot.shape is None:
         raise OptionError("robot: it has no shape, so a shield could keep its stops alone.")
@@ -61,7 +75,7 @@ def body_model(options: Options, table: float | None = None) -> WorldModel:
         count, "rad/s or m/s", speeds, keeps_direction=True, dampers=options.dampers
     )
     return WorldModel(
-        sensors={"z_joints": Sensor(count, "rad or m", key="q"), **obstacle_sensors(options)},
+        sensors={"z_joints": joint_sensor(options, robot), **obstacle_sensors(options)},
         actuators={"a": velocity},
         estimators=[joint_filter([0.0] * count), body(robot), *ball_estimators(options)],
         goals=bounds(options, robot, table),
@@ -120,13 +134,29 @@ def body(robot: Robot) -> Deterministic:
     return Deterministic("x_body", CapsuleSegments(robot.chain, robot.shape.capsules))
 
 
-def obstacle_sensors(options: Options, **watched: Any) -> dict[str, Sensor]:
+def watched(options: Options) -> dict[str, Any]:
+    """What every sensor has: a range, and with the watchdog an age from which on the arm slows."""
+    checks: dict[str, Any] = {"range": ANYWHERE}
+    if options.watchdog:
+        checks["max_age"] = MAX_GAP * options.dt
+    return checks
+
+
+def joint_sensor(options: Options, robot: Robot) -> Sensor:
+    """Where the joints are; with the watchdog they must change while the arm moves."""
+    driven_by = "a" if options.watchdog else None
+    count = len(robot.chain.names)
+    return Sensor(count, "rad or m", key="q", driven_by=driven_by, **watched(options))
+
+
+def obstacle_sensors(options: Options) -> dict[str, Sensor]:
     """Where each ball is seen, and the objects."""
-    sensors = {f"z_{ball}": Sensor(3, "m", key=ball, **watched) for ball in _balls(options)}
+    checks = watched(options)
+    sensors = {f"z_{ball}": Sensor(3, "m", key=ball, **checks) for ball in _balls(options)}
     if options.obstacles:
         size = options.obstacles * NUMBERS
         sensors["z_obstacles"] = Sensor(
-            size, "m and others", key="obstacles", is_possible=can_be_solids, **watched
+            size, "m and others", key="obstacles", is_possible=can_be_solids, **checks
         )
     return sensors
 

@@ -22,9 +22,11 @@ from aicon_torch.models.reach.body import (
     ball_estimators,
     body,
     bounds,
+    joint_sensor,
     obstacle_sensors,
     robot_of,
     speeds_of,
+    watched,
 )
 from aicon_torch.models.reach.options import Options
 from aicon_torch.parts.approach import Approach, ToolAxis
@@ -38,12 +40,6 @@ from aicon_torch.parts.tip_metric import TipMetric
 from aicon_torch.parts.tip_pose import TipPose
 from aicon_torch.policy import Policy
 from aicon_torch.quantities import Actuator, Sensor
-
-ANYWHERE = (-100.0, 100.0)
-"""Range of angles, places and components of a direction, rad and m."""
-
-MAX_GAP = 2.5
-"""Steps without a reading of the joints, the target or a ball after which the arm slows down."""
 
 
 def build(options: Options) -> Policy:
@@ -92,23 +88,20 @@ def _advance(options: Options, pose: TipPose) -> ToolAxis | None:
 
 def _sensors(options: Options, robot: Robot) -> dict[str, Sensor]:
     """The joints, the target and what is in the way."""
-    watched: dict[str, Any] = {"range": ANYWHERE}
-    if options.watchdog:
-        watched["max_age"] = MAX_GAP * options.dt
-    moving = watched | ({"driven_by": "a"} if options.watchdog else {})
+    checks = watched(options)
     sensors = {
         "z_elapsed": clock(),
-        "z_joints": Sensor(len(robot.chain.names), "rad or m", key="q", **moving),
-        "z_position": Sensor(3, "m", key="target_position", **watched),
+        "z_joints": joint_sensor(options, robot),
+        "z_position": Sensor(3, "m", key="target_position", **checks),
     }
 
     # An orientation comes as an axis, or as a whole rotation.
-    oriented: dict[str, Any] = {"key": "target_orientation", **watched}
+    oriented: dict[str, Any] = {"key": "target_orientation", **checks}
     if options.orientation == "axis":
         sensors["z_orientation"] = Sensor(3, "a direction", **oriented)
     if options.orientation == "full":
         sensors["z_orientation"] = Sensor(4, "a quaternion (w, x, y, z)", **oriented)
-    return sensors | obstacle_sensors(options, **watched)
+    return sensors | obstacle_sensors(options)
 
 
 def _actuator(options: Options, robot: Robot, end_effector: EndEffector) -> Actuator:

@@ -59,7 +59,7 @@ class Options:
         arrives_within: The tip slows down where it would come past its target in the time in which
             a joint at its limit goes this way, rad: see :class:`aicon_torch.parts.arrive.Arrive`.
         tolerance: Within which a target asks for nothing, m.
-        watchdog: Whether the arm stops on readings of its joints that are too old or frozen.
+        watchdog: Whether the arm stops on readings that are too old, and on joints that are frozen.
     """
 
     robot: Robot | str | Path | None = None

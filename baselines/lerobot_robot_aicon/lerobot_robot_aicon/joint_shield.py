@@ -37,7 +37,12 @@ class JointShield:
 
     def __init__(self, options: ShieldOptions) -> None:
         arm = described_arm(options)
-        body = Options(robot=arm, speed=options.speed, dt=1.0 / options.fps)
+        body = Options(
+            robot=arm,
+            speed=options.speed,
+            dt=1.0 / options.fps,
+            watchdog=False,  # what it reads are commands, which neither age nor freeze
+        )
         model = body_model(body, options.table)
         shield = Shield(_wanted, model, nominal=towards, goes_around=options.goes_around)
 

@@ -26,6 +26,7 @@ from lerobot_robot_aicon import (
     AiconSimulatedConfig,
 )
 from lerobot_robot_aicon.arm_options import ShieldOptions
+from lerobot_robot_aicon.joint_shield import JointShield
 from lerobot_robot_aicon.motors import Motors
 
 pytestmark = pytest.mark.slow
@@ -82,6 +83,17 @@ def test_what_is_not_finite_stays_where_it_is(shielded: AiconShield) -> None:
         shielded.get_observation()
         shielded.send_action({"shoulder_pan.pos": np.nan, "gripper.pos": np.nan})
     assert joints(shielded.get_observation()) == pytest.approx(before, abs=0.01)
+
+
+def test_an_arm_that_is_held_goes_on_once_it_is_let_go() -> None:
+    shield = JointShield(ShieldOptions(urdf="so101"))
+    measured = to_action([0.0, -30.0, 30.0, 30.0, 0.0])
+    wanted = to_action([40.0, -60.0, 60.0, 60.0, 30.0])
+    for step in range(150):
+        sent = shield(measured, wanted)
+        if step >= 60:
+            measured = sent
+    assert sent == pytest.approx(wanted, abs=0.5)
 
 
 def test_an_action_of_no_motor_is_refused(shielded: AiconShield) -> None:
