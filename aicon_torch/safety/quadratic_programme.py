@@ -115,12 +115,15 @@ def _retreat(
         within: The bounds, with the box.
         sweeps: How many; None for exactly.
     """
-    # One that keeps all rows, if there is one and the sweeps have found it, and one that yields.
-    keeping, _ = _projected(torch.zeros_like(rest), rows, within, sweeps)
-    keeping = _drawn_back(keeping, rest, held, within)
+    # One that keeps all rows, if there is one, and one that yields.
     enough = None if sweeps is None else max(sweeps, YIELDING_SWEEPS)
+    keeping, _ = _projected(torch.zeros_like(rest), rows, within, sweeps)
     yielding = _yielding(rows, lengths, held, within, enough)
-    yielding = _drawn_back(yielding, rest, held, within)
+
+    # On the safe side of what the sweeps have not found.
+    if sweeps is not None:
+        keeping = _drawn_back(keeping, rest, held, within)
+        yielding = _drawn_back(yielding, rest, held, within)
 
     # The yielding one, if it misses less by more than rounding.
     slack = _slack(within) * lengths.amax(-1, keepdim=True)
