@@ -34,7 +34,7 @@ def check_names(
     Raises:
         GraphError: If not, or if something is read that is not there; it lists the names known.
     """
-    _check_kinds(sensors, actuators, estimators, goals)
+    check_kinds(sensors, actuators, estimators, goals)
     outputs = [name for estimator in estimators for name in estimator.outputs]
     declared = [*sensors, *actuators, *outputs, *(goal.name for goal in goals)]
 
@@ -80,8 +80,12 @@ def check_names(
                 )
 
 
-def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> None:
-    """Check that the parts are what they are given as."""
+def check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> None:
+    """Check that the parts are what they are given as.
+
+    Raises:
+        GraphError: If not.
+    """
     for kind, parts, expected in (
         ("sensors", sensors, Sensor),
         ("actuators", actuators, Actuator),

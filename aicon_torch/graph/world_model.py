@@ -13,6 +13,7 @@ from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.build import build_graph
+from aicon_torch.graph.checks import check_kinds
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
@@ -190,6 +191,7 @@ class WorldModel(nn.Module):
     ) -> "WorldModel":
         """This model with more in it, on the same device."""
         # What is new comes to the device of what is there.
+        check_kinds({}, {}, estimators, goals)
         for part in (*estimators, *goals):
             part.to(self.like.device)
         with self.like.device:
