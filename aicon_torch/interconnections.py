@@ -31,6 +31,8 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     Raises:
         GraphError: If a parameter names no quantity, or cannot be given by its place.
     """
+    if not callable(function):
+        raise GraphError(f"{function!r}: expected a function of quantities.")
     called = function.forward if isinstance(function, nn.Module) else function
     names: list[str] = []
     for name, parameter in inspect.signature(called).parameters.items():
@@ -115,11 +117,21 @@ class Interconnection(Node):
                 raise GraphError(
                     f"Jacobian by {name!r}: the function reads {choices(self.inputs)}."
                 )
-            self.jacobians[name] = Interconnection.of(jacobian)
+            self.jacobians[name] = Interconnection.of(jacobian, f"Jacobian by {name!r}")
 
     @classmethod
-    def of(cls, function: Callable[..., Any]) -> "Interconnection":
-        """The function as an interconnection; one that is one stays what it is."""
+    def of(cls, function: Callable[..., Any], called: str = "Interconnection") -> "Interconnection":
+        """The function as an interconnection; one that is one stays what it is.
+
+        Args:
+            function: The function.
+            called: What an error calls it.
+
+        Raises:
+            GraphError: If it is no function.
+        """
+        if not callable(function):
+            raise GraphError(f"{called}: expected a function of quantities, got {function!r}.")
         return function if isinstance(function, Interconnection) else cls(function)
 
     def forward(self, values: Values) -> Tensor:
@@ -130,6 +142,15 @@ class Interconnection(Node):
             return batched
         value: Tensor = self.function(*inputs)
         return value
+
+    def components(self, values: Values) -> int:
+        """How many components its value has.
+
+        Raises:
+            GraphError: If those of its terms differ.
+        """
+        value: Tensor = self(values)
+        return value.shape[-1]
 
     def linearize(
         self, values: Values, name: str, rows: int, differentiable: bool = False
@@ -276,6 +297,33 @@ class Affine(Interconnection):
         if name not in self._quantities:
             return value, value.new_zeros(rows, values[name].shape[-1])
         return value, self._matrix(name, values)
+
+    def components(self, values: Values) -> int:
+        """How many components each of its terms has: see :meth:`Interconnection.components`."""
+        counts: dict[str, int] = {}
+        for name in self._quantities:
+            counts[name] = values[name].shape[-1]
+
+            # A matrix takes as many as it has columns, and gives as many as it has rows.
+            if name not in self.factors and name not in self.named_factors:
+                shape = tuple(self._matrix(name, values).shape)
+                if len(shape) != 2 or shape[1] != counts[name]:
+                    raise GraphError(
+                        f"the matrix of {name!r} has shape {shape}; expected (m, {counts[name]}), "
+                        f"as {name!r} has {counts[name]} components."
+                    )
+                counts[name] = shape[0]
+
+        # Added up as they are, one component would be added to all of another term.
+        first, *others = counts
+        for other in others:
+            if counts[other] != counts[first]:
+                raise GraphError(
+                    f"the term of {first!r} has {counts[first]} components, that of {other!r} "
+                    f"{counts[other]}: expected as many. A number is a multiple of the identity; "
+                    "between sizes that differ stands a matrix."
+                )
+        return counts[first]
 
     def _term(self, name: str, values: Values) -> Tensor:
         """M x, ``(*B, m)``."""

@@ -90,6 +90,11 @@ class WorldModel(nn.Module):
             raise GraphError(
                 f"dtype={dtype!r}: expected a floating-point type such as torch.float64."
             )
+        if torch.is_inference_mode_enabled():
+            raise GraphError(
+                "A model is differentiated when it is built, which torch.inference_mode() does not "
+                "allow: build it before."
+            )
         self.declaration = Declaration.of(sensors, actuators, estimators, goals, dt, clock)
 
         # The parts become the model's own, with its precision.
@@ -101,7 +106,9 @@ class WorldModel(nn.Module):
         )  # tells dtype and device
         self.to("cpu", dtype or torch.get_default_dtype())
 
-        self.graph = build_graph(self.declaration, self.like)
+        # Its edges are found by differentiating it.
+        with torch.enable_grad():
+            self.graph = build_graph(self.declaration, self.like)
         self._register_learned()
 
     @property
