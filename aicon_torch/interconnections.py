@@ -31,8 +31,6 @@ def wiring(function: Callable[..., object]) -> tuple[str, ...]:
     Raises:
         GraphError: If a parameter names no quantity, or cannot be given by its place.
     """
-    if not callable(function):
-        raise GraphError(f"{function!r}: expected a function of quantities.")
     called = function.forward if isinstance(function, nn.Module) else function
     names: list[str] = []
     for name, parameter in inspect.signature(called).parameters.items():
@@ -104,6 +102,7 @@ class Interconnection(Node):
         **jacobians: Callable[..., Any],
     ) -> None:
         super().__init__()
+        _check_callable(function, "Interconnection")
         self.function: Any = function  # a cost may have methods besides
         self.inputs = wiring(function) if inputs is None else wired_by(function, inputs)
 
@@ -130,8 +129,7 @@ class Interconnection(Node):
         Raises:
             GraphError: If it is no function.
         """
-        if not callable(function):
-            raise GraphError(f"{called}: expected a function of quantities, got {function!r}.")
+        _check_callable(function, called)
         return function if isinstance(function, Interconnection) else cls(function)
 
     def forward(self, values: Values) -> Tensor:
@@ -143,8 +141,12 @@ class Interconnection(Node):
         value: Tensor = self.function(*inputs)
         return value
 
-    def components(self, values: Values) -> int:
+    def components(self, values: Values, called: str) -> int:
         """How many components its value has.
+
+        Args:
+            values: Named values of a step.
+            called: What an error calls the relation.
 
         Raises:
             GraphError: If those of its terms differ.
@@ -298,19 +300,19 @@ class Affine(Interconnection):
             return value, value.new_zeros(rows, values[name].shape[-1])
         return value, self._matrix(name, values)
 
-    def components(self, values: Values) -> int:
+    def components(self, values: Values, called: str) -> int:
         """How many components each of its terms has: see :meth:`Interconnection.components`."""
         counts: dict[str, int] = {}
         for name in self._quantities:
-            counts[name] = values[name].shape[-1]
+            count = counts[name] = values[name].shape[-1]
 
             # A matrix takes as many as it has columns, and gives as many as it has rows.
             if name not in self.factors and name not in self.named_factors:
                 shape = tuple(self._matrix(name, values).shape)
-                if len(shape) != 2 or shape[1] != counts[name]:
+                if len(shape) != 2 or shape[1] != count:
                     raise GraphError(
-                        f"the matrix of {name!r} has shape {shape}; expected (m, {counts[name]}), "
-                        f"as {name!r} has {counts[name]} components."
+                        f"{called}: the matrix of {name!r} has shape {shape}; expected "
+                        f"(m, {count}), as {name!r} has {count} components."
                     )
                 counts[name] = shape[0]
 
@@ -319,9 +321,9 @@ class Affine(Interconnection):
         for other in others:
             if counts[other] != counts[first]:
                 raise GraphError(
-                    f"the term of {first!r} has {counts[first]} components, that of {other!r} "
-                    f"{counts[other]}: expected as many. A number is a multiple of the identity; "
-                    "between sizes that differ stands a matrix."
+                    f"{called}: the term of {first!r} has {counts[first]} components, that of "
+                    f"{other!r} {counts[other]}: expected as many. A number is a multiple of the "
+                    "identity; between sizes that differ stands a matrix."
                 )
         return counts[first]
 
@@ -384,6 +386,12 @@ def copied(values: Values, *count: int) -> dict[str, Tensor]:
     for name, value in values.items():
         copies[name] = value.expand(*count, *value.shape) if value.dim() else value
     return copies
+
+
+def _check_callable(function: object, called: str) -> None:
+    """Check that there is a function."""
+    if not callable(function):
+        raise GraphError(f"{called}: expected a function of quantities, got {function!r}.")
 
 
 def _in_one_batch(function: Callable[..., Any], inputs: Sequence[Tensor]) -> Any:

@@ -138,15 +138,16 @@ class Sensor:
             object.__setattr__(self, name, number)
         if self.period is not None and math.isinf(self.period):
             raise GraphError(f"Sensor period={self.period!r}: expected a finite number, or None.")
+        age = as_number(self.age)
+        if not 0 <= age < math.inf:
+            raise GraphError(f"Sensor age={self.age!r}: expected a number >= 0, in s.")
+        object.__setattr__(self, "age", age)
+
         if self.is_possible is not None and not callable(self.is_possible):
             raise GraphError(
                 f"Sensor is_possible={self.is_possible!r}: expected a function of a reading, or "
                 "None."
             )
-        age = as_number(self.age)
-        if not 0 <= age < math.inf:
-            raise GraphError(f"Sensor age={self.age!r}: expected a number >= 0, in s.")
-        object.__setattr__(self, "age", age)
 
     @property
     def is_aged(self) -> bool:

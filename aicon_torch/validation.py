@@ -55,7 +55,7 @@ def check_not_negative(options: object, names: Sequence[str]) -> None:
 def check_count(
     options: object, names: Sequence[str], what: str = "whole number", least: int = 0
 ) -> None:
-    """Check that fields of some options are whole numbers, 0 or more.
+    """Check that fields of some options are whole numbers, none below the least.
 
     Args:
         options: The options.

@@ -48,6 +48,8 @@ class BackwardPass:
         self.goals = tuple(name for name, goal in model.goals.items() if not goal.safety)
         self.plan = Plan(model, resolution, self.goals)
         self.paths = self.plan.paths
+
+        # Safety goals bound what an actuator does, and another goal says what.
         for name in model.actuators:
             if name not in self.paths:
                 raise GraphError(

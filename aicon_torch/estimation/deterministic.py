@@ -70,10 +70,7 @@ class Deterministic(Estimator):
     def check_sizes(self, values: Values) -> None:
         """Check that the terms of a linear relation have as many components."""
         if isinstance(self.relation, Affine):
-            try:
-                self.relation.components(values)
-            except GraphError as error:
-                raise GraphError(f"Deterministic {self.outputs[0]!r}: {error}") from error
+            self.relation.components(values, f"Deterministic {self.outputs[0]!r}")
 
     @values_only
     def update(self, values: Values) -> dict[str, Tensor]:

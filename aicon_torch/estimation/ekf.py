@@ -171,7 +171,8 @@ class EKF(Estimator):
             )
 
         # It is predicted, and then corrected.
-        found = self._components(f"predict of {self.mean!r}", self.predict, values)
+        called = f"predict of {self.mean!r}, which has {self.size} components by initial="
+        found = self.predict.components(values, called)
         if found != self.size:
             raise GraphError(
                 f"predict of {self.mean!r} gives {found} components; expected {self.size}, as "
@@ -185,21 +186,12 @@ class EKF(Estimator):
         """Compare the components of residuals with the sizes that were given."""
         for number, measurement in enumerate(measurements):
             called = f"{kind} {number} of {self.mean!r}"
-            found = self._components(called, measurement.residual, values)
+            found = measurement.residual.components(values, called)
             if found != measurement.size:
                 raise GraphError(
                     f"{called} gives {found} components, size={measurement.size}; expected "
                     f"Measurement(..., size={found})."
                 )
-
-    def _components(self, called: str, relation: Interconnection, values: Values) -> int:
-        """How many components a relation gives, where an error calls it by its name."""
-        try:
-            return relation.components(values)
-        except GraphError as error:
-            raise GraphError(
-                f"{called}: {error} By initial=, {self.mean!r} has {self.size} components."
-            ) from error
 
     def _must_read_mean(self, what: str, relation: Interconnection) -> None:
         if self.mean not in relation.inputs:

@@ -46,10 +46,10 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
         like: A tensor of the parts' type and device.
 
     Raises:
-        GraphError: If a shape does not fit, a function does not leave the leading dimensions free,
-            a network is in training mode or computes in another precision, estimators without
-            memory define each other in a circle, a goal depends on no actuator, or no goal depends
-            on an actuator.
+        GraphError: If a shape does not fit, a function does not leave the leading dimensions free
+            or mixes the rows of a batch, a network is in training mode or computes in another
+            precision, estimators without memory define each other in a circle, a goal depends on no
+            actuator, or no goal depends on an actuator.
     """
     _check_modes(declaration)
 

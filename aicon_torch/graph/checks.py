@@ -125,7 +125,7 @@ def _check_wiring(estimator: Estimator) -> None:
     """Check that an estimator says what it owns, and what it reads."""
     for attribute in ("outputs", "inputs"):
         names = getattr(estimator, attribute, None)
-        are_names = isinstance(names, tuple) and all(isinstance(name, str) for name in names)
+        are_names = isinstance(names, tuple | list) and all(isinstance(name, str) for name in names)
         if not are_names or (attribute == "outputs" and not names):
             raise GraphError(
                 f"estimators: {type(estimator).__name__} has {attribute}={names!r}; expected a "

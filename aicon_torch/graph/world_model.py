@@ -67,8 +67,9 @@ class WorldModel(nn.Module):
 
     Raises:
         GraphError: If a name is unknown or given twice, a shape does not fit, a function does not
-            let the leading dimensions free, functions define each other in a circle, a goal depends
-            on no actuator, or no goal depends on an actuator.
+            let the leading dimensions free or mixes the rows of a batch, functions define each
+            other in a circle, a goal depends on no actuator, or no goal depends on an actuator; in
+            :func:`torch.inference_mode`.
     """
 
     _like: Tensor

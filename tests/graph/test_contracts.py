@@ -105,7 +105,7 @@ NO_FUNCTIONS: dict[str, tuple[Callable[[], Any], str]] = {
     "a relation": (lambda: Deterministic("x", 3), "Deterministic 'x': .*, got 3"),  # type: ignore[arg-type]
     "a prediction": (lambda: tracked_point(predict=3), "predict of 'p': .*, got 3"),
     "a residual": (lambda: Measurement(3, 0.1), "Measurement: .*, got 3"),  # type: ignore[arg-type]
-    "an interconnection": (lambda: Interconnection(3), "3: expected a function"),  # type: ignore[arg-type]
+    "an interconnection": (lambda: Interconnection(3), "Interconnection: .*, got 3"),  # type: ignore[arg-type]
     "a measurement": (lambda: tracked_point(correct=[match]), "correct of 'p': .*Measurement"),
     "a prior": (lambda: tracked_point(initial=3), r"initial of 'p': .*\(mean, variances\).* got 3"),
     "a prior of words": (lambda: tracked_point(initial=("ab", 1)), "initial of 'p': .*'ab'"),
@@ -156,15 +156,15 @@ MISSIZED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a matrix": (
         lambda: tracking_model(MOVE, linear(shift=torch.eye(3))),
-        r"predict of 'p': the matrix of 'x' has shape \(3, 3\); expected \(m, 2\)",
+        r"predict of 'p'.*: the matrix of 'x' has shape \(3, 3\); expected \(m, 2\)",
     ),
     "a prior": (
         lambda: tracking_model(MOVE, linear(mean=(1.0, 0.0, 0.0))),
-        "predict of 'p': the term of 'p' has 3 components, that of 'x' 2.* initial=.* has 3",
+        "predict of 'p'.*: the term of 'p' has 3 components, that of 'x' 2",
     ),
     "one component for two": (
         lambda: tracking_model(SMALL, linear()),
-        "predict of 'p': the term of 'p' has 2 components, that of 'x' 1",
+        "predict of 'p'.*: the term of 'p' has 2 components, that of 'x' 1",
     ),
     "one component for two, without memory": (
         lambda: tracking_model(SMALL, Deterministic("p", Affine(z=1.0, x=1.0))),
