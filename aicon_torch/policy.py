@@ -415,8 +415,7 @@ class Policy(nn.Module):
 
         # The memory of a policy with less in it goes on.
         shapes = self._earlier(state)
-        expected = self._shapes if shapes is None else shapes
-        state = checked_memory(state, expected, self._integers, model.like, batch)
+        state = self._known(state, batch)
         if shapes is not None:
             state = self._grown_memory(state, shapes, readings)
 
@@ -427,6 +426,12 @@ class Policy(nn.Module):
     def _own(self, memory: Memory) -> Memory:
         """A memory that a step of this policy returned, in its precision."""
         return checked_memory(memory, self._shapes, self._integers, self.model.like)
+
+    def _known(self, state: Memory, batch: tuple[int, ...] | None = None) -> Memory:
+        """A memory of this policy, or of one that it was made of, in the precision of this one."""
+        shapes = self._earlier(state)
+        expected = self._shapes if shapes is None else shapes
+        return checked_memory(state, expected, self._integers, self.model.like, batch)
 
     def _grown(self, model: WorldModel) -> "Policy":
         """This policy with more in its model."""
@@ -476,6 +481,8 @@ class Policy(nn.Module):
         """The observation with what the perception makes of it."""
         if state is None:
             return perception(observation, None, None)
+
+        state = self._known(state)
 
         # The memory of a policy that this one was made of lacks what is new.
         known = [name for name in self.model.quantities if name in state]

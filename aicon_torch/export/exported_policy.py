@@ -211,6 +211,9 @@ class ExportedPolicy:
         if state is None:
             return perception(observation, None, None)
 
+        if self._own(state) is None:
+            state = checked_memory(state, self._shapes, self._integers, self._like)
+
         # Every memory has the factors of the goals, so they tell how many robots there are.
         batch = tuple(state[GOAL_FACTORS].shape[:-1])
         starts = starting_rows(episode_start, batch, torch.device("cpu"))

@@ -1,6 +1,7 @@
 """What a policy cannot be made of, or be asked about, is refused by its name."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from aicon_torch import (
     AiconError,
     Goal,
     GraphError,
+    ObservationError,
     Policy,
     Shield,
     WorldModel,
@@ -60,27 +62,36 @@ def test_an_argument_that_is_something_else_is_named(call: Callable[[Any], Any],
         call(follower())
 
 
-def exported(policy: Policy, folder: Path) -> Any:
+def as_it_is(observation: Any, values: Any, starts: Any) -> Any:
+    """A perception that has nothing to do."""
+    return observation
+
+
+def follows(kind: str, folder: Path, perception: Any = None) -> Any:
+    """A policy as it is, compiled or exported."""
+    if kind != "readable" and not has_compiler():
+        pytest.skip("there is no C compiler")
+
+    policy = Policy(follower().model, perception=perception)
+    if kind == "readable":
+        return policy
+    if kind == "compiled":
+        return policy.compile()
     policy.export(folder / "policy.so")
-    return load_exported(folder / "policy.so")
+    return load_exported(folder / "policy.so", perception)
 
 
 @pytest.mark.parametrize("kind", ["readable", "compiled", "exported"])
 def test_what_is_no_memory_is_refused_wherever_one_is_expected(kind: str, tmp_path: Path) -> None:
-    if kind != "readable" and not has_compiler():
-        pytest.skip("there is no C compiler")
+    asked: list[Callable[[Any], Any]] = []
+    for perception in (None, as_it_is):
+        policy = follows(kind, tmp_path, perception)
+        asked.append(partial(policy.predict, wandering(1)[0]))
+        asked.append(partial(policy.switch, near=0.5))
+        if kind != "exported":
+            asked += [policy.trace, policy.explain]
 
-    policy: Any = follower()
-    if kind == "compiled":
-        policy = policy.compile()
-    if kind == "exported":
-        policy = exported(policy, tmp_path)
-
-    asked = [lambda memory: policy.switch(memory, near=0.5)]
-    asked.append(lambda memory: policy.predict(wandering(1)[0], memory))
-    if kind != "exported":
-        asked += [policy.trace, policy.explain]
     for ask in asked:
         for memory in ({}, 3, {"p": torch.ones(2)}):
-            with pytest.raises(AiconError, match="state: "):
+            with pytest.raises(ObservationError, match="state: "):
                 ask(memory)
