@@ -59,7 +59,7 @@ class Goal(Node):
         safety: Whether nothing may violate it.
 
     Raises:
-        GraphError: If the tolerance is negative.
+        GraphError: If the cost is no function, or the tolerance is negative.
 
     Example:
         >>> def expected_distance(p_tar, P_tar):  # g₁ of the paper's navigation
@@ -81,7 +81,7 @@ class Goal(Node):
         if not number >= 0:
             raise GraphError(f"Goal {name!r}: tolerance={tolerance!r}; expected a number >= 0.")
         self.name, self.tolerance, self.safety = name, number, safety
-        self.cost = Interconnection.of(cost)
+        self.cost = Interconnection.of(cost, f"Goal {name!r}")
         self.inputs = self.cost.inputs
 
     def forward(self, values: Values) -> Tensor:

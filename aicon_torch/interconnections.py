@@ -102,6 +102,7 @@ class Interconnection(Node):
         **jacobians: Callable[..., Any],
     ) -> None:
         super().__init__()
+        _check_callable(function, "Interconnection")
         self.function: Any = function  # a cost may have methods besides
         self.inputs = wiring(function) if inputs is None else wired_by(function, inputs)
 
@@ -115,11 +116,20 @@ class Interconnection(Node):
                 raise GraphError(
                     f"Jacobian by {name!r}: the function reads {choices(self.inputs)}."
                 )
-            self.jacobians[name] = Interconnection.of(jacobian)
+            self.jacobians[name] = Interconnection.of(jacobian, f"Jacobian by {name!r}")
 
     @classmethod
-    def of(cls, function: Callable[..., Any]) -> "Interconnection":
-        """The function as an interconnection; one that is one stays what it is."""
+    def of(cls, function: Callable[..., Any], called: str = "Interconnection") -> "Interconnection":
+        """The function as an interconnection; one that is one stays what it is.
+
+        Args:
+            function: The function.
+            called: What an error calls it.
+
+        Raises:
+            GraphError: If it is no function.
+        """
+        _check_callable(function, called)
         return function if isinstance(function, Interconnection) else cls(function)
 
     def forward(self, values: Values) -> Tensor:
@@ -130,6 +140,19 @@ class Interconnection(Node):
             return batched
         value: Tensor = self.function(*inputs)
         return value
+
+    def components(self, values: Values, called: str) -> int:
+        """How many components its value has.
+
+        Args:
+            values: Named values of a step.
+            called: What an error calls the relation.
+
+        Raises:
+            GraphError: If those of its terms differ.
+        """
+        value: Tensor = self(values)
+        return value.shape[-1]
 
     def linearize(
         self, values: Values, name: str, rows: int, differentiable: bool = False
@@ -277,6 +300,33 @@ class Affine(Interconnection):
             return value, value.new_zeros(rows, values[name].shape[-1])
         return value, self._matrix(name, values)
 
+    def components(self, values: Values, called: str) -> int:
+        """How many components each of its terms has: see :meth:`Interconnection.components`."""
+        counts: dict[str, int] = {}
+        for name in self._quantities:
+            count = counts[name] = values[name].shape[-1]
+
+            # A matrix takes as many as it has columns, and gives as many as it has rows.
+            if name not in self.factors and name not in self.named_factors:
+                shape = tuple(self._matrix(name, values).shape)
+                if len(shape) != 2 or shape[1] != count:
+                    raise GraphError(
+                        f"{called}: the matrix of {name!r} has shape {shape}; expected "
+                        f"(m, {count}), as {name!r} has {count} components."
+                    )
+                counts[name] = shape[0]
+
+        # Added up as they are, one component would be added to all of another term.
+        first, *others = counts
+        for other in others:
+            if counts[other] != counts[first]:
+                raise GraphError(
+                    f"{called}: the term of {first!r} has {counts[first]} components, that of "
+                    f"{other!r} {counts[other]}: expected as many. A number is a multiple of the "
+                    "identity; between sizes that differ stands a matrix."
+                )
+        return counts[first]
+
     def _term(self, name: str, values: Values) -> Tensor:
         """M x, ``(*B, m)``."""
         value = values[name]
@@ -336,6 +386,12 @@ def copied(values: Values, *count: int) -> dict[str, Tensor]:
     for name, value in values.items():
         copies[name] = value.expand(*count, *value.shape) if value.dim() else value
     return copies
+
+
+def _check_callable(function: object, called: str) -> None:
+    """Check that there is a function."""
+    if not callable(function):
+        raise GraphError(f"{called}: expected a function of quantities, got {function!r}.")
 
 
 def _in_one_batch(function: Callable[..., Any], inputs: Sequence[Tensor]) -> Any:

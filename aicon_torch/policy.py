@@ -14,8 +14,9 @@ from aicon_torch.control.backward import BackwardPass
 from aicon_torch.control.foresight import Foresight
 from aicon_torch.control.memory import (
     GOAL_FACTORS,
-    check_memory,
+    checked_memory,
     grown,
+    integer_types,
     lasting,
     memory_shapes,
     starting_rows,
@@ -37,7 +38,7 @@ from aicon_torch.readings.perception import Perception
 from aicon_torch.readings.validation import BEGINS
 from aicon_torch.resolution import Memory, NullspaceProjection, Resolution
 from aicon_torch.safety.watchdog import keep_finite
-from aicon_torch.validation import check_instance
+from aicon_torch.validation import check_function, check_instance
 
 
 class Policy(nn.Module):
@@ -52,6 +53,11 @@ class Policy(nn.Module):
         resolution: What happens where gradients meet; by default nullspace projection as shipped.
         law: From the gradient to the action, one for all actuators; by default full speed along it.
         perception: What makes readings of raw observations such as images, if anything has to.
+
+    Raises:
+        OptionError: If one of them is something else, or the resolution names an unknown goal.
+        GraphError: If only safety goals depend on an actuator: a :class:`aicon_torch.Shield` keeps
+            those while another policy acts.
 
     Example:
         >>> action, memory = policy.predict(observation)
@@ -68,9 +74,13 @@ class Policy(nn.Module):
         super().__init__()
         self.model = model
         self.resolution = NullspaceProjection() if resolution is None else resolution
-        check_instance(self, ("resolution",), Resolution, "NullspaceProjection()")
         self.law = Foresight() if law is None else law
         self.perception = perception
+        check_instance(self, ("model",), WorldModel, "WorldModel(sensors=..., goals=...)")
+        check_instance(self, ("resolution",), Resolution, "NullspaceProjection()")
+        check_instance(self, ("law",), ActionLaw, "Foresight()")
+        if perception is not None:
+            check_function(self, ("perception",), "(observation, values, starts)")
         if isinstance(perception, nn.Module):
             check_mode("perception", perception)
         for name, actuator in model.actuators.items():
@@ -79,6 +89,7 @@ class Policy(nn.Module):
         self.backward_pass = BackwardPass(model, self.resolution)
         self._step = ControlStep(model, self.backward_pass, self.law)
         self._shapes = memory_shapes(self.backward_pass, self._step.validate)
+        self._integers = integer_types(self.backward_pass, self._step.validate)
         self._made_of: tuple[dict[str, tuple[int, ...]], ...] = ()  # shapes of memories that go on
         self._memory: Memory | None = None
         self._native: NativeSteps | None = None
@@ -341,7 +352,8 @@ class Policy(nn.Module):
 
         Raises:
             OptionError: If there is no such goal, or a factor is none.
-            ObservationError: If the memory is one of the policy that this one was made of.
+            ObservationError: If it is no memory of this policy, or one of a policy that this one
+                was made of.
         """
         names = list(self.model.goals)
         if self._earlier(memory) is not None:
@@ -351,6 +363,7 @@ class Policy(nn.Module):
             )
 
         # A copy: the memory that was given stays what it is.
+        memory = self._own(memory)
         factors = memory[GOAL_FACTORS].clone()
         for name, factor in goals.items():
             if name not in names:
@@ -363,8 +376,11 @@ class Policy(nn.Module):
 
         Args:
             memory: The memory.
+
+        Raises:
+            ObservationError: If it is no memory of this policy.
         """
-        return trace(self.backward_pass, memory)
+        return trace(self.backward_pass, self._own(memory))
 
     def explain(self, memory: Memory, row: int | tuple[int, ...] = ()) -> Explanation:
         """What the step that returned this memory decided, in numbers to read.
@@ -372,8 +388,12 @@ class Policy(nn.Module):
         Args:
             memory: The memory.
             row: Which row of the batch.
+
+        Raises:
+            ObservationError: If it is no memory of this policy.
+            ValueError: If there is no such row.
         """
-        return explain(self.backward_pass, memory, row)
+        return explain(self.backward_pass, self._own(memory), row)
 
     def _begin(
         self,
@@ -395,13 +415,23 @@ class Policy(nn.Module):
 
         # The memory of a policy with less in it goes on.
         shapes = self._earlier(state)
-        check_memory(state, self._shapes if shapes is None else shapes, batch)
+        state = self._known(state, batch)
         if shapes is not None:
             state = self._grown_memory(state, shapes, readings)
 
         # Some rows begin, and some wait for the reading that they begin with.
         starts = starting_rows(episode_start, batch, model.like.device)
         return self._step.restarted(state, readings, starts), readings
+
+    def _own(self, memory: Memory) -> Memory:
+        """A memory that a step of this policy returned, in its precision."""
+        return checked_memory(memory, self._shapes, self._integers, self.model.like)
+
+    def _known(self, state: Memory, batch: tuple[int, ...] | None = None) -> Memory:
+        """A memory of this policy, or of one that it was made of, in the precision of this one."""
+        shapes = self._earlier(state)
+        expected = self._shapes if shapes is None else shapes
+        return checked_memory(state, expected, self._integers, self.model.like, batch)
 
     def _grown(self, model: WorldModel) -> "Policy":
         """This policy with more in its model."""
@@ -451,6 +481,8 @@ class Policy(nn.Module):
         """The observation with what the perception makes of it."""
         if state is None:
             return perception(observation, None, None)
+
+        state = self._known(state)
 
         # The memory of a policy that this one was made of lacks what is new.
         known = [name for name in self.model.quantities if name in state]

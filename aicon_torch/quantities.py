@@ -143,6 +143,12 @@ class Sensor:
             raise GraphError(f"Sensor age={self.age!r}: expected a number >= 0, in s.")
         object.__setattr__(self, "age", age)
 
+        if self.is_possible is not None and not callable(self.is_possible):
+            raise GraphError(
+                f"Sensor is_possible={self.is_possible!r}: expected a function of a reading, or "
+                "None."
+            )
+
     @property
     def is_aged(self) -> bool:
         """Whether its readings have an age."""

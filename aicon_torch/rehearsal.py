@@ -8,11 +8,12 @@ from numpy.typing import ArrayLike
 from torch import Tensor
 
 from aicon_torch.control.memory import STEPS, starting_rows
-from aicon_torch.errors import OptionError
 from aicon_torch.inspection.explanation import Explanation
 from aicon_torch.inspection.trace import StepTrace
 from aicon_torch.policy import Policy
+from aicon_torch.readings.observation import as_it_is
 from aicon_torch.resolution import Memory
+from aicon_torch.validation import check_count, check_function, check_instance, numbers
 from aicon_torch.ways import Ways, WaysAlong
 
 Readings = Mapping[str, Tensor]
@@ -40,7 +41,7 @@ class Rehearsal:
         policy: The policy. Compile it: it takes hundreds of steps where it decides.
         imagine: The readings after a step, of the readings before it, ``(*B, size)`` each, and of
             the memory that the policy returned then, which has its action in the unit of the
-            actuator.
+            actuator. NaN is no reading; what else an observation has stays as it is.
         cost: Of the memory that the policy returns, which has readings and estimates, ``(*B,)``:
             how far they are from what is wanted.
         enough: The cost at which it has arrived.
@@ -49,7 +50,8 @@ class Rehearsal:
         rounds: How often it looks for a way that arrives, before it takes what comes nearest.
 
     Raises:
-        OptionError: If it looks no step ahead, or there are no ways to decide among.
+        OptionError: If it looks no step ahead, there are no ways to decide among, or an argument is
+            something else.
 
     Example:
         >>> def imagine(readings, memory):
@@ -68,13 +70,15 @@ class Rehearsal:
         ways: Ways | None = None,
         rounds: int = 1,
     ) -> None:
-        for name, value in {"steps": steps, "rounds": rounds}.items():
-            if value < 1:
-                raise OptionError(f"{name}={value!r}: expected at least one.")
-        self.policy = policy
-        self.imagine, self.cost, self.enough, self.steps = imagine, cost, enough, steps
+        self.policy, self.imagine, self.cost = policy, imagine, cost
+        self.enough, self.steps, self.rounds = numbers("enough", enough, 1)[0], steps, rounds
+        check_instance(self, ("policy",), Policy, "make_policy('nav2d')")
+        check_function(self, ("imagine",), "(readings, memory)")
+        check_function(self, ("cost",), "(memory)")
+        check_count(self, ("steps", "rounds"), least=1)
+
         self.ways = WaysAlong(policy) if ways is None else ways
-        self.rounds = rounds
+        check_instance(self, ("ways",), Ways, "WaysAlong(policy)")
 
     def predict(
         self,
@@ -105,12 +109,16 @@ class Rehearsal:
         after = {name: value.clone() for name, value in memory.items()}
         fewest = torch.full_like(begins, torch.inf, dtype=torch.float64)
 
+        # What is said of all rows at once is the same on every way.
+        rows = _rows(observation, tuple(begins.shape))
+        shared = {name: value for name, value in observation.items() if name not in rows}
+
         # Where a way arrives no other one is looked for.
         seeking = begins
         for number in range(self.rounds):
-            seen = {name: torch.as_tensor(value)[seeking] for name, value in observation.items()}
+            seen = {name: value[seeking] for name, value in rows.items()}
             ways = self.ways.of({name: value[seeking] for name, value in memory.items()}, number)
-            steps, which = self._rehearse(seen, ways).min(0)
+            steps, which = self._rehearse(seen, shared, ways).min(0)
 
             is_better = torch.zeros_like(seeking)
             is_better[seeking] = steps < fewest[seeking]
@@ -124,7 +132,7 @@ class Rehearsal:
                 break
         return after
 
-    def _rehearse(self, seen: Readings, memory: Memory) -> Tensor:
+    def _rehearse(self, seen: Readings, shared: Mapping[str, Any], memory: Memory) -> Tensor:
         """In how many steps each of the ways arrives, ``(k, n)``; fewer are better.
 
         One that does not arrive before all others counts as one step more than all of them, and a
@@ -132,6 +140,7 @@ class Rehearsal:
 
         Args:
             seen: What is read where it decides, ``(n, size)``.
+            shared: What else the observation has.
             memory: The memories with which the ways begin, ``(k, n, …)``.
         """
         count = len(next(iter(memory.values())))
@@ -153,6 +162,17 @@ class Rehearsal:
                 going = going[goes_on]
                 readings = {name: value[:, goes_on] for name, value in readings.items()}
                 memory = {name: value[:, goes_on] for name, value in memory.items()}
-            readings = self.imagine(readings, memory)
-            _, memory = self.policy.predict(readings, memory)
+            imagined = self.imagine({**shared, **readings}, memory)
+            _, memory = self.policy.predict(imagined, memory)
+            readings = {name: value for name, value in imagined.items() if name not in shared}
         return torch.where(arrived.isfinite(), arrived, self.steps + 1 + nearest / (1.0 + nearest))
+
+
+def _rows(observation: Mapping[str, Any], batch: tuple[int, ...]) -> dict[str, Tensor]:
+    """What of an observation is numbers for each row, ``(*B, …)``, NaN where a mask is."""
+    rows: dict[str, Tensor] = {}
+    for name, value in observation.items():
+        found = as_it_is(name, value)
+        if found is not None and tuple(found.shape[: len(batch)]) == batch:
+            rows[name] = found
+    return rows

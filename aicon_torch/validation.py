@@ -52,21 +52,24 @@ def check_not_negative(options: object, names: Sequence[str]) -> None:
             raise OptionError(f"{name}={value!r}: expected a number >= 0.")
 
 
-def check_count(options: object, names: Sequence[str], what: str = "whole number") -> None:
-    """Check that fields of some options are whole numbers, 0 or more.
+def check_count(
+    options: object, names: Sequence[str], what: str = "whole number", least: int = 0
+) -> None:
+    """Check that fields of some options are whole numbers, none below the least.
 
     Args:
         options: The options.
         names: Names of the fields.
         what: What they count, for the error.
+        least: The least of them that they may be.
 
     Raises:
         OptionError: If one is not.
     """
     for name in names:
         value = getattr(options, name)
-        if not (type(value) is int and value >= 0):
-            raise OptionError(f"{name}={value!r}: expected a {what} >= 0.")
+        if not (type(value) is int and value >= least):
+            raise OptionError(f"{name}={value!r}: expected a {what} >= {least}.")
 
 
 def check_instance(options: object, names: Sequence[str], kind: type, such_as: str) -> None:
@@ -85,6 +88,23 @@ def check_instance(options: object, names: Sequence[str], kind: type, such_as: s
         value = getattr(options, name)
         if not isinstance(value, kind):
             raise OptionError(f"{name}={value!r}: expected {kind.__name__}, such as {such_as}.")
+
+
+def check_function(options: object, names: Sequence[str], called: str) -> None:
+    """Check that fields of some options can be called.
+
+    Args:
+        options: The options.
+        names: Names of the fields.
+        called: How they are called, for the error.
+
+    Raises:
+        OptionError: If one cannot.
+    """
+    for name in names:
+        value = getattr(options, name)
+        if not callable(value):
+            raise OptionError(f"{name}={value!r}: expected a function, {name}{called}.")
 
 
 def check_whole(options: object, names: Sequence[str]) -> None:

@@ -1,6 +1,6 @@
 """What a rehearsal chooses among: the ways in which a policy can go on from a memory."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import torch
 from torch import Tensor
@@ -12,6 +12,7 @@ from aicon_torch.policy import Policy
 from aicon_torch.resolution import Memory
 from aicon_torch.safety.bounds import safety_memory
 from aicon_torch.safety.places import Places
+from aicon_torch.validation import check_count
 
 EXPLORING = "/exploring"
 """How the key ends under which the memory has whether a quantity explores."""
@@ -23,6 +24,7 @@ ESCAPING = "/escape/escaping"
 """How the key ends under which the memory has whether an actuator makes a detour."""
 
 
+@runtime_checkable
 class Ways(Protocol):
     """Where there is something to decide, and among what."""
 
@@ -56,15 +58,17 @@ class WaysAlong:
         every: In how many steps it is decided anew.
 
     Raises:
-        OptionError: If it does not explore, or is to decide in less than one step.
+        OptionError: If it explores nowhere, or is to decide in less than one step.
     """
 
     def __init__(self, policy: Policy, every: int = 50) -> None:
-        if getattr(policy.resolution, "exploration", None) is None:
-            raise OptionError("policy: it does not explore, so there is nothing to rehearse.")
-        if every < 1:
-            raise OptionError(f"every={every!r}: expected at least one.")
         self.every = every
+        check_count(self, ("every",), "number of steps", least=1)
+        if not any(key.endswith(EXPLORING) for key in policy.backward_pass.keys):
+            raise OptionError(
+                "policy: it does not explore, so there is nothing to rehearse: expected a "
+                "resolution with exploration, and a graph in which gradients meet."
+            )
 
     def begins(self, memory: Memory, before: Memory | None, starts: Tensor | None) -> Tensor:
         """The rows ``(*B,)`` in which a quantity begins to explore, or has for a while."""
@@ -97,9 +101,8 @@ class OtherPlaces:
     """
 
     def __init__(self, policy: Policy, count: int = 31) -> None:
-        if count < 1:
-            raise OptionError(f"count={count!r}: expected at least one.")
         self.count = count
+        check_count(self, ("count",), "number of places", least=1)
         self.places: dict[str, Places] = {}
         remembered = safety_memory(policy.model)  # none of an actuator without safety goals
         for name, actuator in policy.model.actuators.items():

@@ -1,10 +1,13 @@
 """A rehearsed policy goes the shorter way around, and is the policy itself where none is chosen."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
+from _asserts import assert_same_memory
 from _inputs.shipped import quick
 from torch import Tensor
 
@@ -122,11 +125,105 @@ def test_it_decides_where_exploration_begins_and_now_and_then(policy: Policy) ->
     assert three["p/exploring"][:, 0].tolist() == [True, True, False]
 
 
+def held(policy: Any, readings: Mapping[str, Any]) -> tuple[dict[str, Tensor], set[str]]:
+    """The memory after a rehearsal at the wall, and what was imagined besides the readings."""
+    imagined: set[str] = set()
+
+    def imagine(seen: Mapping[str, Any], memory: Mapping[str, Tensor]) -> Mapping[str, Any]:
+        imagined.update(seen)
+        return {**seen, "z": seen["z"] + DT * memory["a"]}
+
+    rehearsed, memory = Rehearsal(policy, imagine, to_go, ARRIVED, steps=60), None
+    for _ in range(3):
+        _, memory = rehearsed.predict(readings, memory)
+    return memory, imagined - {"z", "z_goal"}
+
+
+HELD = (-0.8, -2.5)
+"""Where the wall is in the way."""
+
+ARRAYS: dict[str, Any] = {
+    "other byte order": lambda array: array.astype(">f8"),
+    "backwards": lambda array: array[::-1].copy()[::-1],
+    "a mask that hides nothing": np.ma.masked_invalid,
+    "a list": lambda array: array.tolist(),
+    "long": lambda array: array.astype(np.longdouble),
+}
+
+
+@pytest.mark.parametrize("changed", ARRAYS.values(), ids=ARRAYS.keys())
+def test_arrays_of_any_kind_are_rehearsed_alike(policy: Policy, changed: Any) -> None:
+    readings = {name: value.numpy() for name, value in seen(HELD, IN_THE_OPEN).items()}
+    expected, _ = held(policy, readings)
+    assert expected["p/exploring"].any()
+
+    found, _ = held(policy, {name: changed(value) for name, value in readings.items()})
+    assert_same_memory(found, expected, 0.0)
+
+
+def test_what_else_an_observation_has_stays_as_it_is(policy: Policy) -> None:
+    readings = {name: value.numpy() for name, value in seen(HELD, IN_THE_OPEN).items()}
+    expected, _ = held(policy, readings)
+
+    besides = {"task": "go", "count": 3, "camera": np.ones(3), "frames": np.ones((2, 4, 4))}
+    found, imagined = held(policy, {**readings, **besides})
+    assert_same_memory(found, expected, 0.0)
+    assert imagined == besides.keys()
+
+
+@pytest.mark.filterwarnings("ignore:The PyTorch API of MaskedTensors")
+@pytest.mark.parametrize("masked", [np.ma.masked_array, torch.masked.masked_tensor])
+def test_a_masked_reading_is_rehearsed_as_none(policy: Policy, masked: Any) -> None:
+    z, goal = seen(HELD).values()
+    _, memory = policy.predict({"z": z, "z_goal": goal})
+    wrong = torch.full_like(z, 77.0)
+    hidden = masked(wrong, torch.zeros(1, 2, dtype=torch.bool))
+    if masked is np.ma.masked_array:
+        hidden = masked(wrong.numpy(), np.ones((1, 2), dtype=bool))
+
+    goals: list[Tensor] = []
+
+    def imagine(readings: Mapping[str, Tensor], memory: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        goals.append(readings["z_goal"])
+        return moved(readings, memory)
+
+    ways = WaysAlong(policy, every=1)
+    rehearsed = Rehearsal(policy, imagine, to_go, ARRIVED, steps=5, ways=ways)
+    rehearsed.predict({"z": z, "z_goal": hidden}, memory)
+    assert len(goals) == 5 and torch.stack(goals).isnan().all()
+
+
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
+    "a policy": ({"policy": None}, "policy=None: expected Policy"),
+    "a model": ({"imagine": None}, r"imagine=None: .* imagine\(readings, memory\)"),
+    "a cost": ({"cost": 1.0}, r"cost=1.0: .* cost\(memory\)"),
+    "a word": ({"enough": "near"}, "enough='near': expected 1 finite number"),
+    "no number": ({"enough": math.nan}, "enough=nan"),
+    "parts of a step": ({"steps": 2.5}, "steps=2.5: expected a whole number >= 1"),
+    "no step": ({"steps": 0}, "steps=0"),
+    "parts of a round": ({"rounds": 1.5}, "rounds=1.5: expected a whole number >= 1"),
+    "a number of ways": ({"ways": 3}, "ways=3: expected Ways, such as WaysAlong"),
+}
+
+
+@pytest.mark.parametrize(("wrong", "told"), WRONG.values(), ids=WRONG.keys())
+def test_an_argument_that_is_something_else_is_named(wrong: dict[str, Any], told: str) -> None:
+    right: dict[str, Any] = {"imagine": moved, "cost": to_go, "enough": ARRIVED}
+    with pytest.raises(OptionError, match=told):
+        Rehearsal(**{"policy": wandering(), **right, **wrong})
+
+
 def test_a_policy_that_does_not_explore_is_refused() -> None:
-    policy = Policy(wandering().model, NullspaceProjection(exploration=None))
-    with pytest.raises(OptionError, match="does not explore"):
-        Rehearsal(policy, moved, to_go, ARRIVED)
-    with pytest.raises(OptionError, match="steps=0"):
-        Rehearsal(wandering(), moved, to_go, ARRIVED, steps=0)
-    with pytest.raises(OptionError, match="every=0"):
-        WaysAlong(wandering(), every=0)
+    model = wandering().model
+    alone = WorldModel(
+        sensors=model.sensors,
+        actuators=model.actuators,
+        estimators=[Deterministic("p", Affine(z=1.0, a="dt"))],
+        goals=[Goal("reach", lambda p: norm(p))],
+    )
+    for policy in (Policy(model, NullspaceProjection(exploration=None)), Policy(alone)):
+        with pytest.raises(OptionError, match="does not explore"):
+            Rehearsal(policy, moved, to_go, ARRIVED)
+    for every in (0, 2.5):
+        with pytest.raises(OptionError, match=f"every={every}"):
+            WaysAlong(wandering(), every=every)  # type: ignore[arg-type]

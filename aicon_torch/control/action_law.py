@@ -1,6 +1,6 @@
 """The action law: from the gradient at an actuator to the next action."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import torch
 from torch import Tensor
@@ -9,6 +9,7 @@ from aicon_torch.errors import OptionError
 from aicon_torch.quantities import Actuator
 
 
+@runtime_checkable
 class ActionLaw(Protocol):
     """How the gradient at an actuator becomes its next action.
 

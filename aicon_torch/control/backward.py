@@ -10,7 +10,7 @@ from torch import Tensor
 
 from aicon_torch.control.plan import Plan, Turn
 from aicon_torch.differentiation import pull
-from aicon_torch.errors import OptionError, choices
+from aicon_torch.errors import GraphError, OptionError, choices
 from aicon_torch.graph import LocalGraphs, WorldModel
 from aicon_torch.resolution import GradientStack, Memory, Resolution
 
@@ -35,6 +35,7 @@ class BackwardPass:
 
     Raises:
         OptionError: If the resolution names a goal that the model does not have.
+        GraphError: If only safety goals depend on an actuator.
     """
 
     def __init__(self, model: WorldModel, resolution: Resolution) -> None:
@@ -47,6 +48,15 @@ class BackwardPass:
         self.goals = tuple(name for name, goal in model.goals.items() if not goal.safety)
         self.plan = Plan(model, resolution, self.goals)
         self.paths = self.plan.paths
+
+        # Safety goals bound what an actuator does, and another goal says what.
+        for name in model.actuators:
+            if name not in self.paths:
+                raise GraphError(
+                    f"Only safety goals depend on the actuator {name!r}: expected a goal without "
+                    "safety=True as well; where another policy proposes what to do, "
+                    "Shield(policy, model)."
+                )
 
         # Where gradients are resolved, taken apart by their rows, or pass through as they are.
         self._resolving = frozenset(filter(self._resolves, self.paths))

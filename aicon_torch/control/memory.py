@@ -1,6 +1,7 @@
 """The memory: all that lives from step to step, as a flat dictionary of tensors."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import torch
@@ -48,6 +49,17 @@ def constant_memory(backward: BackwardPass, validation: MeasurementValidation) -
         constants[GOAL_FACTORS] = torch.ones(len(model.goals))
         constants[STEPS] = torch.zeros(())
     return constants | sent_memory(model)
+
+
+def integer_types(
+    backward: BackwardPass, validation: MeasurementValidation
+) -> dict[str, torch.dtype]:
+    """The types of what a memory has besides real numbers, by key: indices and flags."""
+    types: dict[str, torch.dtype] = {}
+    for key, value in constant_memory(backward, validation).items():
+        if not value.is_floating_point():
+            types[key] = value.dtype
+    return types
 
 
 def initial_memory(
@@ -118,18 +130,24 @@ def grown(memory: Memory, fresh: Memory, lacks: Tensor) -> Memory:
     return known
 
 
-def check_memory(
-    memory: Mapping[str, Tensor], shapes: Mapping[str, tuple[int, ...]], batch: tuple[int, ...]
-) -> None:
-    """Check that a memory is one of this policy, and as large as the observation.
+def checked_memory(
+    memory: Mapping[str, Tensor],
+    shapes: Mapping[str, tuple[int, ...]],
+    integers: Mapping[str, torch.dtype],
+    like: Tensor,
+    batch: tuple[int, ...] | None = None,
+) -> Memory:
+    """A memory of this policy, as large as the observation, with real numbers in its precision.
 
     Args:
-        memory: The memory.
+        memory: The memory, whose real numbers may be of another precision.
         shapes: What it must have, by key, without the batch.
-        batch: Leading dimensions of the observation.
+        integers: The types of what is no real number in it.
+        like: A tensor of the policy's precision.
+        batch: Leading dimensions of the observation; None for those that the memory has.
 
     Raises:
-        ObservationError: If not.
+        ObservationError: If it is another one.
     """
     # What is remembered, by its names ...
     if not isinstance(memory, Mapping):
@@ -137,30 +155,48 @@ def check_memory(
             f"state: expected the memory that the last step returned, got {type(memory)}."
         )
     if memory.keys() != shapes.keys():
-        missing, unknown = shapes.keys() - memory.keys(), memory.keys() - shapes.keys()
+        missing = [key for key in shapes if key not in memory]
+        unknown = [key for key in memory if key not in shapes]
         raise ObservationError(
             f"state: not a memory of this policy; it lacks {choices(missing)} and has "
             f"{choices(unknown)} besides."
         )
 
     # ... and, for each name, a tensor as large as the observation's batch.
+    checked: Memory = {}
+    told_by = "the observation"
     for key, shape in shapes.items():
-        value = memory[key]
-        if not isinstance(value, Tensor):
-            raise ObservationError(f"state[{key!r}]: expected a tensor, got {type(value)}.")
-        if not is_dense(value):
-            raise ObservationError(
-                f"state[{key!r}]: expected a dense tensor, got {tensor_kind(value)}."
-            )
+        value = _checked_type(key, memory[key], integers.get(key))
+        own = tuple(value.shape[: value.dim() - len(shape)])
+        if batch is None:
+            batch, told_by = own, repr(key)
+
         if tuple(value.shape) != (*batch, *shape):
-            own = tuple(value.shape[: value.dim() - len(shape)])
             reason = ""
             if tuple(value.shape) == (*own, *shape):
-                reason = f"the batch of {key!r} is {own}, that of the observation {batch}; "
+                reason = f"the batch of {key!r} is {own}, that of {told_by} {batch}; "
             raise ObservationError(
                 f"state: {reason}expected shape {(*batch, *shape)} of {key!r}, got "
                 f"{tuple(value.shape)}."
             )
+        checked[key] = value if key in integers else value.to(like.dtype)
+    return checked
+
+
+def _checked_type(key: str, value: Any, integer: torch.dtype | None) -> Tensor:
+    """An entry of a memory, which is a tensor of real numbers, or of the type that is given."""
+    if not isinstance(value, Tensor):
+        raise ObservationError(f"state[{key!r}]: expected a tensor, got {type(value)}.")
+    if not is_dense(value):
+        raise ObservationError(
+            f"state[{key!r}]: expected a dense tensor, got {tensor_kind(value)}."
+        )
+
+    if integer is None and not value.is_floating_point():
+        raise ObservationError(f"state[{key!r}]: expected real numbers, got {value.dtype}.")
+    if integer is not None and value.dtype != integer:
+        raise ObservationError(f"state[{key!r}]: expected {integer}, got {value.dtype}.")
+    return value
 
 
 def starting_rows(

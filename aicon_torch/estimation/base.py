@@ -40,6 +40,13 @@ class Estimator(Node):
         """Values of the outputs before the first step, from the first readings."""
         raise NotImplementedError
 
+    def check_sizes(self, values: Values) -> None:
+        """Check the sizes of what the user gave, once, before it is first updated.
+
+        Raises:
+            GraphError: If some do not fit.
+        """
+
     def check(self, values: Values) -> None:
         """Check what the user gave, such as Jacobians, once, when the graph is built.
 

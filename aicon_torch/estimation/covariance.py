@@ -32,7 +32,7 @@ class Covariance(Node):
     def __init__(self, noise: Noise, size: int, named: str = "noise") -> None:
         super().__init__()
         if callable(noise):
-            self.relation: Interconnection | None = Interconnection.of(noise)
+            self.relation: Interconnection | None = Interconnection.of(noise, named)
             self.inputs = self.relation.inputs
             return
 

@@ -7,7 +7,7 @@ from torch import Tensor
 from aicon_torch.differentiation import values_only
 from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.base import Estimator
-from aicon_torch.interconnections import Interconnection, Values
+from aicon_torch.interconnections import Affine, Interconnection, Values
 
 
 class Deterministic(Estimator):
@@ -38,7 +38,7 @@ class Deterministic(Estimator):
         each: Sequence[str] = (),
     ) -> None:
         super().__init__()
-        self.relation = Interconnection.of(function)
+        self.relation = Interconnection.of(function, f"Deterministic {name!r}")
         self.outputs = (name,)
         self.inputs = self.relation.inputs
         self.is_motion = is_motion
@@ -66,6 +66,11 @@ class Deterministic(Estimator):
     def initial(self, values: Values) -> dict[str, Tensor]:
         """Nothing is remembered."""
         return {}
+
+    def check_sizes(self, values: Values) -> None:
+        """Check that the terms of a linear relation have as many components."""
+        if isinstance(self.relation, Affine):
+            self.relation.components(values, f"Deterministic {self.outputs[0]!r}")
 
     @values_only
     def update(self, values: Values) -> dict[str, Tensor]:

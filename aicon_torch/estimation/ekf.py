@@ -1,20 +1,21 @@
 """The extended Kalman filter with implicit measurements."""
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import torch
 from torch import Tensor, nn
 
 from aicon_torch.differentiation import values_only
-from aicon_torch.errors import GraphError, choices, in_order
+from aicon_torch.errors import GraphError, choices
 from aicon_torch.estimation.base import Estimator
 from aicon_torch.estimation.correction import Correction
 from aicon_torch.estimation.covariance import Covariance, Noise
-from aicon_torch.estimation.measurement import Innovation, Measurement
+from aicon_torch.estimation.measurement import Innovation, Measurement, in_turn
 from aicon_torch.interconnections import Affine, Interconnection, Values
-from aicon_torch.quantities import RESTART, as_size
+from aicon_torch.quantities import RESTART, as_numbers, as_size
 
 Derivative = Literal["model", "update", "detached_gain"]
 """Which derivative the anticipated mean has: see :class:`EKF`."""
@@ -80,13 +81,13 @@ class EKF(Estimator):
         self.derivative: Derivative = derivative
 
         # The belief: how it moves, how it begins, and how uncertain it grows.
-        self.predict = Interconnection.of(predict)
+        self.predict = Interconnection.of(predict, f"predict of {mean!r}")
         self._must_read_mean(f"predict of {mean!r}", self.predict)
         self.size = self._set_prior(initial, size)
         self.noise = Covariance(noise, self.size)
 
         # What corrects it.
-        self._measurements = in_order(f"correct of {mean!r}", correct)
+        self._measurements = in_turn(f"correct of {mean!r}", correct)
         self.measurements = nn.ModuleList(self._measurements)  # registers them
         for measurement in self._measurements:
             self._must_read_mean(f"A measurement of {mean!r}", measurement.residual)
@@ -148,23 +149,49 @@ class EKF(Estimator):
         return mean if output == self.mean else covariance
 
     def check(self, values: Values) -> None:
-        """Compare sizes of residuals, and the Jacobians that the user gave, with autograd's.
+        """Compare the Jacobians that the user gave with autograd's.
 
         Raises:
             GraphError: If one differs.
         """
-        self._check_measurements(self._measurements, values)
         self.predict.verify(values, self.size)
-
-    def _check_measurements(self, measurements: Sequence[Measurement], values: Values) -> None:
-        for measurement in measurements:
-            components = measurement.residual(values).shape[-1]
-            if components != measurement.size:
-                raise GraphError(
-                    f"A measurement of {self.mean!r} by {choices(measurement.residual.inputs)} has "
-                    f"a residual of {components} components; expected size={measurement.size}."
-                )
+        for measurement in self._measurements:
             measurement.residual.verify(values, measurement.size)
+
+    def check_sizes(self, values: Values) -> None:
+        """Compare how many components the mean has with those that are predicted and measured.
+
+        Raises:
+            GraphError: If they do not fit.
+        """
+        known = values[self.mean].shape[-1]
+        if known != self.size:
+            raise GraphError(
+                f"initial of {self.mean!r} gives {known} components; expected size={self.size}."
+            )
+
+        # It is predicted, and then corrected.
+        called = f"predict of {self.mean!r}, which has {self.size} components by initial="
+        found = self.predict.components(values, called)
+        if found != self.size:
+            raise GraphError(
+                f"predict of {self.mean!r} gives {found} components; expected {self.size}, as "
+                "initial does."
+            )
+        self._check_residuals("measurement", self._measurements, values)
+
+    def _check_residuals(
+        self, kind: str, measurements: Sequence[Measurement], values: Values
+    ) -> None:
+        """Compare the components of residuals with the sizes that were given."""
+        for number, measurement in enumerate(measurements):
+            called = f"{kind} {number} of {self.mean!r}"
+            found = measurement.residual.components(values, called)
+            if found != measurement.size:
+                raise GraphError(
+                    f"{called} gives {found} components, size={measurement.size}; expected "
+                    f"Measurement(..., size={found})."
+                )
 
     def _must_read_mean(self, what: str, relation: Interconnection) -> None:
         if self.mean not in relation.inputs:
@@ -179,18 +206,29 @@ class EKF(Estimator):
                 raise GraphError(
                     f"{self.mean!r}: a function as initial= needs size=, the number of components."
                 )
-            relation = Interconnection.of(initial)
+            relation = Interconnection.of(initial, f"initial of {self.mean!r}")
             self.prior: Interconnection | None = relation
             self.prior_inputs = relation.inputs
             return as_size(repr(self.mean), size)
 
         # ... and numbers are kept with the module, to move between devices with it.
+        self._check_constants(initial)
         mean, variances = initial
         covariance = Covariance(variances, len(mean), named="variances of initial")
         self.prior, self.prior_inputs = None, ()
         self.register_buffer("prior_mean", torch.as_tensor(mean, dtype=torch.float64))
         self.register_buffer("prior_covariance", covariance.constant)
         return len(mean)
+
+    def _check_constants(self, initial: Any) -> None:
+        """A prior of numbers has a mean of at least one component, and its variances."""
+        is_pair = isinstance(initial, Sequence) and len(initial) == 2
+        mean = as_numbers(initial[0]) if is_pair else math.nan
+        if not isinstance(mean, tuple) or not mean:
+            raise GraphError(
+                f"initial of {self.mean!r}: expected (mean, variances), such as ((1.0, 0.0), 9.0), "
+                f"or a function, got {initial!r}."
+            )
 
     def _prior_belief(self, values: Values) -> tuple[Tensor, Tensor]:
         """What is believed before the first step."""

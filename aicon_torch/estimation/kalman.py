@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from aicon_torch.errors import GraphError, in_order
+from aicon_torch.errors import GraphError
 from aicon_torch.estimation.covariance import Noise
 from aicon_torch.estimation.ekf import EKF
-from aicon_torch.estimation.measurement import Measurement
+from aicon_torch.estimation.measurement import Measurement, in_turn
 from aicon_torch.interconnections import Affine
 
 
@@ -40,7 +40,7 @@ class KalmanFilter(EKF):
         is_motion: bool = False,
     ) -> None:
         # Affine relations are their own linearisation, so that what an EKF does is exact.
-        correct = in_order(f"correct of {mean!r}", correct)
+        correct = in_turn(f"correct of {mean!r}", correct)
         relations = [predict, *(measurement.residual for measurement in correct)]
         if not all(isinstance(relation, Affine) for relation in relations):
             raise GraphError(

@@ -8,7 +8,7 @@ from torch import Tensor, nn
 
 from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.ekf import EKF
-from aicon_torch.estimation.measurement import Innovation, Measurement
+from aicon_torch.estimation.measurement import Innovation, Measurement, in_turn
 from aicon_torch.interconnections import Values
 from aicon_torch.quantities import AGE, PRESENT, as_count, as_size
 
@@ -59,7 +59,7 @@ class LateEKF(EKF):
             raise GraphError(f"steps={steps!r} of {mean!r}: expected a number of steps >= 0.")
         what = f"moved_by of {mean!r}:"
         self.moved_by = {name: as_size(f"{what} {name!r}", n) for name, n in moved_by.items()}
-        self._prompt = in_order(f"prompt of {mean!r}", prompt)
+        self._prompt = in_turn(f"prompt of {mean!r}", prompt)
         self.prompt = nn.ModuleList(self._prompt)  # registers them
 
         # What is to be remembered of a step.
@@ -125,7 +125,13 @@ class LateEKF(EKF):
     def check(self, values: Values) -> None:
         """Check the measurements that are on time as well: see :meth:`EKF.check`."""
         super().check(values)
-        self._check_measurements(self._prompt, values)
+        for measurement in self._prompt:
+            measurement.residual.verify(values, measurement.size)
+
+    def check_sizes(self, values: Values) -> None:
+        """Check the measurements that are on time as well: see :meth:`EKF.check_sizes`."""
+        super().check_sizes(values)
+        self._check_residuals("prompt", self._prompt, values)
 
     def _at_reading(self, values: Values, moves: Tensor, new_lag: Tensor) -> tuple[Tensor, Tensor]:
         """The belief of when the last reading was taken, moved from that of the one before it.
@@ -256,8 +262,8 @@ def ekf_with_delay(
     """
     if not delay:
         measurements = (
-            *in_order(f"correct of {mean!r}", correct),
-            *in_order(f"prompt of {mean!r}", prompt),
+            *in_turn(f"correct of {mean!r}", correct),
+            *in_turn(f"prompt of {mean!r}", prompt),
         )
         return EKF(mean, covariance, correct=measurements, **options)
     late: dict[str, Any] = {"sensor": sensor, "steps": delay, "moved_by": moved_by}

@@ -1,12 +1,12 @@
 """Implicit measurements: what relates an estimate to a reading."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 from torch import Tensor, nn
 
-from aicon_torch.errors import GraphError, choices
+from aicon_torch.errors import GraphError, choices, in_order
 from aicon_torch.estimation.covariance import Covariance, Noise
 from aicon_torch.interconnections import Interconnection, Values
 from aicon_torch.quantities import PRESENT, as_number, as_size
@@ -63,7 +63,7 @@ class Measurement(nn.Module):
         size: int = 1,
     ) -> None:
         super().__init__()
-        self.residual = Interconnection.of(function)
+        self.residual = Interconnection.of(function, "Measurement")
         self.size = as_size("Measurement", size)
         self.noise = Covariance(noise, self.size)
         self.uncertain = dict(uncertain or {})
@@ -123,3 +123,22 @@ class Measurement(nn.Module):
             _, sensitivity = self.residual.linearize(values, other, self.size, differentiable)
             noise = noise + sensitivity @ values[covariance] @ sensitivity.mT
         return noise
+
+
+def in_turn(named: str, given: Iterable[Measurement]) -> tuple[Measurement, ...]:
+    """The measurements of a filter, in the order in which they correct it.
+
+    Args:
+        named: What an error calls them.
+        given: The measurements.
+
+    Raises:
+        GraphError: If one is something else.
+    """
+    measurements = in_order(named, given)
+    for measurement in measurements:
+        if not isinstance(measurement, Measurement):
+            raise GraphError(
+                f"{named}: expected Measurement(residual, noise=...), got in it {measurement!r}."
+            )
+    return measurements

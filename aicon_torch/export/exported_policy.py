@@ -9,7 +9,7 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
-from aicon_torch.control.memory import GOAL_FACTORS, check_memory, starting_rows
+from aicon_torch.control.memory import GOAL_FACTORS, checked_memory, starting_rows
 from aicon_torch.errors import ObservationError, OptionError, choices
 from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
@@ -70,6 +70,7 @@ class ExportedPolicy:
         self._memory: ExportedMemory | None = None
 
         self._shapes = {name: entry.shape for name, entry in self._layout.entries.items()}
+        self._integers = self._layout.integers
 
         self._sensors = _sensors_of(self.metadata)
         self._actuators = _actuators_of(self.metadata)
@@ -135,7 +136,8 @@ class ExportedPolicy:
             OptionError: If there is no such goal, or a factor is none.
         """
         # A copy: the memory that was given stays what it is.
-        flat = torch.from_numpy(self._flat(memory).copy())
+        own = self._own(memory)
+        flat = torch.from_numpy(self._flat(memory) if own is None else own.copy())
         start = self._layout.entries[GOAL_FACTORS].start
         factors = flat[..., start : start + len(self.goals)]
         for name, factor in goals.items():
@@ -181,8 +183,7 @@ class ExportedPolicy:
         # Some go on, and some begin. What this policy has returned needs no look at every entry.
         before = self._own(state)
         if before is None or before.shape[:-1] != batch:
-            check_memory(state, self._shapes, batch)
-            before = self._flat(state)
+            before = self._flat(state, batch)
         before = np.ascontiguousarray(before)
         starts = starting_rows(episode_start, batch, torch.device("cpu"))
         if starts is None:
@@ -210,17 +211,18 @@ class ExportedPolicy:
         if state is None:
             return perception(observation, None, None)
 
+        if self._own(state) is None:
+            state = checked_memory(state, self._shapes, self._integers, self._like)
+
         # Every memory has the factors of the goals, so they tell how many robots there are.
         batch = tuple(state[GOAL_FACTORS].shape[:-1])
         starts = starting_rows(episode_start, batch, torch.device("cpu"))
         return perception(observation, state, None if starts is None else starts.numpy())
 
-    def _flat(self, memory: Mapping[str, Tensor]) -> Array:
+    def _flat(self, memory: Mapping[str, Tensor], batch: tuple[int, ...] | None = None) -> Array:
         """The numbers of a memory, which may be that of another policy of this graph."""
-        own = self._own(memory)
-        if own is None:
-            return ExportedMemory.of(memory, self._layout, self._library.dtype).flat
-        return own
+        checked = checked_memory(memory, self._shapes, self._integers, self._like, batch)
+        return ExportedMemory.of(checked, self._layout, self._library.dtype).flat
 
     def _own(self, memory: Mapping[str, Tensor] | None) -> Array | None:
         """The numbers of a memory that this policy has returned; None for any other."""

@@ -65,6 +65,12 @@ class Layout:
             start = stop
         return cls(tuple(entries))
 
+    @property
+    def integers(self) -> dict[str, torch.dtype]:
+        """The types of what is no real number, by name."""
+        kinds = {name: entry.kind for name, entry in self.entries.items()}
+        return {name: INTEGERS[kind] for name, kind in kinds.items() if kind in INTEGERS}
+
     def pack(self, values: Mapping[str, Tensor], like: Tensor) -> Tensor:
         """One flat tensor ``(*B, n)`` of the type of another."""
         parts: list[Tensor] = []

@@ -2,6 +2,7 @@
 
 import ctypes
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +77,8 @@ class Library:
         Args:
             path: The file.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise OptionError(f"path={path!r}: expected a file, such as 'policy.so'.")
         path = Path(path).resolve()
         if not path.is_file():
             raise OptionError(f"{path} is not there: export a policy to it.")

@@ -12,6 +12,7 @@ from aicon_torch.graph.edges import find_edges
 from aicon_torch.graph.order import in_order
 from aicon_torch.graph.paths import Edge
 from aicon_torch.graph.probe import check_at_random_point, probe
+from aicon_torch.graph.separate_rows import check_rows_stand_alone
 from aicon_torch.quantities import Quantity
 
 
@@ -45,10 +46,10 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
         like: A tensor of the parts' type and device.
 
     Raises:
-        GraphError: If a shape does not fit, a function does not leave the leading dimensions free,
-            a network is in training mode or computes in another precision, estimators without
-            memory define each other in a circle, a goal depends on no actuator, or no goal depends
-            on an actuator.
+        GraphError: If a shape does not fit, a function does not leave the leading dimensions free
+            or mixes the rows of a batch, a network is in training mode or computes in another
+            precision, estimators without memory define each other in a circle, a goal depends on no
+            actuator, or no goal depends on an actuator.
     """
     _check_modes(declaration)
 
@@ -58,6 +59,7 @@ def build_graph(declaration: Declaration, like: Tensor) -> Graph:
     quantities = _quantities(declaration, estimators, values)
     check_rows(estimators, quantities)
     check_at_random_point(declaration, estimators, values)
+    check_rows_stand_alone(declaration, estimators, values)
 
     # Differentiate it once: edges.
     edges = find_edges(declaration, estimators, values)

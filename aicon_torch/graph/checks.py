@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import torch
@@ -34,7 +35,7 @@ def check_names(
     Raises:
         GraphError: If not, or if something is read that is not there; it lists the names known.
     """
-    _check_kinds(sensors, actuators, estimators, goals)
+    check_kinds(sensors, actuators, estimators, goals)
     outputs = [name for estimator in estimators for name in estimator.outputs]
     declared = [*sensors, *actuators, *outputs, *(goal.name for goal in goals)]
 
@@ -80,8 +81,12 @@ def check_names(
                 )
 
 
-def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> None:
-    """Check that the parts are what they are given as."""
+def check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> None:
+    """Check that the parts are what they are given as.
+
+    Raises:
+        GraphError: If not.
+    """
     for kind, parts, expected in (
         ("sensors", sensors, Sensor),
         ("actuators", actuators, Actuator),
@@ -108,10 +113,23 @@ def _check_kinds(sensors: Any, actuators: Any, estimators: Any, goals: Any) -> N
             raise GraphError(
                 f"estimators: expected a sequence of estimators, got in it {estimator!r}{hint}."
             )
+        _check_wiring(estimator)
     for goal in goals:
         if not isinstance(goal, Goal):
             raise GraphError(
                 f"goals: expected a sequence of Goal('name', cost), got in it {goal!r}."
+            )
+
+
+def _check_wiring(estimator: Estimator) -> None:
+    """Check that an estimator says what it owns, and what it reads."""
+    for attribute in ("outputs", "inputs"):
+        names = getattr(estimator, attribute, None)
+        are_names = isinstance(names, tuple | list) and all(isinstance(name, str) for name in names)
+        if not are_names or (attribute == "outputs" and not names):
+            raise GraphError(
+                f"estimators: {type(estimator).__name__} has {attribute}={names!r}; expected a "
+                "tuple of names of quantities."
             )
 
 
@@ -243,10 +261,33 @@ def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values
     Raises:
         GraphError: If it fails, or returns something else than tensors.
     """
-    try:
+    with named_errors(node, values):
         result = function(values)
+
+    # It ran; what it returned must be tensors.
+    named = result if isinstance(result, dict) else {names_of(node)[0]: result}
+    for name, value in named.items():
+        if not isinstance(value, Tensor):
+            raise GraphError(f"{name!r} is a {type(value).__name__}; expected a tensor of torch.")
+    return result
+
+
+@contextmanager
+def named_errors(node: Estimator | Goal, values: Values) -> Iterator[None]:
+    """Name the node, and the shapes of its inputs, in what its functions raise.
+
+    Raises:
+        GraphError: If one fails.
+    """
+    try:
+        yield
     except GraphError:
         raise
+    except NotImplementedError as error:
+        raise GraphError(
+            f"{type(node).__name__} of {names_of(node)[0]!r} lacks one of the methods initial, "
+            "update and forward."
+        ) from error
     except (RuntimeError, IndexError, TypeError, ValueError, KeyError) as error:
         # Where torch names two precisions, it is not the shapes that do not fit.
         precisions = {word.lower() for word in PRECISIONS.findall(str(error))}
@@ -256,12 +297,36 @@ def attempt(node: Estimator | Goal, function: Callable[[Values], Result], values
             f"{_shapes(node, values)} with the batch in front: {error!r}{advice}"
         ) from error
 
-    # It ran; what it returned must be tensors.
-    named = result if isinstance(result, dict) else {names_of(node)[0]: result}
-    for name, value in named.items():
-        if not isinstance(value, Tensor):
-            raise GraphError(f"{name!r} is a {type(value).__name__}; expected a tensor of torch.")
-    return result
+
+def outputs_of(
+    estimator: Estimator,
+    method: str,
+    values: Values,
+    are_all: bool = True,
+) -> dict[str, Tensor]:
+    """Run a method of an estimator that returns its outputs by name.
+
+    Args:
+        estimator: The estimator.
+        method: Its name.
+        values: What it reads.
+        are_all: Whether it has to return all of them.
+
+    Raises:
+        GraphError: If it fails, or returns something else.
+    """
+    result: Any = attempt(estimator, getattr(estimator, method), values)
+    if isinstance(result, dict):
+        unknown = [name for name in result if name not in estimator.outputs]
+        missing = [name for name in estimator.outputs if name not in result]
+        if not unknown and not (are_all and missing):
+            return result
+
+    got = f"those of {choices(result)}" if isinstance(result, dict) else type(result).__name__
+    raise GraphError(
+        f"{method} of {type(estimator).__name__} {estimator.outputs[0]!r}: expected a "
+        f"dictionary with the values of {choices(estimator.outputs)}, got {got}."
+    )
 
 
 def other_precision(dtype: torch.dtype) -> str:

@@ -106,13 +106,8 @@ class Declaration:
 
 def _wired(actuator: str, function: Callable[..., Tensor], known: Sequence[str]) -> Interconnection:
     """A function of an actuator as an interconnection whose inputs are in the graph."""
-    if not callable(function):
-        raise GraphError(
-            f"Actuator {actuator!r}: constraints are a sequence of functions, and command, metric "
-            "and dither are functions."
-        )
-
-    relation = Interconnection.of(function)
+    called = f"Actuator {actuator!r}: constraints, command, metric or dither"
+    relation = Interconnection.of(function, called)
     for source in relation.inputs:
         if source not in known:
             raise GraphError(

@@ -2,7 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 from functools import cache
+from itertools import islice
 from typing import NamedTuple
+
+MOST_SHOWN = 100
+"""So many paths a console shows."""
 
 
 class Edge(NamedTuple):
@@ -82,6 +86,13 @@ class PathTable:
     def __str__(self) -> str:
         """One path a line."""
         return "\n".join(map(str, self))
+
+    def __repr__(self) -> str:
+        """What a console shows of it: one path a line, the first hundred of them."""
+        lines = [str(path) for path in islice(self, MOST_SHOWN)]
+        if self.count() > MOST_SHOWN:
+            lines.append(f"… {self.count()} paths in all")
+        return "\n".join(lines)
 
     def _walk(self, name: str, trail: tuple[str, ...]) -> Iterator[Path]:
         if name in self._actuators:

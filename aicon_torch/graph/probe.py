@@ -1,13 +1,14 @@
 """Probing a graph when it is built: one step on zeros shows whether all shapes fit."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import torch
 from torch import Tensor
 
 from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
-from aicon_torch.graph.checks import attempt, other_precision
+from aicon_torch.graph.checks import attempt, named_errors, other_precision, outputs_of
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.values import initial_values
 from aicon_torch.interconnections import Interconnection
@@ -40,7 +41,9 @@ def probe(
     if declaration.clock is not None:
         values["dt"] = dt.expand(*BATCH, 1)
     for estimator in estimators:
-        updated = attempt(estimator, estimator.update, values)
+        with named_errors(estimator, values):
+            estimator.check_sizes(values)
+        updated = outputs_of(estimator, "update", values)
         for name, value in updated.items():
             _check_shape(name, value, values.get(name, value))
             if value.dtype != like.dtype:
@@ -49,6 +52,8 @@ def probe(
     values["dt"] = dt
 
     # What the last values are for.
+    _check_foresight(estimators, values)
+    _check_sensors(declaration, readings)
     _check_goals(declaration, values)
     _check_actuators(declaration, values)
     return values
@@ -85,6 +90,41 @@ def _check_shape(name: str, value: Tensor, earlier: Tensor) -> None:
         f"{name!r} has shape {tuple(value.shape)} for batch {BATCH}; expected the batch, then "
         f"{own}. Functions must leave leading dimensions free."
     )
+
+
+def _check_foresight(estimators: Sequence[Estimator], values: Mapping[str, Tensor]) -> None:
+    """What is foreseen of an estimate has the estimate's shape."""
+    for estimator in estimators:
+        for name in estimator.outputs:
+            with named_errors(estimator, values):
+                ahead: Any = estimator(values, name)
+            expected = tuple(values[name].shape)
+            if not isinstance(ahead, Tensor) or tuple(ahead.shape) != expected:
+                got = tuple(ahead.shape) if isinstance(ahead, Tensor) else type(ahead).__name__
+                raise GraphError(
+                    f"forward of {type(estimator).__name__} {name!r}: expected a tensor of shape "
+                    f"{expected}, as update gives it, got {got}."
+                )
+
+
+def _check_sensors(declaration: Declaration, readings: Mapping[str, Tensor]) -> None:
+    """Whether a reading can be is said of each row."""
+    for name, sensor in declaration.sensors.items():
+        if sensor.is_possible is None:
+            continue
+        try:
+            told: Any = sensor.is_possible(readings[name])
+        except (RuntimeError, IndexError, TypeError, ValueError, AttributeError) as error:
+            raise GraphError(
+                f"is_possible of Sensor {name!r} cannot be evaluated on readings "
+                f"{tuple(readings[name].shape)}: {error!r}"
+            ) from error
+        if not isinstance(told, Tensor) or told.dtype != torch.bool or told.shape != BATCH:
+            got = f"{told.dtype} {tuple(told.shape)}" if isinstance(told, Tensor) else repr(told)
+            raise GraphError(
+                f"is_possible of Sensor {name!r}: expected a flag for each row of the batch, "
+                f"torch.bool {BATCH}, got {got}."
+            )
 
 
 def _check_goals(declaration: Declaration, values: Mapping[str, Tensor]) -> None:

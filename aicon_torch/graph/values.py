@@ -6,7 +6,7 @@ from torch import Tensor
 
 from aicon_torch.differentiation import values_only
 from aicon_torch.estimation import Estimator
-from aicon_torch.graph.checks import attempt
+from aicon_torch.graph.checks import outputs_of
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.order import in_order
 
@@ -36,7 +36,7 @@ def initial_values(
 
     # What remembers begins with its prior.
     for estimator in estimators:
-        prior = attempt(estimator, estimator.initial, values)
+        prior = outputs_of(estimator, "initial", values, estimator.recursive)
         for name, value in prior.items():
             # Priors may lack the batch. A mean has one dimension of its own, a covariance two.
             own_dimensions = 2 if name in estimator.covariances else 1
@@ -45,6 +45,6 @@ def initial_values(
     # What does not remember follows from it.
     memoryless = [estimator for estimator in estimators if not estimator.recursive]
     for estimator in in_order(memoryless):
-        values |= attempt(estimator, estimator.update, values)
+        values |= outputs_of(estimator, "update", values)
 
     return values

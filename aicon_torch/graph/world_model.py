@@ -13,6 +13,7 @@ from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.graph.build import build_graph
+from aicon_torch.graph.checks import check_kinds
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.drawing import flowchart
 from aicon_torch.graph.filtering import Filtered, LogFilter, check_effect
@@ -66,8 +67,9 @@ class WorldModel(nn.Module):
 
     Raises:
         GraphError: If a name is unknown or given twice, a shape does not fit, a function does not
-            let the leading dimensions free, functions define each other in a circle, a goal depends
-            on no actuator, or no goal depends on an actuator.
+            let the leading dimensions free or mixes the rows of a batch, functions define each
+            other in a circle, a goal depends on no actuator, or no goal depends on an actuator; in
+            :func:`torch.inference_mode`.
     """
 
     _like: Tensor
@@ -89,6 +91,11 @@ class WorldModel(nn.Module):
             raise GraphError(
                 f"dtype={dtype!r}: expected a floating-point type such as torch.float64."
             )
+        if torch.is_inference_mode_enabled():
+            raise GraphError(
+                "A model is differentiated when it is built, which torch.inference_mode() does not "
+                "allow: build it before."
+            )
         self.declaration = Declaration.of(sensors, actuators, estimators, goals, dt, clock)
 
         # The parts become the model's own, with its precision.
@@ -100,7 +107,9 @@ class WorldModel(nn.Module):
         )  # tells dtype and device
         self.to("cpu", dtype or torch.get_default_dtype())
 
-        self.graph = build_graph(self.declaration, self.like)
+        # Its edges are found by differentiating it.
+        with torch.enable_grad():
+            self.graph = build_graph(self.declaration, self.like)
         self._register_learned()
 
     @property
@@ -190,6 +199,7 @@ class WorldModel(nn.Module):
     ) -> "WorldModel":
         """This model with more in it, on the same device."""
         # What is new comes to the device of what is there.
+        check_kinds({}, {}, estimators, goals)
         for part in (*estimators, *goals):
             part.to(self.like.device)
         with self.like.device:

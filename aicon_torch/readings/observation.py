@@ -168,6 +168,27 @@ def as_tensor(called: str, unit: str, value: Any, like: Tensor) -> Tensor:
     return torch.from_numpy(as_array(called, unit, value)).to(like)
 
 
+def as_it_is(called: str, value: Any) -> Tensor | None:
+    """Numbers as a tensor of their own type, NaN where a mask is; None for whatever else it is."""
+    if is_masked_tensor(value):
+        masked: Any = value  # torch leaves it untyped
+        return torch.where(masked.get_mask(), masked.get_data(), torch.nan)
+    if isinstance(value, Tensor):
+        return value if is_dense(value) else None
+
+    try:
+        array = _ma.asarray(value)
+    except (ValueError, TypeError, RuntimeError):  # a ragged list
+        return None
+    if array.dtype.kind not in "fiub":
+        return None
+
+    # torch knows one order of bytes, strides above 0, no masks, and no longer numbers.
+    if _ma.is_masked(array) or array.dtype.itemsize > 8:
+        return torch.from_numpy(as_array(called, "its unit", value))
+    return torch.from_numpy(np.array(array, array.dtype.newbyteorder("="), order="C"))
+
+
 def is_dense(tensor: Tensor) -> bool:
     """Whether a tensor holds its numbers one beside the other: not sparse, nested, or meta."""
     is_plain = tensor.layout == torch.strided and not tensor.is_nested

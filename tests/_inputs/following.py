@@ -33,7 +33,10 @@ def distance(p: Tensor) -> Tensor:
 
 def bold_when_far(p: Tensor) -> Tensor:
     """No function of tensors alone: it looks at a value and branches."""
-    return distance(p) if float(p.detach()[..., 0].mean()) > 1.0 else 2.0 * distance(p)
+    is_far = p.detach()[..., 0] > 1.0
+    if not is_far.any():
+        return 2.0 * distance(p)
+    return torch.where(is_far, distance(p), 2.0 * distance(p))
 
 
 def follower(cost: Callable[..., Tensor] = distance, limit: float = 1.0) -> Policy:

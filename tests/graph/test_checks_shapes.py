@@ -97,7 +97,7 @@ MISSHAPEN: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a residual of another size": (
         lambda: tracking_model(MOVE, tracked_point(correct=[Measurement(match, 0.1)])),
-        r"measurement of 'p'.*'p', 'z'.*2 components; expected size=1",
+        r"measurement 0 of 'p' gives 2 components, size=1; expected .*size=2",
     ),
     "a wrong Jacobian": (
         lambda: tracking_model(

@@ -87,3 +87,10 @@ def test_enumeration_is_lazy() -> None:
     first = list(islice(ladder(60), 3))
     assert len(set(first)) == 3
     assert all(len(path.quantities) == 61 for path in first)
+
+
+def test_a_console_shows_the_first_of_many_paths() -> None:
+    assert repr(ladder(2)) == str(ladder(2))
+    *lines, last = repr(ladder(40)).splitlines()
+    assert lines == [str(path) for path in islice(ladder(40), 100)]
+    assert last == f"… {2**41} paths in all"

@@ -111,10 +111,12 @@ def robot_of(options: Options) -> Robot:
 def speeds_of(options: Options, chain: Chain) -> tuple[float, ...]:
     """The largest speed of each joint: its own, or that of the options if that is less."""
     speeds = chain.speed if options.speed is None else chain.speed.clamp(max=options.speed)
-    if not (speeds > 0).all():
+    still = [name for name, speed in zip(chain.names, speeds, strict=True) if not speed > 0]
+    if still:
         raise OptionError(
-            f"The joints {choices(chain.names)} have the largest speeds {speeds.tolist()}: "
-            "expected numbers above 0 (rad/s or m/s)."
+            f"The joints {choices(still)} have the largest speed 0 in the robot's description: "
+            "expected velocity= above 0 in their <limit> (rad/s or m/s), or joints of "
+            "type='fixed'."
         )
 
     if not speeds.isfinite().all():

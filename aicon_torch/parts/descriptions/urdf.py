@@ -12,6 +12,9 @@ from aicon_torch.parts.descriptions.attributes import limit_of, numbers_of, text
 from aicon_torch.parts.descriptions.files import read_source
 from aicon_torch.parts.descriptions.link_tree import JointDescription, LinkTree
 
+XACRO = "wiki/xacro}"
+"""How the namespace of a macro ends, which stands before its tag."""
+
 MOST_LINKS = 1000
 """Of one robot; the most in example-robot-data is 130."""
 
@@ -24,10 +27,17 @@ def read_urdf(source: str | Path) -> LinkTree:
 
     Raises:
         FileNotFoundError: If there is no such file.
-        OptionError: If it is no URDF, has very many links, its joints are no tree, or a number is
-            none; it names the joint and its element.
+        OptionError: If it is no URDF, is written with macros, has very many links, its joints are
+            no tree, or a number is none; it names the joint and its element.
     """
     root = parse_xml(source, root_tag="robot")
+    for element in root.iter():
+        if XACRO in element.tag:
+            raise OptionError(
+                "The robot is written with macros of xacro, such as "
+                f"<xacro:{element.tag.split('}')[-1]}>: expected the URDF that they make: "
+                "xacro robot.urdf.xacro > robot.urdf."
+            )
     count = len(root.findall("link"))
     if count > MOST_LINKS:
         raise OptionError(f"The robot has {count} links: expected at most {MOST_LINKS}.")

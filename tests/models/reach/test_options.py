@@ -23,8 +23,10 @@ def test_a_robot_without_speeds_needs_one() -> None:
 
 
 def test_a_joint_that_may_not_move_is_named() -> None:
-    with pytest.raises(OptionError, match="'joint_1', .* have the largest speeds .0.0, 0.0, 0.0."):
-        make_policy("reach", robot=planar_arm(speed=0.0))
+    told = "'joint_1', .* have the largest speed 0 .* velocity= above 0"
+    for speed in (None, 1.0):
+        with pytest.raises(OptionError, match=told):
+            make_policy("reach", robot=planar_arm(speed=0.0), speed=speed)
 
 
 def test_balls_are_kept_from_a_shape() -> None:

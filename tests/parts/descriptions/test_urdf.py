@@ -52,6 +52,11 @@ def test_a_file_is_read_as_its_text_is(tmp_path: Path) -> None:
         assert [joint.name for joint in read_urdf(source).joints] == ["lift", "turn"]
 
 
+XACRO = """
+<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm prefix="left_"/></robot>
+"""
+
+
 @pytest.mark.parametrize(
     ("source", "message"),
     [
@@ -62,6 +67,7 @@ def test_a_file_is_read_as_its_text_is(tmp_path: Path) -> None:
         (ARM.replace('<parent link="column"/>', ""), "'turn' has no <parent>"),
         (ARM.replace('<parent link="column"/>', '<parent link="x"/>'), "'turn' names 'x'"),
         ('<?xml version="1.0" encoding="klingon"?><robot/>', "no XML: unknown encoding"),
+        (XACRO, "macros of xacro, such as <xacro:arm>: expected .* that they make: xacro robot"),
         (ARM.replace('<link name="hand"/>', "<link/>"), "<link> has no name="),
         (ARM.replace('type="continuous"', ""), "Joint 'turn': <joint> has no type="),
         (ARM.replace('<link name="hand"/>', '<link name="hand"/>' * 2), "links are called 'hand'"),
