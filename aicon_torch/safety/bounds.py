@@ -17,7 +17,13 @@ from aicon_torch.interconnections import copied
 from aicon_torch.resolution import Memory
 from aicon_torch.safety import SafeAction, SafetyBounds, nearest_safe
 from aicon_torch.safety.places import Places, initial_places
-from aicon_torch.safety.probing import check_gaps, is_box, probe_values, without_rounding
+from aicon_torch.safety.probing import (
+    check_gaps,
+    is_box,
+    is_going_on,
+    probe_values,
+    without_rounding,
+)
 from aicon_torch.safety.rows import Rows, joined
 from aicon_torch.safety.task_cost import FollowedCost
 from aicon_torch.safety.way_around import Around, initial_way
@@ -25,14 +31,8 @@ from aicon_torch.safety.way_around import Around, initial_way
 FARTHEST = 1e9
 """A gap larger than this, in its unit, closes as fast as it likes; there may be no limit at all."""
 
-LEAST_CHANGE = 1e-6
-"""A gap that changes by less while an actuator brakes, in its unit, is none of its own."""
-
-COASTS = 0.1
-"""A share of what an action changes that comes after it: then it is no velocity."""
-
-LEAST_SPEED = 1e-6
-"""By how much a bound may be missed, in the gap's unit a second, and count as kept."""
+NEGLIGIBLE = 1e-6
+"""A change of a gap, in its unit, or in its unit a second, that counts as none."""
 
 
 class ActuatorSafety:
@@ -325,7 +325,7 @@ class ActuatorSafety:
     def _moves(self, slopes: Tensor) -> Tensor:
         """Which gaps an action can change, by their slopes ``(*B, m, n)``, ``(*B, m)``."""
         change = self.time * (slopes.abs() * self.limits.to(slopes)).sum(-1)
-        return change > LEAST_CHANGE
+        return change > NEGLIGIBLE
 
     def _check_comes_to_rest(self, goal: Goal, values: Mapping[str, Tensor]) -> None:
         """Check that a goal's gaps come to rest with the actuator, as those of velocities do.
@@ -344,10 +344,7 @@ class ActuatorSafety:
             fastest = self.limits.to(values[self.actuator]).expand_as(values[self.actuator])
             moved, coasted = after(fastest)
             stayed, drifted = after(torch.zeros_like(fastest))
-        by_action, afterwards = moved - stayed, (coasted - moved) - (drifted - stayed)
-        goes_on = by_action * afterwards >= 0.0  # what is read again goes back
-        coasts = goes_on & (afterwards.abs() > LEAST_CHANGE + COASTS * by_action.abs())
-        if coasts.any():
+        if is_going_on(moved - stayed, (coasted - moved) - (drifted - stayed)):
             raise GraphError(
                 f"Safety goal {goal.name!r}: its gaps go on changing when {self.actuator!r} is "
                 "back at rest, as where an action is an acceleration or a force. It bounds how "
@@ -364,7 +361,7 @@ def _unless_escaping(
     is_taken = ~memory["escaping"]
     if within.bounds.shape[-1] > 0:
         speeds = (within.slopes * shortened.unsqueeze(-2)).sum(-1)
-        is_taken = is_taken & (speeds >= within.bounds - LEAST_SPEED).all(-1)
+        is_taken = is_taken & (speeds >= within.bounds - NEGLIGIBLE).all(-1)
     return torch.where(is_taken.unsqueeze(-1), shortened, action)
 
 

@@ -16,6 +16,9 @@ PROBES = 4
 ROUNDING = 64
 """So many units in the last place of the largest component of a slope are but rounding."""
 
+COASTS, SMALL = 0.1, 1e-6
+"""The share of a change that comes after its action where that is no velocity, and what is none."""
+
 Values = dict[str, Tensor]
 
 
@@ -60,6 +63,17 @@ def check_gaps(goal: Goal, gaps: Tensor, slopes: Tensor) -> None:
             "clamp(min=0), or give it a method gaps.",
             stacklevel=2,
         )
+
+
+def is_going_on(by_action: Tensor, afterwards: Tensor) -> bool:
+    """Whether gaps go on changing after an action, as they do by a share of it at least.
+
+    Args:
+        by_action: How they change in the step of the action, ``(4, m)``.
+        afterwards: And in the next one, at rest; what is read again goes back, and not on.
+    """
+    goes_on = by_action * afterwards >= 0.0
+    return bool((goes_on & (afterwards.abs() > SMALL + COASTS * by_action.abs())).any())
 
 
 def is_box(slopes: Tensor) -> bool:

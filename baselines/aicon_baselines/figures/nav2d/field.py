@@ -12,6 +12,7 @@ from aicon_baselines.evaluation.recording import BoolArray, FloatArray, to_array
 from aicon_baselines.figures.nav2d.recording import NavigationRecording
 from aicon_envs.nav2d import NavigationMap
 from aicon_envs.nav2d.world import union
+from aicon_torch.inspection.trace import trace
 
 _NEAREST_BELIEF = 0.1  # m; the agent keeps its target estimate at least this far away
 _FAR = 1e3  # m; the clearance where there are no obstacles
@@ -75,8 +76,8 @@ def sample(
 
     (gradient,) = gradients.values()
     descent = -to_array(gradient) / model.dt  # x_rob = a dt
-    trace = policy.trace({**values, **resolved})
-    exploring = trace.quantities[recording.resolved_at].exploring
+    found = trace(policy.backward_pass, {**values, **resolved})
+    exploring = found.quantities[recording.resolved_at].exploring
     return Field(descent, exploring.numpy(force=True))
 
 
