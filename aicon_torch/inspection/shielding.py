@@ -11,7 +11,7 @@ from aicon_torch.graph import WorldModel
 from aicon_torch.inspection.explanation import alerts
 from aicon_torch.inspection.rows import of_one_robot
 from aicon_torch.resolution import Memory
-from aicon_torch.safety.bounds import LEAST_SPEED, safety_of
+from aicon_torch.safety.bounds import NEGLIGIBLE, safety_of
 
 
 @dataclass(frozen=True)
@@ -109,13 +109,12 @@ def _held(
         speed = (slopes * asked).sum(-1)
 
         # What no action can serve holds up none; what is no number holds up all.
-        fastest = (slopes.abs() * safety.limits.to(slopes)).sum(-1)
-        is_known = (gaps + bounds + fastest).isfinite()
-        spare = torch.where(fastest > LEAST_SPEED, speed - bounds, torch.inf)
+        is_known = (gaps + bounds + slopes.sum(-1)).isfinite()
+        spare = torch.where(safety.moves(slopes), speed - bounds, torch.inf)
         spare = torch.where(is_known, spare, -torch.inf)
 
         worst = int(spare.argmin())
-        if spare[worst] < -1e-6:
+        if spare[worst] < -NEGLIGIBLE:
             found[goal.name] = Held(
                 gap=float(gaps[worst]), asked=float(speed[worst]), allowed=float(bounds[worst])
             )

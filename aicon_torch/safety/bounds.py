@@ -90,7 +90,7 @@ class ActuatorSafety:
             slopes, _, gaps = self.rows_of(goal, values)
             check_gaps(goal, gaps, slopes)
             self._check_comes_to_rest(goal, values)
-            self._still[goal.name] = int((~self._moves(slopes)).all(0).sum())
+            self._still[goal.name] = int((~self.moves(slopes)).all(0).sum())
             if is_box(slopes):
                 self._boxed.append(goal.name)
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
@@ -217,7 +217,7 @@ class ActuatorSafety:
             # What is no number bounds nothing, and says nothing either.
             is_known = (gaps + bound + slope.sum(-1)).isfinite().all(-1, keepdim=True)
             known = known & (is_known | ~is_on)
-            counts = is_on & (is_box | self._moves(slope))  # what cannot give way is no bound
+            counts = is_on & (is_box | self.moves(slope))  # what cannot give way is no bound
             closing = (bound - self._asked_at(gaps, goal)).clamp(min=0.0)
             bound = torch.where(counts, bound, -FARTHEST / self.model.dt)
             if is_box:
@@ -322,7 +322,7 @@ class ActuatorSafety:
             foreseen[name] = self.model.owners[name](foreseen, name)
         return foreseen
 
-    def _moves(self, slopes: Tensor) -> Tensor:
+    def moves(self, slopes: Tensor) -> Tensor:
         """Which gaps an action can change, by their slopes ``(*B, m, n)``, ``(*B, m)``."""
         change = self.time * (slopes.abs() * self.limits.to(slopes)).sum(-1)
         return change > NEGLIGIBLE
