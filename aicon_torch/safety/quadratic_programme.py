@@ -6,7 +6,7 @@ from torch import Tensor
 from aicon_torch.differentiation import learns
 from aicon_torch.safety.active_set import exactly_within
 from aicon_torch.safety.hildreth import sweep, swept_within
-from aicon_torch.safety.rows import Rows, SafeAction, SafetyBounds, clamped, joined, normalised
+from aicon_torch.safety.rows import Rows, SafeAction, SafetyBounds, clamped, normalised
 
 MOST_UNROLLED = 48
 """Where rows are looked at more often, it is one operation, for which there is a routine in C."""
@@ -120,10 +120,9 @@ def _retreat(
     keeping, _ = _projected(torch.zeros_like(rest), rows, within, sweeps)
     yielding = _yielding(rows, lengths, held, within, enough)
 
-    # On the safe side of what the sweeps have not found.
-    if sweeps is not None:
-        keeping = _drawn_back(keeping, rest, held, within)
-        yielding = _drawn_back(yielding, rest, held, within)
+    # On the safe side of both: what rest keeps is kept.
+    keeping = _drawn_back(keeping, rest, held, within)
+    yielding = _drawn_back(yielding, rest, held, within)
 
     # The yielding one, if it misses less by more than rounding.
     slack = _slack(within) * lengths.amax(-1, keepdim=True)
@@ -137,9 +136,9 @@ def _yielding(
 ) -> Tensor:
     """The action near rest that misses least of the bounds that rest does not keep, ``(*B, n)``.
 
-    Where not all of them can be kept, they may all be missed by the same speed κs:
+    Where not all of them can be kept, those of what comes may all be missed by the same speed κs:
 
-        min ‖a‖² + s²  with  c·a + κs ≥ b where b > 0,  and  c·a ≥ h  everywhere,
+        min ‖a‖² + s²  with  c·a + κs ≥ b where h < 0 < b,  c·a ≥ h elsewhere,
 
     the same programme with one component more.
 
@@ -150,12 +149,13 @@ def _yielding(
         within: The bounds, with the box.
         sweeps: How many.
     """
-    price = YIELDING * lengths.amax(-1, keepdim=True) / lengths
-    price = torch.where(rows.bounds > 0.0, price, 0.0)
+    yields = (rows.bounds > 0.0) & (held.bounds < 0.0)
+    price = torch.where(yields, YIELDING * lengths.amax(-1, keepdim=True) / lengths, 0.0)
     length = (1.0 + price * price).sqrt()
-    yielding = torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1)
-    in_any_case = torch.cat((held.normals, torch.zeros_like(price).unsqueeze(-1)), dim=-1)
-    wider = joined([Rows(yielding, rows.bounds / length), Rows(in_any_case, held.bounds)])
+    wider = Rows(
+        normals=torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1),
+        bounds=torch.where(yields, rows.bounds, held.bounds) / length,
+    )
 
     nothing = torch.zeros_like(within.low[..., :1])
     anything = nothing + torch.finfo(nothing.dtype).max
