@@ -47,7 +47,8 @@ class Goal(Node):
     projected away, and exploration keeps its bounds. A cost that has a method ``gaps``, with the
     parameters of the cost, says itself what they are, ``(*B, m)``; the gap of any other cost is
     ε − g. Of many gaps only the smallest bound an action; a cost that can compute one without the
-    others may have a method ``gap``, with the number of that one ``(*B,)`` as its last parameter.
+    others may have a method ``gap``, with the number of that one ``(*B,)`` as its last parameter,
+    and leaves out those that no action changes.
     One that bounds each component of the actuator by itself may have a method ``room``,
     likewise, that says how far they may go down and up, ``(*B, n)`` both: see
     :class:`aicon_torch.dampers.PlaceEscape`.
@@ -108,6 +109,11 @@ class Goal(Node):
         if own is not None:
             return own(*self._read(values), which)
         return self.gaps(values).gather(-1, which.unsqueeze(-1)).squeeze(-1)
+
+    @property
+    def has_many_gaps(self) -> bool:
+        """Whether it can compute one gap without the others, as a cost of many does."""
+        return hasattr(self.cost.function, "gap")
 
     @property
     def most_gaps(self) -> int:

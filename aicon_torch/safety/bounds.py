@@ -84,13 +84,16 @@ class ActuatorSafety:
             for name, upstream in self._upstream.items()
         }
         self._boxed: list[str] = []
-        self._still: dict[str, int] = {}  # gaps that no action changes, which are to crowd out none
+        self._still: dict[str, int] = {}
         values = probe_values(model)
         for goal in goals:
             slopes, _, gaps = self.rows_of(goal, values)
             check_gaps(goal, gaps, slopes)
             self._check_comes_to_rest(goal, values)
-            self._still[goal.name] = int((~self.moves(slopes)).all(0).sum())
+
+            # Gaps that no action changes are to crowd out none; of many, they are left out before.
+            still = int((~self.moves(slopes)).all(0).sum())
+            self._still[goal.name] = 0 if goal.has_many_gaps else still
             if is_box(slopes):
                 self._boxed.append(goal.name)
         self._ranged = [goal for goal in goals if goal.name in self._boxed and goal.has_room]
