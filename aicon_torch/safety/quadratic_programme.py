@@ -6,7 +6,7 @@ from torch import Tensor
 from aicon_torch.differentiation import learns
 from aicon_torch.safety.active_set import exactly_within
 from aicon_torch.safety.hildreth import sweep, swept_within
-from aicon_torch.safety.rows import Rows, SafeAction, SafetyBounds, clamped, normalised
+from aicon_torch.safety.rows import Rows, SafeAction, SafetyBounds, clamped, joined, normalised
 
 MOST_UNROLLED = 48
 """Where rows are looked at more often, it is one operation, for which there is a routine in C."""
@@ -19,8 +19,8 @@ GIVES_WAY = 10.0
 """By how many times what a row asks for it may be missed beyond that, where no action keeps it."""
 
 YIELDING, YIELDING_SWEEPS = 0.05, 100
-"""κ, as a share of the longest row, and how many sweeps at least. The less κ is, the less is
-missed in the end, and the more sweeps it takes to come there."""
+"""κ, as a share of the longest row, and how many sweeps at least, while something learns. The less
+κ is, the less is missed in the end, and the more sweeps it takes to come there."""
 
 
 def nearest_safe(
@@ -34,9 +34,8 @@ def nearest_safe(
     """The action a = argmin (a − w)ᵀM(a − w) with c·a ≥ b for every row, and low ≤ a ≤ high.
 
     After a fixed number of sweeps the action is drawn back by one factor toward a retreat, the one
-    nearest to rest that came out likewise, until it keeps every row as well as the retreat does.
-    Where rest keeps all rows (b ≤ 0) it is the retreat, so that the action is safe where the sweeps
-    have not converged. Where something comes nearer (b > 0), the retreat gets out of its way; and
+    nearest to rest, until it keeps every row as well as the retreat does. Where rest keeps all rows
+    (b ≤ 0) it is the retreat, so that the action is safe where the sweeps have not converged. Where something comes nearer (b > 0), the retreat gets out of its way; and
     where no action keeps all rows, it is the one that misses least (:func:`_yielding`). What comes
     nearer pushes nobody through what stands still.
 
@@ -115,14 +114,16 @@ def _retreat(
         within: The bounds, with the box.
         sweeps: How many; None for exactly.
     """
-    # One that keeps all rows, if there is one, and one that yields.
-    enough = None if sweeps is None else max(sweeps, YIELDING_SWEEPS)
-    keeping, _ = _projected(torch.zeros_like(rest), rows, within, sweeps)
+    # One that keeps all rows, if there is one, and one that yields: exactly, unless that is to be
+    # differentiated.
+    enough = max(sweeps or 0, YIELDING_SWEEPS) if learns() else None
+    keeping, _ = _projected(torch.zeros_like(rest), rows, within, enough)
     yielding = _yielding(rows, lengths, held, within, enough)
 
-    # On the safe side of both: what rest keeps is kept.
-    keeping = _drawn_back(keeping, rest, held, within)
-    yielding = _drawn_back(yielding, rest, held, within)
+    # On the safe side of what sweeps have not found: what rest keeps is kept.
+    if enough is not None:
+        keeping = _drawn_back(keeping, rest, held, within)
+        yielding = _drawn_back(yielding, rest, held, within)
 
     # The yielding one, if it misses less by more than rounding.
     slack = _slack(within) * lengths.amax(-1, keepdim=True)
@@ -138,7 +139,7 @@ def _yielding(
 
     Where not all of them can be kept, those of what comes may all be missed by the same speed κs:
 
-        min ‖a‖² + s²  with  c·a + κs ≥ b where h < 0 < b,  c·a ≥ h elsewhere,
+        min ‖a‖² + s²  with  c·a + κs ≥ b where h < 0 < b,  and  c·a ≥ h  everywhere,
 
     the same programme with one component more.
 
@@ -152,10 +153,10 @@ def _yielding(
     yields = (rows.bounds > 0.0) & (held.bounds < 0.0)
     price = torch.where(yields, YIELDING * lengths.amax(-1, keepdim=True) / lengths, 0.0)
     length = (1.0 + price * price).sqrt()
-    wider = Rows(
-        normals=torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1),
-        bounds=torch.where(yields, rows.bounds, held.bounds) / length,
-    )
+    yielding = torch.cat((rows.normals, price.unsqueeze(-1)), dim=-1) / length.unsqueeze(-1)
+    anyway = torch.cat((held.normals, torch.zeros_like(price).unsqueeze(-1)), dim=-1)
+    asked = torch.where(yields, rows.bounds, held.bounds) / length
+    wider = joined([Rows(yielding, asked), Rows(anyway, held.bounds)])
 
     nothing = torch.zeros_like(within.low[..., :1])
     anything = nothing + torch.finfo(nothing.dtype).max
