@@ -35,9 +35,10 @@ def nearest_safe(
 
     After a fixed number of sweeps the action is drawn back by one factor toward a retreat, the one
     nearest to rest, until it keeps every row as well as the retreat does. Where rest keeps all rows
-    (b ≤ 0) it is the retreat, so that the action is safe where the sweeps have not converged. Where something comes nearer (b > 0), the retreat gets out of its way; and
-    where no action keeps all rows, it is the one that misses least (:func:`_yielding`). What comes
-    nearer pushes nobody through what stands still.
+    (b ≤ 0) it is the retreat, so that the action is safe where the sweeps have not converged. Where
+    something comes nearer (b > 0), the retreat gets out of its way; and where no action keeps all
+    rows, it is the one that misses least (:func:`_yielding`). What comes nearer pushes nobody
+    through what stands still.
 
     Where the norm of the action is limited, it is drawn back likewise until it is short enough.
 
