@@ -10,7 +10,7 @@ from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
 from aicon_torch.graph.checks import attempt, named_errors, other_precision, outputs_of
 from aicon_torch.graph.declaration import Declaration
-from aicon_torch.graph.values import initial_values
+from aicon_torch.graph.values import initial_values, scattered_values
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.quantities import AGE, PRESENT
 
@@ -67,14 +67,7 @@ def check_at_random_point(
     Raises:
         GraphError: If one finds something wrong.
     """
-    # From 0.5 to 1.5: at zero a wrong Jacobian may look right.
-    generator = torch.Generator("cpu").manual_seed(0)
-    point = dict(values)
-    for name, value in values.items():
-        if value.is_floating_point() and name != "dt":
-            noise = torch.rand(value.shape, generator=generator, dtype=value.dtype, device="cpu")
-            point[name] = (noise + 0.5).to(value.device)
-
+    point = scattered_values(values, ("dt",))  # at zero a wrong Jacobian may look right
     for estimator in estimators:
         estimator.check(point)
 

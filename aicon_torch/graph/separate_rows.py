@@ -9,6 +9,7 @@ from aicon_torch.errors import GraphError
 from aicon_torch.estimation import Estimator
 from aicon_torch.graph.checks import attempt, outputs_of
 from aicon_torch.graph.declaration import Declaration
+from aicon_torch.graph.values import scattered_values
 from aicon_torch.interconnections import Values
 
 
@@ -62,15 +63,10 @@ def _evaluated(
 
 def _different(estimators: Sequence[Estimator], values: Mapping[str, Tensor]) -> dict[str, Tensor]:
     """A batch (2, 2) of rows that differ, but for covariances, which cannot be anything."""
-    generator = torch.Generator("cpu").manual_seed(0)
     covariances = {name for estimator in estimators for name in estimator.covariances}
-
-    point = {name: value[:2, :2] if value.dim() else value for name, value in values.items()}
-    for name, value in point.items():
-        if value.dim() and value.is_floating_point() and name not in covariances:
-            noise = torch.rand(value.shape, generator=generator, dtype=value.dtype, device="cpu")
-            point[name] = (noise + 0.5).to(value.device)
-    return point
+    few = {name: value[:2, :2] if value.dim() else value for name, value in values.items()}
+    scalars = {name for name, value in few.items() if not value.dim()}
+    return scattered_values(few, covariances | scalars)
 
 
 def _row(values: Mapping[str, Tensor], index: int) -> dict[str, Tensor]:

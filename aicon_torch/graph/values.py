@@ -1,7 +1,8 @@
-"""The named values before the first step."""
+"""The named values before the first step, and values to try a graph at."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
+import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import values_only
@@ -9,6 +10,22 @@ from aicon_torch.estimation import Estimator
 from aicon_torch.graph.checks import outputs_of
 from aicon_torch.graph.declaration import Declaration
 from aicon_torch.graph.order import in_order
+
+
+def scattered_values(values: Mapping[str, Tensor], fixed: Collection[str]) -> dict[str, Tensor]:
+    """The values with random numbers from 0.5 to 1.5, the same at every run, but for fixed ones.
+
+    Args:
+        values: Values of a step.
+        fixed: Names of what stays as it is; so do flags.
+    """
+    generator = torch.Generator("cpu").manual_seed(0)
+    point = dict(values)
+    for name, value in values.items():
+        if value.is_floating_point() and name not in fixed:
+            noise = torch.rand(value.shape, generator=generator, dtype=value.dtype, device="cpu")
+            point[name] = (noise + 0.5).to(value.device)
+    return point
 
 
 @values_only

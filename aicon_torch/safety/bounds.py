@@ -150,7 +150,7 @@ class ActuatorSafety:
         else:
             aim = self._constrained(values, self.stalemate.aim(nominal, own))
         safe = nearest(aim)
-        action = self.model.actuators[self.actuator].clip(safe.action)  # but for rounding, it is
+        action = self.model.actuators[self.actuator].clip(safe.action)  # against rounding
 
         if isinstance(self.stalemate, Around):
             remembered = self.stalemate.judge(nominal, aim, safe, own)
