@@ -1,9 +1,12 @@
 """A hand that picks up and places: what it is told, and what that changes."""
 
 from dataclasses import replace
+from typing import Any
 
+import pytest
 import torch
 
+from aicon_torch.errors import OptionError
 from aicon_torch.models.picking import Hand, Options, build_policy
 
 HAND = Hand(time_step=0.1, steps=(0.025,) * 3, widest=0.12, first=0.04, speed=0.3, height=0.012)
@@ -44,3 +47,11 @@ def test_fingers_turn_to_the_nearest_side_however_far_the_hand_has_turned() -> N
         tip = torch.tensor([0.2, 0.1, 0.15, turn])
         _, memory = policy.predict({"z_tip": tip, "z_block": block, "z_goal": goal}, memory)
         assert abs(memory["x_rel"][3]) <= 0.65 * quarter  # half of it, and a step
+
+
+@pytest.mark.parametrize(
+    "steps", [(), (0.01,), (0.01, 0.01), (0.01,) * 5, (0.01, 0.0, 0.01), (0.01, 0.01, "a"), 0.01]
+)
+def test_a_hand_has_a_step_along_each_axis(steps: Any) -> None:
+    with pytest.raises(OptionError, match="steps=.*expected 3 lengths above 0 m"):
+        replace(HAND, steps=steps)

@@ -1,5 +1,6 @@
 """What is told of a hand and of blocks, what is set by hand, and what else a world may hold."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -7,11 +8,13 @@ from typing import Any
 from torch import Tensor
 
 from aicon_torch.control import ActionLaw, Foresight
+from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.goals import Goal
 from aicon_torch.parts.handle import Handle
-from aicon_torch.quantities import Actuator, Sensor
+from aicon_torch.quantities import Actuator, Sensor, as_numbers
 from aicon_torch.resolution import NullspaceProjection, Resolution, SteepestPath
+from aicon_torch.validation import check_positive
 
 SIZE = 0.04
 """Width and height of a block, unless it is told otherwise, m."""
@@ -29,6 +32,9 @@ class Hand:
         first: The opening at the beginning, m.
         speed: Of the opening, m/s.
         height: Of the tip above the centre of a block that is held, m.
+
+    Raises:
+        OptionError: If the time step or a step is not positive, or the steps are not 3 or 4.
     """
 
     time_step: float
@@ -37,6 +43,17 @@ class Hand:
     first: float
     speed: float
     height: float
+
+    def __post_init__(self) -> None:
+        """Check the steps."""
+        check_positive(self, ("time_step",))
+        given = as_numbers(self.steps)
+        steps = given if isinstance(given, tuple) else ()
+        if len(steps) not in (3, 4) or not all(0 < step < math.inf for step in steps):
+            raise OptionError(
+                f"steps={self.steps!r}: expected 3 lengths above 0 m, along x, y and z, or a 4th "
+                "where the fingers turn."
+            )
 
     def actuator(self) -> Actuator:
         """The velocity of the tip, m/s, sent as actions from −1 to 1."""
