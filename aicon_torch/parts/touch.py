@@ -18,6 +18,9 @@ from aicon_torch.parts.rigid_object import RigidObject
 GRAVITY = 9.81
 """m/s²"""
 
+UNFELT = 1e-15
+"""Least likelihood of a push: a variance that is divided by its square stays finite."""
+
 
 class ContactForce(nn.Module):
     """x_force: what pushes against the tool, in the frame of the base, ``(*B, 3)``, N.
@@ -49,7 +52,7 @@ class ContactForce(nn.Module):
 
 @dataclass(frozen=True)
 class ForceThreshold:
-    """How likely a force is a push: p = σ((F − F₀)/w).
+    """How likely a force is a push: p = σ((F − F₀)/w), at least :data:`UNFELT`.
 
     Attributes:
         force: F₀, at which a push is as likely as not, N; a tool that is accelerated feels less.
@@ -61,7 +64,7 @@ class ForceThreshold:
 
     def __call__(self, force: Tensor) -> Tensor:
         """p, of the shape of the force, N."""
-        return torch.sigmoid((force - self.force) / self.width)
+        return torch.sigmoid((force - self.force) / self.width).clamp(min=UNFELT)
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,13 @@ def test_without_a_force_the_gap_means_nothing():
     assert variance[0] > 1e3 and variance[1] == 4 * 1e-4 and abs(variance[2] - 1e-4) < 1e-9
 
 
+def test_what_is_certainly_no_push_has_a_variance_that_is_a_number_in_single_precision():
+    push = ForceThreshold(force=20.0, width=0.02)
+    side, top = TouchedSide(SQUARE, 0.02, 0.001, push), TouchedTop(0.001, PUSH)
+    for variance in (side.variance(torch.zeros(3)), top.variance(torch.tensor([0.0, 0.0, -50.0]))):
+        assert variance.isfinite() and variance > 1e6
+
+
 def test_a_tool_that_is_pushed_up_stands_on_what_is_below_it():
     top = TouchedTop(deviation=0.003, push=PUSH)
     x_ee = vector(0.5, 0.0, 0.035, 0.0, 0.0, 0.0)
