@@ -6,6 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import stop
+from aicon_torch.errors import GraphError
 from aicon_torch.parts.planar import norm
 from aicon_torch.validation import check_not_negative, check_positive
 
@@ -54,7 +55,16 @@ class MovingDiscs:
         Args:
             position: x, ``(*B, 2)``, m.
             recent: Where N discs were and where they are, ``(*B, 4 N)``, m.
+
+        Raises:
+            GraphError: If these are no positions in the plane.
         """
+        if position.shape[-1] != 2 or recent.shape[-1] % 4:
+            raise GraphError(
+                f"MovingDiscs reads a position of {position.shape[-1]} numbers, and "
+                f"{recent.shape[-1]} of the discs: expected 2, and 4 N, of each of N discs where "
+                "it was and where it is, as Recent(..., steps=2) keeps them."
+            )
         before, now = recent.reshape(*recent.shape[:-1], 2, -1, 2).unbind(-3)
         velocity, away = (now - before) / self.dt, now - position.unsqueeze(-2)
 

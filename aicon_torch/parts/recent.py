@@ -6,6 +6,7 @@ from torch import Tensor
 from aicon_torch.differentiation import stop, values_only
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
+from aicon_torch.validation import check_count
 
 
 class Recent(Estimator):
@@ -17,11 +18,15 @@ class Recent(Estimator):
     Args:
         sensor: Name of the sensor.
         steps: n.
+
+    Raises:
+        OptionError: If n is no whole number above 0.
     """
 
     def __init__(self, sensor: str, steps: int) -> None:
         super().__init__()
         self.sensor, self.steps = sensor, steps
+        check_count(self, ("steps",), "number of steps", least=1)
         self.outputs = (f"{sensor}_recent",)
         self.inputs = (*self.outputs, sensor)
         self.prior_inputs = (sensor,)

@@ -6,7 +6,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from aicon_torch.errors import OptionError
+from aicon_torch.errors import GraphError, OptionError
 from aicon_torch.parts import MovingDiscs
 
 DT, RADIUS, LENGTH, HORIZON = 0.1, 0.6, 0.1, 2.0
@@ -71,3 +71,9 @@ def test_a_number_that_it_may_not_be_is_an_error(number: dict[str, float]) -> No
     numbers = {"radius": 0.6, "dt": 0.1, "length": 0.1, "spread": 0.1, "horizon": 2.0}
     with pytest.raises(OptionError, match=next(iter(number))):
         MovingDiscs(**numbers | number)
+
+
+@pytest.mark.parametrize(("place", "read"), [(2, 5), (2, 6), (3, 8), (1, 4)])
+def test_what_is_no_place_in_the_plane_is_an_error(place: int, read: int) -> None:
+    with pytest.raises(GraphError, match=f"of {place} numbers, and {read} of the discs: expected"):
+        discs()(torch.zeros(3, place), torch.zeros(3, read))

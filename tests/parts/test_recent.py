@@ -1,6 +1,10 @@
+from typing import Any
+
+import pytest
 import torch
 from _inputs import normal
 
+from aicon_torch.errors import OptionError
 from aicon_torch.parts.recent import Recent
 
 
@@ -16,3 +20,9 @@ def test_it_holds_what_was_read_in_the_last_steps_oldest_first() -> None:
 def test_no_gradient_goes_through_it() -> None:
     recent, kept = Recent("z", steps=2), normal(4).requires_grad_()
     assert not recent({"z_recent": kept}, "z_recent").requires_grad
+
+
+@pytest.mark.parametrize("steps", [0, -1, 1.5, True, "2"])
+def test_it_keeps_a_step_or_more(steps: Any) -> None:
+    with pytest.raises(OptionError, match="steps=.*expected a number of steps >= 1"):
+        Recent("z", steps)
