@@ -9,7 +9,7 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.prior import ReadingPrior, first_belief
-from aicon_torch.parts.self_collision import Capsule, check_sizes, segment_distance
+from aicon_torch.parts.self_collision import Capsule, moving_links, segment_distance
 from aicon_torch.validation import check_positive
 
 
@@ -25,7 +25,7 @@ class Obstacle(Margin, nn.Module):
         cost: Margin d₀ (m) and weight w.
 
     Raises:
-        OptionError: If a radius is not positive.
+        OptionError: If a radius is not positive, or no capsule is on a link that moves.
 
     Example:
         >>> ball = Obstacle(0.08, shape.capsules, SquaredHinge(margin=0.02, weight=1.0))
@@ -38,9 +38,7 @@ class Obstacle(Margin, nn.Module):
         super().__init__()
         self.radius, self.cost = radius, cost
         check_positive(self, ("radius",))
-        check_sizes(capsules)
-        self.moving = [index for index, capsule in enumerate(capsules) if capsule.link > 0]
-
+        self.moving = moving_links(capsules)
         radii = [capsules[index].radius for index in self.moving]
         self.register_buffer("radii", torch.tensor(radii, dtype=torch.float64))
 

@@ -13,6 +13,7 @@ from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.link_points import LinkPoints, Point
 from aicon_torch.parts.planar import norm
+from aicon_torch.quantities import as_count
 from aicon_torch.vectors import select
 
 FREE_LINKS = 2
@@ -50,12 +51,13 @@ class CapsuleSegments(nn.Module):
         radii: Their radii, m.
 
     Raises:
-        OptionError: If a number of a capsule is not finite, or a radius not positive.
+        OptionError: If there is no capsule, a number of one is not finite, a radius not positive,
+            or a link not one of the chain's.
     """
 
     def __init__(self, chain: Chain, capsules: Sequence[Capsule]) -> None:
         super().__init__()
-        check_sizes(capsules)
+        check_capsules(capsules, last_link=len(chain.names) + 1)
         self.count, self.are_spheres = len(capsules), all_are_spheres(capsules)
         self.radii = tuple(capsule.radius for capsule in capsules)
 
@@ -95,7 +97,7 @@ class SelfCollision(Margin, nn.Module):
             of many gaps takes the motion of two links only.
 
     Raises:
-        OptionError: As for :class:`CapsuleSegments`.
+        OptionError: As for :class:`CapsuleSegments`, or if a pair is not of two of the capsules.
     """
 
     first: Tensor
@@ -110,11 +112,12 @@ class SelfCollision(Margin, nn.Module):
         chain: Chain | None = None,
     ) -> None:
         super().__init__()
-        check_sizes(capsules)
+        check_capsules(capsules)
         self.cost = cost
         self.segments = None if chain is None else CapsuleSegments(chain, capsules)
         if pairs is None:
             pairs = distant_pairs(capsules)
+        _check_pairs(pairs, len(capsules))
         first, second = torch.tensor(pairs, dtype=torch.long).reshape(-1, 2).unbind(-1)
         self.register_buffer("first", first, persistent=False)
         self.register_buffer("second", second, persistent=False)
@@ -165,13 +168,43 @@ def all_are_spheres(capsules: Sequence[Capsule]) -> bool:
     return all(capsule.start == capsule.end for capsule in capsules)
 
 
-def check_sizes(capsules: Sequence[Capsule]) -> None:
-    """Check that each capsule has a size and a place."""
+def check_capsules(capsules: Sequence[Capsule], last_link: float = math.inf) -> None:
+    """Check that there are capsules, each with a size and a place, on links up to the last."""
+    if not capsules:
+        raise OptionError("capsules: got none; expected the shape of the robot, or of its arm.")
+
     for number, capsule in enumerate(capsules):
         numbers = (*capsule.start, *capsule.end, capsule.radius)
         if not (all(map(math.isfinite, numbers)) and capsule.radius > 0):
             raise OptionError(
                 f"capsules[{number}]={capsule!r}: expected finite numbers, and a radius above 0 m."
+            )
+        if not 0 <= as_count(capsule.link) <= last_link:
+            raise OptionError(
+                f"capsules[{number}]={capsule!r}: expected a link from 0 to {last_link}."
+            )
+
+
+def moving_links(capsules: Sequence[Capsule]) -> list[int]:
+    """The numbers of the capsules that are not on the base, where they could not give way.
+
+    Raises:
+        OptionError: If there are none.
+    """
+    check_capsules(capsules)
+    moving = [number for number, capsule in enumerate(capsules) if capsule.link > 0]
+    if not moving:
+        raise OptionError("capsules: all are on the base; expected some on links that move.")
+    return moving
+
+
+def _check_pairs(pairs: Sequence[tuple[int, int]], count: int) -> None:
+    """Check that each pair is of two capsules, by their numbers."""
+    for pair in pairs:
+        numbers = tuple(map(as_count, pair))
+        if len(set(numbers)) != 2 or not all(0 <= number < count for number in numbers):
+            raise OptionError(
+                f"pairs: got {pair!r}; expected the numbers of two capsules, from 0 to {count - 1}."
             )
 
 

@@ -12,10 +12,10 @@ from aicon_torch.errors import OptionError
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.planar import norm
-from aicon_torch.parts.self_collision import Capsule, CapsuleSegments
+from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, moving_links
 from aicon_torch.parts.tip_pose import rotation_of_quaternion
 from aicon_torch.quantities import as_count, as_numbers
-from aicon_torch.validation import check_choice
+from aicon_torch.validation import check_choice, check_count
 from aicon_torch.validation import numbers as finite_numbers
 from aicon_torch.vectors import select
 
@@ -39,6 +39,9 @@ GOLDEN = 0.6180339887498949
 
 TURNED = 1e-3
 """By how much the products of a rotation's rows may differ from those of a rotation."""
+
+UNEVEN = 1e-4
+"""By how much the radius of what is round may differ from one axis to another, m."""
 
 FAR = 99.0
 """Where an object is that there is not, m."""
@@ -134,7 +137,7 @@ def can_be_solids(reading: Tensor) -> Tensor:
     """Which readings ``(*B, 16 count)`` can be objects, ``(*B,)``.
 
     A rotation has rows of length one that stand upright on each other, half lengths are above 0,
-    and there is each kind.
+    there is each kind, and what is no box is as wide as deep, and what is round no shorter.
     """
     numbers = reading.reshape(*reading.shape[:-1], -1, NUMBERS).unbind(-1)
     rows = [numbers[3:6], numbers[6:9], numbers[9:12]]
@@ -145,9 +148,10 @@ def can_be_solids(reading: Tensor) -> Tensor:
             product = x + y + z
             is_right = is_right & ((product - float(first == second)).abs() < TURNED)
 
-    least = torch.minimum(torch.minimum(numbers[12], numbers[13]), numbers[14])
-    kind = numbers[15]
-    is_kind = (kind == BOX) | (kind == CYLINDER) | (kind == ROUND)
+    half_x, half_y, half_z, kind = numbers[12:]
+    least = torch.minimum(torch.minimum(half_x, half_y), half_z)
+    as_deep, as_long = (half_x - half_y).abs() <= UNEVEN, half_z >= half_x - UNEVEN
+    is_kind = (kind == BOX) | (as_deep & ((kind == CYLINDER) | ((kind == ROUND) & as_long)))
     found: Tensor = (is_right & (least > 0.0) & is_kind).all(-1)
     return found
 
@@ -200,6 +204,10 @@ class Solids(Margin, nn.Module):
         count: Number N of objects.
         cost: Margin d₀ (m) and weight w.
 
+    Raises:
+        OptionError: As for :class:`CapsuleSegments`, or if no capsule is on a link that moves, or
+            the count is not above 0.
+
     Example:
         >>> solids = Solids(arm.chain, arm.shape.capsules, 21, SquaredHinge(0.0025, 1.0))
         >>> Goal("obstacles", Interconnection(solids, ["x_joints", "z_obstacles"]), safety=True)
@@ -217,7 +225,8 @@ class Solids(Margin, nn.Module):
     ) -> None:
         super().__init__()
         self.count, self.cost = count, cost
-        moving = [capsule for capsule in capsules if capsule.link > 0]
+        check_count(self, ("count",), "number of objects", least=1)
+        moving = [capsules[index] for index in moving_links(capsules)]
         self.segments = CapsuleSegments(chain, moving)
         radii = [capsule.radius for capsule in moving]
         self.register_buffer("radii", torch.tensor(radii, dtype=torch.float64))

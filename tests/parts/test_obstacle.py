@@ -32,6 +32,12 @@ def test_a_ball_of_no_size_is_refused() -> None:
         Obstacle(0.1, flat, SquaredHinge(0.05, 1.0))
 
 
+def test_a_robot_that_cannot_give_way_is_refused() -> None:
+    for capsules in ((), CAPSULES[:1]):
+        with pytest.raises(OptionError, match="capsules: "):
+            Obstacle(0.1, capsules, SquaredHinge(0.05, 1.0))
+
+
 def test_the_motion_of_a_point_is_estimated() -> None:
     dt, velocity = 0.02, torch.tensor([0.2, -0.1, 0.0])
 

@@ -98,3 +98,17 @@ def test_a_capsule_of_no_size_is_named(wrong):
     ):
         with pytest.raises(OptionError, match=r"capsules\[0\]=Capsule.*a radius above 0 m"):
             build()
+
+
+@pytest.mark.parametrize("link", [-1, 9, 1.5])
+def test_a_capsule_is_on_a_link_of_the_chain(link):
+    capsules = [Capsule(link, (0.0, 0.0, 0.0), (0.0, 0.0, 0.3), 0.05)]
+    with pytest.raises(OptionError, match="expected a link from 0 to 8"):
+        CapsuleSegments(panda_chain(), capsules)
+
+
+@pytest.mark.parametrize("pair", [(9, 0), (-1, 0), (1, 1), (0, 1, 2), (0.7, 1.2)])
+def test_a_pair_is_of_two_of_the_capsules(pair):
+    capsules = [Capsule(link, (0.0, 0.0, 0.0), (0.0, 0.0, 0.3), 0.05) for link in range(3)]
+    with pytest.raises(OptionError, match="pairs: got .* two capsules, from 0 to 2"):
+        SelfCollision(capsules, COST, [(2, 0), pair])

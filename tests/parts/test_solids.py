@@ -202,6 +202,15 @@ def test_what_is_read_of_objects_can_be() -> None:
     assert can_be_solids(reading_of(list(SOLIDS.values()), 9).float())
 
 
+@pytest.mark.parametrize("kind", ["cylinder", "capsule", "sphere"])
+@pytest.mark.parametrize("axis", [12, 13, 14])
+def test_what_is_round_is_as_wide_as_deep(kind: str, axis: int) -> None:
+    reading = SOLIDS[kind].numbers()
+    reading[axis] /= 2
+    is_only_shorter = axis == 14 and kind != "sphere"
+    assert can_be_solids(reading) == is_only_shorter
+
+
 def test_more_objects_than_a_policy_reads_are_refused() -> None:
     with pytest.raises(OptionError, match="at most 1"):
         reading_of([SOLIDS["box"], SOLIDS["sphere"]], 1)
