@@ -12,6 +12,7 @@ from aicon_torch.interconnections import Values
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.pose_reach import PoseReach
 from aicon_torch.parts.tip_pose import TipPose
+from aicon_torch.quantities import as_number
 
 LOWER = 0.97
 """Share of what was missing below which it counts as less."""
@@ -56,7 +57,7 @@ class ToolAxis:
                 "pose: its orientation is free, so its target has no axis; expected 'axis' or "
                 "'full'."
             )
-        if not self.within > 0:
+        if not as_number(self.within) > 0:
             raise OptionError(f"within={self.within!r}: expected a distance > 0 (m).")
 
     def gated(self, gradient: Tensor, x_ee: Tensor, x_target: Tensor) -> Tensor:
@@ -84,6 +85,9 @@ class Approach(Estimator):
         chain: From the joints to the tip.
         pose: What its target is.
         speed: Typical largest speed of a joint, rad/s: faster arms are less patient.
+
+    Raises:
+        OptionError: If the speed is not positive.
     """
 
     outputs = ("x_approach",)
@@ -93,6 +97,8 @@ class Approach(Estimator):
 
     def __init__(self, chain: Chain, pose: TipPose, speed: float) -> None:
         super().__init__()
+        if not as_number(speed) > 0:
+            raise OptionError(f"speed={speed!r}: expected a number > 0 (rad/s).")
         self.chain, self.pose, self.patience = chain, pose, PATIENCE / speed
         self.missing = PoseReach(pose)
         self.register_buffer("unknown", torch.tensor([0.0, 0.0, 0.0, FAR, FAR, FAR]))

@@ -4,6 +4,7 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.parts.end_effector import EndEffector
+from aicon_torch.validation import check_positive
 
 
 class Arrive(nn.Module):
@@ -17,6 +18,9 @@ class Arrive(nn.Module):
         end_effector: Of the arm.
         time: T, s.
 
+    Raises:
+        OptionError: If the time is not positive.
+
     Example:
         >>> Actuator(7, "rad/s", limit=speeds, constraints=[Arrive(end_effector, time=0.2)])
     """
@@ -27,6 +31,7 @@ class Arrive(nn.Module):
     def __init__(self, end_effector: EndEffector, time: float) -> None:
         super().__init__()
         self.end_effector, self.time = end_effector, time
+        check_positive(self, ("time",))
 
     def forward(self, a: Tensor, x_joints: Tensor, x_ee: Tensor, x_target: Tensor) -> Tensor:
         """The action within it.

@@ -10,6 +10,7 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.errors import OptionError, choices
+from aicon_torch.parts.axis import check_axis
 from aicon_torch.parts.descriptions import JointDescription, read_mjcf, read_urdf
 from aicon_torch.parts.joint_product import JointProduct, Transform
 from aicon_torch.parts.library_chain import library_kinematics
@@ -53,6 +54,10 @@ class Chain(nn.Module):
         tool: F_tool.
         joints: What is known of the joints; by default they turn about z without limits.
 
+    Raises:
+        OptionError: If there is no joint, or not one for each transform; if a transform has not 3
+            or 4 rows of 4 numbers, an axis is no unit vector, or a lower limit not below the upper.
+
     Attributes:
         names: The names of the n joints.
         low: The lowest q, ``(n,)``, rad or m; −∞ where there is no limit.
@@ -78,6 +83,15 @@ class Chain(nn.Module):
             joints = [Joint(f"joint_{number}") for number in range(1, len(fixed) + 1)]
         if len(joints) != len(fixed):
             raise OptionError(f"joints has {len(joints)} of them: expected {len(fixed)}, as fixed.")
+        if not fixed:
+            raise OptionError("fixed: got no transform; expected one for each joint.")
+        for joint in joints:
+            check_axis(f"Joint {joint.name!r}: axis", joint.axis)
+            if not joint.low < joint.high:
+                raise OptionError(
+                    f"Joint {joint.name!r}: low={joint.low!r}, high={joint.high!r}: expected lower "
+                    "below upper."
+                )
 
         names, axes, slides, low, high, speed = zip(*joints, strict=True)
         self.names: tuple[str, ...] = names

@@ -11,7 +11,7 @@ from torch import Tensor
 from aicon_torch.estimation import EKF, Measurement, covariance_name, ekf_with_delay
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.prior import ReadingPrior, first_belief
-from aicon_torch.validation import check_not_negative, check_positive
+from aicon_torch.validation import check_count, check_not_negative, check_positive
 from aicon_torch.vectors import shorten, unit
 
 UNIT_GRADIENT_VARIANCE = 0.05
@@ -86,9 +86,16 @@ class CollisionLikelihood:
 
     Attributes:
         length: ℓ, m.
+
+    Raises:
+        OptionError: If the length is not positive.
     """
 
     length: float
+
+    def __post_init__(self) -> None:
+        """Check the length."""
+        check_positive(self, ("length",))
 
     def __call__(self, x_obs: Tensor) -> Tensor:
         """The likelihood ``(*B,)`` with a clearance (d, ∇d) ``(*B, 3)``."""
@@ -121,12 +128,20 @@ class ClearanceLimits:
         margin: m, m.
         slowest: v_min, m/s: without motion the direction of an obstacle stays unknown.
         offset: b, by how much all readings may be too long, m.
+
+    Raises:
+        OptionError: If a number is not what it may be.
     """
 
     time: float
     margin: float
     slowest: float
     offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_positive(self, ("time", "slowest"))
+        check_not_negative(self, ("margin", "offset"))
 
     @classmethod
     def for_latency(cls, latency: float, offset: float = 0.0) -> "ClearanceLimits":
@@ -207,6 +222,7 @@ class Clearance:
         """Check the numbers."""
         check_positive(self, ("noise", "dt", "direction_noise"))
         check_not_negative(self, ("motion_noise",))
+        check_count(self, ("delay",), "number of steps")
 
     @property
     def covariance(self) -> str:

@@ -11,7 +11,8 @@ from aicon_torch.differentiation import is_hop, learns
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.approach import ToolAxis
 from aicon_torch.parts.chain import Chain
-from aicon_torch.validation import check_choice
+from aicon_torch.quantities import as_number
+from aicon_torch.validation import check_choice, check_not_negative, check_positive
 
 Pullback = Literal["natural", "transpose"]
 """Which joint gradient stands for a gradient of the end effector: see :class:`EndEffector`."""
@@ -44,10 +45,18 @@ class ToolPose:
     Attributes:
         length: Distance of the tip from the origin of the tool along its z axis, m.
         lever: L: a rotation by one rad counts as much as a motion by this, m.
+
+    Raises:
+        OptionError: If the length is negative, or the lever not positive.
     """
 
     length: float
     lever: float
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_not_negative(self, ("length",))
+        check_positive(self, ("lever",))
 
     def of_frame(self, tool: Tensor) -> Tensor:
         """x_ee ``(*B, 6)`` of the tool's transform ``(*B, 4, 4)``."""
@@ -122,7 +131,8 @@ class EndEffector(nn.Module):
             :class:`aicon_torch.parts.Approach`.
 
     Raises:
-        OptionError: If there is no such pullback, or the distance is not positive.
+        OptionError: If there is no such pullback, the distance is not positive, or the
+            damping is negative.
 
     Example:
         >>> end_effector = EndEffector(chain, ToolPose(length=0.3, lever=0.2))
@@ -143,7 +153,8 @@ class EndEffector(nn.Module):
         self.pullback, self.damping, self.turns_within = pullback, damping, turns_within
         self.advance = advance
         check_choice(self, "pullback", get_args(Pullback))
-        if turns_within is not None and not turns_within > 0:
+        check_not_negative(self, ("damping",))
+        if turns_within is not None and not as_number(turns_within) > 0:
             raise OptionError(f"turns_within={turns_within!r}: expected a distance > 0 (m).")
 
     def forward(

@@ -18,7 +18,7 @@ from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.gripper import Gripper
 from aicon_torch.parts.planar import norm
 from aicon_torch.shaping import by_sign, by_worth, straight_through
-from aicon_torch.validation import check_positive
+from aicon_torch.validation import check_positive, numbers
 
 STEEPNESS = 4.0
 """How steeply the way leads up from an object's side, no unit."""
@@ -90,7 +90,7 @@ class Grasp:
             its own.
 
     Raises:
-        OptionError: If a length is not positive.
+        OptionError: If a length is not positive, or the height no number.
     """
 
     gripper: Gripper
@@ -102,6 +102,7 @@ class Grasp:
     def __post_init__(self) -> None:
         """Check the lengths."""
         check_positive(self, ("size", "reach"))
+        numbers("height", self.height, 1)
         if self.clearance is not None:
             check_positive(self, ("clearance",))
 
@@ -225,11 +226,19 @@ class Carrying:
         step: s, m: how far a motion that is certain may take the object.
         rest: Height of its centre on the table, m.
         rise: Rise at which nothing holds it back, m.
+
+    Raises:
+        OptionError: If a length is not positive.
     """
 
     step: float
     rest: float
     rise: float
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_positive(self, ("step", "rise"))
+        numbers("rest", self.rest, 1)
 
     def free(self, x_object: Tensor) -> Tensor:
         """p_free ``(*B, 1)``: the rise of an object ``(*B, n)``, m, in rises, at most 1."""

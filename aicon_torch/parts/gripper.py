@@ -8,6 +8,7 @@ from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Interconnection, Values
 from aicon_torch.quantities import Actuator
 from aicon_torch.shaping import straight_through_clamp
+from aicon_torch.validation import check_positive, numbers
 
 
 class Gripper(Estimator):
@@ -43,14 +44,15 @@ class Gripper(Estimator):
     ) -> None:
         super().__init__()
         first = narrowest if first is None else first
+        for name, opening in (("narrowest", narrowest), ("first", first), ("widest", widest)):
+            numbers(name, opening, 1)
         if not 0 <= narrowest <= first <= widest or narrowest == widest:
             raise OptionError(
                 f"narrowest={narrowest!r}, first={first!r}, widest={widest!r}: expected "
                 "0 <= narrowest <= first <= widest, and a range (m)."
             )
-        if not speed > 0:
-            raise OptionError(f"speed={speed!r}: expected a number > 0 (m/s).")
         self.narrowest, self.widest, self.speed = narrowest, widest, speed
+        check_positive(self, ("speed",))
 
         # Its own last value, the rate that it was told, and for how long.
         self.inputs = ("x_opening", "jaw", "dt")

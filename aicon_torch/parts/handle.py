@@ -7,6 +7,7 @@ from torch import Tensor
 
 from aicon_torch.differentiation import stop
 from aicon_torch.errors import OptionError
+from aicon_torch.parts.axis import check_axis
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.grasp import Grasp, way_from_above
 from aicon_torch.parts.planar import norm
@@ -30,7 +31,8 @@ class Handle:
         travel: How far it goes, m.
 
     Raises:
-        OptionError: If a length is not positive, or a component of the axis negative.
+        OptionError: If a length is not positive, or the axis is no unit vector, or a component of
+            it negative.
     """
 
     step: float
@@ -40,6 +42,7 @@ class Handle:
     def __post_init__(self) -> None:
         """Check lengths and axis."""
         check_positive(self, ("step", "travel"))
+        check_axis("axis", self.axis)
         if min(self.axis) < 0:
             raise OptionError(
                 f"axis={self.axis!r}: expected no component below 0; begin at the other end."

@@ -1,9 +1,13 @@
 """The product of a chain's joints, in closed form: each is affine in cos q, sin q and q."""
 
+import math
 from collections.abc import Sequence
 
 import torch
 from torch import Tensor, nn
+
+from aicon_torch.errors import OptionError
+from aicon_torch.quantities import as_numbers
 
 Transform = Sequence[Sequence[float]]
 """The first three rows of a homogeneous transform, with its position in m."""
@@ -71,9 +75,16 @@ class JointProduct(nn.Module):
 
 
 def homogeneous(rows: Transform) -> Tensor:
-    """The transform ``(4, 4)`` whose first rows these are."""
+    """The transform ``(4, 4)`` whose first rows these are.
+
+    Raises:
+        OptionError: If they are not 3 or 4 rows of 4 finite numbers.
+    """
     transform = torch.eye(4, dtype=torch.float64)
-    transform[:3] = torch.as_tensor(rows[:3], dtype=torch.float64)
+    given = as_numbers(rows[:3])
+    if not isinstance(given, tuple) or len(given) != 12 or not all(map(math.isfinite, given)):
+        raise OptionError(f"Transform {rows!r}: expected 3 rows of 4 finite numbers.")
+    transform[:3] = torch.tensor(given, dtype=torch.float64).reshape(3, 4)
     return transform
 
 

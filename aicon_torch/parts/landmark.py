@@ -63,11 +63,18 @@ class BearingPrior:
         distance: Believed distance, m.
         across: Standard deviation across the line of sight, m.
         along: Standard deviation along the line of sight, m.
+
+    Raises:
+        OptionError: If a number is negative.
     """
 
     distance: float
     across: float
     along: float
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_not_negative(self, ("distance", "across", "along"))
 
     def __call__(self, z_tar: Tensor) -> tuple[Tensor, Tensor]:
         """Mean ``(*B, 2)``, m, and covariance ``(*B, 2, 2)``, m², by a bearing ``(*B, 1)``, rad."""

@@ -97,6 +97,9 @@ class MovingObstacle:
             length: ℓ, m.
             horizon: For how long it is followed on its way, s, while the robot stands; 0 for the
                 gap of now.
+
+        Raises:
+            OptionError: If the length is not positive, or another number negative.
         """
         ahead = 0.0 if self.wheels is None else self.wheels.ahead
         gap = GapToCome(radius, horizon, ahead)
@@ -158,6 +161,10 @@ class GapToCome:
     horizon: float
     ahead: float
 
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_not_negative(self, ("radius", "horizon", "ahead"))
+
     def __call__(self, x: Tensor) -> Tensor:
         """The distance from the robot's axis to the way from p to p + v T, less the radius.
 
@@ -188,6 +195,10 @@ class CollisionToCome:
 
     gap: GapToCome
     length: float
+
+    def __post_init__(self) -> None:
+        """Check the length."""
+        check_positive(self, ("length",))
 
     def __call__(self, x: Tensor) -> Tensor:
         """The cost ``(*B,)`` of (p, v), ``(*B, 4)``, m and m/s."""

@@ -1,15 +1,18 @@
 """A ball, still or moving, and how far a robot's capsules are from it."""
 
+import math
 from collections.abc import Sequence
 
 import torch
 from torch import Tensor, nn
 
+from aicon_torch.errors import OptionError
 from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Affine, Interconnection
 from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.prior import ReadingPrior, first_belief
 from aicon_torch.parts.self_collision import Capsule, moving_links, segment_distance
+from aicon_torch.quantities import as_number, as_size
 from aicon_torch.validation import check_positive
 
 
@@ -115,9 +118,18 @@ def moving_point(
         speed: Standard deviation of the velocity before the first motion, m/s.
         size: n: 3 in space, 2 in a plane.
 
+    Raises:
+        GraphError: If the size is no whole number above 0.
+        OptionError: If a number is not above 0.
+
     Example:
         >>> moving_point("x_ball", "z_ball", dt=0.02)
     """
+    size = as_size(f"moving_point {name!r}:", size)
+    numbers = {"dt": dt, "noise": noise, "acceleration": acceleration, "speed": speed}
+    for option, number in numbers.items():
+        if not 0 < as_number(number) < math.inf:
+            raise OptionError(f"{option}={number!r}: expected a positive number.")
     position = torch.eye(2 * size, dtype=torch.float64)[:size]
 
     # An acceleration that lasts a step moves it by σ dt²/2, and changes its velocity by σ dt.

@@ -4,6 +4,7 @@ import torch
 from torch import Tensor, nn
 
 from aicon_torch.parts.end_effector import EndEffector
+from aicon_torch.validation import check_positive
 
 
 class PlanarDither(nn.Module):
@@ -16,6 +17,9 @@ class PlanarDither(nn.Module):
         end_effector: Of the arm.
         speed: v, the largest speed of the tip, m/s.
 
+    Raises:
+        OptionError: If the speed is not positive.
+
     Example:
         >>> dither = PlanarDither(end_effector, speed=0.4)
         >>> Actuator(7, "rad/s", limit=4.8, dither=dither)
@@ -24,6 +28,7 @@ class PlanarDither(nn.Module):
     def __init__(self, end_effector: EndEffector, speed: float) -> None:
         super().__init__()
         self.end_effector, self.speed = end_effector, speed
+        check_positive(self, ("speed",))
 
     def forward(self, x_joints: Tensor) -> Tensor:
         """D at the joint angles ``(*B, n)``, rad; ``(*B, n, 2)``, rad/s."""

@@ -10,6 +10,7 @@ from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
 from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn
 from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.validation import check_not_negative, check_positive
 from aicon_torch.vectors import constants
 
 NO_FORCE = 1e-12
@@ -34,11 +35,18 @@ class PoseMotion:
         dynamics: What a push does.
         radius: Radius of the pusher, m.
         friction: μ between pusher and object; 0 pushes along the normal.
+
+    Raises:
+        OptionError: If a number is negative.
     """
 
     dynamics: ContactDynamics
     radius: float
     friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_not_negative(self, ("radius", "friction"))
 
     def __call__(self, x_pose: Tensor, x_pusher: Tensor, d_pusher: Tensor) -> Tensor:
         """The pose (x, y, θ).
@@ -202,9 +210,16 @@ class PoseDistance:
 
     Attributes:
         rotation_length: L, m: a rotation by one rad counts as much as a translation by L.
+
+    Raises:
+        OptionError: If the length is not positive.
     """
 
     rotation_length: float
+
+    def __post_init__(self) -> None:
+        """Check the length."""
+        check_positive(self, ("rotation_length",))
 
     def __call__(self, x_obj: Tensor, x_target: Tensor) -> Tensor:
         """The distance ``(*B,)``, m, of two poses ``(*B, 3)``, m and rad."""

@@ -6,6 +6,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.parts.tip_pose import TipPose
+from aicon_torch.validation import check_not_negative
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,9 @@ class PoseReach:
         pose: What x_ee and the target are.
         tolerance: ε, m.
 
+    Raises:
+        OptionError: If the tolerance is negative.
+
     Example:
         >>> pose = TipPose("full", lever=0.2)
         >>> estimator = Deterministic("x_ee", EndEffector(chain, pose, damping=0.05))
@@ -27,6 +31,10 @@ class PoseReach:
 
     pose: TipPose
     tolerance: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the tolerance."""
+        check_not_negative(self, ("tolerance",))
 
     def __call__(self, x_ee: Tensor, x_target: Tensor) -> Tensor:
         """The cost ``(*B,)``, m, of a pose and its target, both ``(*B, k)``, m."""

@@ -6,8 +6,10 @@ import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import values_only
+from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
+from aicon_torch.quantities import as_count, as_number
 
 PARTS = 5
 """Number of parts of a step in which a motion is followed."""
@@ -49,7 +51,16 @@ class Servo:
             damping: k_v, 1/s.
             substep: h, s.
             substeps: n, number of sub-steps in a control step.
+
+        Raises:
+            OptionError: If there is no sub-step, or a number but the damping is not positive.
         """
+        if as_count(substeps) < 1:
+            raise OptionError(f"substeps={substeps!r}: expected a whole number > 0.")
+        for name, number in (("stiffness", stiffness), ("substep", substep)):
+            if not as_number(number) > 0:
+                raise OptionError(f"{name}={number!r}: expected a number > 0.")
+
         # One sub-step as a matrix that acts on (−o, v).
         accelerate = [[1.0, 0.0], [-stiffness * substep, 1 - damping * substep]]
         move = [[1.0, substep], [0.0, 1.0]]
@@ -98,8 +109,15 @@ class Servo:
 
         Returns:
             ``(*B, 2n)``, m.
+
+        Raises:
+            OptionError: If there are fewer sub-steps than parts.
         """
         substeps = len(self.displacement_by_offset)
+        if not 0 < parts <= substeps:
+            raise OptionError(
+                f"parts={parts!r}: expected 1 to {substeps}, the number of sub-steps."
+            )
 
         # The sub-step with which each part ends, to the nearest.
         ends = [round((part + 1) * substeps / parts) - 1 for part in range(parts)]

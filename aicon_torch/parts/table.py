@@ -9,6 +9,7 @@ from aicon_torch.errors import OptionError
 from aicon_torch.parts.hinge import Margin, SquaredHinge
 from aicon_torch.parts.robot import Robot
 from aicon_torch.parts.self_collision import CapsuleSegments
+from aicon_torch.validation import numbers
 
 SAMPLES = 1024
 """Random postures in which it is seen which links move up and down."""
@@ -49,14 +50,18 @@ class Table(Margin):
             cost: Margin d₀ (m) and weight w.
 
         Raises:
-            OptionError: If the robot has no shape, or no link can keep off the table.
+            OptionError: If the robot has no shape, the height is no number, or a link cannot keep
+                off the table.
         """
         if robot.shape is None:
             raise OptionError("robot: it has no shape, so there is nothing to keep off a table.")
+        numbers("height", height, 1)
         capsules = robot.shape.capsules
         segments = CapsuleSegments(robot.chain, capsules)(robot.chain.postures(SAMPLES))
         lowest, highest = _lower_end(segments).amin(0), _lower_end(segments).amax(0)
         links = torch.nonzero(highest - lowest > LEAST_RISE).flatten().tolist()
+        if not links:
+            raise OptionError("robot: none of its links moves up or down, so none can give way.")
 
         radii = tuple(capsules[link].radius for link in links)
 

@@ -8,13 +8,13 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
+from aicon_torch.parts.axis import check_axis
+from aicon_torch.parts.planar import norm
+from aicon_torch.quantities import as_number
 from aicon_torch.validation import check_choice
 
 Orientation = Literal["free", "axis", "full"]
 """How much of a tip's orientation matters: nothing, one of its axes, or all."""
-
-SMALLEST = 1e-24
-"""Added to squares of sines, so that an angle of zero has a derivative."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,9 @@ class TipPose:
     def __post_init__(self) -> None:
         """Check the options."""
         check_choice(self, "orientation", get_args(Orientation))
-        if not self.lever > 0:
+        if not as_number(self.lever) > 0:
             raise OptionError(f"lever={self.lever!r}: expected a length > 0 (m).")
-        if not math.isclose(math.hypot(*self.axis), 1.0, abs_tol=1e-6):
-            raise OptionError(f"axis={self.axis!r}: expected a unit vector.")
+        check_axis("axis", self.axis)
 
     @property
     def size(self) -> int:
@@ -92,9 +91,19 @@ class TipPose:
 
         Returns:
             ``(*B, k)``, m.
+
+        Raises:
+            OptionError: If the orientation has another number of components.
         """
-        if self.orientation == "free" or orientation is None:
+        if self.orientation == "free":
             return position
+
+        count = {"axis": 3, "full": 4}[self.orientation]
+        if orientation is None or orientation.shape[-1] != count:
+            raise OptionError(
+                f"orientation: got {None if orientation is None else orientation.shape[-1]} "
+                f"numbers; expected {count} where {self.orientation!r} matters."
+            )
 
         if self.orientation == "axis":
             length = torch.linalg.vector_norm(orientation, dim=-1, keepdim=True)
@@ -114,7 +123,7 @@ class TipPose:
             ``(*B,)``, m, and ``(*B,)`` in [0, π], rad; 0 where the orientation is free.
         """
         offset = x_ee[..., :3] - target[..., :3]
-        distance = torch.sqrt((offset * offset).sum(-1) + SMALLEST)
+        distance = norm(offset)
         if self.orientation == "free":
             return distance, torch.zeros_like(distance)
 
@@ -161,8 +170,7 @@ def rotation_of_quaternion(quaternion: Tensor) -> Tensor:
 
 def _angle_of_directions(first: Tensor, second: Tensor) -> Tensor:
     """The angle ``(*B,)`` between unit vectors ``(*B, 3)``, rad."""
-    normal = torch.linalg.cross(first, second)
-    sine = torch.sqrt((normal * normal).sum(-1) + SMALLEST)
+    sine = norm(torch.linalg.cross(first, second))
     return torch.atan2(sine, (first * second).sum(-1))
 
 
@@ -174,6 +182,5 @@ def _angle_of_rotations(first: Tensor, second: Tensor) -> Tensor:
     """
     columns = first.reshape(*first.shape[:-1], 3, 3)
     others = second.reshape(*second.shape[:-1], 3, 3)
-    doubled = torch.linalg.cross(columns, others).sum(-2)
-    doubled_sine = torch.sqrt((doubled * doubled).sum(-1) + SMALLEST)
+    doubled_sine = norm(torch.linalg.cross(columns, others).sum(-2))
     return torch.atan2(doubled_sine, (first * second).sum(-1) - 1.0)

@@ -14,6 +14,7 @@ from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.end_effector import ToolPose
 from aicon_torch.parts.planar import norm
 from aicon_torch.parts.rigid_object import RigidObject
+from aicon_torch.validation import check_positive
 
 GRAVITY = 9.81
 """m/s²"""
@@ -57,10 +58,17 @@ class ForceThreshold:
     Attributes:
         force: F₀, at which a push is as likely as not, N; a tool that is accelerated feels less.
         width: w, N.
+
+    Raises:
+        OptionError: If the width is not positive.
     """
 
     force: float
     width: float
+
+    def __post_init__(self) -> None:
+        """Check the width."""
+        check_positive(self, ("width",))
 
     def __call__(self, force: Tensor) -> Tensor:
         """p, of the shape of the force, N."""

@@ -4,9 +4,9 @@ import torch
 from torch import Tensor
 
 from aicon_torch.differentiation import values_only
-from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Values
+from aicon_torch.validation import check_count, check_positive
 
 
 class VelocityLag(Estimator):
@@ -20,7 +20,7 @@ class VelocityLag(Estimator):
         time_constant: τ, s.
 
     Raises:
-        OptionError: If τ is not positive.
+        OptionError: If there is no joint, or τ is not positive.
     """
 
     outputs = ("v_joints",)
@@ -31,9 +31,9 @@ class VelocityLag(Estimator):
 
     def __init__(self, joints: int, time_constant: float) -> None:
         super().__init__()
-        if not time_constant > 0:
-            raise OptionError(f"time_constant={time_constant!r}: expected more than 0 s.")
-        self.time_constant = time_constant
+        self.joints, self.time_constant = joints, time_constant
+        check_count(self, ("joints",), "number of joints", least=1)
+        check_positive(self, ("time_constant",))
         self.register_buffer("at_rest", torch.zeros(joints))
 
     def initial(self, values: Values) -> dict[str, Tensor]:

@@ -11,7 +11,7 @@ from torch import Tensor
 from aicon_torch.errors import OptionError
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.planar import cross
-from aicon_torch.validation import check_not_negative
+from aicon_torch.validation import check_not_negative, check_positive
 
 Face = tuple[float, float, float, float]
 """A straight piece of a wall's outline, from (x, y) to (x, y), m; what is free lies on its left."""
@@ -29,7 +29,7 @@ class Walls:
         thickness: Of a wall at least, m: within half of it behind a face, gaps are negative.
 
     Raises:
-        OptionError: If there is no face, a face is a point, or the radius is negative.
+        OptionError: If there is no face, a face is a point, or a length is negative.
 
     Example:
         >>> walls = Walls.from_grid(["#####", "#   #", "### #", "#   #", "#####"], radius=0.1)
@@ -41,8 +41,8 @@ class Walls:
     thickness: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check faces and radius."""
-        check_not_negative(self, ("radius",))
+        """Check faces and lengths."""
+        check_not_negative(self, ("radius", "thickness"))
         try:
             faces = tuple(tuple(map(float, face)) for face in self.faces)
         except (TypeError, ValueError):  # no numbers
@@ -119,10 +119,17 @@ class WallCost:
     Attributes:
         walls: The walls.
         length: ℓ, m.
+
+    Raises:
+        OptionError: If the length is not positive.
     """
 
     walls: Walls
     length: float
+
+    def __post_init__(self) -> None:
+        """Check the length."""
+        check_positive(self, ("length",))
 
     def __call__(self, position: Tensor) -> Tensor:
         """The cost."""
