@@ -73,24 +73,46 @@ class Room:
 
     def _carried(self, place: Tensor, things: list[Thing]) -> Tensor:
         """How surely a place is carried, ``(*B,)``: by the table, or by what is carried itself."""
-        on_table = place[..., 2] < self.rest + self.size / 2
-        carried = on_table.to(place)
-        below = place - self.size * upward(place)
+        places = [its_place for _, its_place in things]
+        below = [self._right_below(its_place, things) for its_place in places]
+        carried = [self._on_table(its_place).to(place) for its_place in places]
 
-        for number, (thing, its_place) in enumerate(things):
-            # How near it is; however far away, it can come nearer.
+        # From the table up: each round is exact for stacks that are one higher.
+        for _ in things[1:]:
+            carried = [
+                self._carried_by(its_place, its_below, carried)
+                for its_place, its_below in zip(places, below, strict=True)
+            ]
+        return self._carried_by(place, self._right_below(place, things), carried)
+
+    def _right_below(self, place: Tensor, things: list[Thing]) -> list[tuple[Tensor, Tensor]]:
+        """Of each thing whether it belongs right below a place, and how near it is, ``(*B,)``."""
+        found: list[tuple[Tensor, Tensor]] = []
+        below = place - self.size * upward(place)
+        for thing, its_place in things:
+            depth = self._depth(place, its_place)
+
+            # However far away it is, it can come nearer.
             way = way_from_above(thing[..., :3] - below, self.slack, self.clearance)
             near = straight_through(self._near(way), (2 - way / self.size).clamp(max=1.0))
+            found.append(((depth > 0) & (depth < 1.5 * self.size), near))
+        return found
 
+    def _carried_by(
+        self, place: Tensor, below: list[tuple[Tensor, Tensor]], supports: list[Tensor]
+    ) -> Tensor:
+        """How surely a place is carried, ``(*B,)``, by how surely the places below it are."""
+        on_table = self._on_table(place)
+        carried = on_table.to(place)
+        for (belongs_below, near), support in zip(below, supports, strict=True):
             # It counts as far as its own place carries it; what is missing there counts in full.
-            rest = things[:number] + things[number + 1 :]
-            support = self._carried(its_place, rest)
             carries = straight_through(near * support, near * stop(support) + support)
-
-            depth = self._depth(place, its_place)
-            belongs_right_below = (depth > 0) & (depth < 1.5 * self.size)
-            carried = torch.where(belongs_right_below & ~on_table, carries, carried)
+            carried = torch.where(belongs_below & ~on_table, carries, carried)
         return carried
+
+    def _on_table(self, place: Tensor) -> Tensor:
+        """Whether the table carries a place, ``(*B,)``."""
+        return place[..., 2] < self.rest + self.size / 2
 
     def _depth(self, place: Tensor, other: Tensor) -> Tensor:
         """How far below a place another one of its column is, ``(*B,)``, m; 0 of another column."""

@@ -44,6 +44,16 @@ def test_of_a_stack_the_highest_is_carried_by_the_one_right_below_it_alone() -> 
     assert not slope.any()  # it is where it belongs
 
 
+@pytest.mark.parametrize("missing", [None, 0, 5])
+def test_a_tower_of_many_is_carried_by_all_of_them(missing: int | None) -> None:
+    things: list[Tensor] = []
+    for number in range(9):  # the highest first
+        its_place = leaf(0.0, 0.0, 0.02 + 0.04 * (8 - number))
+        things += [ELSEWHERE if number == missing else its_place, its_place]
+    room = ROOM(leaf(0.0, 0.0, 0.38), *things)
+    assert room.item() == pytest.approx(1.0 if missing is None else 0.0)
+
+
 def test_a_stack_is_worth_building_from_the_lowest_on() -> None:
     highest, beside = leaf(0.0, 0.0, 0.10), leaf(0.08, 0.0, 0.02)
     for lowest, low_counts in ((leaf(0.3, 0.0, 0.02), True), (leaf(0.0, 0.0, 0.02), False)):
