@@ -18,6 +18,7 @@ from aicon_torch.parts.descriptions import JointDescription, LinkTree, parse_xml
 from aicon_torch.parts.descriptions.collision import CollisionGeometry, read_collision_geometry
 from aicon_torch.parts.hinge import SquaredHinge
 from aicon_torch.parts.self_collision import Capsule, CapsuleSegments, SelfCollision, distant_pairs
+from aicon_torch.quantities import as_count
 
 Pair = tuple[int, int]
 
@@ -85,8 +86,11 @@ class Capsules:
         Raises:
             FileNotFoundError: If a file or mesh is missing.
             ModuleNotFoundError: If an extra package is missing.
-            OptionError: See :meth:`Chain.from_urdf`; also if a shape or mesh is not what it may be.
+            OptionError: See :meth:`Chain.from_urdf`; also if a shape or mesh is not what it may be,
+                or ``per_link`` no whole number above 0.
         """
+        if as_count(per_link) < 1:
+            raise OptionError(f"per_link={per_link!r}: expected a whole number > 0.")
         tree = read_urdf(source)
         path = tree.path(tip, base)
         disabled = set() if srdf is None else _disabled_pairs(srdf)

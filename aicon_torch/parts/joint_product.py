@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor, nn
 
-from aicon_torch.errors import OptionError
+from aicon_torch.errors import GraphError, OptionError
 from aicon_torch.quantities import as_numbers
 
 Transform = Sequence[Sequence[float]]
@@ -55,7 +55,17 @@ class JointProduct(nn.Module):
         self.register_buffer("tool", homogeneous(tool))
 
     def forward(self, x_joints: Tensor) -> Tensor:
-        """The n links and the tool, ``(*B, n + 1, 4, 4)``, m, at q ``(*B, n)``, rad or m."""
+        """The n links and the tool, ``(*B, n + 1, 4, 4)``, m, at q ``(*B, n)``, rad or m.
+
+        Raises:
+            GraphError: If q has not a number for each joint.
+        """
+        if x_joints.shape[-1:] != self.constant.shape[:1]:
+            raise GraphError(
+                f"Joint angles of shape {tuple(x_joints.shape)}: expected {len(self.constant)}, "
+                "one for each joint of the chain."
+            )
+
         # Each link in the frame of the one before it.
         q = x_joints[..., None, None]
         turning = torch.cos(q) * self.by_cos.to(q) + torch.sin(q) * self.by_sin.to(q)

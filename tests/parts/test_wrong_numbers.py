@@ -145,6 +145,22 @@ def test_a_chain_has_joints_transforms_and_ranges() -> None:
             Chain([IDENTITY], IDENTITY, [Joint("elbow", low=low, high=high)])
 
 
+@pytest.mark.parametrize("shape", [(), (1,), (3,), (2, 1)])
+def test_a_posture_has_a_number_for_each_joint(shape: tuple[int, ...]) -> None:
+    for chain in (Chain([IDENTITY] * 2, IDENTITY), Chain([IDENTITY], IDENTITY)):
+        if shape[-1:] == (len(chain.names),):
+            assert chain(torch.zeros(shape)).shape == (*shape[:-1], 4, 4)
+            continue
+        with pytest.raises(AiconError, match="one for each joint of the chain"):
+            chain(torch.zeros(shape))
+
+
+@pytest.mark.parametrize("count", [0, -1, 1.5, "a"])
+def test_a_link_has_a_capsule_or_more(count: Any) -> None:
+    with pytest.raises(AiconError, match="per_link="):
+        Capsules.from_urdf("<robot/>", per_link=count)
+
+
 def test_a_height_is_a_number() -> None:
     with pytest.raises(AiconError, match="height=nan"):
         Table.under(Robot(panda_chain(), PANDA.shape), math.nan, SquaredHinge(0.05, 1.0))
