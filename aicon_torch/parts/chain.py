@@ -206,7 +206,7 @@ class Chain(nn.Module):
         """
         axes = self._axes(frames)
         turns = self.turns.to(frames.device)
-        angular = torch.where(turns, axes, torch.zeros_like(axes))
+        angular = torch.where(turns, axes, 0.0)
         return torch.cat((self.point_jacobian_at(frames, point), angular.mT), dim=-2)
 
     def point_jacobian_at(self, frames: Tensor, point: Tensor) -> Tensor:

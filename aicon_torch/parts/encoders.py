@@ -1,9 +1,8 @@
 """The joints of an arm as its encoders read them, filtered."""
 
 from collections.abc import Sequence
-from typing import Any
 
-from aicon_torch.estimation import EKF, KalmanFilter, LateEKF, Measurement
+from aicon_torch.estimation import EKF, Measurement, ekf_with_delay
 from aicon_torch.interconnections import Affine
 
 JOINT_NOISE = 1e-4
@@ -24,21 +23,15 @@ def joint_filter(middle: Sequence[float], moved_by: str = "a", delay: int = 0) -
         moved_by: The quantity that is their velocity, rad/s or m/s.
         delay: Largest age of a reading that is made up for, steps.
     """
-    size = len(middle)
     agreement = Affine(x_joints=1.0, z_joints=-1.0)
-    belief: dict[str, Any] = {
-        "predict": Affine(x_joints=1.0, **{moved_by: "dt"}),
-        "noise": JOINT_DRIFT,
-        "initial": (middle, UNKNOWN_JOINT),
-        "correct": [Measurement(agreement, JOINT_NOISE**2, size=size)],
-    }
-    if not delay:
-        return KalmanFilter("x_joints", "P_joints", **belief)
-
-    # Encoders that are late correct where the joints were when they were read.
-    late: dict[str, Any] = {
-        "sensor": "z_joints",
-        "steps": delay,
-        "moved_by": {moved_by: size, "dt": 1},
-    }
-    return LateEKF("x_joints", "P_joints", **late, **belief)
+    return ekf_with_delay(
+        "x_joints",
+        "P_joints",
+        delay=delay,
+        sensor="z_joints",
+        moved_by={moved_by: len(middle), "dt": 1},
+        predict=Affine(x_joints=1.0, **{moved_by: "dt"}),
+        noise=JOINT_DRIFT,
+        initial=(middle, UNKNOWN_JOINT),
+        correct=[Measurement(agreement, JOINT_NOISE**2, size=len(middle))],
+    )

@@ -13,7 +13,7 @@ from torch import Tensor
 from torch.nn.functional import pad
 
 from aicon_torch.parts.contact import nearest_point
-from aicon_torch.parts.planar import norm, pose_error
+from aicon_torch.parts.planar import as_points, norm, pose_error
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.vectors import unit
 
@@ -56,7 +56,7 @@ class KeypointOffset:
 
         def first(z_keypoints: Tensor) -> tuple[Tensor, Tensor]:
             # The offset, unknown, stands before the pose, which is taken as it is read.
-            mean = pad(self.body.registration(_points(z_keypoints)), (2, 0))
+            mean = pad(self.body.registration(as_points(z_keypoints)), (2, 0))
             variances = (deviation**2, deviation**2, 0.0, 0.0, 0.0)
             return mean, torch.diag(z_keypoints.new_tensor(variances))
 
@@ -85,7 +85,7 @@ class KeypointOffset:
         """
         # How far has the object moved, and how deep may the pusher be in it?
         before = self.body.keypoints_at(x_offset[..., 2:])
-        motion = (_points(z_keypoints) - before).abs().amax((-1, -2)).unsqueeze(-1)
+        motion = (as_points(z_keypoints) - before).abs().amax((-1, -2)).unsqueeze(-1)
         touch = (self.deviation + DEPTH_SHARE * motion).square()
 
         # It is touched if it moved and the pusher has not left it since, or where they overlap.
@@ -98,16 +98,11 @@ class KeypointOffset:
 
     def last_pose(self, x_offset: Tensor, z_keypoints: Tensor) -> Tensor:
         """The residual of the last pose and of the one that is read, ``(*B, 3)``, m and rad."""
-        seen = self.body.registration(_points(z_keypoints))
+        seen = self.body.registration(as_points(z_keypoints))
         return pose_error(x_offset[..., 2:], seen)
 
     def _from_object(self, x_offset: Tensor, z_keypoints: Tensor, z_pusher: Tensor) -> Tensor:
         """From the nearest point of the object to the pusher, ``(*B, 2)``, m."""
         pusher = z_pusher + x_offset[..., :2]
-        point, _ = nearest_point(pusher, self.body.sides(_points(z_keypoints)))
+        point, _ = nearest_point(pusher, self.body.sides(as_points(z_keypoints)))
         return pusher - point
-
-
-def _points(z_keypoints: Tensor) -> Tensor:
-    """A reading ``(*B, 2K)`` as points ``(*B, K, 2)``, m."""
-    return z_keypoints.reshape(*z_keypoints.shape[:-1], -1, 2)

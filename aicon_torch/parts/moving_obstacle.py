@@ -9,6 +9,7 @@ from aicon_torch.estimation import EKF, Measurement, covariance_name
 from aicon_torch.interconnections import Interconnection
 from aicon_torch.parts.contact import likelihood_across
 from aicon_torch.parts.landmark import bearing_jacobian, bearing_residual
+from aicon_torch.parts.obstacle import drift, moved_evenly
 from aicon_torch.parts.planar import norm, rotate
 from aicon_torch.parts.prior import first_belief
 from aicon_torch.parts.self_collision import segment_distance
@@ -108,7 +109,7 @@ class MovingObstacle:
     def _moved(self, x: Tensor, x_rob: Tensor, dt: Tensor) -> Tensor:
         """Position and velocity after a step, ``(*B, 4)``, m and m/s."""
         # By itself first, and then against the robot, in the axes that it has after the step.
-        p, v = x[..., :2] + x[..., 2:] * dt, x[..., 2:]
+        p, v = moved_evenly(x, dt).chunk(2, dim=-1)
         if self.wheels is None:
             return torch.cat((p - x_rob, v), dim=-1)
         turned = (self.wheels.axes_after(x_rob) * v.unsqueeze(-2)).sum(-1)
@@ -134,10 +135,8 @@ class MovingObstacle:
         else:
             by_robot = self.wheels.variances(x[..., :2], self.motion_noise)
 
-        # An acceleration that lasts a step moves it by σ dt²/2, and changes its velocity by σ dt.
-        by_itself = (self.acceleration * self.dt**2 / 2) ** 2
-        of_velocity = torch.full_like(by_robot, (self.acceleration * self.dt) ** 2)
-        return torch.cat((by_robot + by_itself, of_velocity), dim=-1)
+        by_itself, of_velocity = drift(self.acceleration, self.dt)
+        return torch.cat((by_robot + by_itself, torch.full_like(by_robot, of_velocity)), dim=-1)
 
     def _measurement(self) -> Measurement:
         """What a reading says of it."""

@@ -66,6 +66,14 @@ class Obstacle(Margin, nn.Module):
         return of_axes - self.radius - self.radii.to(x_body)
 
 
+def drift(acceleration: float, dt: float) -> tuple[float, float]:
+    """What an unknown acceleration σ, m/s², adds in a step to the variances of place and velocity.
+
+    As long as the step lasts, it moves by σ dt²/2, and the velocity changes by σ dt.
+    """
+    return (acceleration * dt**2 / 2) ** 2, (acceleration * dt) ** 2
+
+
 def moved_evenly(x: Tensor, dt: Tensor) -> Tensor:
     """(p + v dt, v): position and velocity ``(*B, 2 n)``, m and m/s, after a time dt, s."""
     position, velocity = x.chunk(2, dim=-1)
@@ -132,16 +140,14 @@ def moving_point(
             raise OptionError(f"{option}={number!r}: expected a positive number.")
     position = torch.eye(2 * size, dtype=torch.float64)[:size]
 
-    # An acceleration that lasts a step moves it by σ dt²/2, and changes its velocity by σ dt.
-    drift = [(acceleration * dt**2 / 2) ** 2] * size
-    drift += [(acceleration * dt) ** 2] * size
+    of_position, of_velocity = drift(acceleration, dt)
     difference: dict[str, float | Tensor] = {name: position, reading: -1.0}
     prior = ReadingPrior((noise**2,) * size + (speed**2,) * size)
     return EKF(
         name,
         covariance_name(name),
         predict=Interconnection(moved_evenly, [name, "dt"], **{name: Transition(size)}),
-        noise=drift,
+        noise=(of_position,) * size + (of_velocity,) * size,
         initial=first_belief(prior, reading),
         correct=[Measurement(Affine(**difference), noise**2, size=size)],
         size=2 * size,

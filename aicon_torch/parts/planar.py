@@ -14,6 +14,11 @@ def norm(vectors: Tensor) -> Tensor:
     return torch.sqrt((vectors * vectors).sum(-1) + 1e-24)
 
 
+def as_points(numbers: Tensor) -> Tensor:
+    """x₁, y₁, x₂, y₂ and so on, ``(*B, 2 K)``, as points ``(*B, K, 2)``."""
+    return numbers.reshape(*numbers.shape[:-1], -1, 2)
+
+
 def cross(first: Tensor, second: Tensor) -> Tensor:
     """The planar cross product x₁y₂ − y₁x₂, ``(*B,)``, of vectors ``(*B, 2)``."""
     return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]

@@ -8,7 +8,7 @@ from torch import Tensor
 from aicon_torch.differentiation import stop
 from aicon_torch.parts.contact import nearest_point
 from aicon_torch.parts.contact_dynamics import ContactDynamics
-from aicon_torch.parts.planar import cross, norm, pose_error, quarter_turn
+from aicon_torch.parts.planar import as_points, cross, norm, pose_error, quarter_turn
 from aicon_torch.parts.rigid_object import RigidObject
 from aicon_torch.validation import check_not_negative, check_positive
 from aicon_torch.vectors import constants
@@ -62,8 +62,7 @@ class PoseMotion:
         # What moved the object is past, and what will move it is the contact model's matter; how a
         # push depends on the pose is of second order. So the belief moves as it is, and no gradient
         # leaves through the push.
-        way, pose = stop(d_pusher), stop(x_pose)
-        way = way.reshape(*way.shape[:-1], -1, 2)
+        way, pose = as_points(stop(d_pusher)), stop(x_pose)
 
         # The pusher has arrived; its displacements count from where the step began.
         start = stop(x_pusher) - way[..., -1, :]
@@ -174,7 +173,7 @@ class KeypointRegistration:
 
     def observed_pose(self, z_keypoints: Tensor) -> Tensor:
         """The pose ``(*B, 3)``, m and rad, that a reading ``(*B, 2K)``, m, shows."""
-        return self.body.registration(z_keypoints.reshape(*z_keypoints.shape[:-1], -1, 2))
+        return self.body.registration(as_points(z_keypoints))
 
     def prior(self, z_keypoints: Tensor) -> tuple[Tensor, Tensor]:
         """Mean ``(*B, 3)`` and covariance ``(3, 3)`` at first: where the first reading shows it."""

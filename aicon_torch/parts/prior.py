@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -29,4 +28,4 @@ class ReadingPrior:
 
 def first_belief(prior: Callable[..., tuple[Tensor, Tensor]], reading: str) -> Interconnection:
     """What an :class:`aicon_torch.EKF` begins with: mean and covariance by the first reading."""
-    return Interconnection(cast(Callable[..., Tensor], prior), [reading])
+    return Interconnection(prior, [reading])

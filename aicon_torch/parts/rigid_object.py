@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from aicon_torch.errors import OptionError
-from aicon_torch.parts.planar import cross, norm, rotate
+from aicon_torch.parts.planar import as_points, cross, norm, rotate
 from aicon_torch.validation import numbers
 
 
@@ -179,7 +179,7 @@ class RigidShape:
 
     def __call__(self, reading: Tensor) -> Tensor:
         """Which rows ``(*B,)`` of keypoints ``(*B, 2K)``, m, have the body's shape."""
-        points = reading.reshape(*reading.shape[:-1], -1, 2)
+        points = as_points(reading)
         placed = self.body.keypoints_at(self.body.registration(points))
         return norm(points - placed).amax(-1) <= self.tolerance
 

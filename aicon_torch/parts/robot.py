@@ -49,16 +49,13 @@ class Robot:
             ModuleNotFoundError: If an extra package is missing.
         """
         chain = Chain.from_urdf(source, tip, base)
-        if not collisions:
-            return Robot(chain)
-
-        shape = Capsules.from_urdf(source, srdf, tip, base)
-        if not shape.capsules:
+        shape = Capsules.from_urdf(source, srdf, tip, base) if collisions else None
+        if shape is not None and not shape.capsules:
             warnings.warn(
                 "The URDF has no collision geometry, so the robot has no shape: nothing keeps it "
                 "off itself or off anything else. Expected a <collision> in its links, or "
                 "collisions=False.",
                 stacklevel=2,
             )
-            return Robot(chain)
+            shape = None
         return Robot(chain, shape)

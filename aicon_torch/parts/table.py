@@ -58,8 +58,9 @@ class Table(Margin):
         numbers("height", height, 1)
         capsules = robot.shape.capsules
         segments = CapsuleSegments(robot.chain, capsules)(robot.chain.postures(SAMPLES))
-        lowest, highest = _lower_end(segments).amin(0), _lower_end(segments).amax(0)
-        links = torch.nonzero(highest - lowest > LEAST_RISE).flatten().tolist()
+        heights = _lower_end(segments)
+        highest = heights.amax(0)
+        links = torch.nonzero(highest - heights.amin(0) > LEAST_RISE).flatten().tolist()
         if not links:
             raise OptionError("robot: none of its links moves up or down, so none can give way.")
 

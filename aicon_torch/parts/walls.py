@@ -50,8 +50,8 @@ class Walls:
         if not faces or any(len(face) != 4 for face in faces):
             raise OptionError(f"faces={self.faces!r}: expected one or more (x, y, x, y), m.")
         object.__setattr__(self, "faces", faces)
-        for face in self.faces:
-            if not all(map(math.isfinite, face)) or tuple(face[:2]) == tuple(face[2:]):
+        for face in faces:
+            if not all(map(math.isfinite, face)) or face[:2] == face[2:]:
                 raise OptionError(f"faces: {face!r}: expected two points apart, (x, y, x, y), m.")
 
     @classmethod

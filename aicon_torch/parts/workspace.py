@@ -7,6 +7,7 @@ from torch import Tensor
 
 from aicon_torch.parts.chain import Chain
 from aicon_torch.parts.hinge import Margin, SquaredHinge
+from aicon_torch.parts.planar import norm
 from aicon_torch.validation import check_positive
 
 SAMPLES = 8192
@@ -55,6 +56,4 @@ class Workspace(Margin):
 
     def distances(self, x_ee: Tensor) -> Tensor:
         """The distance m to the circle, ``(*B, 1)``, m; negative beyond it."""
-        x, y = x_ee[..., 0], x_ee[..., 1]
-        distance = torch.sqrt(x * x + y * y + 1e-18)  # differentiable on the base's axis, too
-        return (self.radius - distance).unsqueeze(-1)
+        return (self.radius - norm(x_ee[..., :2])).unsqueeze(-1)
