@@ -122,7 +122,7 @@ class Visibility:
     def image_point(self, x_pose: Tensor, x_cam: Tensor) -> tuple[Tensor, Tensor]:
         """(u, v): where the image of the object's centre is, ``(*B,)`` each."""
         # The object does not follow the camera, so only the camera's part of the derivative counts.
-        height = torch.full_like(x_pose[..., :1], self.height)
+        height = torch.zeros_like(x_pose[..., :1]) + self.height
         center = torch.cat((stop(x_pose[..., :2]), height), dim=-1)
 
         # In the camera's frame, z ahead. A row times R is Rᵀ times the column.

@@ -42,7 +42,7 @@ def way_from_above(
     if lacking is not None:
         beside = torch.maximum(beside, lacking)
 
-    above = (STEEPNESS * beside).clamp(0.0, clearance)
+    above = (STEEPNESS * beside).clamp(min=0.0).clamp(max=clearance)
     above = stop(above)  # stops the gradient: where to aim is no goal
     return norm(offset - above.unsqueeze(-1) * upward(offset))
 

@@ -7,7 +7,7 @@ from aicon_torch.errors import OptionError
 from aicon_torch.estimation import Estimator
 from aicon_torch.interconnections import Interconnection, Values
 from aicon_torch.quantities import Actuator
-from aicon_torch.shaping import straight_through_clamp
+from aicon_torch.shaping import straight_through
 from aicon_torch.validation import check_positive, numbers
 
 
@@ -84,4 +84,5 @@ class Gripper(Estimator):
     def forward(self, values: Values, output: str) -> Tensor:
         """The opening ``(*B, 1)`` that the action brings, m."""
         opening = values["x_opening"] + values["jaw"] * values["dt"]
-        return straight_through_clamp(opening, self.narrowest, self.widest)
+        within = opening.clamp(min=self.narrowest).clamp(max=self.widest)
+        return straight_through(within, opening)

@@ -22,7 +22,7 @@ from aicon_torch.validation import (
     check_not_negative,
     check_positive,
 )
-from aicon_torch.vectors import wrap_angle
+from aicon_torch.vectors import constants, wrap_angle
 
 Sight = Literal["bearing", "position"]
 """What a robot sees of a landmark."""
@@ -184,7 +184,7 @@ class Landmark:
     def _distance_ahead(self, p_tar: Tensor, P_tar: Tensor) -> Tensor:
         """How far a landmark is from the point ahead, and how uncertain, ``(*B,)``."""
         assert self.wheels is not None
-        return expected_distance(p_tar - p_tar.new_tensor((self.wheels.ahead, 0.0)), P_tar)
+        return expected_distance(p_tar - constants((self.wheels.ahead, 0.0), p_tar), P_tar)
 
     def _approach(self) -> Interconnection:
         """How it comes nearer as the robot moves."""

@@ -72,7 +72,7 @@ class MovingDiscs:
         # waiting is no aim.
         speed_squared = (velocity * velocity).sum(-1).clamp(min=torch.finfo(velocity.dtype).eps)
         nearest = -(away * velocity).sum(-1) / speed_squared
-        nearest = stop(nearest.clamp(0.0, self.horizon))
+        nearest = stop(nearest.clamp(min=0.0).clamp(max=self.horizon))
 
         distance = norm(away + velocity * nearest.unsqueeze(-1)) - self.radius
         return torch.exp(-distance / (self.length + self.spread * nearest)).sum(-1)

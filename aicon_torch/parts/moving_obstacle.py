@@ -15,7 +15,7 @@ from aicon_torch.parts.prior import first_belief
 from aicon_torch.parts.self_collision import segment_distance
 from aicon_torch.parts.wheels import Wheels
 from aicon_torch.validation import check_not_negative, check_positive
-from aicon_torch.vectors import unit
+from aicon_torch.vectors import constants, unit
 
 
 @dataclass(frozen=True)
@@ -131,12 +131,13 @@ class MovingObstacle:
     def _drift(self, x: Tensor) -> Tensor:
         """Variances that a step adds, ``(*B, 4)``."""
         if self.wheels is None:
-            by_robot = torch.full_like(x[..., :2], self.motion_noise**2)
+            by_robot = torch.zeros_like(x[..., :2]) + self.motion_noise**2
         else:
             by_robot = self.wheels.variances(x[..., :2], self.motion_noise)
 
-        by_itself, of_velocity = drift(self.acceleration, self.dt)
-        return torch.cat((by_robot + by_itself, torch.full_like(by_robot, of_velocity)), dim=-1)
+        of_position, of_velocity = drift(self.acceleration, self.dt)
+        velocity = torch.zeros_like(by_robot) + of_velocity
+        return torch.cat((by_robot + of_position, velocity), dim=-1)
 
     def _measurement(self) -> Measurement:
         """What a reading says of it."""
@@ -179,7 +180,7 @@ class GapToCome:
         way = torch.cat((p, height, end, height), dim=-1)
 
         axle = torch.zeros_like(way[..., :3])
-        point_ahead = axle + axle.new_tensor((self.ahead, 0.0, 0.0))
+        point_ahead = axle + constants((self.ahead, 0.0, 0.0), axle)
         return segment_distance(torch.cat((axle, point_ahead), dim=-1), way) - self.radius
 
 
@@ -226,7 +227,7 @@ class RangeBearingPrior:
 
         across = (self.bearing_noise * distance) ** 2  # in any direction, to be on the safe side
         of_position = (self.range_noise**2 + across).expand_as(ahead)
-        of_velocity = torch.full_like(ahead, self.speed**2)
+        of_velocity = torch.zeros_like(ahead) + self.speed**2
         variances = torch.cat((of_position, of_velocity), dim=-1)
         return torch.cat((place, at_rest), dim=-1), torch.diag_embed(variances)
 
