@@ -9,7 +9,7 @@ from aicon_torch.differentiation import stop
 from aicon_torch.parts.grasp import upward, way_from_above
 from aicon_torch.parts.planar import norm
 from aicon_torch.shaping import straight_through
-from aicon_torch.validation import check_not_negative, check_positive
+from aicon_torch.validation import check_not_negative, check_positive, numbers
 
 Thing = tuple[Tensor, Tensor]
 """Of an object its centre ``(*B, n)`` and the place where it belongs ``(*B, 3)``, m."""
@@ -34,7 +34,7 @@ class Room:
         clearance: The height at which nothing stands in its way, m.
 
     Raises:
-        OptionError: If a length is not positive, or the slack negative.
+        OptionError: If a length is not positive, the slack negative, or the height no number.
     """
 
     size: float
@@ -44,7 +44,8 @@ class Room:
 
     def __post_init__(self) -> None:
         """Check the lengths."""
-        check_positive(self, ("size", "rest", "clearance"))
+        check_positive(self, ("size", "clearance"))
+        numbers("rest", self.rest, 1)
         check_not_negative(self, ("slack",))
 
     def __call__(self, place: Tensor, *others: Tensor) -> Tensor:

@@ -32,6 +32,10 @@ def test_where_heights_begin_changes_nothing_once_the_table_is_told() -> None:
     torch.testing.assert_close(actions(-0.4), actions(0.0), atol=1e-6, rtol=0.0)
 
 
+def test_several_blocks_may_be_on_a_table_below_the_origin() -> None:
+    assert build_policy(HAND, Options(blocks=2, table=-0.4)).model.paths()
+
+
 def test_three_paths_lead_from_the_place_to_the_tip() -> None:
     paths = [str(path) for path in build_policy(HAND).model.paths()]
     assert sum(path.startswith("place") and path.endswith("tip") for path in paths) == 3
