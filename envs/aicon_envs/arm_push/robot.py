@@ -58,7 +58,7 @@ def equip_robot(spec: mujoco.MjSpec, arm: Robot, description: Description) -> No
             f"robot: its tip {arm.tip!r} must be moved by {FEWEST_JOINTS} joints or more, "
             f"for a stick that stays upright; it is by {count}"
         )
-    if arm.gains is not None and len(arm.gains) != count:
+    if arm.gains is not None and np.shape(arm.gains) != (count, 2):
         raise ValueError(f"gains must be one pair for each of {count} joints, got {arm.gains}")
 
     # The arm's own joints, ...
