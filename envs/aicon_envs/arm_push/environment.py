@@ -15,6 +15,7 @@ from aicon_envs.arm_push.hand_camera import HandCamera
 from aicon_envs.arm_push.inverse_kinematics import home_of
 from aicon_envs.arm_push.objects import Prism, resolve_object
 from aicon_envs.arm_push.reset import (
+    A_POSE,
     AREA,
     CONTACT_HEIGHT,
     Bounds,
@@ -159,8 +160,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
 
         # The scene, and what its robot makes of the spaces.
         model = build_scene(self.robot, self.object, mass, friction)
-        joints = [model.joint(number).name for number in range(model.nu)]
-        capsules = robot_capsules(self.robot, joints)
+        capsules = robot_capsules(self.robot, model)
         self._simulation = Simulation(model, home_of(model, self.robot), capsules)
         self.observation_space = observation_space(model.nu, obs_type, width, height)
         self.action_space = action_space(model.actuator_ctrlrange[:, 1])
@@ -218,7 +218,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
             pose: The object's target (x, y, angle), m and rad.
         """
         episode = self._current_episode()
-        target = np.array(check_numbers("pose", pose, "(x, y, angle), finite, in m and rad", 3))
+        target = np.array(check_numbers("pose", pose, A_POSE, 3))
         self._episode = episode._replace(target_pose=target)
         self._simulation.show_target(target)
         mujoco.mj_kinematics(self.model, self.data)
@@ -230,7 +230,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
             pose: Its (x, y, angle), m and rad.
         """
         self._current_episode()
-        place = check_numbers("pose", pose, "(x, y, angle), finite, in m and rad", 3)
+        place = check_numbers("pose", pose, A_POSE, 3)
         self._simulation.place(place)
 
     def _external_force(self) -> FloatArray | None:
