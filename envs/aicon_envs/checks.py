@@ -34,7 +34,7 @@ def check_choice(name: str, value: Any, valid: Iterable[str]) -> None:
         ValueError: If it is not; the message lists them.
     """
     valid = tuple(valid)
-    if value not in valid:
+    if not isinstance(value, str) or value not in valid:
         raise ValueError(f"{name} must be one of {', '.join(valid)}, got {value!r}")
 
 
@@ -160,9 +160,15 @@ def given_options(options: Mapping[str, Any] | None, valid: Iterable[str]) -> di
     Raises:
         ValueError: If they are no mapping, or one is unknown; the message lists the valid ones.
     """
-    given = {key: value for key, value in copy_options(options).items() if value is not None}
-    check_option_names(given, valid)
-    return given
+    options, valid = copy_options(options), tuple(valid)
+
+    unknown = sorted(str(name) for name in options if name not in valid)
+    if unknown:
+        raise ValueError(
+            f"unknown option {', '.join(unknown)}; valid options are {', '.join(valid)}"
+        )
+
+    return {name: value for name, value in options.items() if value is not None}
 
 
 def check_vertices(name: str, value: ArrayLike, unit: str) -> FloatArray:
@@ -187,20 +193,6 @@ def _to_floats(value: ArrayLike, expected: str) -> FloatArray:
         raise ValueError(f"{expected}, got {value!r}") from error
 
 
-def check_option_names(options: Mapping[str, Any], valid: Iterable[str]) -> None:
-    """Check the names of the options of a reset.
-
-    Raises:
-        ValueError: If one is unknown; the message lists the valid ones.
-    """
-    valid = tuple(valid)
-    unknown = sorted(str(name) for name in options if name not in valid)
-    if unknown:
-        raise ValueError(
-            f"unknown option {', '.join(unknown)}; valid options are {', '.join(valid)}"
-        )
-
-
 def is_sequence(value: object) -> bool:
     """Whether a value is a list, tuple or array, and not one number or word."""
-    return isinstance(value, (list, tuple, np.ndarray))
+    return isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)

@@ -102,7 +102,7 @@ class ArmEnv(gym.Env[dict[str, NDArray[Any]], NDArray[np.float32]], Generic[Worl
     def picture(self, camera: str, size: tuple[int, int] | None = None) -> NDArray[np.uint8]:
         """Return a picture of a camera of the scene, of a width and a height, px."""
         self._current_episode()
-        width, height = self._render_size if size is None else size
+        width, height = self._render_size if size is None else check_size("picture", *size)
         opened = self._open_camera(f"{width}×{height} px of {camera}", camera, width, height)
         color, _ = opened(self.data)
         return color

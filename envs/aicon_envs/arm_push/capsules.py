@@ -17,12 +17,12 @@ Capsule = tuple[int, Vector, Vector, float]
 """Link (0: base, i: after joint i, n + 1: tool), both ends in its frame (m), radius (m)."""
 
 
-def robot_capsules(arm: Robot, joints: Sequence[str]) -> list[Capsule]:
+def robot_capsules(arm: Robot, model: mujoco.MjModel) -> list[Capsule]:
     """Return the capsules of an arm's description and those of the tool.
 
     Args:
         arm: The arm; without a description of its capsules there are none at all.
-        joints: Names of its n joints.
+        model: The compiled scene, whose first joints are the arm's.
 
     Raises:
         ValueError: If the description of the capsules lacks one of them.
@@ -31,7 +31,7 @@ def robot_capsules(arm: Robot, joints: Sequence[str]) -> list[Capsule]:
         return []
 
     root = ElementTree.parse(find_file(arm.capsules)).getroot()
-    numbers = _link_numbers(root, joints)
+    numbers = _link_numbers(root, [model.joint(number).name for number in range(model.nu)])
     found: list[Capsule] = []
 
     for link in root.findall("link"):
@@ -41,7 +41,7 @@ def robot_capsules(arm: Robot, joints: Sequence[str]) -> list[Capsule]:
             if name in numbers and cylinder is not None:  # the spheres are the cylinders' ends
                 found.append(_to_capsule(numbers[name], cylinder, collision.find("origin")))
 
-    return found + tool_capsules(len(joints) + 1)
+    return found + tool_capsules(model.nu + 1)
 
 
 def tool_capsules(tool: int) -> list[Capsule]:

@@ -43,8 +43,7 @@ def describe(model: mujoco.MjModel, arm: Robot, width: int, height: int) -> dict
     low, high = model.jnt_range[:count].T
 
     # The body: capsules that are known for this arm, or else the shapes of its description.
-    joints = [model.joint(number).name for number in range(count)]
-    capsules = robot_capsules(arm, joints)
+    capsules = robot_capsules(arm, model)
     srdf = None if arm.srdf is None else str(find_file(arm.srdf))
     shapes = {"urdf": str(find_file(arm.urdf)), "srdf": srdf, "tip": arm.tip}
 

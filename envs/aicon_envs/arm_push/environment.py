@@ -15,6 +15,7 @@ from aicon_envs.arm_push.hand_camera import HandCamera
 from aicon_envs.arm_push.inverse_kinematics import home_of
 from aicon_envs.arm_push.objects import Prism, resolve_object
 from aicon_envs.arm_push.reset import (
+    A_POSE,
     AREA,
     CONTACT_HEIGHT,
     Bounds,
@@ -55,7 +56,8 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
     The arm, a Panda unless `robot` says otherwise, has a push stick and a camera at its flange, and
     a force-torque sensor between them. The physics are MuJoCo's at 1 kHz, the description of the
     arm is that of `example-robot-data`. All coordinates are in the frame of the robot's base, m: x
-    toward the table, z up from its top. A control step is 0.01 s.
+    toward the table, z up from its top. A control step is 0.01 s. OpenGL does not survive a fork:
+    where a process has rendered, `AsyncVectorEnv` needs `context="spawn"`.
 
     ## Observation space
     | key | space | meaning |
@@ -148,8 +150,8 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
         """
         super().__init__(render_mode, render_width, render_height)
         check_choice("obs_type", obs_type, get_args(ObsType))
-        check_number("mass", mass, positive=True)
-        check_number("friction", friction, positive=True)
+        mass = check_number("mass", mass, positive=True)
+        friction = check_number("friction", friction, positive=True)
 
         self.robot = resolve_robot(robot, ARMS)
         self.object = resolve_object(object)
@@ -158,8 +160,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
 
         # The scene, and what its robot makes of the spaces.
         model = build_scene(self.robot, self.object, mass, friction)
-        joints = [model.joint(number).name for number in range(model.nu)]
-        capsules = robot_capsules(self.robot, joints)
+        capsules = robot_capsules(self.robot, model)
         self._simulation = Simulation(model, home_of(model, self.robot), capsules)
         self.observation_space = observation_space(model.nu, obs_type, width, height)
         self.action_space = action_space(model.actuator_ctrlrange[:, 1])
@@ -186,10 +187,11 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
         """Start an episode; see the class for the options."""
         super().reset(seed=seed)
 
+        # A start that cannot be reached is an error that leaves the last episode as it is.
         episode = draw_episode(self.object, self._area, options, self.np_random)
+        tip = (*episode.tip, CONTACT_HEIGHT)
+        self._simulation.start(tip, episode.yaw, episode.object_pose, episode.target_pose)
         self._episode = episode
-        self._simulation.start((*episode.tip, CONTACT_HEIGHT), episode.yaw, episode.object_pose)
-        self._simulation.show_target(episode.target_pose)
 
         # Drawn in any case, such that a kick changes nothing else.
         self._kick_heading = self.np_random.uniform(-math.pi, math.pi)
@@ -216,7 +218,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
             pose: The object's target (x, y, angle), m and rad.
         """
         episode = self._current_episode()
-        target = np.array(check_numbers("pose", pose, "(x, y, angle), finite, in m and rad", 3))
+        target = np.array(check_numbers("pose", pose, A_POSE, 3))
         self._episode = episode._replace(target_pose=target)
         self._simulation.show_target(target)
         mujoco.mj_kinematics(self.model, self.data)
@@ -228,7 +230,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
             pose: Its (x, y, angle), m and rad.
         """
         self._current_episode()
-        place = check_numbers("pose", pose, "(x, y, angle), finite, in m and rad", 3)
+        place = check_numbers("pose", pose, A_POSE, 3)
         self._simulation.place(place)
 
     def _external_force(self) -> FloatArray | None:
@@ -294,7 +296,7 @@ class ArmPushEnv(ArmEnv[Simulation, EpisodeStart]):
         return {
             "object_pose": pose,
             "target_pose": target.copy(),
-            "position": tip[:2],
+            "position": tip[:2].copy(),
             "tip": tip,
             "distance": distance,
             "angle": angle,

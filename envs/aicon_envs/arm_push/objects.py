@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from aicon_envs.arrays import FloatArray
+from aicon_envs.checks import check_vertices
+from aicon_envs.pusht import objects as planar
 from aicon_envs.pusht.objects import OBJECTS, PushObject, make_object
 
 PIXELS_PER_METRE = 600.0
@@ -48,15 +49,14 @@ def resolve_object(object: str | Prism | ArrayLike) -> Prism:
         return object
 
     if isinstance(object, str):
-        if object not in OBJECTS:
-            raise ValueError(
-                f"object must be one of {', '.join(OBJECTS)}, or a list of vertices (x, y) in m"
-            )
         # Made anew from its outline: here every object has uniform density, the T too.
-        return _to_prism(make_object(OBJECTS[object].outline, object))
+        return _to_prism(make_object(planar.resolve_object(object).outline, object))
 
-    outline = np.asarray(object, dtype=np.float64)
-    return _to_prism(make_object(PIXELS_PER_METRE * outline))
+    outline = PIXELS_PER_METRE * check_vertices("object", object, "m")
+    try:
+        return _to_prism(make_object(outline))
+    except ValueError as error:
+        raise ValueError(f"object, of which {PIXELS_PER_METRE:g} px are 1 m: {error}") from error
 
 
 def _to_prism(planar: PushObject) -> Prism:

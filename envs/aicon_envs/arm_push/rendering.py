@@ -15,6 +15,10 @@ ColorImage = NDArray[np.uint8]
 DepthImage = NDArray[np.float32]
 
 
+_MOST_SHAPES = 10_000
+"""That a picture shows; MuJoCo leaves the others out."""
+
+
 class Camera:
     """A camera of the scene.
 
@@ -46,7 +50,7 @@ class Camera:
         self._option = mujoco.MjvOption()
         self._option.geomgroup[list(shows)] = 1
 
-        self._scene = mujoco.MjvScene(model, maxgeom=200)
+        self._scene = mujoco.MjvScene(model, maxgeom=_MOST_SHAPES)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
 
@@ -90,6 +94,11 @@ class Camera:
 
     def _open_context(self, width: int, height: int) -> None:
         """Open an OpenGL context, and see to it that it is given back."""
+        # What is beyond the model's framebuffer would stay black.
+        framebuffer = self._model.vis.global_
+        framebuffer.offwidth = max(width, framebuffer.offwidth)
+        framebuffer.offheight = max(height, framebuffer.offheight)
+
         check_display()
         try:
             self._gl = mujoco.GLContext(width, height)

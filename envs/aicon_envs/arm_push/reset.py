@@ -36,7 +36,8 @@ _MAX_YAW = 0.6
 
 _ATTEMPTS = 1000
 
-_A_POSE = "(x, y, angle), finite, in m and rad"
+A_POSE = "(x, y, angle), finite, in m and rad"
+"""What a pose is, in words."""
 
 
 class EpisodeStart(NamedTuple):
@@ -76,8 +77,8 @@ def draw_episode(
     target_pose = _draw_pose(area, generator)
     yaw = generator.uniform(-_MAX_YAW, _MAX_YAW)
 
-    object_pose = _take(options, "object_pose", object_pose, _A_POSE)
-    target_pose = _take(options, "target_pose", target_pose, _A_POSE)
+    object_pose = _take(options, "object_pose", object_pose, A_POSE)
+    target_pose = _take(options, "target_pose", target_pose, A_POSE)
     (yaw,) = _take(options, "yaw", [yaw], "a finite angle in rad")
 
     if "tip" in options:

@@ -14,6 +14,7 @@ from aicon_envs.arm_push.urdf import load_arm
 from aicon_envs.arrays import FloatArray
 from aicon_envs.reach.contacts import excluded_pairs
 from aicon_envs.reach.robots import Robot
+from aicon_envs.reach.scene import compensate_and_paint
 from aicon_envs.reach.urdf import Description
 
 FEWEST_JOINTS = 6
@@ -58,7 +59,7 @@ def equip_robot(spec: mujoco.MjSpec, arm: Robot, description: Description) -> No
             f"robot: its tip {arm.tip!r} must be moved by {FEWEST_JOINTS} joints or more, "
             f"for a stick that stays upright; it is by {count}"
         )
-    if arm.gains is not None and len(arm.gains) != count:
+    if arm.gains is not None and np.shape(arm.gains) != (count, 2):
         raise ValueError(f"gains must be one pair for each of {count} joints, got {arm.gains}")
 
     # The arm's own joints, ...
@@ -96,15 +97,11 @@ def _check_joint(joint: mujoco.MjsJoint, speed: float) -> None:
 
 
 def _prepare_arm(spec: mujoco.MjSpec) -> None:
-    """Compensate the arm's gravity, as its controller does, and say what it collides with."""
-    for body in spec.bodies:
-        body.gravcomp = 1.0
-
+    """Compensate the arm's gravity, paint it, and say what it collides with."""
+    compensate_and_paint(spec)
     for geom in spec.geoms:
         geom.contype = groups.ROBOT
         geom.conaffinity = groups.ROBOT | groups.OBJECT | groups.TABLE
-        geom.rgba = [0.85, 0.85, 0.87, 1.0]
-        geom.group = 1
 
 
 def _default_gains(joint: mujoco.MjsJoint) -> tuple[float, float]:

@@ -61,21 +61,23 @@ class Simulation(ArmSimulation):
         self._robot_geoms = set(np.flatnonzero(robot).tolist())
         self._object_geoms = set(np.flatnonzero(model.geom_bodyid == self._object).tolist())
 
-    def start(self, tip: ArrayLike, yaw: float, pose: ArrayLike) -> None:
+    def start(self, tip: ArrayLike, yaw: float, pose: ArrayLike, target: ArrayLike) -> None:
         """Put the stick upright with its tip at a position, and the object at rest.
 
         Args:
             tip: Position of the tip, ``(3,)``, m.
             yaw: Angle of the camera's side about the vertical, rad.
             pose: The object's (x, y, θ), m and rad.
+            target: Its target (x, y, θ), which pictures from outside show.
 
         Raises:
-            ValueError: If no joint angles near home reach the tip.
+            ValueError: If no joint angles near home reach the tip; the state stays as it was.
         """
-        mujoco.mj_resetData(self.model, self.data)
         joints = reach(self.model, self._home, np.asarray(tip, dtype=np.float64), yaw)
+        mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[: self._count] = joints
         self.data.act[:] = joints  # the servos hold what is reached
+        self.show_target(target)
         self.place(pose)
 
         for _ in range(_SETTLING_STEPS):

@@ -1,6 +1,5 @@
 """The observation and action spaces of the arm, and the checks at that border."""
 
-import math
 from typing import Any, Literal
 
 import numpy as np
@@ -16,7 +15,7 @@ Action = NDArray[np.float32]
 MAX_DEPTH = 10.0
 """Largest distance that the camera reports, m."""
 
-_LARGE = 1e3
+LARGE = 1e3
 """A bound for what has none."""
 
 
@@ -32,18 +31,18 @@ def observation_space(
         height: Height of images, px.
     """
     boxes: dict[str, spaces.Space[Any]] = {
-        "q": symmetric_box(2 * math.pi, joints),
-        "dq": symmetric_box(_LARGE, joints),
+        "q": symmetric_box(LARGE, joints),
+        "dq": symmetric_box(LARGE, joints),
         "ft": symmetric_box(1e5, 6),
-        "target": symmetric_box(2 * math.pi, 3),
+        "target": symmetric_box(LARGE, 3),
     }
 
     if obs_type == "pose":
-        boxes["object_pose"] = symmetric_box(_LARGE, 3)
+        boxes["object_pose"] = symmetric_box(LARGE, 3)
     else:
         boxes["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
         boxes["depth"] = spaces.Box(0.0, MAX_DEPTH, (height, width), np.float32)
-        boxes["image_age"] = spaces.Box(0.0, _LARGE, (1,), np.float64)
+        boxes["image_age"] = spaces.Box(0.0, LARGE, (1,), np.float64)
 
     observed: spaces.Space[Any] = spaces.Dict(boxes)  # Gymnasium types it as a space of spaces
     return observed

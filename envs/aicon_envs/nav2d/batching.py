@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from aicon_envs.arrays import BoolArray
-from aicon_envs.checks import check_integer, is_sequence
+from aicon_envs.checks import check_integer, copy_options, is_sequence
 
 _AUTORESET_MODES = (AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED)
 
@@ -80,7 +80,7 @@ def split_options(
         if len(options) > 1:
             raise ValueError(f"per_env excludes other options, got {', '.join(map(str, options))}")
         entries = _one_entry_each("per_env", options["per_env"], num_envs)
-        return [dict(entry) for entry in entries]
+        return [copy_options(entry) for entry in entries]
 
     # Deal the value of each option out to the sub-environments.
     split: list[dict[str, Any]] = [{} for _ in range(num_envs)]

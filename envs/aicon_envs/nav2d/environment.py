@@ -124,8 +124,7 @@ class Nav2DEnv(gym.Env[Observation, Action]):
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Move by one step; see the class for the action."""
-        check_action(action, (2,), VELOCITY)
-        actions = np.asarray(action)[np.newaxis]
+        actions: Any = check_action(action, (2,), VELOCITY)[np.newaxis]
         observations, rewards, ended, _, infos = self._batch.step(actions)
         return _first(observations), float(rewards[0]), bool(ended[0]), False, _first_info(infos)
 

@@ -35,9 +35,10 @@ class Physics:
     max_range: float = 20.0
 
     def __post_init__(self) -> None:
-        """Check every constant."""
+        """Check every constant; numbers of any kind become plain floats."""
         for name, value in dataclasses.asdict(self).items():
-            check_number(name, value, positive=name in _POSITIVE)
+            number = check_number(name, value, positive=name in _POSITIVE)
+            object.__setattr__(self, name, number)
 
         # Eight standard deviations: noise that large does not happen in any number of steps.
         fastest = self.max_speed + 8.0 * self.actuation_noise

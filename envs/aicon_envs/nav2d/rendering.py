@@ -65,7 +65,7 @@ class Scene:
         self._disc(draw, self._trail[-1], self._radius, _AGENT)
 
         reduced = image.resize((self._size, self._size), Image.Resampling.BOX)
-        return np.asarray(reduced)
+        return np.array(reduced)
 
     def _draw_world(self, world: NavigationMap) -> Image.Image:
         """Draw what does not move: obstacles, start and target."""

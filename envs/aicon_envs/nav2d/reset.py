@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from aicon_envs.checks import check_integer, check_option_names, copy_options
+from aicon_envs.checks import check_integer, given_options
 from aicon_envs.nav2d.maps import make_map
 from aicon_envs.nav2d.user_map import USER_MAP_KEYS, make_user_map
 from aicon_envs.nav2d.world import NavigationMap
@@ -72,8 +72,7 @@ def resolve_map(
     Raises:
         ValueError: If a key is unknown or a value is not usable; the message names it.
     """
-    options = copy_options(options)
-    check_option_names(options, _OPTION_KEYS)
+    options = given_options(options, _OPTION_KEYS)
 
     if any(key in options for key in USER_MAP_KEYS):
         return _resolve_user_map(options, radius), {"map": "user"}

@@ -157,8 +157,8 @@ class Nav2DVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         simulation = self._simulation
         commands = check_action(actions, (self.num_envs, 2), VELOCITY)
 
-        # Those whose episode has ended no longer move: the simulation has them inactive.
-        ended = simulation.ended | self._truncated
+        # Those whose episode has ended no longer move.
+        ended = ~simulation.active
         simulation.step(commands)
         self._steps += ~ended
         self._truncated = self._steps >= self.max_episode_steps

@@ -5,6 +5,7 @@ Their randomness comes from a child of the environment's noise, drawn at every r
 the environment without wrappers, and two wrappers, one in the other, draw different numbers.
 """
 
+import copy
 from collections import deque
 from typing import Any, cast
 
@@ -30,7 +31,20 @@ class ReadingBox(spaces.Box):
 
 
 class ImperfectSensor(gym.Wrapper[Observation, Action, Observation, Action]):
-    """Changes the observations of each episode; the first one may be treated differently."""
+    """Changes the observations of each episode; the first one may be treated differently.
+
+    Args:
+        env: A pushT environment.
+
+    Raises:
+        ValueError: If it is another one.
+    """
+
+    def __init__(self, env: gym.Env[Observation, Action]) -> None:
+        """Wrap an environment."""
+        if not isinstance(env.unwrapped, PushTEnv):
+            raise ValueError(f"the environment must be one of pushT, got {env}")
+        super().__init__(env)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -109,9 +123,9 @@ class Dropout(ImperfectSensor, RecordConstructorArgs):
         RecordConstructorArgs.__init__(self, probability=probability)
         super().__init__(env)
 
-        if not 0.0 <= probability <= 1.0:
+        self._probability = check_number("probability", probability)
+        if self._probability > 1.0:
             raise ValueError(f"probability must be in [0, 1], got {probability!r}")
-        self._probability = probability
 
         box = _space_of_keypoints(env)
         readings = ReadingBox(box.low, box.high, dtype=np.float64)
@@ -158,7 +172,7 @@ class Delay(ImperfectSensor, RecordConstructorArgs):
     def _sense(self, observation: Observation) -> Observation:
         """Return the oldest observation that is not older than k steps."""
         self._recent.append(observation)
-        return self._recent[0]
+        return copy.deepcopy(self._recent[0])  # which comes again until step k
 
 
 def _space_of_keypoints(env: gym.Env[Observation, Action]) -> spaces.Box:

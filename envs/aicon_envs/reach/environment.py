@@ -203,10 +203,16 @@ class ReachEnv(ArmEnv[Simulation, EpisodeStart]):
         Args:
             number: 1 for the first.
             position: Where, ``(3,)``, m.
+
+        Raises:
+            ValueError: If there is no such ball, or the position is not usable.
         """
         episode = self._current_episode()
         place = check_numbers("position", position, "(x, y, z), finite, in m", 3)
         balls = list(episode.balls)
+        if check_integer("number", number, 1) > len(balls):
+            raise ValueError(f"number must be from 1 to {len(balls)}, got {number}")
+
         balls[number - 1] = balls[number - 1]._replace(middle=np.array(place))
         self._episode = episode._replace(balls=tuple(balls))
 

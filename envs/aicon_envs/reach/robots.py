@@ -42,6 +42,14 @@ class Robot:
     gains: tuple[tuple[float, float], ...] | None = None
     capsules: str | None = None
 
+    def __post_init__(self) -> None:
+        """Make tuples of lists and arrays: what is compiled for a robot is found again by it."""
+        if self.home is not None:
+            object.__setattr__(self, "home", tuple(np.ravel(self.home).tolist()))
+        if self.gains is not None:
+            pairs = np.atleast_2d(self.gains).tolist()
+            object.__setattr__(self, "gains", tuple(map(tuple, pairs)))
+
 
 ROBOTS = {
     "panda": Robot(

@@ -98,7 +98,7 @@ def prepare_arm(robot: Robot) -> PreparedArm:
     _add_servos(spec, description.joints, span.inertias)
     for first, second in excluded_pairs(bare, robot, description.joints, low, high):
         spec.add_exclude(bodyname1=first, bodyname2=second)
-    _compensate_and_paint(spec)
+    compensate_and_paint(spec)
     speeds = np.array(description.speeds)
     return PreparedArm(spec, span, description.joints, low, high, speeds, turns)
 
@@ -182,7 +182,7 @@ def set_physics(spec: mujoco.MjSpec) -> None:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
 
 
-def _compensate_and_paint(spec: mujoco.MjSpec) -> None:
+def compensate_and_paint(spec: mujoco.MjSpec) -> None:
     """Compensate the arm's gravity, as its controller does, and paint it."""
     for body in spec.bodies:
         body.gravcomp = 1.0

@@ -37,6 +37,7 @@ class Simulation(ArmSimulation):
         super().__init__(scene.model, scene.joints, scene.low, scene.high, CONTROL_STEP)
         self.scene = scene
         self._measure = GapMeter(scene.model)
+        self._elsewhere = mujoco.MjData(scene.model)  # for postures that the robot is not in
 
     def start(self, joints: FloatArray, balls: FloatArray) -> None:
         """Put the robot at rest.
@@ -91,19 +92,13 @@ class Simulation(ArmSimulation):
         return self._measure(positions, mocap)
 
     def tip_at(self, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return position ``(3,)``, m, and rotation ``(3, 3)`` of the tip at values of the joints.
-
-        The state is that of `start` afterwards.
-        """
-        self.data.qpos[self._positions] = joints
-        mujoco.mj_kinematics(self.model, self.data)
-        return self.tip
+        """Return position ``(3,)``, m, and rotation ``(3, 3)`` of the tip at values of joints."""
+        return self._tip_in(self._put_elsewhere(joints))
 
     def base_points(self, joints: FloatArray) -> FloatArray:
         """Return where the first two joints are, ``(2, 3)``, m, at values of the joints."""
-        self.tip_at(joints)
         numbers = [self.model.joint(name).id for name in self.scene.joints[:2]]
-        points: FloatArray = self.data.xanchor[numbers].copy()
+        points: FloatArray = self._put_elsewhere(joints).xanchor[numbers]  # a copy
         return points
 
     def show_target(self, position: FloatArray, rotation: FloatArray) -> None:
@@ -115,6 +110,13 @@ class Simulation(ArmSimulation):
     @property
     def tip(self) -> tuple[FloatArray, FloatArray]:
         """Position ``(3,)``, m, and rotation ``(3, 3)`` of the tip."""
-        position = self.data.site_xpos[self._tip].copy()
-        rotation = self.data.site_xmat[self._tip].reshape(3, 3).copy()
-        return position, rotation
+        return self._tip_in(self.data)
+
+    def _put_elsewhere(self, joints: FloatArray) -> mujoco.MjData:
+        """Return a state with other values of the joints."""
+        self._elsewhere.qpos[self._positions] = joints
+        mujoco.mj_kinematics(self.model, self._elsewhere)
+        return self._elsewhere
+
+    def _tip_in(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
+        return data.site_xpos[self._tip].copy(), data.site_xmat[self._tip].reshape(3, 3).copy()

@@ -88,6 +88,7 @@ def test_a_robot_that_touches_itself_has_no_gap(env: ArmPushEnv) -> None:
         (replace(UR5, home=(0.0, 1.0)), "home must be 6 finite numbers within the limits"),
         (replace(UR5, home=(9.0,) * 6), "home must be 6 finite numbers within the limits"),
         (replace(UR5, gains=((1.0, 1.0),)), "gains must be one pair for each of 6 joints"),
+        (replace(UR5, gains=(1.0,) * 6), "gains must be one pair for each of 6 joints"),
         (replace(UR5, capsules=ARMS["panda"].capsules), "capsules must be a URDF with the joint"),
         (Robot(ROBOTS["so101"].urdf, ROBOTS["so101"].tip), "must be moved by 6 joints or more"),
         (

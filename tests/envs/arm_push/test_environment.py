@@ -121,6 +121,22 @@ def test_an_unknown_object_lists_the_known_ones() -> None:
         resolve_object("Q")
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        None,
+        3,
+        [["a", "b"]],
+        [[0, 0], [1]],
+        [[0, 0], [1, 0], [0, 1]],
+        [[0, 0], [0.01, 0], [0, 0.01]],
+    ],
+)
+def test_an_outline_that_is_none_is_named(wrong: Any) -> None:
+    with pytest.raises(ValueError, match=r"^object(, of which 600 px are 1 m: polygon)? must"):
+        resolve_object(wrong)
+
+
 def test_a_wrong_action_is_named(env: ArmPushEnv) -> None:
     env.reset(seed=0)
     with pytest.raises(ValueError, match="action must be finite"):

@@ -4,6 +4,7 @@ import ctypes.util
 import os
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,3 +65,35 @@ def test_where_nothing_can_render_an_error_names_the_packages(backend: str) -> N
     assert result.returncode == 1
     message = result.stderr.strip().splitlines()[-1]
     assert message.startswith("RuntimeError: MuJoCo can") and PACKAGES in message
+
+
+@needs_rendering
+def test_a_picture_larger_than_usual_is_whole() -> None:
+    env = ArmPushEnv(obs_type="pose", render_mode="rgb_array", render_width=960, render_height=720)
+    env.reset(seed=1)
+    picture = env.render()
+    assert picture is not None
+    for half in (*np.array_split(picture, 2, axis=0), *np.array_split(picture, 2, axis=1)):
+        assert half.std() > 10.0
+    env.close()
+
+
+@needs_rendering
+def test_the_first_picture_shows_the_target_where_it_is() -> None:
+    pictures = []
+    for move in (False, True):
+        env = ArmPushEnv(obs_type="pose", render_mode="rgb_array")
+        env.reset(seed=1, options={"target_pose": None if move else (0.5, -0.2, 2.0)})
+        if move:
+            env.move_target((0.5, -0.2, 2.0))
+        pictures.append(np.asarray(env.render(), dtype=float))
+        env.close()
+    assert (np.abs(pictures[0] - pictures[1]) > 30.0).any(axis=-1).sum() < 20
+
+
+@pytest.mark.parametrize("size", [(0, 5), (5, 1.5), "ab"])
+def test_the_size_of_a_picture_is_two_counts(size: Any) -> None:
+    env = ArmPushEnv(obs_type="pose")
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="picture_.* must be an integer >= 1"):
+        env.picture("hand", size)

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from _nav2d_env import SQUARE, own_map
 
@@ -62,3 +63,10 @@ def test_bad_options(options: dict[str, Any], words: list[str]) -> None:
     with pytest.raises(ValueError) as error:
         Nav2DEnv().reset(seed=0, options=options)
     assert all(word in str(error.value) for word in words), str(error.value)
+
+
+def test_constants_are_plain_numbers() -> None:
+    physics: Any = {"max_speed": "0.4", "dt": np.float32(0.05)}
+    constants = Nav2DEnv(**physics).physics
+    assert constants.max_speed == 0.4
+    assert type(constants.dt) is float

@@ -76,6 +76,30 @@ def test_disabled_autoreset_freezes_finished_ones_until_they_are_reset() -> None
     assert (info["position"][1] == positions[99][1]).all()
 
 
+def test_a_start_at_the_target_is_an_arrival_in_the_first_step() -> None:
+    """As of a single environment, whose wrapper resets it in the step after."""
+    options = own_map([], target=(0.1, 0.0))
+    singles = gym.vector.SyncVectorEnv([partial(gym.make, ID)] * 2)
+    batch = Nav2DVectorEnv(2)
+    for env in (singles, batch):
+        env.reset(seed=0, options=options)
+
+    for _ in range(3):
+        expected, found = (env.step(np.full((2, 2), 0.1)) for env in (singles, batch))
+        for first, second in zip(expected, found, strict=True):
+            assert_same(first, second)
+
+
+def test_an_option_that_is_none_is_not_given() -> None:
+    env = Nav2DVectorEnv(2)
+    env.reset(seed=0)
+    usual = env.maps
+    env.reset(seed=0, options={"map": [None, "mixed"], "map_seed": None, "start": None})
+    assert env.maps == usual
+    env.reset(seed=0, options={"per_env": [None, {}]})
+    assert env.maps == usual
+
+
 def test_options_and_seeds_per_environment() -> None:
     env = Nav2DVectorEnv(num_envs=2)
     options = {"map": ["maze", "u_trap"], "map_seed": [1, 2]}
@@ -120,6 +144,10 @@ def test_bad_arguments(arguments: dict[str, Any], word: str) -> None:
         ({"options": {"reset_mask": np.zeros(2, dtype=bool)}}, "reset_mask"),
         ({"options": {"reset_mask": [1, 0]}}, "reset_mask"),
         ({"options": {"colour": 1}}, "colour"),
+        ({"options": {"colour": None}}, "colour"),
+        ({"options": {"per_env": [{}, 3]}}, "options must be a dictionary or None, got 3"),
+        ({"options": {"map": np.array("nowhere")}}, "map must be one of"),
+        ({"seed": np.array(3)}, "seed must be one integer or 2 of them"),
     ],
 )
 def test_bad_reset(reset: dict[str, Any], word: str) -> None:

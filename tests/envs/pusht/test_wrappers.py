@@ -159,6 +159,7 @@ def test_specs_make_the_wrapped_environment_again() -> None:
         (SensorNoise, {"sigma": math.nan}, "sigma"),
         (Dropout, {"probability": 1.5}, "probability"),
         (Dropout, {"probability": math.nan}, "probability"),
+        (Dropout, {"probability": "often"}, "probability"),
         (Delay, {"steps": -1}, "steps"),
         (Delay, {"steps": 1.5}, "steps"),
     ],
@@ -173,3 +174,8 @@ def test_bad_arguments(wrapper: Any, arguments: dict[str, Any], word: str) -> No
 def test_keypoints_are_needed(wrap: Any, obs_type: Any) -> None:
     with pytest.raises(ValueError, match="environment_state_agent_pos"):
         wrap(PushTEnv(obs_type=obs_type))
+
+
+def test_the_environment_is_one_of_pusht() -> None:
+    with pytest.raises(ValueError, match="the environment must be one of pushT, got"):
+        Delay(gym.make("aicon/Nav2D-v0"), 2)

@@ -134,6 +134,25 @@ def test_a_robot_may_be_any_urdf() -> None:
     assert env.description()["tip"] == "panda_link4"
 
 
+def test_a_home_may_be_a_list_or_an_array() -> None:
+    ur5 = ROBOTS["ur5"]
+    for kind in (list, np.array):
+        home: Any = kind(ur5.home)
+        assert Robot(ur5.urdf, ur5.tip, ur5.srdf, home) == ur5
+        gains: Any = kind([[1.0, 2.0]] * 6)
+        assert Robot(ur5.urdf, ur5.tip, gains=gains).gains == ((1.0, 2.0),) * 6
+    with pytest.raises(ValueError, match="home must be 6 finite numbers"):
+        ReachEnv(Robot(ur5.urdf, ur5.tip, home="up"))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("number", [0, -1, 3, 1.5, "first"])
+def test_a_ball_that_is_not_there_cannot_be_moved(number: Any) -> None:
+    env = ReachEnv("ur5", balls=2)
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="number must be"):
+        env.move_ball(number, (0.0, 0.0, 2.0))
+
+
 def test_speeds_are_those_of_the_description_if_they_are_less() -> None:
     env = ReachEnv("panda", speed=2.5)
     speeds = [2.175] * 4 + [2.5] * 3

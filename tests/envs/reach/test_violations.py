@@ -31,7 +31,7 @@ def test_gaps_are_the_distances_of_shapes_that_can_meet() -> None:
     without = excluded(model)
 
     for posture in draw_postures(scene.low, scene.high, 30, np.random.default_rng(0)):
-        simulation.tip_at(posture)
+        simulation.start(posture, np.zeros((0, 3)))
         nearest = SIGHT
         for first in range(model.ngeom):
             for second in range(first):
