@@ -78,6 +78,7 @@ class AiconSimulated(Robot):
         """Begin an episode."""
         observation, self.info = self._env.reset(seed=self.config.seed)
         self._joints, self._gripper = observation["q"], 0.0
+        self._goal = dict(zip(self._keys, np.degrees(self._joints).tolist(), strict=True))
         self._is_connected, self._sent = True, 0
 
     def calibrate(self) -> None:
@@ -106,9 +107,11 @@ class AiconSimulated(Robot):
         return observation
 
     def send_action(self, action: dict[str, Any]) -> dict[str, Any]:
-        """Let the servos go there for one step of LeRobot's loop."""
+        """Let the servos go there for one step of LeRobot's loop; one that is left out stays."""
         self._check_connected()
-        target = np.radians([float(action[key]) for key in self._keys])
+        for key in self._goal.keys() & action.keys():
+            self._goal[key] = float(action[key])
+        target = np.radians([self._goal[key] for key in self._keys])
         for _ in range(max(1, round(1 / self.config.fps / CONTROL_STEP))):
             observation, *_, self.info = self._env.step((target - self._joints) / SERVO)
             self._joints = observation["q"]

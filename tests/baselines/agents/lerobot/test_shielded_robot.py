@@ -89,6 +89,7 @@ def test_an_arm_that_is_held_goes_on_once_it_is_let_go() -> None:
     shield = JointShield(ShieldOptions(urdf="so101"))
     measured = to_action([0.0, -30.0, 30.0, 30.0, 0.0])
     wanted = to_action([40.0, -60.0, 60.0, 60.0, 30.0])
+    assert shield(measured, wanted) == {}
     for step in range(150):
         sent = shield(measured, wanted)
         if step >= 60:
