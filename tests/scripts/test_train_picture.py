@@ -10,7 +10,6 @@ import pytest
 pytest.importorskip("pymunk")
 
 import train_picture
-
 from aicon_baselines.evaluation import ComparisonError
 
 Drawn = list[tuple[np.ndarray, np.ndarray]]
