@@ -1,6 +1,7 @@
 """A shield for the positions that LeRobot sends to an arm."""
 
 from collections.abc import Mapping
+from operator import itemgetter
 from typing import Any
 
 from aicon_torch import Shield
@@ -41,7 +42,8 @@ def posture_shield(
         dt=1.0 / options.fps,
         watchdog=False,  # what it reads are commands, which neither age nor freeze
     )
-    return Shield(_wanted, body_model(body, table), nominal=towards, goes_around=goes_around)
+    wanted = itemgetter(WANTED)
+    return Shield(wanted, body_model(body, table), nominal=towards, goes_around=goes_around)
 
 
 class JointShield:
@@ -139,8 +141,3 @@ class JointShield:
         """What was changed in the last action, and why; None before the first, and while held."""
         is_held = self._arm is not None and self._arm.is_held
         return None if self._state is None or is_held else self._shield.explain(self._state)
-
-
-def _wanted(observation: Mapping[str, Any]) -> Any:
-    """Where the joints are sent, rad."""
-    return observation[WANTED]

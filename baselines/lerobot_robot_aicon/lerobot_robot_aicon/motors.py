@@ -23,8 +23,8 @@ class Motors:
         options: The motors that turn them, their offsets and signs.
 
     Raises:
-        ValueError: If an option names a joint that the description does not have, or a sign is
-            neither 1 nor -1.
+        ValueError: If an option names a joint that the description does not have, a motor turns
+            two joints, or a sign is neither 1 nor -1.
 
     Attributes:
         keys: The motors' keys in observations and actions: ``"elbow_flex.pos"``.
@@ -40,6 +40,12 @@ class Motors:
                 )
 
         self.keys = [f"{options.motors.get(joint, joint)}.pos" for joint in joints]
+        if len(set(self.keys)) < len(self.keys):
+            raise ValueError(
+                f"motors={options.motors!r}: a motor turns two joints; expected another one for "
+                f"each, but they are {', '.join(self.keys)}."
+            )
+
         self._offsets = np.array([options.offsets.get(joint, 0.0) for joint in joints])
         self.reset()
         self._signs = np.array([options.signs.get(joint, 1) for joint in joints])

@@ -72,9 +72,13 @@ def test_readings_that_never_agree_move_no_arm_and_are_told(
 def test_a_motor_that_is_left_out_stays_where_it_was_sent() -> None:
     robot = AiconSimulated(AiconSimulatedConfig())
     robot.connect()
+    with pytest.raises(ValueError, match=r"action: elbow_flex\.pos is None; expected a number"):
+        robot.send_action({"elbow_flex.pos": None})
     robot.send_action(to_action([0.0, -60.0, 60.0, 0.0, 0.0]))
     for _ in range(60):
         robot.send_action({"shoulder_pan.pos": 20.0, "gripper.pos": 10.0})
+        robot.send_action({"elbow_flex.pos": np.nan, "gripper.pos": np.nan})
+    assert robot.get_observation()["gripper.pos"] == 10.0
     reached = np.degrees(joints(robot.get_observation()))
     assert reached == pytest.approx([20.0, -60.0, 60.0, 0.0, 0.0], abs=2.0)
 
