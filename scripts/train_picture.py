@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.evaluation.errors import ComparisonError, check_counts
+from aicon_baselines.files import check_same_config, only_writer, read_json, replacing, write_json
 
 BATCH, RATE = 64, 2e-3
 SEED = 1000
@@ -26,6 +28,12 @@ EXACT = 0.15
 
 WORK = ".training"
 """Suffix of the folder with what is needed to go on, beside the weights."""
+
+DRAWN = "drawn.json"
+"""The file in it that says which pictures it holds."""
+
+HELD_OUT = 20
+"""One of so many pictures is not learned from, but looked at in the end."""
 
 TRUSTED = 5.0
 """Largest error in standard deviations that a likelihood counts in full; beyond, it is linear."""
@@ -50,10 +58,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Draw what is missing, train, and say how good it is on pictures that it has not seen."""
+    check_counts(steps=arguments.steps, side=arguments.side)
+    if arguments.pictures < HELD_OUT:
+        raise ComparisonError(f"pictures must be {HELD_OUT} or more, not {arguments.pictures}")
+
     folder = arguments.out.with_suffix(WORK)
-    folder.mkdir(parents=True, exist_ok=True)
-    pictures, poses = draw_pictures(folder, arguments.pictures, arguments.side)
-    train(pictures, poses, folder, arguments)
+    with only_writer(folder):
+        drawn = {"pictures": arguments.pictures, "side": arguments.side}
+        if (folder / DRAWN).exists():
+            check_same_config(folder, "other pictures", read_json(folder / DRAWN), drawn)
+        write_json(folder / DRAWN, drawn)
+
+        pictures, poses = draw_pictures(folder, arguments.pictures, arguments.side)
+        train(pictures, poses, folder, arguments)
 
 
 def draw_pictures(
@@ -69,7 +86,7 @@ def draw_pictures(
 
     shape = (count, side, side, 3)
     open_memmap: Any = np.lib.format.open_memmap  # numpy leaves it untyped
-    mode: Any = "r+" if (folder / "pictures.npy").exists() else "w+"
+    mode: Any = "r+" if (folder / "poses.npy").exists() else "w+"  # the file that is begun last
     pictures = open_memmap(folder / "pictures.npy", mode, np.uint8, shape)
     poses = open_memmap(folder / "poses.npy", mode, np.float64, (count, 3))
 
@@ -177,7 +194,7 @@ def train(
 
     frames = torch.from_numpy(np.array(poses)) * torch.tensor([PIXEL, PIXEL, 1.0])
     true_poses = body.pose_of_frame(frames).float()
-    held_out = len(pictures) // 20
+    held_out = len(pictures) // HELD_OUT
 
     class Batches(torch.utils.data.Dataset[Any]):
         """The pictures and poses of each step, the same whenever it is drawn."""
@@ -210,8 +227,10 @@ def train(
             bar.set_postfix_str(message)
             print(step + 1, message, flush=True)
             saved = {"network": network.state_dict(), "optimizer": optimizer.state_dict()}
-            torch.save({**saved, "done": step + 1}, state)
-    torch.save(network.state_dict(), arguments.out)
+            with replacing(state) as place:
+                torch.save({**saved, "done": step + 1}, place)
+    with replacing(arguments.out) as place:
+        torch.save(network.state_dict(), place)
     _report(network, batches(arguments.steps, arguments.steps + 16), PIXEL)
 
 

@@ -173,13 +173,14 @@ def _loaded(task: TaskOrName) -> Task:
 
 
 def _find_own(source: str) -> Factory:
+    expected = "expected MODULE:FUNCTION, a function of the condition that returns a policy"
     try:
         build: Factory = find(source)
     except (ComparisonError, ImportError) as error:
-        raise ComparisonError(
-            f"policy {error}; expected MODULE:FUNCTION, a function of the condition that "
-            "returns a policy"
-        ) from error
+        raise ComparisonError(f"policy {error}; {expected}") from error
+
+    if not callable(build):
+        raise ComparisonError(f"policy {source!r} is a {type(build).__name__}; {expected}")
     return build
 
 

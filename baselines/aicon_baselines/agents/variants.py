@@ -36,7 +36,7 @@ def parse_variant(text: str) -> tuple[str, dict[str, Any]]:
     """Read "steepest", "law.step=0.5,max_speed=0.3" or "steepest,max_speed=0.3".
 
     Options are named as in `make_policy`, by dotted paths where they lie deeper. Values are Python
-    literals; a word alone is a string, as in "resolution.projector=oblique".
+    literals; a word alone is a string, as in "resolution.projector=oblique". No option has two.
 
     Returns:
         The name of the policy, `REFERENCE` if none is named, and the options.
@@ -49,7 +49,7 @@ def parse_variant(text: str) -> tuple[str, dict[str, Any]]:
         # Only the first part may be a policy, and a policy has no value.
         if not equals and index == 0 and name.isidentifier():
             policy = name
-        elif equals and all(word.isidentifier() for word in name.split(".")):
+        elif equals and name not in options and all(map(str.isidentifier, name.split("."))):
             options[name] = _parse_value(value.strip(), text)
         else:
             raise _refusal(text)
@@ -72,7 +72,7 @@ def _parse_value(value: str, text: str) -> Any:
     """Read a literal, or a word as a string."""
     try:
         return ast.literal_eval(value)
-    except (SyntaxError, ValueError) as error:
+    except (SyntaxError, ValueError, TypeError) as error:
         if value.isidentifier():
             return value
         raise _refusal(text) from error

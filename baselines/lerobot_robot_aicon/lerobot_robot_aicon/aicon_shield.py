@@ -108,7 +108,7 @@ class AiconShield(Robot):
             action: Where each motor shall go; those that are left out stay where they are.
 
         Returns:
-            What was sent.
+            What was sent; nothing before two readings agree on where the robot stands.
 
         Raises:
             ValueError: If it names a motor that the robot does not have, or has no number for one,
@@ -125,6 +125,8 @@ class AiconShield(Robot):
         self._measured = None  # once it has moved, it stands elsewhere
         allowed = self._shield(measured, action)
         self._interference.note()
+        if not allowed.keys() >= set(self._shield.joints.keys):
+            return {}
         sent: dict[str, Any] = self.inner.send_action(allowed)
         return sent
 

@@ -10,6 +10,7 @@ from aicon_envs.reach import ReachEnv
 from aicon_envs.reach.simulation import CONTROL_STEP
 from aicon_torch.validation import check_positive
 from lerobot_robot_aicon.config_aicon_simulated import AiconSimulatedConfig
+from lerobot_robot_aicon.motors import check_mapping, finite
 
 SERVO = 0.1
 """The servos go to where they are sent in so long, s."""
@@ -78,6 +79,7 @@ class AiconSimulated(Robot):
         """Begin an episode."""
         observation, self.info = self._env.reset(seed=self.config.seed)
         self._joints, self._gripper = observation["q"], 0.0
+        self._goal = dict(zip(self._keys, np.degrees(self._joints).tolist(), strict=True))
         self._is_connected, self._sent = True, 0
 
     def calibrate(self) -> None:
@@ -106,13 +108,22 @@ class AiconSimulated(Robot):
         return observation
 
     def send_action(self, action: dict[str, Any]) -> dict[str, Any]:
-        """Let the servos go there for one step of LeRobot's loop."""
+        """Let the servos go there for one step of LeRobot's loop.
+
+        A motor that is left out, or has no finite number, stays where it was sent.
+
+        Raises:
+            ValueError: If the action has no number for a motor.
+        """
         self._check_connected()
-        target = np.radians([float(action[key]) for key in self._keys])
+        check_mapping("action", action, self._keys)
+        told = finite(action)
+        self._goal |= {key: float(told[key]) for key in self._keys if key in told}
+        target = np.radians([self._goal[key] for key in self._keys])
         for _ in range(max(1, round(1 / self.config.fps / CONTROL_STEP))):
             observation, *_, self.info = self._env.step((target - self._joints) / SERVO)
             self._joints = observation["q"]
-        self._gripper = float(np.clip(action.get(GRIPPER, self._gripper), 0.0, 100.0))
+        self._gripper = float(np.clip(told.get(GRIPPER, self._gripper), 0.0, 100.0))
         self._sent += 1
         if self.config.film is not None and self._sent % FILMED == 0:
             self._film.append(self._env.picture("outside", PICTURE))

@@ -61,10 +61,13 @@ def described_arm(options: ArmOptions) -> Robot:
         raise ValueError(
             f"urdf={options.urdf!r} is no file: expected one, or one of {', '.join(ROBOTS)}."
         )
-    if known is not None and options.tip is not None:
-        raise ValueError(f"tip={options.tip!r}: {options.urdf} has {known.tip!r}; leave it out.")
     if known is None:
         return Robot.from_urdf(options.urdf, tip=options.tip, srdf=options.srdf)
+
+    for name in ("tip", "srdf"):
+        given, own = getattr(options, name), getattr(known, name)
+        if given is not None:
+            raise ValueError(f"{name}={given!r}: {options.urdf} has {own!r}; leave it out.")
     srdf = None if known.srdf is None else find_file(known.srdf)
     return Robot.from_urdf(find_file(known.urdf), tip=known.tip, srdf=srdf)
 

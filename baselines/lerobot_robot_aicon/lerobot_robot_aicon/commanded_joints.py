@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from aicon_torch.parts.chain import Chain
 from lerobot_robot_aicon.arm_options import ArmOptions
 from lerobot_robot_aicon.measured_joints import Believed, MeasuredJoints
-from lerobot_robot_aicon.motors import Motors
+from lerobot_robot_aicon.motors import TURN, Motors
 
 _log = logging.getLogger(__name__)
 
@@ -22,7 +22,8 @@ class ArmState(NamedTuple):
         commanded: Where its joints were sent ``(n,)``, rad, no further ahead than the lead.
         measured: Where they are ``(n,)``, rad.
         begins: Whether an episode begins.
-        is_held: Whether a motor shows what cannot be: the arm is sent where it was sent.
+        is_held: Whether a motor shows what cannot be, or has not been read twice: the arm is sent
+            where it was sent, which is nowhere at first.
         is_displaced: Whether it stands farther from where it was sent than it can have come by
             itself, and is to be sent to where it is before anything else.
     """
@@ -43,6 +44,7 @@ class CommandedJoints:
 
     Readings that cannot be true do not count: see :class:`MeasuredJoints`. Where four in a row
     agree on another place, the arm was moved there, and what is commanded follows it step by step.
+    A joint that can turn more than once is sent to a place on the turn that its motor shows.
 
     Args:
         chain: The description's joints.
@@ -69,6 +71,8 @@ class CommandedJoints:
 
     def reset(self) -> None:
         """Forget where they were sent."""
+        self.motors.reset()
+        self._measured.reset()
         self._commanded: NDArray[np.float64] | None = None
         self._is_held = self._is_displaced = False
 
@@ -81,8 +85,11 @@ class CommandedJoints:
         """
         reading = self.motors.read(observation)
         if self._commanded is None:
-            self._measured.begin(reading)
-            return ArmState(reading, reading, begins=True)
+            return self._begin(observation, reading)
+
+        turns = self._measured.turns(reading, self._commanded)
+        self.motors.turn(turns)
+        reading = reading - TURN * turns
 
         believed = self._measured(reading, self._commanded)
         self._warn(observation, believed)
@@ -99,10 +106,23 @@ class CommandedJoints:
             return ArmState(self._commanded, measured, is_displaced=True)
         return ArmState(within, measured)
 
+    def stays(self) -> dict[str, float]:
+        """Where the motors were sent last, degrees; nothing before the first time."""
+        return {} if self._commanded is None else self.motors.written(self._commanded)
+
     def moved(self, commanded: NDArray[Any], velocity: Any) -> dict[str, float]:
         """Where the motors are sent next, degrees: a step of a velocity ``(n,)``, rad/s, on."""
         self._commanded = commanded + np.asarray(velocity) / self._fps
         return self.motors.written(self._commanded)
+
+    def _begin(self, observation: Mapping[str, Any], reading: NDArray[np.float64]) -> ArmState:
+        """How an arm stands that was not sent anywhere: two readings in a row must agree."""
+        agrees = self._measured.begin(reading)
+        was_held, self._is_held = self._is_held, not agrees.all()
+        if was_held and self._is_held:
+            shown = self._shown(observation, ~agrees)
+            _log.warning("The arm is not moved: two readings in a row do not agree, %s.", shown)
+        return ArmState(reading, reading, begins=not self._is_held, is_held=self._is_held)
 
     def _warn(self, observation: Mapping[str, Any], believed: Believed) -> None:
         """Say once when the arm begins to be held, and once when it was moved."""

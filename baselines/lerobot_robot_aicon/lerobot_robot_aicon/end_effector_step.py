@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from aicon_torch import make_policy
+from aicon_torch.shield import ShieldState
 from lerobot_robot_aicon.arm_options import ArmOptions, described_arm
 from lerobot_robot_aicon.commanded_joints import CommandedJoints
+from lerobot_robot_aicon.joint_shield import WANTED, posture_shield
 from lerobot_robot_aicon.motors import as_number
 
 POSE = ("ee.x", "ee.y", "ee.z", "ee.wx", "ee.wy", "ee.wz")
@@ -30,7 +32,7 @@ class EndEffectorStep(ArmOptions, RobotActionProcessorStep):
 
     It is the policy of :func:`aicon_torch.make_policy` "reach": no stop is passed, the links stay
     off each other, and where both hold up the way it goes around. Each action is a step on that
-    way, not its end; angles are in degrees.
+    way, not its end; angles are in degrees. An arm that was moved by force is followed likewise.
 
     Attributes:
         orientation: What of the orientation is meant: "free" for none, "axis" for the direction of
@@ -55,7 +57,7 @@ class EndEffectorStep(ArmOptions, RobotActionProcessorStep):
         )
         self._policy = policy.compile()
         self._joints = CommandedJoints(arm.chain, self)
-        self._speeds = arm.chain.speed.clamp(max=self.speed).numpy()
+        self._following = posture_shield(arm, self)
         self.reset()
 
         # The first step compiles it, for which no arm shall wait.
@@ -66,7 +68,8 @@ class EndEffectorStep(ArmOptions, RobotActionProcessorStep):
         """Where the motors are sent next, in the place of the pose.
 
         What is not finite of a pose is none, and what is not finite of an opening is not sent. Of
-        readings that cannot be true, see :class:`CommandedJoints`.
+        readings that cannot be true, see :class:`CommandedJoints`; until two agree on where the arm
+        stands, there are no motors in the action.
 
         Raises:
             ValueError: If the action lacks a part of the pose, the observation a motor, something
@@ -84,18 +87,21 @@ class EndEffectorStep(ArmOptions, RobotActionProcessorStep):
 
         arm = self._joints.look(self.transition.get(TransitionKey.OBSERVATION))
         if arm.is_held:
-            return {**action, **self._joints.motors.written(arm.commanded)}
-        if arm.is_displaced:  # straight to where it is, which is no pose to look for
-            back = (arm.measured - arm.commanded) * self.fps
-            velocity = back.clip(-self._speeds, self._speeds)
+            return {**action, **self._joints.stays()}
+
+        if arm.is_displaced:
+            followed = {"q": arm.commanded, WANTED: arm.measured}
+            velocity, self._followed = self._following.predict(followed, self._followed)
         else:
             sought = {"q": arm.commanded, **self._target(pose)}
             velocity, self._memory = self._policy.predict(sought, self._memory)
+            self._followed = None
         return {**action, **self._joints.moved(arm.commanded, velocity)}
 
     def reset(self) -> None:
         """Begin anew."""
         self._memory: Any = None
+        self._followed: ShieldState | None = None
         self._joints.reset()
 
     def get_config(self) -> dict[str, Any]:

@@ -1,13 +1,15 @@
 """A shield for the positions that LeRobot sends to an arm."""
 
 from collections.abc import Mapping
+from operator import itemgetter
 from typing import Any
 
 from aicon_torch import Shield
 from aicon_torch.inspection.shielding import Shielding
 from aicon_torch.models.reach import Options, body_model, towards
+from aicon_torch.parts import Robot
 from aicon_torch.shield import NOMINAL, ShieldState
-from lerobot_robot_aicon.arm_options import ShieldOptions, described_arm
+from lerobot_robot_aicon.arm_options import ArmOptions, ShieldOptions, described_arm
 from lerobot_robot_aicon.commanded_joints import ArmState, CommandedJoints
 from lerobot_robot_aicon.measured_joints import REMEDY
 from lerobot_robot_aicon.motors import check_mapping, finite
@@ -21,6 +23,27 @@ stand as it is described, and is not moved."""
 
 CHANGED = 0.02
 """An action that is changed by more than this, rad/s, has been interfered with."""
+
+
+def posture_shield(
+    arm: Robot, options: ArmOptions, table: float | None = None, goes_around: bool = True
+) -> Shield:
+    """A shield for who sends the joints of an arm, ``"q"``, to the posture ``WANTED``.
+
+    Args:
+        arm: The arm.
+        options: Its speed, and how many actions there are in a second.
+        table: Height of a table in the frame of the base, m; None for no table.
+        goes_around: Whether it goes around what is in the way, or stays there.
+    """
+    body = Options(
+        robot=arm,
+        speed=options.speed,
+        dt=1.0 / options.fps,
+        watchdog=False,  # what it reads are commands, which neither age nor freeze
+    )
+    wanted = itemgetter(WANTED)
+    return Shield(wanted, body_model(body, table), nominal=towards, goes_around=goes_around)
 
 
 class JointShield:
@@ -37,16 +60,9 @@ class JointShield:
 
     def __init__(self, options: ShieldOptions) -> None:
         arm = described_arm(options)
-        body = Options(
-            robot=arm,
-            speed=options.speed,
-            dt=1.0 / options.fps,
-            watchdog=False,  # what it reads are commands, which neither age nor freeze
-        )
-        model = body_model(body, options.table)
-        shield = Shield(_wanted, model, nominal=towards, goes_around=options.goes_around)
-
-        self._shield = shield.compile()
+        self._shield = posture_shield(
+            arm, options, table=options.table, goes_around=options.goes_around
+        ).compile()
         self.joints = CommandedJoints(arm.chain, options)
         self._middle = arm.chain.middle.numpy()
         self.reset()
@@ -67,7 +83,8 @@ class JointShield:
         """The nearest action that is allowed.
 
         While a motor shows what cannot be, the arm is held; if it was moved by force, it is sent
-        to where it is before it is sent where it is told: see :class:`CommandedJoints`.
+        to where it is before it is sent where it is told: see :class:`CommandedJoints`. Until two
+        readings agree on where it stands, its joints are left out of the action.
 
         Args:
             observation: Where the motors are, degrees.
@@ -80,11 +97,14 @@ class JointShield:
         check_mapping("action", action, self.joints.keys)
         told = finite(action)
         self._arm = arm = self.joints.look(observation)
-        stays = self.joints.motors.written(arm.commanded)
         if arm.is_held:
-            return {**told, **stays}
+            others = {key: value for key, value in told.items() if key not in self.joints.keys}
+            return {**others, **self.joints.stays()}
 
-        wanted = arm.measured if arm.is_displaced else self.joints.motors.read({**stays, **told})
+        stays = self.joints.motors.written(arm.commanded)
+        wanted = self.joints.motors.told({**stays, **told}, arm.commanded)
+        if arm.is_displaced:
+            wanted = arm.measured
         proposed = {"q": arm.commanded, WANTED: wanted}
         velocity, state = self._shield.predict(proposed, self._state)
         if arm.begins:
@@ -95,10 +115,10 @@ class JointShield:
 
     def is_changed(self) -> bool:
         """Whether the last action is another one than was asked for, as fast as it may be."""
-        if self._arm is None or self._state is None:
-            return False
-        if self._arm.is_held or self._arm.is_displaced:
+        if self._arm is not None and (self._arm.is_held or self._arm.is_displaced):
             return True
+        if self._state is None:
+            return False
 
         memory, actuator = self._state.memory, self._shield.model.actuators["a"]
         difference = (memory["a"] - actuator.clip(memory[NOMINAL])).abs().max()
@@ -121,8 +141,3 @@ class JointShield:
         """What was changed in the last action, and why; None before the first, and while held."""
         is_held = self._arm is not None and self._arm.is_held
         return None if self._state is None or is_held else self._shield.explain(self._state)
-
-
-def _wanted(observation: Mapping[str, Any]) -> Any:
-    """Where the joints are sent, rad."""
-    return observation[WANTED]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from aicon_torch.parts.chain import Chain
 from aicon_torch.readings.sensor_validation import PATIENCE
 from lerobot_robot_aicon.arm_options import ArmOptions
+from lerobot_robot_aicon.motors import TURN
 
 BEYOND_STOP = math.radians(10.0)
 """A reading farther beyond a joint's stops, rad, is none; by less, a calibration may err."""
@@ -43,7 +44,8 @@ class MeasuredJoints:
     =====================================================  ========
     reading                                                believed
     =====================================================  ========
-    the first of an episode, finite and within the stops   yes
+    the first of an episode                                no
+    of the next ones the first that agrees with the last   yes
     not finite, or beyond the stops                        no
     near where the joint was or is sent, or between        yes
     elsewhere, the fourth in a row that agree              yes
@@ -62,9 +64,21 @@ class MeasuredJoints:
         self._low, self._high = chain.low.numpy(), chain.high.numpy()
         self._near = NOISE + PUSH / options.fps
         self._agreeing = self._near + options.speed / options.fps
+        width = self._high - self._low + 2 * BEYOND_STOP
+        self._may_wrap = chain.turns.squeeze(-1).numpy() & (width >= TURN)
+        self.reset()
 
-    def begin(self, reading: NDArray[np.float64]) -> None:
-        """Take the first reading of an episode ``(n,)``, rad.
+    def reset(self) -> None:
+        """Forget what was read."""
+        self._last = self._believed = np.full(len(self._names), np.nan)
+        self._agreed = np.zeros(len(self._names), np.int64)
+
+    def begin(self, reading: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Take a reading of an arm that has not been moved ``(n,)``, rad.
+
+        Returns:
+            Whether it agrees with the one before ``(n,)``. An episode begins where all do: one
+            reading may be wrong.
 
         Raises:
             ValueError: If a joint has none, or one that is beyond its stops.
@@ -85,8 +99,9 @@ class MeasuredJoints:
                     f"{least:.0f}° and {most:.0f}°, so the arm {REMEDY}"
                 )
 
-        self._believed = self._last = reading
-        self._agreed = np.zeros(len(reading), np.int64)
+        agrees = np.abs(reading - self._last) <= self._near
+        self._last = self._believed = reading
+        return agrees
 
     def __call__(self, reading: NDArray[np.float64], commanded: NDArray[np.float64]) -> Believed:
         """What the next reading is worth.
@@ -96,11 +111,7 @@ class MeasuredJoints:
             commanded: Where the joints were sent ``(n,)``, rad.
         """
         is_possible = self._is_possible(reading)
-
-        # Is it where the joint can have come to since the last one that was believed?
-        least = np.minimum(self._believed, commanded) - self._near
-        most = np.maximum(self._believed, commanded) + self._near
-        is_near = is_possible & (least <= reading) & (reading <= most)
+        is_near = self._is_near(reading, commanded)
 
         # Does it agree with those just before it, wherever they are?
         agrees = is_possible & (np.abs(reading - self._last) <= self._agreeing)
@@ -111,6 +122,30 @@ class MeasuredJoints:
         is_believed = is_near | has_jumped
         self._believed = np.where(is_believed, reading, self._believed)
         return Believed(self._believed, is_believed, has_jumped)
+
+    def turns(
+        self, reading: NDArray[np.float64], commanded: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """How many turns the next reading is away from where the joints can be ``(n,)``.
+
+        A motor that counts within one turn shows -179° for 181°. It is 0 for a joint that cannot
+        stand a turn farther, and for a reading that is elsewhere in any case.
+
+        Args:
+            reading: What the motors show ``(n,)``, rad.
+            commanded: Where the joints were sent ``(n,)``, rad.
+        """
+        turns = np.where(self._may_wrap, np.round((reading - self._believed) / TURN), 0.0)
+        is_near = self._is_near(reading - TURN * turns, commanded)
+        return np.where(is_near, turns, 0.0)
+
+    def _is_near(
+        self, reading: NDArray[np.float64], commanded: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """Whether each joint can have come there since its last reading that was believed."""
+        least = np.minimum(self._believed, commanded) - self._near
+        most = np.maximum(self._believed, commanded) + self._near
+        return self._is_possible(reading) & (least <= reading) & (reading <= most)
 
     def _is_possible(self, reading: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether each joint can stand where its motor shows, ``(n,)``; NaN cannot."""

@@ -9,19 +9,22 @@ from numpy.typing import NDArray
 
 from lerobot_robot_aicon.arm_options import ArmOptions
 
+TURN = 2 * math.pi
+
 
 class Motors:
     """Turns the radians of a description into the degrees of a robot's motors, and back.
 
-    A motor shows s·q + o, where q is the joint's angle, degrees, s its sign and o its offset.
+    A motor shows s·q + o, where q is the joint's angle, degrees, s its sign and o its offset; and
+    whole turns more or less, if it counts within a turn that the joint has left.
 
     Args:
         joints: Names of the description's joints.
         options: The motors that turn them, their offsets and signs.
 
     Raises:
-        ValueError: If an option names a joint that the description does not have, or a sign is
-            neither 1 nor -1.
+        ValueError: If an option names a joint that the description does not have, a motor turns
+            two joints, or a sign is neither 1 nor -1.
 
     Attributes:
         keys: The motors' keys in observations and actions: ``"elbow_flex.pos"``.
@@ -37,10 +40,25 @@ class Motors:
                 )
 
         self.keys = [f"{options.motors.get(joint, joint)}.pos" for joint in joints]
+        if len(set(self.keys)) < len(self.keys):
+            raise ValueError(
+                f"motors={options.motors!r}: a motor turns two joints; expected another one for "
+                f"each, but they are {', '.join(self.keys)}."
+            )
+
         self._offsets = np.array([options.offsets.get(joint, 0.0) for joint in joints])
+        self.reset()
         self._signs = np.array([options.signs.get(joint, 1) for joint in joints])
         if not np.isin(self._signs, (-1, 1)).all():
             raise ValueError(f"signs={options.signs!r}: expected 1 or -1 for each joint.")
+
+    def reset(self) -> None:
+        """Take what the motors show as it is."""
+        self._turns = np.zeros(len(self.keys))
+
+    def turn(self, turns: NDArray[Any]) -> None:
+        """Take each joint ``(n,)`` as so many turns less than its motor has shown until now."""
+        self._turns += self._signs * turns
 
     def read(self, observation: Mapping[str, Any]) -> NDArray[Any]:
         """The joints ``(n,)``, rad, that motors show, degrees; what is not finite stays so.
@@ -56,11 +74,21 @@ class Motors:
             )
 
         degrees = [as_number("observation", key, observation[key]) for key in self.keys]
-        return np.radians(self._signs * (np.array(degrees) - self._offsets))
+        return np.radians(self._signs * (np.array(degrees) - self._offsets - 360 * self._turns))
+
+    def told(self, action: Mapping[str, Any], near: NDArray[Any]) -> NDArray[Any]:
+        """Where an action sends the joints ``(n,)``, rad.
+
+        A motor that counts within one turn is told a place on any turn: the one that is nearest to
+        where the joint is commanded to be ``(n,)``, rad, is meant.
+        """
+        joints = self.read(action)
+        turns = np.where(self._turns == 0, 0.0, np.round((joints - near) / TURN))
+        return joints - TURN * turns
 
     def written(self, joints: NDArray[Any]) -> dict[str, float]:
         """What the motors call joints ``(n,)``, degrees."""
-        degrees = self._signs * np.degrees(joints) + self._offsets
+        degrees = self._signs * np.degrees(joints) + self._offsets + 360 * self._turns
         return dict(zip(self.keys, degrees.tolist(), strict=True))
 
 

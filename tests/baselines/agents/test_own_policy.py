@@ -48,7 +48,8 @@ def test_what_builds_it_goes_to_the_workers(module: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "source", ["nowhere:straight", "policies_of_mine:crooked", "./policies_of_mine.py:straight"]
+    "source",
+    ["math:pi", "nowhere:straight", "policies_of_mine:crooked", "./policies_of_mine.py:straight"],
 )
 def test_what_is_missing_is_a_sentence(module: str, source: str) -> None:
     with pytest.raises(ComparisonError, match="expected MODULE:FUNCTION"):

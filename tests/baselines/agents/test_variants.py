@@ -30,7 +30,19 @@ def test_variants_are_read(text: str, expected: object) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "a,b", "margin=", "margin=2*x", "margin=0.1)+f(", "*x", "law.=1", "law.step", "=1"],
+    [
+        "",
+        "a,b",
+        "a=1,a=2",
+        "a={[]: 1}",
+        "margin=",
+        "margin=2*x",
+        "margin=0.1)+f(",
+        "*x",
+        "law.=1",
+        "law.step",
+        "=1",
+    ],
 )
 def test_what_is_no_variant_is_refused(text: str) -> None:
     message = "a variant is written 'policy', 'option=value,option=value'"

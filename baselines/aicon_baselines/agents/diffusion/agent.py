@@ -183,10 +183,10 @@ class Agent:
 
             # A copy has no negative strides, which torch does not take.
             seen = self._lesson.feature(feature_name, observation)
-            if np.isnan(seen).any():
+            if not np.isfinite(seen).all():
                 raise ComparisonError(
-                    f"{told} has missing values, which a diffusion policy cannot do without: "
-                    "choose other conditions"
+                    f"{told} has missing values, or infinite ones, of which a diffusion policy "
+                    "knows nothing: choose other conditions"
                 )
             readings[_READINGS[feature_name]] = seen
 

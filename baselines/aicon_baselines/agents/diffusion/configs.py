@@ -1,5 +1,6 @@
 """What demonstrations to record, and what a diffusion policy is trained with."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,6 +11,9 @@ OBSERVATIONS = ("keypoints", "pixels")
 
 CHUNK_SIZE = 50
 """Number of seeds that are recorded as one batch."""
+
+CHANNEL_GROUPS = 8
+"""Channels of the U-Net are normalised in so many groups."""
 
 _REPORTED_SEEDS = (range(1000), range(20_000, 21_000))  # no demonstration may use them
 
@@ -53,16 +57,12 @@ class RecordingConfig:
         check_counts(episodes=self.episodes, horizon=self.horizon)
         _check_seeds(self.seed, self.episodes)
 
-        if not self.noises or min(self.noises) < 0.0:
+        if not self.noises or not all(0.0 <= noise < math.inf for noise in self.noises):
             raise ComparisonError(f"noises must be one or more numbers >= 0, not {self.noises}")
         if not 0.0 <= self.near <= 1.0:
             raise ComparisonError(f"near must be a share between 0 and 1, not {self.near}")
 
-        for name in ("max_speed", "smoothing"):
-            value = getattr(self, name)
-            if not value > 0.0:
-                raise ComparisonError(f"{name} must be positive, not {value}")
-
+        _check_positive(max_speed=self.max_speed, smoothing=self.smoothing)
         if not self.observations or set(self.observations) - set(OBSERVATIONS):
             raise ComparisonError(
                 f"observations must be some of {', '.join(OBSERVATIONS)}, not {self.observations}"
@@ -141,6 +141,11 @@ class TrainingConfig:
         check_counts(steps=self.steps, batch=self.batch)
         check_counts(horizon=self.horizon, action_steps=self.action_steps)
         check_known("observation", self.observation, OBSERVATIONS)
+        _check_positive(learning_rate=self.learning_rate)
+        if not math.isfinite(self.shift) or self.seed < 0:
+            raise ComparisonError(
+                f"shift must be finite and seed 0 or more, not {self.shift} and {self.seed}"
+            )
 
         # The first action belongs to the observation before the newest, and is over.
         if self.action_steps > self.horizon - 1:
@@ -155,6 +160,17 @@ class TrainingConfig:
                 f"horizon must be a multiple of {divisor}, 2 for each of down_dims, "
                 f"not {self.horizon}"
             )
+        if any(channels < 1 or channels % CHANNEL_GROUPS for channels in self.down_dims):
+            raise ComparisonError(
+                f"down_dims must be multiples of {CHANNEL_GROUPS}, not {self.down_dims}"
+            )
+
+
+def _check_positive(**values: float) -> None:
+    """Refuse what is not a positive number."""
+    for name, value in values.items():
+        if not 0.0 < value < math.inf:
+            raise ComparisonError(f"{name} must be positive, not {value}")
 
 
 def _check_seeds(first: int, episodes: int) -> None:

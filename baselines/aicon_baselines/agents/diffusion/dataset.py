@@ -33,6 +33,7 @@ class Frames:
         last: (N,), index of its last frame.
         statistics: Those of the dataset, for the normalisation.
         features: The features of the dataset, as LeRobot describes them.
+        fps: Frames a second.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -40,6 +41,7 @@ class Frames:
     last: NDArray[np.int64]
     statistics: dict[str, Any]
     features: dict[str, dict[str, Any]]
+    fps: int
 
     def __len__(self) -> int:
         """Count the frames."""
@@ -120,6 +122,7 @@ def read_frames(folder: Path, observation: str) -> Frames:
         last=np.repeat(starts + lengths - 1, lengths),
         statistics=dataset.meta.stats,
         features={name: dataset.meta.features[name] for name in names},
+        fps=dataset.meta.fps,
     )
 
 
@@ -158,8 +161,20 @@ def _read_pictures(dataset: Any) -> NDArray[np.uint8]:
 
 
 def together(datasets: Sequence[Frames]) -> Frames:
-    """The frames of several datasets, with the statistics of the first one."""
-    first, *_ = datasets
+    """The frames of several datasets, with the statistics of the first one.
+
+    Raises:
+        ComparisonError: If they differ in frames a second, or in the shape of a column.
+    """
+    first, *others = datasets
+    expected = _format(first)
+    for frames in others:
+        if _format(frames) != expected:
+            raise ComparisonError(
+                "datasets that are learned from together must be alike: there is one with "
+                f"{expected} and one with {_format(frames)}"
+            )
+
     starts = np.cumsum([0, *(len(frames) for frames in datasets[:-1])])
     shifted = list(zip(datasets, starts.tolist(), strict=True))
 
@@ -172,6 +187,11 @@ def together(datasets: Sequence[Frames]) -> Frames:
         first=np.concatenate([frames.first + start for frames, start in shifted]),
         last=np.concatenate([frames.last + start for frames, start in shifted]),
     )
+
+
+def _format(frames: Frames) -> dict[str, Any]:
+    """What a dataset must share with those that it is learned from with."""
+    return {name: values.shape[1:] for name, values in frames.columns.items()} | {"fps": frames.fps}
 
 
 def write_dataset(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from aicon_baselines.agents.diffusion.checkpoint import save
-from aicon_baselines.agents.diffusion.configs import TrainingConfig
+from aicon_baselines.agents.diffusion.configs import CHANNEL_GROUPS, TrainingConfig
 from aicon_baselines.agents.diffusion.dataset import Frames, shuffled_batches
 from aicon_baselines.agents.diffusion.lerobot_names import (
     ACTION,
@@ -20,6 +21,7 @@ from aicon_baselines.agents.diffusion.lerobot_names import (
     describe_features,
     import_lerobot,
 )
+from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.files import replacing
 
 # The published pushT policy's; all is named, because LeRobot's defaults differ between versions.
@@ -41,7 +43,7 @@ _IMAGE_ENCODER = {
 }
 _NETWORK = {
     "kernel_size": 3,  # 5 in the published policies
-    "n_groups": 8,
+    "n_groups": CHANNEL_GROUPS,
     "diffusion_step_embed_dim": 128,
     "use_film_scale_modulation": True,
 }
@@ -175,9 +177,18 @@ class Learner:
         return float(self._schedule.get_last_lr()[0])
 
     def advance(self) -> float:
-        """Take one gradient step and return its loss."""
+        """Take one gradient step and return its loss.
+
+        Raises:
+            ComparisonError: If the loss is no finite number, from which there is nothing to learn.
+        """
         batch = self._preprocess(self._load_batch(next(self._batches)))
         loss, _ = self._policy(batch)
+        if not loss.isfinite():
+            raise ComparisonError(
+                f"the loss of step {self.step + 1} is {float(loss.detach())}: take a smaller "
+                "learning rate, or demonstrations without NaN; what was saved before stays"
+            )
 
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self._policy.parameters(), _MAX_GRADIENT_NORM)
@@ -220,9 +231,22 @@ class Learner:
             torch.save(state, place)
 
     def load(self, file: Path) -> None:
-        """Go on from what was saved."""
-        state = torch.load(file, map_location=self._device, weights_only=True)
+        """Go on from what was saved.
 
+        Raises:
+            ComparisonError: If the file holds something else.
+        """
+        try:
+            self._restore(torch.load(file, map_location=self._device, weights_only=True))
+        except (RuntimeError, ValueError, TypeError, KeyError, EOFError, UnpicklingError) as error:
+            reason = str(error).partition("\n")[0]
+            raise ComparisonError(
+                f"{file} is not what this training goes on from ({reason}); without that file, it "
+                "begins anew"
+            ) from error
+
+    def _restore(self, state: dict[str, Any]) -> None:
+        """Take all that changes from what was saved."""
         # 1. The network and what changes it.
         self._policy.load_state_dict(state["policy"])
         self._averaged_weights.load_state_dict(state["average"])

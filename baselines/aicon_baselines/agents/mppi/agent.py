@@ -126,9 +126,10 @@ class Agent:
     def _metres(self, observation: dict[str, Any], name: str) -> Tensor:
         """A reading in metres, (B, n)."""
         reading = PIXEL * torch.as_tensor(observation[name], dtype=self._model.dtype)
-        if reading.isnan().any():
+        if not reading.isfinite().all():
             raise ComparisonError(
-                f"{name} has missing values, which MPPI cannot do without: choose other conditions"
+                f"{name} has missing values, or infinite ones, of which MPPI knows nothing: choose "
+                "other conditions"
             )
         return reading
 

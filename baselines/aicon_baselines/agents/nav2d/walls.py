@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aicon_envs.nav2d import Physics
-from aicon_torch.errors import OptionError
+from aicon_torch.validation import check_positive
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -57,10 +57,7 @@ class WallFollowing:
 
     def __post_init__(self) -> None:
         """Check the options, which are all positive."""
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not 0.0 < value < np.inf:
-                raise OptionError(f"{field.name}={value!r}: expected a positive number.")
+        check_positive(self, [field.name for field in fields(self)])
 
     def meets_wall(self, around: Surroundings) -> BoolArray:
         """Whether a wall is near and in the way, (B,)."""

@@ -1,7 +1,7 @@
 """What methods of inverse kinematics have in common when they control an arm."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -11,11 +11,16 @@ from numpy.typing import NDArray
 from aicon_baselines.agents.reach.random_places import RandomPlaces
 from aicon_baselines.evaluation.predictor import starting_rows
 from aicon_baselines.extras import require
+from aicon_torch.errors import OptionError, choices
+from aicon_torch.validation import check_not_negative, check_positive
 
 if TYPE_CHECKING:
     from aicon_baselines.agents.reach.kinematics import Kinematics
 
 FloatArray = NDArray[np.float64]
+
+ORIENTATIONS = ("free", "axis", "full")
+"""What of the orientation may count: nothing, the direction of the tip's axis, or all of it."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,7 @@ class InverseKinematics:
 
     Raises:
         ComparisonError: If a module is not installed; it says how to install it.
+        OptionError: If an option has a value that it cannot have.
     """
 
     robot: str = ""
@@ -61,7 +67,14 @@ class InverseKinematics:
     extra: ClassVar[str] = "peers"
 
     def __post_init__(self) -> None:
-        """Check that what it needs is there."""
+        """Check the options, and that what it needs is there."""
+        if self.orientation not in ORIENTATIONS:
+            valid = choices(ORIENTATIONS)
+            raise OptionError(f"orientation={self.orientation!r}: expected one of {valid}.")
+        check_positive(self, ("speed", "ball_radius", "dt", "gain", "lever"))
+        floats = [field.name for field in fields(self) if isinstance(field.default, float)]
+        check_not_negative(self, floats)
+
         require(type(self).__name__, self.extra, *self.modules)
 
     @cached_property

@@ -22,9 +22,9 @@ _DERIVED = (LAST_ACTION, OFFSETS)  # no readings of the environment
 class Agent:
     """A saved agent with the `predict` of a policy, which expects and gives what the task does.
 
-    Readings are stacked and normalised as in training. One that is missing (NaN) keeps its last
-    value. Its `state` is the stacks (those of readings as they were seen, that of the last action
-    as it will be seen next) and the state of the random numbers.
+    Readings are stacked and normalised as in training. One that is missing, or infinite, keeps its
+    last value. Its `state` is the stacks (those of readings as they were seen, that of the last
+    action as it will be seen next) and the state of the random numbers.
 
     Args:
         folder: Folder of the agent.
@@ -137,9 +137,9 @@ class Agent:
 
 
 def _fill_missing(reading: NDArray[Any], stack: NDArray[Any]) -> NDArray[Any]:
-    """Replace NaN in a reading (B, n) by the last value, 0 at the start of an episode."""
+    """Replace what is not finite of a reading (B, n) by the last value, 0 at the start."""
     last_reading = stack[:, -reading.shape[1] :]
-    return np.where(np.isnan(reading), last_reading, reading)
+    return np.where(np.isfinite(reading), reading, last_reading)
 
 
 def _append(reading: NDArray[Any], stack: NDArray[Any]) -> NDArray[Any]:

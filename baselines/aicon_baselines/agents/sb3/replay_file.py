@@ -37,10 +37,10 @@ def load_replay_buffer(path: Path, model: OffPolicyAlgorithm) -> None:
     buffer = _buffer(model)
     try:
         with np.load(path, allow_pickle=False) as saved:
-            for name, array in _arrays(buffer).items():
-                latest = saved[name][-buffer.buffer_size :]
-                array[: len(latest)] = latest
-                count = len(latest)
+            latest = {name: saved[name][-buffer.buffer_size :] for name in _arrays(buffer)}
+        (count,) = {len(array) for array in latest.values()}  # as many of each
+        for name, array in _arrays(buffer).items():
+            array[:count] = latest[name]
     except (KeyError, ValueError, OSError, EOFError, BadZipFile) as error:
         raise ComparisonError(
             f"{path} does not hold what this agent has seen ({error}); without that file, the "

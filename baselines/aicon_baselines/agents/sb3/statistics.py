@@ -69,4 +69,9 @@ def _set(moments: RunningMeanStd, saved: dict[str, Any]) -> None:
     if not mean.shape == variance.shape == shape:
         raise ValueError(f"shape {mean.shape}, expected {shape}")
 
-    moments.mean, moments.var, moments.count = mean, variance, float(saved["count"])
+    count = float(saved["count"])
+    if not (np.isfinite(mean).all() and np.isfinite(variance).all() and np.isfinite(count)):
+        raise ValueError("a number that is not finite")
+    if (variance < 0.0).any() or count <= 0.0:
+        raise ValueError(f"variances {variance.tolist()} of {count} values")
+    moments.mean, moments.var, moments.count = mean, variance, count

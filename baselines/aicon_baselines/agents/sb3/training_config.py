@@ -1,5 +1,6 @@
 """What an agent was, or is to be, trained for."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -74,6 +75,13 @@ class TrainingConfig:
         check_known("algorithm", self.algorithm, _LOADABLE_ALGORITHMS)
         check_counts(steps=self.steps, envs=self.envs, rollout=self.rollout)
         check_counts(epochs=self.epochs, horizon=self.horizon, stack=self.stack)
+
+        if not 0.0 < self.discount <= 1.0:
+            raise ComparisonError(f"discount must be in (0, 1], not {self.discount}")
+        if self.reach is not None and not 0.0 < self.reach < math.inf:
+            raise ComparisonError(f"reach must be positive, or None, not {self.reach}")
+        if not 0.0 <= self.approach < math.inf:
+            raise ComparisonError(f"approach must be 0 or more, not {self.approach}")
 
         if self.seed < 1000:
             raise ComparisonError(

@@ -1,6 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from aicon_baselines.agents.diffusion.dataset import Frames, shuffled_batches, together
+from aicon_baselines.evaluation import ComparisonError
 
 
 def test_windows_stay_in_their_episode() -> None:
@@ -10,6 +14,7 @@ def test_windows_stay_in_their_episode() -> None:
         last=np.array([2, 2, 2, 6, 6, 6, 6]),
         statistics={},
         features={},
+        fps=10,
     )
     offsets = {"action": [-1, 0, 1, 2], "observation.state": [-1, 0]}
 
@@ -29,12 +34,20 @@ def test_episodes_of_several_datasets_stay_apart() -> None:
             last=np.repeat(ends - 1, lengths),
             statistics={},
             features={},
+            fps=10,
         )
 
     both = together([frames(3, 4), frames(2)])
     alone = frames(3, 4, 2)
     assert np.array_equal(both.first, alone.first) and np.array_equal(both.last, alone.last)
     assert np.array_equal(both.columns["action"], [*range(7), *range(2)])
+
+    for other in (
+        replace(frames(2), fps=20),
+        replace(frames(2), columns={"action": np.zeros((2, 1))}),
+    ):
+        with pytest.raises(ComparisonError, match=r"must be alike: .*'fps': 10.* and one with"):
+            together([frames(3), frames(1), other])
 
 
 def test_every_epoch_has_each_frame_once() -> None:

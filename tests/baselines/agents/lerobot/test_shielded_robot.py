@@ -25,7 +25,7 @@ from lerobot_robot_aicon import (
     AiconSimulated,
     AiconSimulatedConfig,
 )
-from lerobot_robot_aicon.arm_options import ShieldOptions
+from lerobot_robot_aicon.arm_options import ShieldOptions, described_arm
 from lerobot_robot_aicon.joint_shield import JointShield
 from lerobot_robot_aicon.motors import Motors
 
@@ -89,6 +89,7 @@ def test_an_arm_that_is_held_goes_on_once_it_is_let_go() -> None:
     shield = JointShield(ShieldOptions(urdf="so101"))
     measured = to_action([0.0, -30.0, 30.0, 30.0, 0.0])
     wanted = to_action([40.0, -60.0, 60.0, 60.0, 30.0])
+    assert shield(measured, wanted) == {}
     for step in range(150):
         sent = shield(measured, wanted)
         if step >= 60:
@@ -139,6 +140,14 @@ def test_a_tip_of_an_arm_that_has_one_is_refused() -> None:
     config = AiconShieldConfig(inner=AiconSimulatedConfig(), urdf="so101", tip="elsewhere")
     with pytest.raises(ValueError, match="tip='elsewhere': so101 has 'gripper_frame_link'"):
         AiconShield(config)
+    with pytest.raises(ValueError, match="srdf='elsewhere': so101 has None; leave it out"):
+        described_arm(ShieldOptions(urdf="so101", srdf="elsewhere"))
+
+
+def test_a_motor_that_would_turn_two_joints_is_refused() -> None:
+    options = ShieldOptions(urdf="so101", motors={"elbow_flex": "wrist_flex"})
+    with pytest.raises(ValueError, match="a motor turns two joints.*wrist_flex.pos, wrist_flex"):
+        Motors(JOINTS, options)
 
 
 def test_a_motor_that_counts_the_other_way_round_turns_the_other_way() -> None:

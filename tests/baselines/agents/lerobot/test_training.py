@@ -2,6 +2,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 
@@ -10,10 +11,10 @@ pytest.importorskip("lerobot")
 from lerobot.policies.diffusion.modeling_diffusion import DiffusionPolicy
 from lerobot.policies.factory import make_pre_post_processors
 
-from aicon_baselines.agents.diffusion import learner
+from aicon_baselines.agents.diffusion import learner, training
 from aicon_baselines.agents.diffusion.checkpoint import load, save
 from aicon_baselines.agents.diffusion.configs import TrainingConfig
-from aicon_baselines.agents.diffusion.dataset import read_frames
+from aicon_baselines.agents.diffusion.dataset import Frames, read_frames
 from aicon_baselines.agents.diffusion.learner import make_policy_config
 from aicon_baselines.agents.diffusion.training import train
 from aicon_baselines.evaluation import ComparisonError
@@ -67,6 +68,36 @@ def test_another_training_is_not_overwritten(
         train(other, demos, policy.parent)
 
 
+def test_a_loss_that_is_no_number_leaves_what_was_saved(
+    demos: Path, small: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    train(TrainingConfig(2, **small), demos, tmp_path)
+    saved = (tmp_path / "policy/model.safetensors").read_bytes()
+
+    def read_without_actions(folder: Path, observation: str) -> Frames:
+        frames = read_frames(folder, observation)
+        frames.columns["action"][:] = np.nan
+        return frames
+
+    monkeypatch.setattr(training, "read_frames", read_without_actions)
+    with pytest.raises(ComparisonError, match=r"the loss of step 3 is nan: take a smaller"):
+        train(TrainingConfig(4, **small), demos, tmp_path, checkpoint=1)
+    assert (tmp_path / "policy/model.safetensors").read_bytes() == saved
+
+
+@pytest.mark.parametrize("content", [b"", b"nothing", {"step": 1}, {"policy": {}}, [1]])
+def test_what_no_training_goes_on_from_is_a_sentence(
+    content: Any, demos: Path, small: dict[str, Any], tmp_path: Path
+) -> None:
+    train(TrainingConfig(1, **small), demos, tmp_path)
+    file = tmp_path / "training.pt"
+    file.write_bytes(content) if isinstance(content, bytes) else torch.save(content, file)
+    with pytest.raises(
+        ComparisonError, match=r"training\.pt is not what this training goes on from"
+    ):
+        train(TrainingConfig(2, **small), demos, tmp_path)
+
+
 def test_a_training_goes_on_with_more_steps(
     demos: Path, small: dict[str, Any], tmp_path: Path
 ) -> None:
@@ -103,8 +134,8 @@ def test_pixel_policies_keep_their_options(
     demos: Path, small: dict[str, Any], tmp_path: Path
 ) -> None:
     frames = read_frames(demos, "pixels")
-    training = TrainingConfig(1, observation="pixels", **small)
-    config = make_policy_config(training, frames.features)
+    learned = TrainingConfig(1, observation="pixels", **small)
+    config = make_policy_config(learned, frames.features)
     assert config.crop_shape == (84, 84) and config.use_group_norm
 
     processors = make_pre_post_processors(config, dataset_stats=frames.statistics)

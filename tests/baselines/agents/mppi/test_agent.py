@@ -115,7 +115,8 @@ def test_what_it_cannot_do_is_an_error(told: dict[str, Any]) -> None:
         Agent(SMALL, pusht.Options(**told))
 
 
-def test_a_missing_reading_is_an_error(readings: dict[str, np.ndarray]) -> None:
-    missing = readings | {"agent_pos": np.full((3, 2), np.nan)}
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_missing_reading_is_an_error(value: float, readings: dict[str, np.ndarray]) -> None:
+    missing = readings | {"agent_pos": np.full((3, 2), value)}
     with pytest.raises(ComparisonError, match="agent_pos has missing values"):
         Agent(SMALL).predict(missing)

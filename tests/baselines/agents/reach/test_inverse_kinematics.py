@@ -1,6 +1,7 @@
 """Damped least squares, mink, pink and placo, as baselines of reaching."""
 
 import pickle
+import re
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from aicon_baselines.agents.reach import Mink
 from aicon_baselines.agents.reach.kinematics import rotation_vector, target_rotation
 from aicon_baselines.evaluation import ComparisonError
 from aicon_baselines.tasks.reach import TASK
+from aicon_torch.errors import OptionError
 
 NAMES = ["damped_least_squares", "mink", "pink", "placo"]
 HOME = np.array([0.0, -1.571, 1.571, -1.571, -1.571, 0.0])
@@ -148,3 +150,18 @@ def test_mink_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ComparisonError, match=r"pip install 'aicon-torch\[peers\]'"):
         factory("reach", "mink")
     assert {"damped_least_squares", "mink"} <= set(opponents("reach"))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"orientation": "pose"}, "orientation='pose': expected one of 'free', 'axis', 'full'"),
+        ({"speed": -1.0}, "speed=-1.0: expected a positive number"),
+        ({"gain": np.nan}, "gain=nan: expected 1 finite number"),
+        ({"damping": -0.1}, "damping=-0.1: expected a number >= 0"),
+        ({"stop_distance": np.inf}, "stop_distance=inf: expected 1 finite number"),
+    ],
+)
+def test_an_option_that_cannot_be_is_named(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(OptionError, match=re.escape(message)):
+        factory("reach", "damped_least_squares", **options)

@@ -61,11 +61,12 @@ def test_an_agent_gets_in_a_comparison_what_it_got_in_training(
         seen, _, start, _ = normalized_envs.step(expected)
 
 
+@pytest.mark.parametrize("missing", [np.nan, np.inf])
 def test_a_missing_reading_keeps_its_last_value(
-    agent_folders: Folders, readings: dict[str, np.ndarray]
+    missing: float, agent_folders: Folders, readings: dict[str, np.ndarray]
 ) -> None:
     agent = sb3.Agent(agent_folders["pusht", "ppo"], "pusht")
-    keypoints = np.where(np.arange(16) < 4, np.nan, readings["environment_state"])
+    keypoints = np.where(np.arange(16) < 4, missing, readings["environment_state"])
     incomplete = readings | {"environment_state": keypoints}
     goes_on = np.zeros(3, np.bool_)
 

@@ -1,4 +1,5 @@
 import json
+import math
 import re
 import shutil
 import sys
@@ -17,6 +18,13 @@ from aicon_baselines.evaluation import ComparisonError
 def edit(folder: Path, **values: Any) -> None:
     path = folder / "config.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | values))
+
+
+def edit_statistics(folder: Path, **values: Any) -> None:
+    path = folder / "statistics.json"
+    content = json.loads(path.read_text())
+    content["readings"]["agent_pos"] |= values
+    path.write_text(json.dumps(content))
 
 
 @pytest.mark.parametrize(
@@ -45,6 +53,18 @@ def edit(folder: Path, **values: Any) -> None:
         (
             lambda folder: (folder / "statistics.json").write_text("{}"),
             "statistics.json holds no statistics of this agent ('readings')",
+        ),
+        (
+            lambda folder: edit_statistics(folder, mean=[math.nan, 0.0]),
+            "statistics.json holds no statistics of this agent (a number that is not finite)",
+        ),
+        (
+            lambda folder: edit_statistics(folder, var=[1.0, -1.0]),
+            "statistics.json holds no statistics of this agent (variances [1.0, -1.0]",
+        ),
+        (
+            lambda folder: edit(folder, reach=-1.0),
+            "config.json: reach must be positive, or None, not -1.0",
         ),
         (
             lambda folder: edit(folder, algorithm="dqn"),

@@ -1,4 +1,5 @@
 import json
+import math
 import re
 import shutil
 from pathlib import Path
@@ -99,6 +100,9 @@ def test_sac_learns_from_what_it_saw(
         ({"task": "arm_push"}, "unknown task 'arm_push'; valid tasks: nav2d, pusht"),
         ({"algorithm": "dqn"}, "unknown algorithm 'dqn'; valid algorithms: ppo, sac"),
         ({"steps": 0}, "steps must be 1 or more, not 0"),
+        ({"discount": math.nan}, "discount must be in (0, 1], not nan"),
+        ({"reach": math.nan}, "reach must be positive, or None, not nan"),
+        ({"approach": -0.1}, "approach must be 0 or more, not -0.1"),
         ({"seed": 3}, "the seed must be 1000 or more, not 3"),
     ],
 )

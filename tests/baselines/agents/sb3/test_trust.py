@@ -140,3 +140,9 @@ def test_what_sac_remembers_comes_back(steps: int, tmp_path: Path) -> None:
         actions = other.replay_buffer.actions[:count]
         order = (np.arange(count) + steps - count) % 10
         np.testing.assert_array_equal(actions, model.replay_buffer.actions[order])
+
+    with np.load(tmp_path / "seen.npz") as saved:
+        uneven = {**saved, "rewards": saved["rewards"][:2]}
+    np.savez(tmp_path / "uneven.npz", **uneven)
+    with pytest.raises(ComparisonError, match="does not hold what this agent has seen"):
+        load_replay_buffer(tmp_path / "uneven.npz", remembering(20))
