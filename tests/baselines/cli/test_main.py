@@ -4,6 +4,8 @@ import argparse
 import os
 import subprocess
 import sys
+from pathlib import Path
+from typing import IO
 
 import pytest
 
@@ -81,6 +83,31 @@ def test_what_a_user_can_mend_is_a_sentence(
         run_command(run_with(error), [], "aicon test")
     assert ending.value.code == status
     assert sentence in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full device")
+@pytest.mark.parametrize("buffered", ["", "1"], ids=["buffered", "unbuffered"])
+def test_output_that_cannot_be_written_is_a_sentence_or_nothing(buffered: str) -> None:
+    command = [sys.executable, "-m", "aicon_baselines.cli.main", "list"]
+    environment = {**os.environ, "PYTHONUNBUFFERED": buffered}
+
+    def run_into(output: IO[str]) -> tuple[int, str]:
+        ended = subprocess.run(
+            command, stdout=output, stderr=subprocess.PIPE, text=True, env=environment, check=False
+        )
+        return ended.returncode, ended.stderr
+
+    # Nobody reads it.
+    reads, writes = os.pipe()
+    os.close(reads)
+    with os.fdopen(writes, "w") as closed:
+        assert run_into(closed) == (141, "")
+
+    # There is no room for it.
+    with Path("/dev/full").open("w") as full:
+        status, told = run_into(full)
+    assert status == 2
+    assert told.endswith("error: No space left on device\n")
 
 
 @pytest.mark.parametrize(
