@@ -13,7 +13,7 @@ import numpy as np
 
 from aicon_baselines.agents.registry import factory
 from aicon_baselines.cli.bench import record_episodes
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.tasks import load, names
 from aicon_torch import ExportedPolicy, load_exported
 from aicon_torch.export.codegen.targets import TARGETS
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--condition", metavar="NAME", help="variant of the environment")
     parser.add_argument("--iterations", type=int, help="gradients in a step (default: as shipped)")
     parser.add_argument("--target", choices=TARGETS, help="replay on another machine")
-    add_option(parser, "--steps", 200, "recorded steps")
+    add_option(parser, "--steps", 200, "recorded steps", type=at_least(1))
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
-from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, run_command
+from aicon_baselines.cli.command_line import RESUMABLE, Command, add_option, at_least, run_command
 from aicon_torch import Exploration, NullspaceProjection, Resolution
 from retarget_world import DT, MARGIN, follow, make_policy, references
 from rule_study import RULES
@@ -68,9 +68,9 @@ class Cell(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how much is tried, and where it is saved."""
     add_option(parser, "--out", Path("runs/retarget"), "folder of the results")
-    add_option(parser, "--tries", 10, "for each cell")
+    add_option(parser, "--tries", 10, "for each cell", type=at_least(1))
     add_option(parser, "--seconds", 8.0, "of a try")
-    add_option(parser, "--seed", 300_000, "of the tries")
+    add_option(parser, "--seed", 300_000, "of the tries", type=at_least(0))
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -21,7 +21,7 @@ from aicon_baselines.agents.shields import arm, nav2d, pusht
 from aicon_baselines.agents.shields.clamped import shortened
 from aicon_baselines.agents.shields.world import World, guards, seeded
 from aicon_baselines.agents.shipped import shipped_folder
-from aicon_baselines.cli.command_line import Command, add_option, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.evaluation.episodes import Step, run_episodes
 from aicon_baselines.evaluation.errors import ComparisonError
 from aicon_baselines.evaluation.intervals import wilson_interval
@@ -267,9 +267,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what", help=f"{', '.join(WORLDS)}, a world of others, MODULE:WORLD, random, time or draw"
     )
-    parser.add_argument("--episodes", type=int, default=100)
-    add_option(parser, "--seed", 300_000, "first seed")
-    add_option(parser, "--horizon", 1000, "steps")
+    add_option(parser, "--episodes", 100, "how many", type=at_least(1))
+    add_option(parser, "--seed", 300_000, "first seed", type=at_least(0))
+    add_option(parser, "--horizon", 1000, "steps", type=at_least(1))
     parser.add_argument("--proposers", nargs="*", default=[], help="who proposes (default: all)")
     parser.add_argument("--out", type=Path, default=Path("runs/shield"))
 

@@ -83,18 +83,29 @@ def add_option(
         name: Its name, such as "--seed".
         default: Its default.
         text: What it is, for its help, to which the default is added.
-        **others: Further arguments of argparse.
+        **others: Further arguments of argparse, such as `type=at_least(1)`.
     """
     several = isinstance(default, tuple)
     first = default[0] if several else default
-    parser.add_argument(
-        name,
-        type=Path if isinstance(first, Path) else type(first),
-        nargs="+" if several else None,
-        default=default,
-        help=f"{text} (default: {' '.join(map(str, default)) if several else default})",
-        **others,
-    )
+    options: dict[str, Any] = {
+        "type": Path if isinstance(first, Path) else type(first),
+        "nargs": "+" if several else None,
+        "default": default,
+        "help": f"{text} (default: {' '.join(map(str, default)) if several else default})",
+    }
+    parser.add_argument(name, **{**options, **others})
+
+
+def at_least(least: int) -> Callable[[str], int]:
+    """The type of an option that is a whole number from `least` on."""
+
+    def number(text: str) -> int:
+        value = int(text)
+        if value < least:
+            raise argparse.ArgumentTypeError(f"expected {least} or more, not {value}")
+        return value
+
+    return number
 
 
 def add_policy_option(parser: argparse._ActionsContainer) -> None:

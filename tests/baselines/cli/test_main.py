@@ -10,7 +10,7 @@ from typing import IO
 import pytest
 
 from aicon_baselines import agents, extras
-from aicon_baselines.cli.command_line import Command, run_command
+from aicon_baselines.cli.command_line import Command, add_option, at_least, run_command
 from aicon_baselines.cli.main import main
 from aicon_baselines.evaluation import ComparisonError
 from aicon_torch import OptionError
@@ -118,6 +118,18 @@ def test_output_that_cannot_be_written_is_a_sentence_or_nothing(buffered: str) -
 def test_what_is_a_bug_stays_a_traceback(error: Exception) -> None:
     with pytest.raises(type(error), match="a bug"):
         run_command(run_with(error), [])
+
+
+@pytest.mark.parametrize(("text", "told"), [("0", "1 or more, not 0"), ("few", "'few'")])
+def test_a_number_has_a_least_value(
+    text: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parser = argparse.ArgumentParser()
+    add_option(parser, "--rounds", 3, "turns", type=at_least(1))
+    assert parser.parse_args([]).rounds == 3
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--rounds", text])
+    assert told in capsys.readouterr().err
 
 
 def test_commands_use_one_thread() -> None:
