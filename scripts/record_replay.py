@@ -21,8 +21,6 @@ from aicon_torch.export.exported_memory import ExportedMemory
 from aicon_torch.export.layout import Layout
 from aicon_torch.export.library import Library
 
-CONDITIONS = {"arm_push": "true_pose"}  # elsewhere the task's first
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the task, the folder and how much to record."""
@@ -38,7 +36,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Write the policy, readings.bin, commands.bin and starts.bin."""
     task, folder = arguments.task, arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
-    condition = arguments.condition or CONDITIONS.get(task, load(task).conditions[0])
+    condition = arguments.condition or load(task).timed_condition or load(task).conditions[0]
     law = {} if arguments.iterations is None else {"law.iterations": arguments.iterations}
     policy: Any = factory(task, "aicon", **law)(condition)
     policy.export(folder / "policy.so", task=task, condition=condition)
